@@ -18,7 +18,7 @@ NOWHERE = ("--out", "udpout://127.0.0.1:9")
 #: Arguments that end an example that would run without end.
 BRIEFLY = {"sim": ("--for", "1", "--speed", "max", *NOWHERE), "demo": ("--for", "2", "--once")}
 #: These are run by tests of their own, against a simulated vehicle.
-WITH_VEHICLE = ("vehicle", "param", "mission", "ftp", "log", "shell")
+WITH_VEHICLE = ("vehicle", "rate", "param", "mission", "ftp", "log", "shell")
 
 
 def examples_of(name: str) -> list[list[str]]:
@@ -46,7 +46,15 @@ def words_of(example: list[str]) -> list[str]:
     return [*words, *BRIEFLY.get(words[0], ())]
 
 
-EXAMPLES = [example for name in COMMANDS if name not in WITH_VEHICLE for example in examples_of(name)]
+#: An option of the live display; its tests render the display.
+NEEDS_TERMINAL = "--trend"
+EXAMPLES = [
+    example
+    for name in COMMANDS
+    if name not in WITH_VEHICLE
+    for example in examples_of(name)
+    if NEEDS_TERMINAL not in example
+]
 
 
 @pytest.mark.fast_cases(11)

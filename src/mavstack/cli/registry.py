@@ -49,6 +49,7 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
             _entry("demo", "a simulated fleet with a live display, without hardware"),
             _entry("watch", "messages of a link or a file: rates, values, link quality"),
             _entry("vehicle", "act on a vehicle: arm, takeoff, goto, mode, info and others"),
+            _entry("rate", "how often a vehicle sends a message: show it, set it"),
             _entry("param", "parameters of a vehicle: list, get, set, save, load, diff"),
             _entry("mission", "missions, fences, rally points: upload, download, show, start"),
             _entry("ftp", "files on a vehicle: ls, get, put, rm, mkdir, rename, crc"),

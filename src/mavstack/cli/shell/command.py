@@ -16,6 +16,7 @@ from mavstack.cli.common.stdin_lines import stdin_lines
 from mavstack.cli.shell.control import script_lines
 from mavstack.cli.shell.interactive import line_reader, run_interactive
 from mavstack.cli.shell.notifications import Notifications
+from mavstack.cli.shell.plugins import with_plugins
 from mavstack.cli.shell.registry import COMMANDS
 from mavstack.cli.shell.runner import report_failure, run_lines
 from mavstack.cli.shell.session import Session
@@ -39,6 +40,8 @@ examples:
 
 In the shell, `help` lists the commands and `help takeoff` shows the help of one; Tab completes. The commands
 of MAVProxy work: arm throttle, mode guided, takeoff 20, wp load, param set, fence list, rc 3 1500.
+
+Other packages add commands: entry points of the group mavstack.console_commands.
 
 A script has one command per line, or several separated by `;`; # begins a comment. A failure ends the script.
 """
@@ -77,12 +80,13 @@ async def _connect_and_run(arguments: Namespace) -> int:
 async def run_shell(connection: Connection, arguments: Namespace) -> int:
     """Run the shell, a script or a line on an open connection; return the exit code."""
     lines = _lines(arguments)
-    async with Session(connection, COMMANDS) as session, Notifications(session):
+    commands = with_plugins(COMMANDS, report_failure)
+    async with Session(connection, commands) as session, Notifications(session):
         for url in arguments.out:
             await session.forwarding.add(url)
         if lines is None:
             reader = line_reader(session)
-            session.ask = reader.ask
+            session.ask, session.reader = reader.ask, reader
             await _look_for_vehicle(session, arguments)
             await run_interactive(session, reader)
             return 0

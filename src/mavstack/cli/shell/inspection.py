@@ -15,6 +15,7 @@ from mavstack.cli.common.text import size_text
 from mavstack.cli.shell import completion
 from mavstack.cli.shell.console_command import expect_words, parse_integer, parse_number
 from mavstack.cli.shell.session import Command
+from mavstack.cli.shell.subcommands import run_subcommand
 from mavstack.cli.vehicle.info import gather_facts, page
 from mavstack.dialects import Dialect
 from mavstack.errors import MavstackError
@@ -103,6 +104,11 @@ async def version(session: Session, words: list[str]) -> None:
         ("id", told.unique_id),
     ]
     session.print(*align_columns([row for row in rows if row[1]]))
+
+
+async def rate(session: Session, words: list[str]) -> None:
+    """Run `rate ATTITUDE` or `rate ATTITUDE 20`: like `mav rate`."""
+    await run_subcommand(session, "rate", words)
 
 
 async def link(session: Session, words: list[str]) -> None:
@@ -212,6 +218,11 @@ COMMANDS: Final = (
     Command(
         "ready", "[SECONDS]", "wait until the vehicle is ready to arm (default: 60 s)", ready,
         examples=("ready 90",),
+    ),
+    Command(
+        "rate", "MESSAGE [HZ|off|default]", "show or set how often a message is sent", rate,
+        examples=("rate ATTITUDE", "rate ATTITUDE 20", "rate VIBRATION off"),
+        complete=completion.by_position(completion.messages, completion.choice("off", "default")),
     ),
     Command("version", "", "show firmware and board of the vehicle", version, examples=("version",)),
     Command("link", "", "show the traffic of each link", link, examples=("link",), needs_vehicle=False),

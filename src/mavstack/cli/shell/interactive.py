@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import signal
-from contextlib import suppress
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
+from mavstack.cli.shell.interrupt import on_interrupt
 from mavstack.cli.shell.notifications import print_notification
 from mavstack.cli.shell.runner import report_failure, run_line
 from mavstack.errors import MavstackError
@@ -15,24 +14,11 @@ from mavstack.errors import MavstackError
 _logger = logging.getLogger(__name__)
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine
-    from contextlib import AbstractContextManager
+    from collections.abc import Coroutine
     from typing import Any
 
+    from mavstack.cli.shell.reader import LineReader
     from mavstack.cli.shell.session import Session
-
-
-class LineReader(Protocol):
-    """Reads lines from the user."""
-
-    async def read(self) -> str:
-        """Read the next line; raise EOFError at the end, KeyboardInterrupt for Ctrl-C."""
-
-    async def ask(self, question: str) -> str:
-        """Ask a question and return the answer."""
-
-    def busy(self) -> AbstractContextManager[None]:
-        """Return a context manager for the time in which a command runs."""
 
 
 def line_reader(session: Session) -> LineReader:
@@ -78,40 +64,14 @@ async def run_and_report(session: Session, text: str) -> None:
 async def run_cancellable(work: Coroutine[Any, Any, None]) -> bool:
     """Run a coroutine and cancel it at Ctrl-C; return whether it completed."""
     task = asyncio.get_running_loop().create_task(work)
-    release = _on_interrupt(task.cancel)
-    try:
-        await asyncio.wait([task])
-    except asyncio.CancelledError:
-        task.cancel()
-        await asyncio.gather(task, return_exceptions=True)
-        raise
-    finally:
-        release()
+    with on_interrupt(task.cancel):
+        try:
+            await asyncio.wait([task])
+        except asyncio.CancelledError:
+            task.cancel()
+            await asyncio.gather(task, return_exceptions=True)
+            raise
     if task.cancelled():
         return False
     task.result()
     return True
-
-
-def _on_interrupt(act: Callable[[], object]) -> Callable[[], None]:
-    """Call `act` at Ctrl-C until the returned function is called."""
-    loop = asyncio.get_running_loop()
-    previous = signal.getsignal(signal.SIGINT)
-
-    def act_soon(*_: object) -> None:
-        loop.call_soon_threadsafe(act)
-
-    try:
-        loop.add_signal_handler(signal.SIGINT, act)
-    except (NotImplementedError, RuntimeError, ValueError):  # Windows
-        try:
-            signal.signal(signal.SIGINT, act_soon)
-        except ValueError:  # only the main thread receives signals
-            return lambda: None
-
-    def release() -> None:
-        with suppress(NotImplementedError):
-            loop.remove_signal_handler(signal.SIGINT)
-        signal.signal(signal.SIGINT, previous)
-
-    return release

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from mavstack.cli.shell.prompt_parts import prompt_parts
 
 if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
     from contextlib import AbstractContextManager
 
     from mavstack.cli.shell.session import Session
@@ -26,6 +27,10 @@ class PlainReader:
     async def read(self) -> str:
         """Read the next line; raise EOFError at the end of the input."""
         return await self.ask("".join(text for _, text in prompt_parts(self._session)))
+
+    def nested(self, history: str, prompt: Callable[[], str]) -> Callable[[], Awaitable[str]]:
+        """Return a function that reads a line of a session within a command; the history is shared."""
+        return lambda: self.ask(prompt())
 
     def busy(self) -> AbstractContextManager[None]:
         """Return a context manager that leaves the terminal as it is."""

@@ -21,7 +21,7 @@ from mavstack.cli.shell.state import history_file
 from mavstack.cli.shell.terminal import echo_disabled
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncGenerator, Iterable
+    from collections.abc import AsyncGenerator, Awaitable, Callable, Iterable
     from contextlib import AbstractContextManager
 
     from prompt_toolkit.completion import CompleteEvent
@@ -49,10 +49,8 @@ class PromptReader:
 
     def __init__(self, session: Session) -> None:
         self._session = session
-        path = history_file()
-        history: History = InMemoryHistory() if path is None else FileHistory(str(path))
         self._prompt: PromptSession[str] = PromptSession(
-            history=history,
+            history=_history("shell"),
             completer=_Completer(session),
             complete_while_typing=False,
             complete_style=CompleteStyle.MULTI_COLUMN,
@@ -71,12 +69,31 @@ class PromptReader:
         prompt: PromptSession[str] = PromptSession()
         return await prompt.prompt_async(question)
 
+    def nested(self, history: str, prompt: Callable[[], str]) -> Callable[[], Awaitable[str]]:
+        """Return a function that reads a line of a session within a command, with a history of its own."""
+        lines: PromptSession[str] = PromptSession(
+            history=_history(history),
+            auto_suggest=AutoSuggestFromHistory(),
+            refresh_interval=_REFRESH_INTERVAL,
+        )
+
+        async def read() -> str:
+            with patch_stdout(raw=True):
+                return await lines.prompt_async(prompt)
+
+        return read
+
     def busy(self) -> AbstractContextManager[None]:
         """Return a context manager that keeps typed letters out of the output of a command."""
         return echo_disabled()
 
     def _message(self) -> AnyFormattedText:
         return [(f"class:{name}", text) for name, text in prompt_parts(self._session)]
+
+
+def _history(name: str) -> History:
+    path = history_file(name)
+    return InMemoryHistory() if path is None else FileHistory(str(path))
 
 
 class _Completer(Completer):

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import asyncio
-import re
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.text import printable
 from mavstack.cli.shell import completion
 from mavstack.cli.shell.console_command import expect_words, parse_integer, parse_number
+from mavstack.cli.shell.nsh import ESCAPES, FIRST_ANSWER_TIMEOUT, NO_ANSWER, PROMPT, run_session
 from mavstack.cli.shell.session import Command
 from mavstack.dialects import ardupilotmega, common
 from mavstack.services.frames import GLOBAL_FRAMES
@@ -28,12 +28,8 @@ _MAX_PULSE: Final = 3000
 #: Scale of integer positions on the wire: per degree, and per metre.
 _PER_DEGREE: Final = 1e7
 _PER_METRE: Final = 1e4
-#: The prompt of PX4's shell.
-_PROMPT: Final = "nsh> "
-#: Seconds to wait for the first characters of an answer, and for more after the last.
-FIRST_ANSWER_TIMEOUT: Final = 6.0
+#: Seconds to wait for more characters of an answer after the last.
 QUIET_TIMEOUT: Final = 4.0
-_ESCAPES: Final = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
 
 
 def enum_value(enum: type[IntEnum], prefix: str, word: str, maximum: int) -> int:
@@ -88,13 +84,17 @@ async def rc(session: Session, words: list[str]) -> None:
 
 
 async def nsh(session: Session, words: list[str]) -> None:
-    """Run `nsh ver all`: a line in PX4's shell."""
-    expect_words(words, 1, None, "nsh COMMAND…")
+    """Run `nsh ver all`: a line in PX4's shell; without words, a session in it."""
+    if not words and session.reader is not None:
+        async with session.vehicle.shell() as shell:
+            await run_session(session, shell)
+        return
+    expect_words(words, 1, None, "nsh COMMAND… (on a terminal also: nsh)")
     line = " ".join(words)
     async with session.vehicle.shell() as shell:
         shell.write_line(line)
         if not await _show_answer(session, shell, line):
-            raise CommandError("no shell answered; only PX4 has one")
+            raise CommandError(NO_ANSWER)
 
 
 async def _show_answer(session: Session, shell: Shell, line: str) -> bool:
@@ -109,20 +109,20 @@ async def _show_answer(session: Session, shell: Shell, line: str) -> bool:
         *complete, rest = _answer_lines(received, line)
         session.print(*complete[printed:])
         printed = max(printed, len(complete))
-        if rest == _PROMPT.strip() and received.count(_PROMPT) > 1:
+        if rest == PROMPT.strip() and received.count(PROMPT) > 1:
             return True
     last = _answer_lines(received, line)[-1]
-    if last and last != _PROMPT.strip():
+    if last and last != PROMPT.strip():
         session.print(last)
     return bool(received)
 
 
 def _answer_lines(received: str, line: str) -> list[str]:
     """Return the lines of an answer without the echo of the command; the last line may be incomplete."""
-    text = _ESCAPES.sub("", received).replace("\r", "")
+    text = ESCAPES.sub("", received).replace("\r", "")
     *complete, last = [printable(each.expandtabs(8)).rstrip() for each in text.split("\n")]
-    answer = [each.removeprefix(_PROMPT).strip() if each.startswith(_PROMPT) else each for each in complete]
-    echoes = {line.strip(), _PROMPT.strip()}
+    answer = [each.removeprefix(PROMPT).strip() if each.startswith(PROMPT) else each for each in complete]
+    echoes = {line.strip(), PROMPT.strip()}
     while answer and (not answer[0] or answer[0].strip() in echoes):
         del answer[0]
     return [*answer, last]
@@ -160,7 +160,9 @@ COMMANDS: Final = (
         complete=completion.by_position(completion.choice("all", "clear", "status")),
     ),
     Command(
-        "nsh", "COMMAND…", "run a line in the shell of PX4", nsh, examples=("nsh ver all",),
-        details="Ctrl-C cancels it. Quote characters that this shell interprets: nsh 'ls; free'.",
+        "nsh", "[COMMAND…]", "a session in the shell of PX4, or one line of it", nsh,
+        examples=("nsh ver all",),
+        details="Without COMMAND the session has a history of its own; Ctrl-C interrupts the command on the "
+        "vehicle, Ctrl-D leaves. Quote characters that this shell interprets: nsh 'ls; free'.",
     ),
 )  # fmt: skip

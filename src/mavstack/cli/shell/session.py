@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
+    from mavstack.cli.shell.reader import LineReader
     from mavstack.vehicle import Connection, Vehicle
 
     Run: TypeAlias = Callable[["Session", list[str]], Awaitable[None]]
@@ -61,6 +62,8 @@ class Session:
         self.connection = connection
         #: Asks the user a question; None if the shell is not interactive.
         self.ask: Callable[[str], Awaitable[str]] | None = None
+        #: The input line of the user; None if the shell is not interactive.
+        self.reader: LineReader | None = None
         #: Waits for the vehicle of a script before the first command that needs one; None: it is there.
         self.wait_for_vehicle: Callable[[], Awaitable[None]] | None = None
         #: Commands by each of their names.

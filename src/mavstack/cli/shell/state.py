@@ -5,9 +5,6 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
-from typing import Final
-
-_HISTORY: Final = "shell_history"
 
 
 def state_directory() -> Path:
@@ -20,10 +17,10 @@ def state_directory() -> Path:
     return Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state") / "mavstack"
 
 
-def history_file() -> Path | None:
-    """Return the history file, readable only for the user; None if it cannot be made."""
+def history_file(name: str = "shell") -> Path | None:
+    """Return the file of a history, readable only for the user; None if it cannot be made."""
     try:
-        path = state_directory() / _HISTORY
+        path = state_directory() / f"{name}_history"
         path.parent.mkdir(parents=True, exist_ok=True)
         path.touch(mode=0o600)
     except (OSError, RuntimeError):  # RuntimeError: there is no home directory

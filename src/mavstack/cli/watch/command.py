@@ -34,9 +34,9 @@ EXAMPLES: Final = """\
 examples:
   mav watch udpin://0.0.0.0:14550              # live display of UDP port 14550
   mav watch /dev/ttyACM0,57600 --sort rate     # of a serial port, the highest rate first
-  mav watch /dev/ttyUSB0,57600 udpin://0.0.0.0:14550    # two links, compared in one display
-  mav watch udpin://0.0.0.0:14550 --trend ATTITUDE.roll,VFR_HUD.alt     # with the course of these fields
-  mav watch udpin://0.0.0.0:14550 --record flight.tlog  # and record all packets
+  mav watch /dev/ttyACM0,57600 udpin://0.0.0.0:14550       # two links, compared in one display
+  mav watch udpin://0.0.0.0:14550 --trend ATTITUDE.roll    # with the course of a field
+  mav watch udpin://0.0.0.0:14550 --record new.tlog        # and record all packets
   mav watch udpin://0.0.0.0:14550 --json       # one JSON object per packet, until Ctrl-C
   mav watch tcp:127.0.0.1:5760 --once          # a summary of 3 s
   mav watch flight.tlog                        # a summary of a recording

@@ -79,13 +79,17 @@ class Trends:
                     self._sample_stream((label, system, component), stream, observer.dialect)
 
     def rows(self) -> list[TrendRow]:
-        """Return the fields by message, source and their order in the message."""
+        """Return the fields by message, their order in it, and source."""
         return [
             TrendRow(f"{label} {system}/{component}".strip(), f"{name}.{field}", tuple(samples), text)
             for (label, system, component, name, field), (samples, text) in sorted(
-                self._samples.items(), key=lambda item: (item[0][3], item[0][:3])
+                self._samples.items(), key=lambda item: self._order(item[0])
             )
         ]
+
+    def _order(self, key: Key) -> tuple[str, int, tuple[str, int, int]]:
+        label, system, component, name, field = key
+        return name, self._fields[name].index(field), (label, system, component)
 
     def _sample_stream(self, source: tuple[str, int, int], stream: Stream, dialect: Dialect) -> None:
         message, name = stream.packet.message, stream.packet.name
