@@ -2998,14 +2998,16 @@ class Vehicle:
         """Wait until the vehicle will accept arming.
 
         A disarmed PX4 vehicle without radio control leaves a mode that needs sticks for its hold mode.
+        A vehicle that does not report its checks, such as ArduPilot before 4.1, is ready when it has a
+        position and has reported no problem for some seconds.
 
         Args:
             mode: The name of the mode to be flown, such as "ALT_HOLD"; None: one that needs a position, as
-                takeoff and all other actions do.
+                takeoff and all other actions do; a submarine needs one only for a mode that is named here.
             timeout: Seconds to wait; None waits for ever.
 
         Returns:
-            The health of the ready vehicle.
+            The health of the ready vehicle; its `ready` is None if the vehicle does not report its checks.
 
         Raises:
             HealthTimeout: The vehicle was not ready in time; the text holds its problems.
