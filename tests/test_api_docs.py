@@ -22,11 +22,15 @@ from mavstack.node.plans import Plans
 from mavstack.node.shell import Shell
 from mavstack.services import DEFAULT_WAIT_TIMEOUT
 from mavstack.vehicle import (
+    Actuators,
+    Calibration,
+    CalibrationSession,
     Connection,
     Group,
     GuidedSession,
     MessageStream,
     Mission,
+    RegionOfInterest,
     ValueStream,
     Vehicle,
     VehiclePlan,
@@ -46,6 +50,10 @@ PARTS = (
     Mission,
     VehiclePlan,
     GuidedSession,
+    Actuators,
+    Calibration,
+    CalibrationSession,
+    RegionOfInterest,
 )
 CLASSES = (Node, Connection, RemoteComponent, Vehicle, Group, MessageStream, ValueStream, *PARTS)
 #: Coroutines that raise no error of Mavstack.

@@ -1,6 +1,19 @@
 """The application API: `connect`, the vehicles that it finds, groups of them, and their events."""
 
 from mavstack.services.heartbeat import OwnAddressConflict
+from mavstack.vehicle.actuators import Actuators
+from mavstack.vehicle.calibration import (
+    Calibration,
+    CalibrationKind,
+    CalibrationResult,
+    CalibrationSession,
+    CalibrationStep,
+    CalibrationTask,
+    ChannelRange,
+    CompassFit,
+    Pose,
+)
+from mavstack.vehicle.capabilities import Capabilities
 from mavstack.vehicle.connection import Connection, NodeOptions, connect
 from mavstack.vehicle.events import (
     GroundStationFound,
@@ -22,11 +35,22 @@ from mavstack.vehicle.group import Group, Results
 from mavstack.vehicle.guided_session import GuidedSession
 from mavstack.vehicle.health import Health, Problem
 from mavstack.vehicle.mission import Mission, VehiclePlan
+from mavstack.vehicle.roi import RegionOfInterest
 from mavstack.vehicle.telemetry import MessageStream, ValueStream
 from mavstack.vehicle.vehicle import Vehicle
 from mavstack.vehicle.vehicle_type import VehicleType
 
 __all__ = [
+    "Actuators",
+    "Calibration",
+    "CalibrationKind",
+    "CalibrationResult",
+    "CalibrationSession",
+    "CalibrationStep",
+    "CalibrationTask",
+    "Capabilities",
+    "ChannelRange",
+    "CompassFit",
     "Connection",
     "GroundStationFound",
     "GroundStationLost",
@@ -41,7 +65,9 @@ __all__ = [
     "PayloadFound",
     "PayloadLost",
     "PayloadReturned",
+    "Pose",
     "Problem",
+    "RegionOfInterest",
     "Results",
     "SecondAutopilotFound",
     "SystemIdConflict",

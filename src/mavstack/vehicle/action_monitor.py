@@ -25,7 +25,7 @@ from mavstack.services.arguments import check_timeout
 from mavstack.vehicle.status_text_capture import StatusTextCapture
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Container
+    from collections.abc import Callable, Container, Mapping
     from types import TracebackType
     from typing import Self
 
@@ -62,6 +62,8 @@ class ActionGoal:
         modes: The modes in which the action goes on, in lower case; None: any mode.
         armed: The armed state in which the action goes on; None: either.
         stall_timeout: The time without progress after which the action fails, in seconds.
+        signs: Returns a value that changes with every other sign of progress.
+        may_be_silent: True if the vehicle may be silent meanwhile, such as during a power cycle.
     """
 
     reached: Callable[[], bool]
@@ -70,19 +72,30 @@ class ActionGoal:
     modes: Container[str] | None = None
     armed: bool | None = None
     stall_timeout: float = STALL_TIMEOUT
+    signs: Callable[[], object] = field(default=lambda: None)
+    may_be_silent: bool = False
 
 
 class ActionMonitor:
     """Monitors one action. Enter it before the action is requested, so that no report is missed.
 
-    `timeout` covers the whole block, in seconds; None sets no overall limit.
+    `timeout` covers the whole block, in seconds; None sets no overall limit. `rates` are the messages to
+    request, in hertz.
     """
 
-    def __init__(self, vehicle: VehicleState, operation: str, timeout: float | None = None) -> None:
+    def __init__(
+        self,
+        vehicle: VehicleState,
+        operation: str,
+        timeout: float | None = None,
+        *,
+        rates: Mapping[type[Message], float] = MONITORED_RATES,
+    ) -> None:
         check_timeout(timeout)
         self._vehicle = vehicle
         self._operation = operation
         self._timeout = timeout
+        self._rates = rates
         self._timer = asyncio.timeout(timeout)
         self._connection = vehicle.connection
         self._texts = StatusTextCapture(vehicle)
@@ -105,12 +118,14 @@ class ActionMonitor:
         self._goal = goal
         self._check_connection()
         started = progressed = self._connection.now()
-        nearest = inf
+        nearest, signs = inf, goal.signs()
         while not goal.reached():
             now = self._connection.now()
             remaining = goal.remaining()
             if remaining is not None and remaining < nearest - MIN_PROGRESS:
                 nearest, progressed = remaining, now
+            if (latest := goal.signs()) != signs:
+                signs, progressed = latest, now
             self._check_vehicle(goal, started, now)
             if now >= progressed + goal.stall_timeout:
                 raise self._timed_out(f"no progress for {goal.stall_timeout:g} s")
@@ -119,18 +134,18 @@ class ActionMonitor:
 
     def _check_connection(self) -> None:
         if not self._connection.is_open:
-            raise self._error(RemoteCancelled, "the connection was closed")
+            raise self.error(RemoteCancelled, "the connection was closed")
 
     def _check_vehicle(self, goal: ActionGoal, started: float, now: float) -> None:
-        if not self._vehicle.alive:
-            raise self._error(ContactLost, "it fell silent")
+        if not self._vehicle.alive and not goal.may_be_silent:
+            raise self.error(ContactLost, "it fell silent")
         interruption = self._interruption(goal) if now >= started + SETTLING_TIME else None
         if interruption is None:
             self._interrupted_at = None
         elif self._interrupted_at is None:
             self._interrupted_at = now
         elif now >= self._interrupted_at + INTERRUPTION_DELAY:
-            raise self._error(ActionInterrupted, interruption)
+            raise self.error(ActionInterrupted, interruption)
 
     def _interruption(self, goal: ActionGoal) -> str | None:
         """Return how the vehicle left the action; None if it did not."""
@@ -152,9 +167,10 @@ class ActionMonitor:
         goal = self._goal
         remaining = None if goal is None else goal.remaining()
         to_go = "" if goal is None or remaining is None else f", {remaining:.0f} {goal.unit} to go"
-        return self._error(ActionTimeout, reason + to_go)
+        return self.error(ActionTimeout, reason + to_go)
 
-    def _error(self, kind: type[RemoteError], answer: str) -> RemoteError:
+    def error(self, kind: type[RemoteError], answer: str) -> RemoteError:
+        """Return an error of the action with the vehicle's warnings."""
         error = kind(self._operation, str(self._vehicle.address), answer=answer)
         error.status_texts = self._texts.warnings
         return error
@@ -174,7 +190,7 @@ class ActionMonitor:
         await self._timer.__aenter__()
         logger.debug("%s %s started", self._operation, self._vehicle.address)
         try:
-            for message, rate in MONITORED_RATES.items():
+            for message, rate in self._rates.items():
                 await self._vehicle.telemetry.ensure(message, rate)
         except BaseException as error:
             await self.__aexit__(type(error), error, error.__traceback__)

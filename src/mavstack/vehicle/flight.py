@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from mavstack.dialects import common
 from mavstack.services.arguments import check_numbers
-from mavstack.vehicle.actions import flying
+from mavstack.vehicle.actions import arming, flying
+from mavstack.vehicle.actions.transition import transition
 from mavstack.vehicle.geography import Location
 from mavstack.vehicle.status_text_capture import with_status_texts
 from mavstack.vehicle.vehicle_state import VehicleState
@@ -269,3 +270,57 @@ class FlightActions(VehicleState):
             RemoteCancelled: The connection was closed.
         """
         await flying.turn(self, heading, wait=wait, timeout=timeout)
+
+    async def transition_to_fixed_wing(self, *, wait: bool = True, timeout: float | None = None) -> None:
+        """Change a VTOL that hovers to flight on its wing (MAV_CMD_DO_VTOL_TRANSITION).
+
+        Args:
+            wait: Wait until the vehicle flies on its wing.
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            CommandDenied: The vehicle refused, such as on the ground or in a mode without forward flight.
+            CommandTimeout: The vehicle did not answer.
+            ActionUnsupported: The vehicle is no VTOL; nothing was sent.
+            ActionTimeout: It was not complete within `timeout`, or within a minute.
+            ActionInterrupted: The vehicle was disarmed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+        await transition(self, common.MavVtolState.FW, wait=wait, timeout=timeout)
+
+    async def transition_to_multicopter(self, *, wait: bool = True, timeout: float | None = None) -> None:
+        """Change a VTOL that flies on its wing to hovering (MAV_CMD_DO_VTOL_TRANSITION).
+
+        Args:
+            wait: Wait until the vehicle hovers.
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            CommandDenied: The vehicle refused, such as on the ground.
+            CommandTimeout: The vehicle did not answer.
+            ActionUnsupported: The vehicle is no VTOL; nothing was sent.
+            ActionTimeout: It was not complete within `timeout`, or within a minute.
+            ActionInterrupted: The vehicle was disarmed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+        await transition(self, common.MavVtolState.MC, wait=wait, timeout=timeout)
+
+    async def terminate(self, *, timeout: float | None = None) -> None:
+        """Terminate the flight: stop the motors for good, wherever the vehicle is. It crashes.
+
+        Only a reboot ends the termination. ArduPilot may need AFS_ENABLE for it
+        (MAV_CMD_DO_FLIGHTTERMINATION).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+
+        Raises:
+            CommandDenied: The vehicle refused, such as PX4 while it is disarmed.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The vehicle accepted, and its heartbeat did not confirm it in time.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+        await arming.terminate(self, timeout=timeout)

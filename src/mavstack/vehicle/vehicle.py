@@ -13,17 +13,28 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from mavstack.errors import InvalidArgumentError
 from mavstack.services import DEFAULT_WAIT_TIMEOUT
+from mavstack.services.arguments import check_number
 from mavstack.services.mission import PlanType
 from mavstack.vehicle.actions import arming, home, readiness
+from mavstack.vehicle.actuators import Actuators
+from mavstack.vehicle.calibration import Calibration
+from mavstack.vehicle.capabilities import Capabilities, capabilities_of
+from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import Firmware, firmware_of
 from mavstack.vehicle.flight import FlightActions
 from mavstack.vehicle.guided_session import STANDING_STILL, GuidedSession
 from mavstack.vehicle.mission import Mission, VehiclePlan
+from mavstack.vehicle.roi import RegionOfInterest
 from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from mavstack.services.command import CommandResult
     from mavstack.services.setpoints import Setpoint
+    from mavstack.services.version import AutopilotVersion
     from mavstack.vehicle.health import Health
 
 
@@ -34,6 +45,11 @@ class Vehicle(FlightActions):
     def firmware(self) -> Firmware:
         """The firmware's way to take commands, by the MAV_AUTOPILOT of the heartbeat."""
         return firmware_of(self)
+
+    @property
+    def capabilities(self) -> Capabilities:
+        """The capabilities as far as they are known now; `get_version` requests AUTOPILOT_VERSION."""
+        return capabilities_of(self)
 
     async def wait_until_ready(
         self, *, mode: str | None = None, timeout: float | None = DEFAULT_WAIT_TIMEOUT
@@ -106,6 +122,74 @@ class Vehicle(FlightActions):
         """
         await with_status_texts(self, self.component.modes.set(mode, timeout=timeout))
 
+    # Any command, and the firmware's version
+
+    async def command(
+        self,
+        command: int,
+        *params: float,
+        frame: int | None = None,
+        timeout: float | None = None,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> CommandResult:
+        """Send any MAV_CMD to the autopilot, and wait for its end; errors carry the vehicle's status texts.
+
+        Args:
+            command: The MAV_CMD.
+            params: Up to seven parameters, in the units of the command's definition; missing ones are 0.
+            frame: A MAV_FRAME: send COMMAND_INT, with params 5 and 6 in degrees or metres. None:
+                COMMAND_LONG.
+            timeout: Seconds for the whole call; None: until retries are exhausted or no more IN_PROGRESS is
+                received.
+            progress: Called with the percentage done and 100 while a long command runs.
+
+        Returns:
+            The result and its additional data (COMMAND_ACK).
+
+        Raises:
+            CommandDenied: The vehicle answered with another result than ACCEPTED.
+            CommandTimeout: The vehicle did not answer.
+            RemoteCancelled: The connection was closed.
+        """
+        request = self.component.command(command, *params, frame=frame, timeout=timeout, progress=progress)
+        return await with_status_texts(self, request)
+
+    async def get_version(self, *, timeout: float | None = None) -> AutopilotVersion:
+        """Get the software and hardware versions and the capabilities (AUTOPILOT_VERSION).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The versions, the unique id and the MAV_PROTOCOL_CAPABILITY flags; `version` keeps them.
+
+        Raises:
+            CommandDenied: The vehicle refused the request.
+            MessageTimeout: The vehicle did not answer.
+        """
+        return await with_status_texts(self, self.component.get_version(timeout=timeout))
+
+    async def set_ekf_source(self, number: int, *, timeout: float | None = None) -> None:
+        """Select a set of sources of the state estimator (MAV_CMD_SET_EKF_SOURCE_SET).
+
+        Args:
+            number: The number of the set, 1 to 3: parameters EK3_SRC1_… to EK3_SRC3_….
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidTypeError: The number is not a number.
+            InvalidArgumentError: The number is not 1, 2 or 3.
+            ActionUnsupported: The firmware has no source sets (PX4); nothing was sent.
+            CommandDenied: The vehicle refused.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+        check_number("source set", number)
+        if number not in (1, 2, 3):
+            raise InvalidArgumentError(f"source set must be 1, 2 or 3, got {number}")
+        async with deadline(timeout, "selecting the estimator's sources of", self.address):
+            await with_status_texts(self, self.firmware.set_ekf_source(number))
+
     # Setpoints
 
     def guided(
@@ -166,6 +250,23 @@ class Vehicle(FlightActions):
             RemoteCancelled: The connection was closed.
         """
         await arming.reboot(self, wait=wait, timeout=timeout)
+
+    # Outputs, payload and calibrations
+
+    @cached_property
+    def actuators(self) -> Actuators:
+        """The outputs: servos, relays, actuators, motor tests, gripper and winch."""
+        return Actuators(self)
+
+    @cached_property
+    def calibration(self) -> Calibration:
+        """The calibrations of the sensors, the radio control and the motors."""
+        return Calibration(self)
+
+    @cached_property
+    def roi(self) -> RegionOfInterest:
+        """The region of interest: the point that the gimbal or the nose keeps pointing at."""
+        return RegionOfInterest(self)
 
     # Services
 

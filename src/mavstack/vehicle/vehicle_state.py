@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, MessageTimeout
 from mavstack.node.read_only import ReadOnly
+from mavstack.services.version import AutopilotVersion
 from mavstack.vehicle.health import Health, health_of
 from mavstack.vehicle.payloads import VehiclePayloads
 from mavstack.vehicle.status_text_capture import with_status_texts
@@ -109,6 +110,28 @@ class VehicleState(VehiclePayloads, TelemetryStreams, ReadOnly):
         if position is not None and position.heading is not None:
             return position.heading
         return None if attitude is None else attitude.heading
+
+    @property
+    def ground_speed(self) -> float | None:
+        """The horizontal speed over ground, in m/s (LOCAL_POSITION_NED, GLOBAL_POSITION_INT or VFR_HUD)."""
+        velocity, hud = self.velocity, self.vfr_hud
+        if velocity is not None:
+            return velocity.ground_speed
+        return None if hud is None else hud.ground_speed
+
+    @property
+    def climb_rate(self) -> float | None:
+        """The vertical speed, in m/s, positive up (LOCAL_POSITION_NED, GLOBAL_POSITION_INT or VFR_HUD)."""
+        velocity, hud = self.velocity, self.vfr_hud
+        if velocity is not None:
+            return -velocity.down
+        return None if hud is None else hud.climb
+
+    @property
+    def version(self) -> AutopilotVersion | None:
+        """The software and hardware versions; None before `get_version` (AUTOPILOT_VERSION)."""
+        message = self.latest(common.AutopilotVersion)
+        return None if message is None else AutopilotVersion.read(message)
 
     # Services
 

@@ -12,6 +12,10 @@ from tests.cli.harness import COPTER, PX4_COPTER
 from tests.vehicle.world import named
 
 BOTH = [COPTER, PX4_COPTER]
+#: Actions of PX4, of VTOLs, of equipment that has to be set up, and of vehicles on the ground.
+NOT_OF_A_COPTER = {"actuator", "transition", "gripper", "winch", "motor-test", "calibrate"}
+#: Actions that ask before they begin.
+CONFIRMED = {"terminate"}
 
 
 @pytest.mark.fast_cases(1)
@@ -64,7 +68,11 @@ def test_info(simulate, mav, kind):
     assert facts["health"]["ready"] is True
     assert "MAVLINK2" in facts["capabilities"]
     assert facts["position"]["latitude"] == pytest.approx(47.3977, abs=0.001)
+    assert facts["features"]["shell"] is (kind == PX4_COPTER)
+    assert "compass" in facts["features"]["calibrations"]
     page = mav("vehicle", "info").out
+    assert "\n  supports   parameters, " in page
+    assert "\n  calibrates accelerometer, " in page or "\n  calibrates gyroscope, " in page
     assert page.startswith(f"vehicle 1: quadrotor, {facts['firmware']} {facts['version']}")
 
 
@@ -198,6 +206,9 @@ def test_examples_of_the_help_run(simulate, mav):
     simulate(COPTER, COPTER, COPTER, COPTER, COPTER)
     for line in EXAMPLES.splitlines()[1:]:
         words = shlex.split(line)[1:]
+        if words[1] in NOT_OF_A_COPTER:
+            continue
+        words += ["--yes"] if words[1] in CONFIRMED else []
         words += [] if "--all" in words or "--systems" in words else ["--system", "1"]
         result = mav(*words)
         assert (result.code, result.err) == (0, ""), line

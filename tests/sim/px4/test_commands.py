@@ -37,7 +37,7 @@ def servos(harness: Px4Harness) -> dict[int, int]:
 
 
 def compass_is_calibrated(harness: Px4Harness) -> bool:
-    harness.run(4.0)
+    harness.run(14.0)
     return harness.texts[-1] == "[cal] calibration done: mag"
 
 

@@ -15,6 +15,7 @@ from mavstack.errors import (
     ParameterTimeout,
     RemoteDenied,
 )
+from tests.vehicle.failures.output_calls import OUTPUT_CALLS
 from tests.vehicle.failures.payload_calls import PAYLOAD_CALLS
 from tests.vehicle.failures.rows import (
     FALLING_BACK,
@@ -374,4 +375,4 @@ SHELL = [
     Call("Shell.__aexit__", open_shell, silent=None, why_not="closing a shell has no acknowledgement"),
 ]
 CALLS = [*VEHICLE, *TELEMETRY, *MISSION, *GUIDANCE, *PARAMETERS, *FILES, *LOGS, *MODES, *SHELL]
-CALLS += PAYLOAD_CALLS
+CALLS += [*PAYLOAD_CALLS, *OUTPUT_CALLS]

@@ -5,11 +5,11 @@ these ways, its row holds the reason.
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
-from dataclasses import dataclass
+from collections.abc import Awaitable, Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
-from mavstack.dialects import common
+from mavstack.dialects import ardupilotmega, common
 from mavstack.errors import (
     CommandDenied,
     CommandTimeout,
@@ -57,13 +57,15 @@ class Call:
     #: The preparation before the call.
     before: Do | None = None
     armed: bool = True
+    #: The scripted autopilot, if it is not a PX4 quadrotor: its `autopilot` and its `kind`.
+    options: Mapping[str, int] = field(default_factory=dict)
     #: The reason for each kind of failure that is missing.
     why_not: str = ""
 
 
 def command(name: str, do: Do, number: int, *, codes: tuple[int, ...] = CODES, **more: Any) -> Call:
     """Return the row of a call that sends a command."""
-    asked = CMD(number).official_name.removeprefix("MAV_CMD_")
+    asked = ardupilotmega.MavCmd(number).official_name.removeprefix("MAV_CMD_")
 
     def refuse(scene: Scene, code: int) -> None:
         scene.script.refuse(number, result=code)

@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from mavstack.dialects import common
+from mavstack.dialects import ardupilotmega, common
 from mavstack.links import Impairment, MemoryNetwork, impair
 from mavstack.services import Service, message_ids
 from mavstack.services.log import LogServer
@@ -59,6 +59,19 @@ ACCEPTED = {
             *(CMD.DO_SET_ROI_LOCATION, CMD.DO_SET_ROI_SYSID, CMD.DO_SET_ROI_NONE),
         )
     ),
+    CMD.PREFLIGHT_CALIBRATION: None,
+    ardupilotmega.MavCmd.DO_CANCEL_MAG_CAL: None,
+    CMD.DO_VTOL_TRANSITION: None,
+    CMD.DO_FLIGHTTERMINATION: None,
+    CMD.DO_SET_SERVO: None,
+    CMD.DO_SET_RELAY: None,
+    CMD.DO_SET_ACTUATOR: None,
+    CMD.DO_MOTOR_TEST: None,
+    CMD.ACTUATOR_TEST: None,
+    CMD.DO_GRIPPER: None,
+    CMD.DO_WINCH: None,
+    CMD.DO_SET_ROI_WPNEXT_OFFSET: None,
+    ardupilotmega.MavCmd.SET_EKF_SOURCE_SET: None,
 }
 #: Requests other than commands that can be refused.
 ASKED_FOR = (

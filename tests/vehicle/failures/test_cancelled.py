@@ -87,14 +87,14 @@ async def check_cancelled(made: Scene, call: Call, moment: float) -> None:
 @pytest.mark.parametrize("call", CANCELLED, ids=named)
 @pytest.mark.parametrize("moment", [0.0, 0.55, 3.3])
 def test_cancelled(call, moment):
-    play(lambda made: check_cancelled(made, call, moment), latency=0.25)
+    play(lambda made: check_cancelled(made, call, moment), latency=0.25, **call.options)
 
 
 @pytest.mark.nightly
 @settings(max_examples=60, deadline=None)
 @given(st.sampled_from(CANCELLED), st.floats(0.0, 12.0), st.sampled_from([0.0, 0.1, 0.4]))
 def test_cancelled_at_any_moment(call, moment, latency):
-    play(lambda made: check_cancelled(made, call, moment), latency=latency)
+    play(lambda made: check_cancelled(made, call, moment), latency=latency, **call.options)
 
 
 @pytest.mark.flight
@@ -110,7 +110,7 @@ def test_cancelled_while_nothing_answers(call, moment):
         await asyncio.sleep(3)
         await made.vehicle.set_mode("RTL")
 
-    play(scenario, latency=0.1)
+    play(scenario, latency=0.1, **call.options)
 
 
 def test_an_upload_is_cancelled_at_the_other_end():

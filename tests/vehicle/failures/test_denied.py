@@ -75,7 +75,7 @@ def test_a_reason_before_the_refusal(call, text):
         if call.denied is CommandDenied:
             assert RESULT(code).name in str(error)
 
-    play(scenario)
+    play(scenario, **call.options)
 
 
 @pytest.mark.parametrize("call", WAITING, ids=named)
@@ -94,7 +94,7 @@ def test_a_reason_after_the_refusal(call):
             made.script.add_packet_listener(tuple(made.script.requests), lambda packet: later())
         check(call, await denial(made, call), code, (REASON, LONG))
 
-    play(scenario)
+    play(scenario, **call.options)
 
 
 @pytest.mark.fast_cases(95)
@@ -110,7 +110,7 @@ def test_each_code_without_a_reason(call, code):
         check(call, await denial(made, call), code, ())
         assert made.node.now() - begun < 20
 
-    play(scenario)
+    play(scenario, **call.options)
 
 
 @pytest.mark.parametrize("call", REFUSED, ids=named)
@@ -119,7 +119,10 @@ def test_texts_that_are_no_reasons(call):
 
     async def whole() -> None:
         network = MemoryNetwork()
-        async with scene(network=network) as made, Node(network.link(), system=9, component=1) as other:
+        async with (
+            scene(network=network, **call.options) as made,
+            Node(network.link(), system=9, component=1) as other,
+        ):
             await make(made, call, call.codes[0])
             made.say("long ago")
             await asyncio.sleep(2)

@@ -12,14 +12,15 @@ from mavstack.node.logs import Logs
 from mavstack.node.modes import Modes
 from mavstack.node.params import Params
 from mavstack.node.shell import Shell
-from mavstack.vehicle import Vehicle
+from mavstack.vehicle import Actuators, Calibration, CalibrationSession, RegionOfInterest, Vehicle
 from mavstack.vehicle.guided_session import GuidedSession
 from mavstack.vehicle.mission import Mission, VehiclePlan
 from mavstack.vehicle.telemetry import MessageStream, Telemetry
 from tests.vehicle.failures.calls import CALLS
 
 FACES = (
-    *(Vehicle, Telemetry, MessageStream, Mission, VehiclePlan, GuidedSession),
+    *(Vehicle, Actuators, RegionOfInterest, Calibration, CalibrationSession),
+    *(Telemetry, MessageStream, Mission, VehiclePlan, GuidedSession),
     *(Params, Ftp, Logs, Modes, Shell, Camera, CameraSettings, Gimbal),
 )
 

@@ -56,7 +56,7 @@ def test_a_vehicle_that_answers_nothing(call):
         if call.silent is not ActionTimeout:
             assert call.asked.partition(" ")[0] in str(error) or error.operation in str(error)
 
-    play(scenario)
+    play(scenario, **call.options)
 
 
 @pytest.mark.parametrize("call", STUCK, ids=named)
@@ -73,7 +73,7 @@ def test_a_vehicle_that_accepts_and_does_nothing(call):
             assert error.status_texts == ("motor 2 is weak",)
             assert str(error).endswith("(motor 2 is weak)")
 
-    play(scenario)
+    play(scenario, **call.options)
 
 
 @pytest.mark.parametrize("call", WATCHED, ids=named)
@@ -118,7 +118,7 @@ def test_silence_in_the_middle(call):
         assert made.vehicle.alive
         await made.vehicle.set_mode("LOITER")  # the same object goes on
 
-    play(scenario)
+    play(scenario, **call.options)
 
 
 @pytest.mark.fast_cases(40)
@@ -136,7 +136,7 @@ def test_silence_at_any_moment_ends_every_call(call, moment):
             assert isinstance(outcome, RemoteError)
             assert "1/1" in str(outcome)
 
-    play(scenario, latency=0.25)
+    play(scenario, latency=0.25, **call.options)
 
 
 @pytest.mark.fast_cases(84)
@@ -159,7 +159,7 @@ def test_closing_the_connection_in_the_middle(call, moment):
             assert type(outcome) is RemoteCancelled
             assert "1/1 failed" in str(outcome)
 
-    play(scenario, latency=0.25)
+    play(scenario, latency=0.25, **call.options)
 
 
 @pytest.mark.fast_cases(55)
@@ -178,7 +178,7 @@ def test_the_peer_closes_its_link_in_the_middle(call):
         if call.interrupted:
             assert isinstance(outcome, RemoteTimeout)
 
-    play(scenario, latency=0.25)
+    play(scenario, latency=0.25, **call.options)
 
 
 @pytest.mark.parametrize(
@@ -193,7 +193,7 @@ def test_a_closed_connection_raises_immediately(call):
             await call.do(made)
         assert asyncio.get_running_loop().time() - begun < 1
 
-    play(scenario)
+    play(scenario, **call.options)
 
 
 def test_a_guided_session_with_a_vehicle_that_falls_silent():

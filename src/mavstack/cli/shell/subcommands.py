@@ -27,7 +27,7 @@ async def run_subcommand(session: Session, name: str, words: Sequence[str]) -> N
     module = load_command(name)
     module.add_arguments(parser)
     work: list[Callable[[Vehicle], Awaitable[int]]] = []
-    defaults: dict[str, Any] = {"session_work": work.append}
+    defaults: dict[str, Any] = {"session_work": work.append, "ask": session.ask}
     parser.set_defaults(**defaults)
     try:
         arguments = parser.parse_args(list(words))

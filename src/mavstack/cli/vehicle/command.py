@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.common.connection import add_vehicle_action
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.options import finite_number, seconds
+from mavstack.cli.vehicle import calibrate, equipment
+from mavstack.cli.vehicle.arguments import add_action, add_flight, add_override, add_place, add_timed
 from mavstack.cli.vehicle.flight_progress import (
     distance_to_altitude,
     distance_to_home,
@@ -19,7 +20,6 @@ from mavstack.cli.vehicle.show import health, info, modes
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
-    from collections.abc import Callable
 
     from mavstack.vehicle import Vehicle
 
@@ -44,6 +44,20 @@ examples:
   mav vehicle home
   mav vehicle home here
   mav vehicle statustext "survey begins"
+  mav vehicle servo 9 1900
+  mav vehicle relay 0 on
+  mav vehicle actuator 1 0.5
+  mav vehicle gripper release
+  mav vehicle winch unwind 5 --rate 0.5
+  mav vehicle motor-test 1 --throttle 8 --duration 2
+  mav vehicle roi 47.3985 8.5460
+  mav vehicle roi none
+  mav vehicle transition fixed-wing
+  mav vehicle ekf-source 2
+  mav vehicle calibrate
+  mav vehicle calibrate gyroscope
+  mav vehicle calibrate accelerometer --yes --pause 10
+  mav vehicle terminate
   mav vehicle reboot --systems 1,3-5
 """
 
@@ -51,35 +65,37 @@ examples:
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the actions."""
     actions = Actions(parser, "vehicle", EXAMPLES)
-    _add_force(_add_timed(actions, "arm", "arm the motors", arm))
-    _add_force(_add_timed(actions, "disarm", "disarm the motors", disarm))
+    _add_force(add_timed(actions, "arm", "arm the motors", arm))
+    _add_force(add_timed(actions, "disarm", "disarm the motors", disarm))
     _add_takeoff(actions)
-    _add_flight(actions, "land", "land at the current position", land)
-    _add_flight(actions, "rtl", "return to home, and land there", rtl)
-    _add_timed(actions, "hold", "hold the position; a fixed wing circles", hold)
+    add_flight(actions, "land", "land at the current position", land)
+    add_flight(actions, "rtl", "return to home, and land there", rtl)
+    add_timed(actions, "hold", "hold the position; a fixed wing circles", hold)
     _add_goto(actions)
     _add_orbit(actions)
-    action = _add_timed(actions, "mode", "set the flight mode", mode)
+    action = add_timed(actions, "mode", "set the flight mode", mode)
     action.add_argument("mode", metavar="NAME", help="name or number of the mode")
-    _add_action(actions, "modes", "list the flight modes", modes)
-    action = _add_timed(actions, "speed", "set the ground speed", speed)
+    add_action(actions, "modes", "list the flight modes", modes)
+    action = add_timed(actions, "speed", "set the ground speed", speed)
     action.add_argument("speed", type=finite_number, metavar="M/S", help="metres per second")
-    action = _add_flight(actions, "yaw", "turn to a heading", yaw)
+    action = add_flight(actions, "yaw", "turn to a heading", yaw)
     action.add_argument("heading", type=finite_number, metavar="DEGREES", help="clockwise from north")
-    action = _add_timed(actions, "home", "show or set the home position", home)
+    action = add_timed(actions, "home", "show or set the home position", home)
     action.add_argument(
         "place", nargs="*", metavar="PLACE", help="here, or LAT LON [ALT] in degrees and metres above sea"
     )
-    _add_flight(actions, "reboot", "reboot the autopilot, and wait until it is back", reboot)
-    _add_action(actions, "info", "show identity, state and health", info)
-    action = _add_action(actions, "health", "show whether the vehicle is ready to arm, and why not", health)
+    equipment.add_actions(actions)
+    calibrate.add_actions(actions)
+    add_flight(actions, "reboot", "reboot the autopilot, and wait until it is back", reboot)
+    add_action(actions, "info", "show identity, state and health", info)
+    action = add_action(actions, "health", "show whether the vehicle is ready to arm, and why not", health)
     action.add_argument("--wait", type=seconds, metavar="SECONDS", help="wait this long until it is ready")
-    action = _add_action(actions, "statustext", "send a STATUSTEXT to all components on the link", statustext)
+    action = add_action(actions, "statustext", "send a STATUSTEXT to all components on the link", statustext)
     action.add_argument("text", metavar="TEXT", help="the text to send")
 
 
 def _add_takeoff(actions: Actions) -> None:
-    action = _add_flight(actions, "takeoff", "take off to an altitude, and hold there", takeoff)
+    action = add_flight(actions, "takeoff", "take off to an altitude, and hold there", takeoff)
     action.add_argument(
         "altitude",
         nargs="?",
@@ -88,12 +104,12 @@ def _add_takeoff(actions: Actions) -> None:
         metavar="M",
         help="metres above home (default: 10)",
     )
-    _add_override(action)
+    add_override(action)
 
 
 def _add_goto(actions: Actions) -> None:
-    action = _add_flight(actions, "goto", "fly to a place", goto)
-    _add_place(action)
+    action = add_flight(actions, "goto", "fly to a place", goto)
+    add_place(action)
     action.add_argument("--yaw", type=finite_number, metavar="DEGREES", help="heading to take there")
     action.add_argument(
         "--radius", type=finite_number, metavar="M", help="radius of the circle that a fixed wing flies there"
@@ -101,8 +117,8 @@ def _add_goto(actions: Actions) -> None:
 
 
 def _add_orbit(actions: Actions) -> None:
-    action = _add_flight(actions, "orbit", "circle around a place", orbit)
-    _add_place(action)
+    action = add_flight(actions, "orbit", "circle around a place", orbit)
+    add_place(action)
     action.add_argument(
         "--radius",
         type=finite_number,
@@ -305,55 +321,5 @@ def _home_place(words: list[str]) -> tuple[float, ...] | None:
     return place
 
 
-def _add_action(
-    actions: Actions, name: str, summary: str, run_action: Callable[[Namespace], int]
-) -> ArgumentParser:
-    """Add an action that changes nothing."""
-    return add_vehicle_action(actions, name, summary, run_action, fleet=True)
-
-
-def _add_timed(
-    actions: Actions, name: str, summary: str, run_action: Callable[[Namespace], int]
-) -> ArgumentParser:
-    """Add an action that changes something."""
-    parser = add_vehicle_action(actions, name, summary, run_action, fleet=True, changes=True)
-    parser.add_argument(
-        "--action-timeout", type=seconds, metavar="SECONDS", help="fail if the action takes longer"
-    )
-    return parser
-
-
-def _add_flight(
-    actions: Actions, name: str, summary: str, run_action: Callable[[Namespace], int]
-) -> ArgumentParser:
-    """Add an action that goes on after the vehicle has accepted it."""
-    parser = _add_timed(actions, name, summary, run_action)
-    parser.add_argument(
-        "--no-wait", dest="wait", action="store_false", help="end when the vehicle has accepted the action"
-    )
-    return parser
-
-
 def _add_force(parser: ArgumentParser) -> None:
     parser.add_argument("--force", action="store_true", help="override the checks of the vehicle")
-
-
-def _add_override(parser: ArgumentParser) -> None:
-    parser.add_argument(
-        "--override-limits",
-        action="store_true",
-        help="accept a target beyond the limits of plausible flights",
-    )
-
-
-def _add_place(parser: ArgumentParser) -> None:
-    _add_override(parser)
-    parser.add_argument("latitude", type=finite_number, metavar="LAT", help="degrees")
-    parser.add_argument("longitude", type=finite_number, metavar="LON", help="degrees")
-    parser.add_argument(
-        "altitude",
-        nargs="?",
-        type=finite_number,
-        metavar="M",
-        help="metres above home (default: the current altitude)",
-    )

@@ -18,6 +18,8 @@ from mavstack.dialects import common
 from mavstack.errors import MavstackError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from mavstack.dialects import Message
     from mavstack.services.version import AutopilotVersion
     from mavstack.vehicle import Vehicle
@@ -51,7 +53,8 @@ async def gather_facts(vehicle: Vehicle) -> dict[str, Any]:
         with suppress(MavstackError):
             await vehicle.component.command(common.MavCmd.RUN_PREARM_CHECKS, timeout=REQUEST_TIMEOUT)
             await asyncio.sleep(CHECK_DURATION)
-    return {**_identity(vehicle), **_build(version), **_state(vehicle), **_components(vehicle)}
+    features = {"features": asdict(vehicle.capabilities)}
+    return {**_identity(vehicle), **_build(version), **features, **_state(vehicle), **_components(vehicle)}
 
 
 def health_facts(vehicle: Vehicle) -> dict[str, Any]:
@@ -126,14 +129,15 @@ def page(facts: dict[str, Any]) -> list[str]:
         ("GPS", _gps_text(facts["gps"])),
         *_health_rows(facts["health"]),
         *[("component", f"{each['kind']} ({each['component']})") for each in facts["components"]],
-        *_wrapped("supports", [name.lower() for name in facts["capabilities"] or ()]),
+        *_wrapped("supports", _feature_names(facts["features"])),
+        *_wrapped("calibrates", facts["features"]["calibrations"]),
         ("board", _board_text(facts)),
     ]
     lines = [coloured(head, "bold")]
     previous = ""
     for name, text in rows:
         if text:
-            lines.append(f"  {'' if name == previous else name:9} {text}")
+            lines.append(f"  {'' if name == previous else name:10} {text}")
             previous = name
     return lines
 
@@ -197,7 +201,12 @@ def _health_rows(health: dict[str, Any]) -> list[tuple[str, str]]:
     return [("health", ready), *[("health", coloured(text, "yellow")) for text in health["problems"]]]
 
 
-def _wrapped(name: str, texts: list[str]) -> list[tuple[str, str]]:
+def _feature_names(features: dict[str, Any]) -> list[str]:
+    """Return the features that the vehicle has, as words; components and calibrations have their own rows."""
+    return [name.replace("_", " ") for name, value in features.items() if value is True]
+
+
+def _wrapped(name: str, texts: Iterable[str]) -> list[tuple[str, str]]:
     return [(name, line) for line in wrap(", ".join(texts), _WIDTH)]
 
 

@@ -30,7 +30,11 @@ def run_on_vehicles(
     work: Callable[[Vehicle], Awaitable[str]],
     remaining: Remaining | None = None,
 ) -> int:
-    """Run `work` on the selected vehicles; it returns the text of a success."""
+    """Run `work` on the selected vehicles, or on that of a session; it returns the text of a success."""
+    session_work = getattr(arguments, "session_work", None)
+    if session_work is not None:
+        session_work(lambda vehicle: _run_on_one(vehicle, arguments, work, remaining))
+        return 0
 
     async def run_selected(connection: Connection) -> int:
         group = await selected_vehicles(connection, arguments)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import ardupilotmega, common
+from mavstack.sim.ardupilot.motor_calibration import compass_motor_of
 from mavstack.sim.ardupilot.sensor_calibration import calibrations_of
 from mavstack.sim.autopilot.commands import (
     CommandRefusedError,
@@ -55,10 +56,17 @@ class ArdupilotMaintenance(MaintenanceCommands):
         raise CommandRefusedError(_RESULT.FAILED, "Disarm to allow calibration")
 
     def calibrate(self, request: CommandRequest) -> Outcome:
-        """Answer PREFLIGHT_CALIBRATION; param5 = 1 starts the accelerometer calibration in six positions."""
+        """Answer PREFLIGHT_CALIBRATION.
+
+        param5 = 1 starts the accelerometer calibration in six positions, param6 = 1 the one of compass and
+        motors.
+        """
         if whole(request.command.param5) == _SIX_POSITIONS and not self.autopilot.armed:
             calibrations_of(self.autopilot).begin_accelerometers()
             return _RESULT.ACCEPTED
+        compass_motor = compass_motor_of(self.autopilot)
+        if compass_motor is not None and whole(request.command.param6) == 1 and not self.autopilot.armed:
+            return _RESULT.ACCEPTED if compass_motor.begin() else _RESULT.TEMPORARILY_REJECTED
         return super().calibrate(request)
 
     def confirm_position(self, request: CommandRequest) -> common.MavResult:

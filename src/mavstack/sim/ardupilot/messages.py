@@ -10,6 +10,7 @@ from mavstack.services.addressing import message_ids
 from mavstack.services.command import Command
 from mavstack.services.service import Service
 from mavstack.sim.ardupilot.identity import banner_of
+from mavstack.sim.ardupilot.motor_calibration import compass_motor_of
 from mavstack.sim.ardupilot.sensor_calibration import calibrations_of
 from mavstack.sim.autopilot.commands import CommandRefusedError, place_of
 from mavstack.sim.autopilot.commands.guiding import guide_to
@@ -46,6 +47,8 @@ class ArdupilotMessages(Service):
                 self._set_home(message)
             case common.CommandAck():
                 calibrations_of(self._vehicle.autopilot).confirm_position()
+                if (compass_motor := compass_motor_of(self._vehicle.autopilot)) is not None:
+                    compass_motor.end()
 
     def _set_home(self, message: common.SetHomePosition) -> None:
         """Handle SET_HOME_POSITION."""

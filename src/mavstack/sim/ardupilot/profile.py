@@ -15,6 +15,7 @@ from mavstack.sim.ardupilot.identity import version_of
 from mavstack.sim.ardupilot.messages import ArdupilotMessages, guided_item
 from mavstack.sim.ardupilot.mode_switch import ModeSwitch
 from mavstack.sim.ardupilot.modes import BLOCKABLE, MODE_ROLES, MODES
+from mavstack.sim.ardupilot.motor_calibration import CompassMotorCalibration, EscCalibration
 from mavstack.sim.ardupilot.simulation_parameters import SimulationParameters
 from mavstack.sim.ardupilot.texts import BootTexts, armed_text, disarmed_text
 from mavstack.sim.autopilot.commands.home import home_position
@@ -72,6 +73,8 @@ class ArdupilotProfile(FirmwareProfile):
             autopilot.watches.append(ReturnPath(autopilot))
         if self.vehicle_type in _WITH_YAW_CONTROL:
             autopilot.watches.append(RegionOfInterestYaw(autopilot))
+        if self.vehicle_type is VehicleType.COPTER:
+            autopilot.watches += [CompassMotorCalibration(autopilot), EscCalibration(autopilot)]
         autopilot.watches.append(PreArmReporter(autopilot))
         autopilot.watches.append(BootTexts(autopilot))
         ArdupilotFailsafes(autopilot, self.mode_failure)

@@ -30,6 +30,8 @@ _COMPASS_TIME = 10.0
 _PROGRESS_INTERVAL = 0.5
 _FITNESS, _SCALE = 5.0, 1.0
 _COMPASSES = 0b1
+#: A report is repeated, since it may be lost.
+_REPORTS = 5
 
 
 class Calibrations:
@@ -45,6 +47,8 @@ class Calibrations:
         self.compass_ready = False
         self._auto_accept = False
         self._due = 0.0
+        #: Reports of the last compass calibration that are left to send.
+        self._reports = 0
 
     # Accelerometers
 
@@ -81,6 +85,7 @@ class Calibrations:
 
     def begin_compass(self, *, accept: bool) -> None:
         """Start the compass calibration."""
+        self._reports = 0
         self.compass_started, self.compass_ready, self._auto_accept = self._autopilot.now, False, accept
         self._due = self._autopilot.now
 
@@ -93,6 +98,7 @@ class Calibrations:
 
     def cancel_compass(self) -> None:
         """Discard the calibration."""
+        self._reports = 0
         self.compass_started, self.compass_ready = None, False
 
     # Time
@@ -107,6 +113,10 @@ class Calibrations:
         elif self.compass_started is not None:
             self._due = now + _PROGRESS_INTERVAL
             self._update_compass(min((now - self.compass_started) / _COMPASS_TIME, 1.0))
+        elif self._reports:
+            self._due = now + _REQUEST_INTERVAL
+            self._reports -= 1
+            self._autopilot.vehicle.services.send(self._report())
 
     def _update_compass(self, share: float) -> None:
         """Report the progress (0 to 1), and finish at 1."""
@@ -124,7 +134,7 @@ class Calibrations:
         self.compass_started, self.compass_ready = None, True
         if self._auto_accept:
             self.accept_compass()
-        services.send(self._report())
+        self._reports = _REPORTS
 
     def _report(self) -> common.MagCalReport:
         """Return MAG_CAL_REPORT."""

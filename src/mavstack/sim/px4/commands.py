@@ -22,6 +22,7 @@ from mavstack.sim.autopilot.commands import (
     whole,
 )
 from mavstack.sim.px4.arming import arm, disarm, preflight_problems
+from mavstack.sim.px4.calibration import Px4CalibrationCommands
 from mavstack.sim.px4.failures import FailureCommands
 from mavstack.sim.px4.maintenance import Px4MaintenanceCommands
 from mavstack.sim.px4.mode_selection import AUTO, choose_mode, custom_mode_of, mode_of_flags, unavailable_text
@@ -206,7 +207,8 @@ def command_groups(vehicle: Vehicle, state: Px4State) -> Iterator[CommandGroup]:
     yield Px4Home(vehicle)
     yield Px4Mission(vehicle, state)
     yield Px4Movement(vehicle, state)
-    yield Px4MaintenanceCommands(vehicle, state)
+    yield Px4MaintenanceCommands(vehicle)
+    yield Px4CalibrationCommands(vehicle, state)
     yield FailureCommands(vehicle)
 
 

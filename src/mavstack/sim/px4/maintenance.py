@@ -1,7 +1,4 @@
-"""PX4's ground commands: calibration, reboot, storage, actuators, gripper.
-
-A calibration is ACCEPTED when it starts; its progress is reported in status texts that ground stations parse.
-"""
+"""PX4's ground commands: reboot, storage, actuators, gripper."""
 
 from __future__ import annotations
 
@@ -13,9 +10,7 @@ from mavstack.sim.autopilot.commands import Handlers, MaintenanceCommands, Outco
 
 if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest
-    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.autopilot.tasks import Script
-    from mavstack.sim.px4.state import Px4State
 
 _CMD, _RESULT = common.MavCmd, common.MavResult
 _FUNCTION = common.ActuatorOutputFunction
@@ -27,21 +22,14 @@ _MAX_TEST_TIME: Final = 3.0
 _FIRST_ACTUATOR, _ACTUATORS = 9, 6
 _CENTRE_PULSE, _PULSE_RANGE = 1500, 500
 _GRIPPER_TIME: Final = 1.0
-#: Seconds per 10 % of a calibration.
-_CALIBRATION_STEP = 0.2
 
 
 class Px4MaintenanceCommands(MaintenanceCommands):
     """Ground commands with PX4's answers and status texts."""
 
-    def __init__(self, vehicle: Vehicle, state: Px4State) -> None:
-        super().__init__(vehicle)
-        self._state = state
-
     def handlers(self) -> Handlers:
         return {
             _CMD.PREFLIGHT_REBOOT_SHUTDOWN: self.reboot,
-            _CMD.PREFLIGHT_CALIBRATION: self.calibrate,
             _CMD.PREFLIGHT_STORAGE: self.store,
             _CMD.ACTUATOR_TEST: self.test_actuator,
             _CMD.DO_SET_ACTUATOR: self.set_actuators,
@@ -64,52 +52,6 @@ class Px4MaintenanceCommands(MaintenanceCommands):
             self.vehicle.parameters.reset()
             return _RESULT.ACCEPTED
         return _RESULT.ACCEPTED if requested in (_LOAD, _SAVE) else _RESULT.UNSUPPORTED
-
-    # Calibration
-
-    def calibrate(self, request: CommandRequest) -> Outcome:
-        """Answer PREFLIGHT_CALIBRATION: one sensor at a time."""
-        if self.autopilot.armed or self._state.calibrating:
-            return _RESULT.TEMPORARILY_REJECTED
-        requested = self.requested_calibrations(request)
-        if not requested:
-            return _RESULT.UNSUPPORTED
-        self._state.calibrating = requested[0]
-        self.autopilot.tasks.run(self.calibrating(requested))
-        return _RESULT.ACCEPTED
-
-    def requested_calibrations(self, request: CommandRequest) -> list[str]:
-        """Return the first calibration that the command requests."""
-        command = request.command
-        first = {
-            "gyro": command.param1 == 1,
-            "mag": command.param2 == 1,
-            "baro": command.param3 == 1,
-            "level": command.param5 == 2,
-            "accel": command.param5 in (1, 4),
-            "airspeed": command.param6 in (1, 2),
-        }
-        return [name for name, requested in first.items() if requested][:1]
-
-    def calibrating(self, requested: list[str]) -> Script:
-        """Calibrate and report progress; a barometer has none."""
-        for name in requested:
-            self.vehicle.send_statustext(f"[cal] calibration started: 2 {name}")
-            for percent in range(0, 101, 10):
-                if name != "baro":
-                    self.vehicle.send_statustext(f"[cal] progress <{percent}>")
-                yield from waiting(self.vehicle, _CALIBRATION_STEP)
-            self._clear_fault(name)
-            self.vehicle.send_statustext(f"[cal] calibration done: {name}")
-        self._state.calibrating = ""
-        return _RESULT.ACCEPTED
-
-    def _clear_fault(self, name: str) -> None:
-        """Clear the fault of a calibrated sensor."""
-        if name == "mag":
-            self.vehicle.faults.inject("compass 0")
-        elif name == "baro":
-            self.vehicle.faults.inject("baro 0")
 
     # Actuators
 

@@ -65,6 +65,8 @@ class Px4State:
     healthy: bool = False
     #: Name of the running calibration; "" if none.
     calibrating: str = ""
+    #: True once a client has cancelled it.
+    calibration_cancelled: bool = False
 
     def reset(self, mode: int) -> None:
         """Reset at boot, in a mode."""
@@ -72,5 +74,5 @@ class Px4State:
         self.has_flown = False
         self.mode_after_disarming = mode
         self.arming_reason, self.disarming_reason = BY_COMMAND, None
-        self.calibrating = ""
+        self.calibrating, self.calibration_cancelled = "", False
         self.healthy = False

@@ -1,4 +1,4 @@
-"""Arming, disarming and rebooting."""
+"""Arming, disarming, termination and rebooting."""
 
 from __future__ import annotations
 
@@ -41,6 +41,17 @@ async def set_armed(vehicle: VehicleState, *, armed: bool, force: bool, timeout:
         await monitor.wait_until_reached(
             ActionGoal(lambda: vehicle.armed == armed, stall_timeout=CONFIRMATION_TIMEOUT)
         )
+
+
+async def terminate(vehicle: VehicleState, *, timeout: float | None) -> None:
+    """Terminate the flight, and wait until a heartbeat confirms it."""
+
+    def terminated() -> bool:
+        return vehicle.armed is False or vehicle.system_status == common.MavState.FLIGHT_TERMINATION
+
+    async with ActionMonitor(vehicle, "flight termination of", timeout) as monitor:
+        await with_status_texts(vehicle, vehicle.component.command(_CMD.DO_FLIGHTTERMINATION, 1))
+        await monitor.wait_until_reached(ActionGoal(terminated, stall_timeout=CONFIRMATION_TIMEOUT))
 
 
 async def reboot(vehicle: VehicleState, *, wait: bool, timeout: float | None) -> None:

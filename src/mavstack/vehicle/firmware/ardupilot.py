@@ -72,6 +72,13 @@ class ArduPilot(Firmware):
             "mission": frozenset({"auto", "auto_rtl", "rtl", "qrtl"}),
         }
     )
+    FEATURES: ClassVar[Mapping[str, bool]] = MappingProxyType(
+        dict.fromkeys(("parameters", "mission", "logs", "servos", "relays", "motor_test"), True)
+        | {"ekf_sources": True, "flashing": True, "actuators": False, "shell": False}
+    )
+    EQUIPMENT_PARAMETERS: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+        {"gripper": ("GRIP_ENABLE",), "winch": ("WINCH_TYPE",), "osd": ("OSD_TYPE",)}
+    )
     ESTIMATOR_MESSAGE: ClassVar[type[Message]] = ardupilotmega.EkfStatusReport
     #: All failed checks are sent in one run, when requested and every half minute.
     PREARM_RUN: ClassVar[float] = 3.0
@@ -220,6 +227,30 @@ class ArduPilot(Firmware):
         await self.set_mode("AUTO")
         if self._type is not VehicleType.PLANE:
             await self.command(CMD.MISSION_START)
+
+    async def look_at(self, location: Location) -> None:
+        await self.command(
+            CMD.DO_SET_ROI_LOCATION, 0, 0, 0, 0, location.latitude, location.longitude,
+            location.altitude or 0.0, frame=FRAME.GLOBAL_RELATIVE_ALT,
+        )  # fmt: skip
+
+    async def look_ahead(self) -> None:
+        """Clear the location; versions before 4.2 lack the command and take a location of zeros for it."""
+        try:
+            await super().look_ahead()
+        except CommandDenied as error:
+            if error.code != common.MavResult.UNSUPPORTED:
+                raise
+            await self.command(CMD.DO_SET_ROI_LOCATION, 0, 0, 0, 0, 0, 0, 0, frame=FRAME.GLOBAL_RELATIVE_ALT)
+
+    async def look_at_next_waypoint(self, pitch: float, roll: float, yaw: float) -> None:
+        raise self.unsupported("look at its next waypoint", "ArduPilot has no command for that")
+
+    async def set_actuator(self, number: int, value: float) -> None:
+        raise self.unsupported("set an actuator", "ArduPilot numbers its outputs as servos; use set_servo")
+
+    async def set_ekf_source(self, number: int) -> None:
+        await self.command(ardupilotmega.MavCmd.SET_EKF_SOURCE_SET, number)
 
     async def _altitude_of(self, location: Location) -> float:
         altitude = location.altitude

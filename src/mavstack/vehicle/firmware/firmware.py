@@ -34,6 +34,9 @@ _STANDARD: Final = common.MavStandardMode
 _PREARM: Final = common.MavSysStatusSensor.PREARM_CHECK
 #: Param 2 of DO_REPOSITION: change the mode for it.
 CHANGE_MODE: Final = float(common.MavDoRepositionFlags.CHANGE_MODE)
+_ACTUATORS_PER_SET: Final = 6
+#: Param 2 of DO_MOTOR_TEST: the throttle is in percent.
+_PERCENT: Final = float(common.MotorTestThrottleType.THROTTLE_PERCENT)
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +72,12 @@ class Firmware:
     HIGH_LATENCY_WIND_TO: ClassVar[bool] = False
     #: True if `in_air` works.
     HEARTBEAT_TELLS_IN_AIR: ClassVar[bool] = False
+    #: The features that every vehicle of the firmware has (True) or lacks (False).
+    FEATURES: ClassVar[Mapping[str, bool]] = MappingProxyType({})
+    #: The parameters that enable an equipment, by its name.
+    EQUIPMENT_PARAMETERS: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
+    #: The longest motor test that one command starts, in seconds.
+    MAX_MOTOR_TEST: ClassVar[float] = inf
 
     def __init__(self, vehicle: FirmwareVehicle) -> None:
         self.vehicle = vehicle
@@ -177,6 +186,54 @@ class Firmware:
     async def pause_mission(self) -> None:
         """Stay at the present position; `start_mission` resumes the mission."""
         await self.hold()
+
+    # Payload and outputs
+
+    async def look_at(self, location: Location) -> None:
+        """Keep pointing at a location."""
+        altitude = await self.above_sea(location.altitude or 0.0)
+        await self.command(
+            CMD.DO_SET_ROI_LOCATION, 0, 0, 0, 0, location.latitude, location.longitude, altitude,
+            frame=FRAME.GLOBAL,
+        )  # fmt: skip
+
+    async def look_at_next_waypoint(self, pitch: float, roll: float, yaw: float) -> None:
+        """Keep pointing at the next waypoint, turned by angles in degrees."""
+        await self.command(CMD.DO_SET_ROI_WPNEXT_OFFSET, 0, 0, 0, 0, pitch, roll, yaw)
+
+    async def look_ahead(self) -> None:
+        """Point ahead again."""
+        await self.command(CMD.DO_SET_ROI_NONE)
+
+    async def set_servo(self, number: int, pulse: int) -> None:
+        """Set the pulse of a servo output, in microseconds."""
+        await self.command(CMD.DO_SET_SERVO, number, pulse)
+
+    async def set_relay(self, number: int, *, on: bool) -> None:
+        """Switch a relay."""
+        await self.command(CMD.DO_SET_RELAY, number, float(on))
+
+    async def set_actuator(self, number: int, value: float) -> None:
+        """Set an actuator to a value of -1 to 1."""
+        index, position = divmod(number - 1, _ACTUATORS_PER_SET)
+        values = [nan] * _ACTUATORS_PER_SET
+        values[position] = value
+        await self.command(CMD.DO_SET_ACTUATOR, *values, index)
+
+    async def test_motor(self, number: int, throttle: float, seconds: float) -> None:
+        """Run a motor at a throttle in percent."""
+        await self.command(CMD.DO_MOTOR_TEST, number, _PERCENT, throttle, seconds, 1)
+
+    def stop_motor(self, number: int) -> None:
+        """End the test of a motor, without waiting for an answer."""
+        self.vehicle.component.send(
+            common.CommandLong(command=CMD.DO_MOTOR_TEST, param1=number, param2=_PERCENT, param5=1)
+        )
+
+    async def set_ekf_source(self, number: int) -> None:
+        """Select a set of sources of the state estimator."""
+        del number
+        raise self.unsupported("change the sources of its estimator", "its firmware has no source sets")
 
     # Parts of actions
 

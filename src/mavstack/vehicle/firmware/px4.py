@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from math import nan
 from types import MappingProxyType
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Final
 
+from mavstack.dialects import common
 from mavstack.vehicle.firmware.firmware import CHANGE_MODE, CMD, FRAME, Firmware
 from mavstack.vehicle.vehicle_type import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from mavstack.dialects import common
     from mavstack.vehicle.geography import Location
 
 _HOLD = frozenset({"loiter"})
@@ -23,6 +23,7 @@ _STICK_MODES = frozenset(
 )
 #: HIGH_LATENCY2 holds the upper half of the custom mode: the main mode and the sub mode.
 _CUSTOM_MODE_SHIFT = 16
+_FIRST_MOTOR: Final = int(common.ActuatorOutputFunction.MOTOR1)
 
 
 class Px4(Firmware):
@@ -42,7 +43,16 @@ class Px4(Firmware):
             "end of mission": _HOLD,
         }
     )
+    FEATURES: ClassVar[Mapping[str, bool]] = MappingProxyType(
+        dict.fromkeys(("parameters", "mission", "logs", "shell", "actuators", "motor_test"), True)
+        | {"flashing": True, "servos": False, "relays": False, "ekf_sources": False}
+    )
+    EQUIPMENT_PARAMETERS: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+        {"gripper": ("PD_GRIPPER_EN",), "osd": ("OSD_ATXXXX_CFG", "MSP_OSD_CONFIG")}
+    )
     HIGH_LATENCY_WIND_TO: ClassVar[bool] = True
+    #: PX4 shortens longer tests, so that a motor stops soon after contact is lost.
+    MAX_MOTOR_TEST: ClassVar[float] = 3.0
 
     @staticmethod
     def reports_prearm_check(status: common.SysStatus) -> bool:
@@ -89,3 +99,17 @@ class Px4(Firmware):
 
     async def start_mission(self) -> None:
         await self.set_mode("MISSION")
+
+    async def set_servo(self, number: int, pulse: int) -> None:
+        raise self.unsupported("set a servo", "PX4 numbers its outputs as actuators; use set_actuator")
+
+    async def set_relay(self, number: int, *, on: bool) -> None:
+        raise self.unsupported("switch a relay", "PX4 has none")
+
+    async def test_motor(self, number: int, throttle: float, seconds: float) -> None:
+        function = _FIRST_MOTOR + number - 1
+        await self.command(CMD.ACTUATOR_TEST, throttle / 100.0, seconds, 0, 0, function)
+
+    def stop_motor(self, number: int) -> None:
+        function = _FIRST_MOTOR + number - 1
+        self.vehicle.component.send(common.CommandLong(command=CMD.ACTUATOR_TEST, param5=function))

@@ -109,11 +109,11 @@ class MaintenanceCommands(CommandGroup):
     # Motors
 
     def test_motor(self, request: CommandRequest) -> Outcome:
-        """DO_MOTOR_TEST: run a motor for a while, or send why not."""
+        """DO_MOTOR_TEST: run a motor for a while, or send why not; 0 seconds end the test."""
         motor, seconds = whole(request.command.param1), request.command.param4
         if self.autopilot.armed or not self.autopilot.landed or motor is None or not 1 <= motor <= _MOTORS:
             raise CommandRefusedError(_RESULT.FAILED, self.motor_test_refused())
-        if not 0 < seconds <= MAX_MOTOR_TEST_TIME:
+        if not 0 <= seconds <= MAX_MOTOR_TEST_TIME:
             return _RESULT.FAILED
         self.autopilot.payload.test_motor(motor, request.command.param3, seconds)
         return _RESULT.ACCEPTED

@@ -1,0 +1,36 @@
+"""The transition of a VTOL between hovering and flying on its wing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from mavstack.dialects import common
+from mavstack.vehicle.action_monitor import ActionGoal, ActionMonitor
+from mavstack.vehicle.actions.quadplane import detect_quadplane
+from mavstack.vehicle.firmware import firmware_of
+from mavstack.vehicle.status_text_capture import with_status_texts
+from mavstack.vehicle.vehicle_type import VehicleType
+
+if TYPE_CHECKING:
+    from mavstack.vehicle.vehicle_state import VehicleState
+
+_STATE: Final = common.MavVtolState
+_NAMES: Final = {_STATE.FW: "fixed-wing flight", _STATE.MC: "multicopter flight"}
+#: The time in which a transition is complete, in seconds.
+TRANSITION_TIMEOUT: Final = 60.0
+
+
+async def transition(
+    vehicle: VehicleState, state: common.MavVtolState, *, wait: bool, timeout: float | None
+) -> None:
+    """Change to a MAV_VTOL_STATE, and wait until EXTENDED_SYS_STATE reports it."""
+    await detect_quadplane(vehicle)
+    if vehicle.vehicle_type is not VehicleType.VTOL:
+        raise firmware_of(vehicle).unsupported(f"change to {_NAMES[state]}")
+    async with ActionMonitor(vehicle, f"transition to {_NAMES[state]} of", timeout) as monitor:
+        command = vehicle.component.command(common.MavCmd.DO_VTOL_TRANSITION, state)
+        await with_status_texts(vehicle, command)
+        if wait:
+            await monitor.wait_until_reached(
+                ActionGoal(lambda: vehicle.vtol_state == state, armed=True, stall_timeout=TRANSITION_TIMEOUT)
+            )

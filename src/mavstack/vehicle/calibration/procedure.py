@@ -1,0 +1,27 @@
+"""The procedure of a calibration: how the firmware is asked, and how it is told to cancel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from mavstack.vehicle.calibration.conversation import Conversation
+    from mavstack.vehicle.vehicle_state import VehicleState
+
+
+@dataclass(frozen=True, slots=True)
+class Procedure:
+    """The procedure of one calibration with one firmware.
+
+    Attributes:
+        run: Holds the conversation to its end.
+        cancel: Tells the vehicle to cancel the calibration.
+        needs_confirmation: True if steps of it wait for the program's confirmation.
+    """
+
+    run: Callable[[Conversation], Awaitable[None]]
+    cancel: Callable[[VehicleState], Awaitable[None]]
+    needs_confirmation: bool = False

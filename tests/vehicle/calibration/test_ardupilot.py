@@ -1,0 +1,222 @@
+"""All calibrations of simulated ArduPilot vehicles: their steps, results, failures and cancellations."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from mavstack.dialects import ardupilotmega, common
+from mavstack.errors import ActionInterrupted, ActionUnsupported, CommandDenied, InvalidArgumentError
+from mavstack.sim.ardupilot.motor_calibration import compass_motor_of
+from mavstack.sim.ardupilot.sensor_calibration import calibrations_of
+from mavstack.sim.vehicle_types import VehicleType
+from mavstack.vehicle import CalibrationKind, CalibrationTask, Pose
+from tests.vehicle.calibration.pilot import calibrate
+from tests.vehicle.failures.scripted import ARDUPILOT as ARDUPILOT_NUMBER
+from tests.vehicle.failures.scripted import CMD, RESULT, play
+from tests.vehicle.world import ARDUPILOT, fly
+
+COPTER, PLANE = (VehicleType.COPTER, ARDUPILOT), (VehicleType.PLANE, ARDUPILOT)
+TASK = CalibrationTask
+POSES = [Pose.LEVEL, Pose.LEFT, Pose.RIGHT, Pose.NOSE_DOWN, Pose.NOSE_UP, Pose.BACK]
+
+
+@pytest.mark.parametrize("kind", ["gyroscope", "level", "barometer"])
+def test_sensors_at_rest(kind):
+    async def scenario(world, vehicle):
+        told = []
+        result = await vehicle.calibration.run(kind, on_step=told.append)
+        assert result.kind == kind
+        assert not result.reboot_needed
+        assert {step.task for step in told} == {TASK.HOLD_STILL}
+        assert max(step.progress or 0 for step in told) > 40
+
+    fly(COPTER, scenario)
+
+
+def test_the_airspeed_of_a_plane():
+    async def scenario(world, vehicle):
+        steps, _ = await calibrate(vehicle, "airspeed")
+        assert steps[0].task is TASK.SHIELD_PITOT
+        assert CalibrationKind.ESC not in vehicle.calibration.kinds
+        with pytest.raises(ActionUnsupported, match="cannot run the compass-motor calibration"):
+            vehicle.calibration.start("compass-motor")
+
+    fly(PLANE, scenario)
+
+
+def test_the_accelerometer_in_six_poses():
+    async def scenario(world, vehicle):
+        for _ in range(2):  # the second one hears the result of the first one again
+            steps, result = await calibrate(vehicle, "accelerometer")
+            placed = [step for step in steps if step.task is TASK.PLACE]
+            assert [step.pose for step in placed] == POSES
+            assert [step.progress for step in placed] == [0, 16, 33, 50, 66, 83]
+            assert all(step.needs_confirmation for step in placed)
+            assert result.reboot_needed
+        assert calibrations_of(world.simulated.autopilot).position == 0
+
+    fly(COPTER, scenario)
+
+
+def test_a_pose_is_waited_for():
+    async def scenario(world, vehicle):
+        async with vehicle.calibration.start("accelerometer") as session:
+            assert (await anext(session)).pose is Pose.LEVEL
+            await asyncio.sleep(400)
+            await session.confirm()
+            assert (await anext(session)).task is TASK.HOLD_STILL
+            assert (await anext(session)).pose is Pose.LEFT
+
+    fly(COPTER, scenario)
+
+
+def test_the_compass():
+    async def scenario(world, vehicle):
+        steps, result = await calibrate(vehicle, "compass")
+        assert {step.task for step in steps} == {TASK.ROTATE}
+        assert max(step.progress for step in steps) > 80
+        (fit,) = result.compasses
+        assert (fit.id, fit.saved, result.reboot_needed) == (0, True, True)
+
+    fly(COPTER, scenario)
+
+
+def test_leaving_the_block_cancels_the_compass():
+    async def scenario(world, vehicle):
+        async with vehicle.calibration.start("compass") as session:
+            await anext(session)
+            assert calibrations_of(world.simulated.autopilot).compass_started is not None
+        assert calibrations_of(world.simulated.autopilot).compass_started is None
+        assert session.result is None
+
+    fly(COPTER, scenario)
+
+
+def test_another_programs_compass_calibration_is_cancelled():
+    async def scenario(world, vehicle):
+        await vehicle.command(ardupilotmega.MavCmd.DO_START_MAG_CAL)
+        await vehicle.calibration.cancel("compass")
+        assert calibrations_of(world.simulated.autopilot).compass_started is None
+
+    fly(COPTER, scenario)
+
+
+def test_compass_and_motors():
+    async def scenario(world, vehicle):
+        steps, _ = await calibrate(vehicle, "compass-motor")
+        assert {step.task for step in steps} == {TASK.RAISE_THROTTLE}
+        assert "% interference" in steps[-1].text
+        assert compass_motor_of(world.simulated.autopilot).started is None
+
+    fly(COPTER, scenario)
+
+
+def test_compass_and_motors_without_throttle():
+    async def scenario(world, vehicle):
+        compass_motor_of(world.simulated.autopilot).tick = lambda now: None  # the pilot does nothing
+        async with vehicle.calibration.start("compass-motor") as session:
+            await anext(session)
+            await session.confirm()
+            with pytest.raises(ActionInterrupted, match="the throttle was not raised enough"):
+                async for _ in session:
+                    pass
+
+    fly(COPTER, scenario)
+
+
+def test_the_escs_are_calibrated_at_power_up():
+    async def scenario(world, vehicle):
+        steps, result = await calibrate(vehicle, "esc")
+        assert [step.task for step in steps] == [TASK.CONNECT_BATTERY]
+        assert result.reboot_needed
+        assert world.simulated.boots == 2
+        assert world.simulated.parameters["ESC_CALIBRATION"] == 0
+
+    fly(COPTER, scenario)
+
+
+def test_leaving_the_block_resets_the_esc_parameter():
+    async def scenario(world, vehicle):
+        async with vehicle.calibration.start("esc") as session:
+            await anext(session)
+        await asyncio.sleep(10)
+        assert world.simulated.boots == 1
+        assert world.simulated.parameters["ESC_CALIBRATION"] == 0
+
+    fly(COPTER, scenario)
+
+
+def test_an_armed_vehicle_refuses():
+    async def scenario(world, vehicle):
+        await vehicle.arm()
+        with pytest.raises(CommandDenied, match=r"PREFLIGHT_CALIBRATION on 1/1 failed: .*Disarm to allow"):
+            await vehicle.calibration.run("gyroscope")
+
+    fly(COPTER, scenario)
+
+
+def test_a_failed_compass():
+    async def scenario(made):
+        made.script.arm(False)
+        made.script.commands.server.support(
+            ardupilotmega.MavCmd.DO_START_MAG_CAL, lambda request: RESULT.ACCEPTED
+        )
+        report = common.MagCalReport(compass_id=0, cal_mask=3, cal_status=common.MagCalStatus.SUCCESS)
+
+        async def tell() -> None:
+            await asyncio.sleep(2)
+            made.script.send(report)  # of an earlier calibration
+            for compass in (0, 1):
+                made.script.send(
+                    ardupilotmega.MagCalProgress(compass_id=compass, cal_mask=3, completion_pct=50)
+                )
+            await asyncio.sleep(1)
+            made.script.send(report)
+            await asyncio.sleep(2)
+            made.script.send(report.replace(compass_id=1, cal_status=common.MagCalStatus.BAD_ORIENTATION))
+
+        telling = asyncio.create_task(tell())
+        with pytest.raises(ActionInterrupted) as failed:
+            await made.vehicle.calibration.run("compass")
+        assert str(failed.value) == "compass calibration of 1/1 failed: compass 1: BAD_ORIENTATION"
+        await telling
+
+    play(scenario, autopilot=ARDUPILOT_NUMBER)
+
+
+def test_a_failed_accelerometer():
+    async def scenario(made):
+        made.script.arm(False)
+        made.script.commands.server.support(CMD.PREFLIGHT_CALIBRATION, lambda request: RESULT.ACCEPTED)
+
+        async def tell() -> None:
+            position = common.CommandLong(command=ardupilotmega.MavCmd.ACCELCAL_VEHICLE_POS)
+            for number in (ardupilotmega.AccelcalVehiclePos.SUCCESS, 1):  # the first is an earlier result
+                await asyncio.sleep(1)
+                made.script.send(position.replace(param1=float(number)))
+            await asyncio.sleep(4)
+            made.script.send(position.replace(param1=float(ardupilotmega.AccelcalVehiclePos.FAILED)))
+
+        made.script.commands.server.support(
+            ardupilotmega.MavCmd.ACCELCAL_VEHICLE_POS, lambda request: RESULT.ACCEPTED
+        )
+        telling = asyncio.create_task(tell())
+        with pytest.raises(ActionInterrupted, match="could not calibrate from these poses"):
+            await calibrate(made.vehicle, "accelerometer")
+        await telling
+
+    play(scenario, autopilot=ARDUPILOT_NUMBER)
+
+
+def test_run_cannot_confirm():
+    async def scenario(made):
+        made.script.heard.clear()
+        with pytest.raises(InvalidArgumentError, match="use start"):
+            await made.vehicle.calibration.run("accelerometer")
+        with pytest.raises(InvalidArgumentError, match="there is no calibration 'nose'; there are accelero"):
+            made.vehicle.calibration.start("nose")
+        assert made.script.asked() == []
+
+    play(scenario, autopilot=ARDUPILOT_NUMBER)

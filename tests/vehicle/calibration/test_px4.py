@@ -1,0 +1,167 @@
+"""All calibrations of simulated PX4 vehicles, and the texts of a real one."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import ActionInterrupted, ActionTimeout, ActionUnsupported, CommandDenied
+from mavstack.sim.px4.calibration import SIDES
+from mavstack.sim.vehicle_types import VehicleType
+from mavstack.vehicle import CalibrationTask, Pose
+from tests.vehicle.calibration.pilot import calibrate
+from tests.vehicle.failures.scripted import CMD, RESULT, play
+from tests.vehicle.world import PX4, fly
+
+COPTER, PLANE = (VehicleType.COPTER, PX4), (VehicleType.PLANE, PX4)
+TASK = CalibrationTask
+POSES = [Pose.NOSE_UP, Pose.NOSE_DOWN, Pose.LEFT, Pose.RIGHT, Pose.BACK, Pose.LEVEL]
+
+
+@pytest.mark.parametrize("kind", ["gyroscope", "level", "barometer"])
+def test_sensors_at_rest(kind):
+    async def scenario(world, vehicle):
+        told = []
+        await vehicle.calibration.run(kind, on_step=told.append)
+        assert {step.task for step in told} == {TASK.HOLD_STILL}
+        if kind != "barometer":
+            assert [step.progress for step in told] == [None, *range(0, 101, 10)]
+
+    fly(COPTER, scenario)
+
+
+@pytest.mark.parametrize(("kind", "task"), [("accelerometer", TASK.HOLD_STILL), ("compass", TASK.ROTATE)])
+def test_the_vehicle_detects_the_side_that_is_down(kind, task):
+    async def scenario(world, vehicle):
+        told = []
+        await vehicle.calibration.run(kind, on_step=told.append)
+        detected = list(dict.fromkeys(step.pose for step in told if step.pose is not None))
+        assert detected == POSES
+        assert {step.task for step in told if step.pose is not None} == {task}
+        placed = [step.pending for step in told if step.task is TASK.PLACE]
+        assert set(placed) == {tuple(POSES[index:]) for index in range(6)}
+        assert told[-1].progress == 100
+
+    fly(COPTER, scenario)
+
+
+def test_the_airspeed_of_a_plane():
+    async def scenario(world, vehicle):
+        told = []
+        await vehicle.calibration.run("airspeed", on_step=told.append)
+        tasks = list(dict.fromkeys(step.task for step in told))
+        assert tasks == [TASK.HOLD_STILL, TASK.SHIELD_PITOT, TASK.BLOW_PITOT]
+
+    fly(PLANE, scenario)
+
+
+def test_the_escs():
+    async def scenario(world, vehicle):
+        steps, _ = await calibrate(vehicle, "esc")
+        assert [step.task for step in steps] == [TASK.WAIT, TASK.CONNECT_BATTERY]
+        assert "propellers" in steps[0].text
+        with pytest.raises(ActionUnsupported, match="cannot run the compass-motor calibration"):
+            await vehicle.calibration.run("compass-motor")
+
+    fly(COPTER, scenario)
+
+
+def test_leaving_the_block_cancels():
+    async def scenario(world, vehicle):
+        async with vehicle.calibration.start("accelerometer") as session:
+            while (await anext(session)).pose is not Pose.LEFT:
+                pass
+        await asyncio.sleep(0.5)
+        assert world.simulated.autopilot.profile.state.calibrating == ""
+        assert vehicle.status_texts[-1].text == "[cal] calibration cancelled"
+        await vehicle.calibration.run("gyroscope")
+
+    fly(COPTER, scenario)
+
+
+def test_a_calibration_that_another_program_cancels():
+    async def scenario(world, vehicle):
+        running = asyncio.create_task(vehicle.calibration.run("compass"))
+        await asyncio.sleep(3)
+        await vehicle.calibration.cancel("compass")
+        with pytest.raises(ActionInterrupted, match="compass calibration of 1/1 failed: it was cancelled"):
+            await running
+
+    fly(COPTER, scenario)
+
+
+def test_one_at_a_time():
+    async def scenario(world, vehicle):
+        running = asyncio.create_task(vehicle.calibration.run("compass"))
+        await asyncio.sleep(2)
+        with pytest.raises(CommandDenied, match="TEMPORARILY_REJECTED"):
+            await vehicle.calibration.run("gyroscope")
+        await running
+
+    fly(COPTER, scenario)
+
+
+def texts_of(made, texts, gap=0.5):
+    """Accept a calibration, and send status texts."""
+    made.script.arm(False)
+
+    async def send() -> None:
+        for text in texts:
+            await asyncio.sleep(gap)
+            made.say(f"[cal] {text}", 6)
+
+    def accept(request):
+        asyncio.get_running_loop().create_task(send())
+        return RESULT.ACCEPTED
+
+    made.script.commands.server.support(CMD.PREFLIGHT_CALIBRATION, accept)
+
+
+def test_a_reported_failure():
+    async def scenario(made):
+        texts_of(
+            made,
+            ["calibration cancelled", "calibration started: 2 gyro", "calibration failed: reading sensor"],
+        )
+        with pytest.raises(ActionInterrupted) as failed:
+            await made.vehicle.calibration.run("gyroscope")
+        assert str(failed.value) == "gyroscope calibration of 1/1 failed: reading sensor"
+
+    play(scenario)
+
+
+def test_no_sign_of_progress():
+    async def scenario(made):
+        texts_of(made, ["calibration started: 2 gyro", "progress <10>"])
+        begun = made.node.now()
+        with pytest.raises(ActionTimeout, match="gyroscope calibration of 1/1 failed: no progress for 30 s"):
+            await made.vehicle.calibration.run("gyroscope")
+        assert 30 <= made.node.now() - begun < 40
+        cancels = [
+            message
+            for message in made.script.heard
+            if isinstance(message, common.CommandLong)
+            and (message.command, message.param1) == (CMD.PREFLIGHT_CALIBRATION, 0)
+        ]
+        assert cancels
+
+    play(scenario)
+
+
+def test_remarks_of_the_vehicle_are_not_steps():
+    async def scenario(made):
+        told = []
+        side = ["detected motion, hold still...", "left orientation detected", "left orientation detected"]
+        rest = ["left side already completed", "sensor 0: 12 samples", "calibration done: mag"]
+        texts_of(made, ["calibration started: 2 mag", f"pending: {' '.join(SIDES)}", *side, *rest])
+        await made.vehicle.calibration.run("compass", on_step=told.append)
+        assert [(step.task, step.pose) for step in told] == [
+            (TASK.PLACE, None),
+            (TASK.ROTATE, Pose.LEFT),
+            (TASK.PLACE, None),
+        ]
+        assert str(told[1]) == "Detected on its left side: rotate it around that axis."
+
+    play(scenario)

@@ -1,0 +1,149 @@
+"""Servos, relays, actuators, motor tests, gripper and winch of simulated vehicles, and their limits."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from mavstack.errors import ActionInterrupted, ActionUnsupported, CommandDenied, InvalidArgumentError
+from mavstack.sim.vehicle_types import VehicleType
+from tests.vehicle.failures.scripted import play
+from tests.vehicle.firmware.asked import asked_of
+from tests.vehicle.world import ARDUPILOT, PX4, fly
+
+COPTER, PX4_COPTER = (VehicleType.COPTER, ARDUPILOT), (VehicleType.COPTER, PX4)
+
+
+def with_payload(simulated):
+    for name in ("GRIP_ENABLE", "WINCH_TYPE"):
+        simulated.parameters.set(name, 1)
+
+
+def test_the_outputs_of_ardupilot():
+    async def scenario(world, vehicle):
+        outputs, payload = vehicle.actuators, world.simulated.autopilot.payload
+        await outputs.set_servo(9, 1900)
+        assert payload.servos[9] == 1900
+        await outputs.set_relay(1, True)
+        assert payload.relays == {1: True}
+        await outputs.grip()
+        assert payload.gripper_closed
+        await outputs.release()
+        assert not payload.gripper_closed
+        await outputs.unwind(4.5)
+        assert payload.winch == 4.5
+        await outputs.run_winch(0.0)
+        await outputs.relax_winch()
+        with pytest.raises(ActionUnsupported, match=r"vehicle 1/1 cannot set an actuator: .* use set_servo"):
+            await outputs.set_actuator(1, 0.5)
+
+    fly(COPTER, scenario, prepare=with_payload)
+
+
+def test_the_outputs_of_px4():
+    async def scenario(world, vehicle):
+        outputs, payload = vehicle.actuators, world.simulated.autopilot.payload
+        await outputs.set_actuator(2, -1.0)
+        assert list(payload.servos.values()) == [1000]
+        await outputs.grip()
+        assert payload.gripper_closed
+        with pytest.raises(ActionUnsupported, match=r"cannot set a servo: .* use set_actuator"):
+            await outputs.set_servo(1, 1500)
+        with pytest.raises(ActionUnsupported, match="cannot switch a relay: PX4 has none"):
+            await outputs.set_relay(0, True)
+
+    fly(PX4_COPTER, scenario)
+
+
+def test_a_gripper_that_is_not_set_up():
+    async def scenario(world, vehicle):
+        with pytest.raises(CommandDenied, match="DO_GRIPPER on 1/1 failed: FAILED"):
+            await vehicle.actuators.release()
+
+    fly(COPTER, scenario)
+
+
+@pytest.mark.parametrize("kind", [COPTER, PX4_COPTER], ids=["ardupilot", "px4"])
+def test_a_motor_test_ends_when_the_motor_stops(kind):
+    async def scenario(world, vehicle):
+        payload = world.simulated.autopilot.payload
+        testing = asyncio.create_task(vehicle.actuators.test_motor(2, throttle=20, duration=6.5))
+        for _ in range(5):
+            await asyncio.sleep(1.0)
+            assert (payload.motor_tested, payload.motor_throttle) == (2, pytest.approx(0.2))
+        begun = world.node.now()
+        await testing
+        await asyncio.sleep(0.3)
+        assert world.node.now() - begun == pytest.approx(1.5, abs=0.8)
+        assert payload.motor_tested == 0
+
+    fly(kind, scenario)
+
+
+@pytest.mark.parametrize("kind", [COPTER, PX4_COPTER], ids=["ardupilot", "px4"])
+def test_a_cancelled_motor_test_stops_the_motor(kind):
+    async def scenario(world, vehicle):
+        payload = world.simulated.autopilot.payload
+        testing = asyncio.create_task(vehicle.actuators.test_motor(1, duration=60))
+        await asyncio.sleep(1.0)
+        assert payload.motor_tested == 1
+        testing.cancel()
+        await asyncio.sleep(0.5)
+        assert payload.motor_tested == 0
+
+    fly(kind, scenario)
+
+
+def test_a_motor_test_that_the_vehicle_refuses():
+    async def scenario(world, vehicle):
+        await vehicle.arm()
+        with pytest.raises(CommandDenied, match=r"DO_MOTOR_TEST on 1/1 failed: FAILED .*Motor Test"):
+            await vehicle.actuators.test_motor(1)
+
+    fly(COPTER, scenario)
+
+
+def test_arming_interrupts_a_motor_test():
+    async def scenario(made):
+        made.script.arm(False)
+        await asyncio.sleep(1.5)
+        asyncio.get_running_loop().call_later(4.0, made.script.arm)
+        with pytest.raises(ActionInterrupted, match="test of motor 3 of 1/1 failed: it was armed"):
+            await made.vehicle.actuators.test_motor(3, duration=30)
+
+    play(scenario)
+
+
+def test_the_number_of_an_actuator_selects_its_set():
+    async def scenario(made):
+        await made.vehicle.actuators.set_actuator(8, 0.25)
+        rest = ["nan"] * 4
+        assert asked_of(made) == [("long", "DO_SET_ACTUATOR", "nan", 0.25, *rest, 1)]
+
+    play(scenario)
+
+
+def test_arguments_out_of_range_send_nothing():
+    async def scenario(made):
+        outputs = made.vehicle.actuators
+        made.script.arm(False)
+        for wrong in (
+            lambda: outputs.set_servo(0, 1500),
+            lambda: outputs.set_servo(1, 2501),
+            lambda: outputs.set_relay(-1, True),
+            lambda: outputs.set_actuator(1, 1.5),
+            lambda: outputs.test_motor(0),
+            lambda: outputs.test_motor(1.5),
+            lambda: outputs.test_motor(1, throttle=101),
+            lambda: outputs.test_motor(1, duration=601),
+            lambda: outputs.unwind(float("nan")),
+            lambda: outputs.unwind(1, rate=-1),
+            lambda: outputs.grip(0),
+            lambda: made.vehicle.set_ekf_source(4),
+        ):
+            with pytest.raises(InvalidArgumentError):
+                await wrong()
+        assert asked_of(made) == []
+
+    play(scenario)
