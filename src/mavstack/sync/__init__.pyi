@@ -69,6 +69,10 @@ from mavstack.services.signing_setup import SigningRequest
 from mavstack.services.timesync import TimesyncClient
 from mavstack.services.version import AutopilotVersion
 from mavstack.services.version import ProtocolVersion
+from mavstack.vehicle.calibration.kinds import CalibrationKind
+from mavstack.vehicle.calibration.kinds import CalibrationResult
+from mavstack.vehicle.calibration.kinds import CalibrationStep
+from mavstack.vehicle.capabilities import Capabilities
 from mavstack.vehicle.connection import NodeOptions
 from mavstack.vehicle.health import Health
 from mavstack.vehicle.telemetry import values
@@ -83,7 +87,7 @@ from typing import Self
 from typing import TypeVar
 from typing import Unpack
 
-__all__ = ['Camera', 'CameraSettings', 'CommandHandlers', 'Connection', 'ControlStream', 'ExtendedParams', 'Ftp', 'Gimbal', 'Group', 'GuidedSession', 'Listener', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'RemoteComponent', 'Results', 'Shell', 'Subscription', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
+__all__ = ['Actuators', 'Calibration', 'CalibrationSession', 'Camera', 'CameraSettings', 'CommandHandlers', 'Connection', 'ControlStream', 'ExtendedParams', 'Ftp', 'Gimbal', 'Group', 'GuidedSession', 'Listener', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'RegionOfInterest', 'RemoteComponent', 'Results', 'Shell', 'Subscription', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
 AnyEvent = TypeVar('AnyEvent')
 AnyHandler = TypeVar('AnyHandler', bound='Callable[..., Any]')
 AnyMessage = TypeVar('AnyMessage', bound=Message)
@@ -2286,6 +2290,342 @@ class Mission(VehiclePlan):
             RemoteCancelled: The connection was closed.
         """
 
+class Actuators:
+    """The outputs of a vehicle; `vehicle.actuators`."""
+
+    def set_servo(self, number: int, pulse: int, *, timeout: float | None=None) -> None:
+        """Set the pulse of a servo output (MAV_CMD_DO_SET_SERVO).
+
+        ArduPilot refuses outputs that one of its own functions drives, such as motors.
+
+        Args:
+            number: The number of the output, from 1.
+            pulse: The pulse in microseconds, 0 to 2500; 0 stops the pulses.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidTypeError: An argument is not a number.
+            InvalidArgumentError: The number or the pulse is out of range.
+            ActionUnsupported: The firmware has no servo numbers (PX4); nothing was sent.
+            CommandDenied: The vehicle refused.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
+    def set_relay(self, number: int, on: bool, *, timeout: float | None=None) -> None:
+        """Switch a relay (MAV_CMD_DO_SET_RELAY).
+
+        Args:
+            number: The number of the relay, from 0.
+            on: True switches it on.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidTypeError: The number is not a number.
+            InvalidArgumentError: The number is out of range.
+            ActionUnsupported: The firmware has no relays (PX4); nothing was sent.
+            CommandDenied: The vehicle refused, such as a relay that is not set up.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
+    def set_actuator(self, number: int, value: float, *, timeout: float | None=None) -> None:
+        """Set an actuator output; all others keep their value (MAV_CMD_DO_SET_ACTUATOR).
+
+        Args:
+            number: The number of the actuator, from 1: PX4's output function "Peripheral via Actuator Set N".
+            value: The value, -1 to 1.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidTypeError: An argument is not a number.
+            InvalidArgumentError: The number or the value is out of range.
+            ActionUnsupported: The firmware has no actuator numbers (ArduPilot); nothing was sent.
+            CommandDenied: The vehicle refused.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
+    def test_motor(self, number: int, *, throttle: float=5.0, duration: float=2.0, wait: bool=True, timeout: float | None=None) -> None:
+        """Run one motor of a disarmed vehicle for some time, then stop it. Take the propellers off.
+
+        Cancelling the call stops the motor. Without a connection the motor stops by itself, after 3 seconds
+        with PX4 and at the end of `duration` with ArduPilot (MAV_CMD_DO_MOTOR_TEST, MAV_CMD_ACTUATOR_TEST).
+
+        Args:
+            number: The number of the motor, from 1. ArduPilot counts clockwise from the front right motor,
+                PX4 by the functions of its outputs.
+            throttle: Percent, 0 to 100.
+            duration: Seconds, up to 600; PX4 gets the command again and again for a longer test than 3.
+            wait: Wait until the motor has stopped. Without it a PX4 motor runs for 3 seconds at most.
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            InvalidTypeError: An argument is not a number.
+            InvalidArgumentError: An argument is out of range.
+            CommandDenied: The vehicle refused, such as while it is armed or in the air.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The test did not end within `timeout`.
+            ActionInterrupted: The vehicle was armed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def grip(self, gripper: int=1, *, timeout: float | None=None) -> None:
+        """Close a gripper (MAV_CMD_DO_GRIPPER).
+
+        Args:
+            gripper: The number of the gripper, from 1.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidTypeError: The number is not a number.
+            InvalidArgumentError: The number is out of range.
+            CommandDenied: The vehicle refused, such as without a gripper.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
+    def release(self, gripper: int=1, *, timeout: float | None=None) -> None:
+        """Open a gripper, which drops its cargo (MAV_CMD_DO_GRIPPER).
+
+        Args:
+            gripper: The number of the gripper, from 1.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidTypeError: The number is not a number.
+            InvalidArgumentError: The number is out of range.
+            CommandDenied: The vehicle refused, such as without a gripper.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
+    def unwind(self, length: float, *, rate: float=0.0, winch: int=1, timeout: float | None=None) -> None:
+        """Pay out line from a winch, or wind it in (MAV_CMD_DO_WINCH).
+
+        The vehicle acknowledges the start; its WINCH_STATUS reports the length of the line.
+
+        Args:
+            length: Metres of line to pay out; negative: to wind in.
+            rate: Metres per second; 0 leaves it to the vehicle.
+            winch: The number of the winch, from 1.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidTypeError: An argument is not a number.
+            InvalidArgumentError: An argument is not finite, or the rate is negative.
+            CommandDenied: The vehicle refused, such as without a winch.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
+    def run_winch(self, rate: float, *, winch: int=1, timeout: float | None=None) -> None:
+        """Run a winch at a rate until the next command (MAV_CMD_DO_WINCH).
+
+        Args:
+            rate: Metres of line per second to pay out; negative: to wind in; 0: stop.
+            winch: The number of the winch, from 1.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidTypeError: An argument is not a number.
+            InvalidArgumentError: The rate is not finite.
+            CommandDenied: The vehicle refused, such as without a winch.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
+    def relax_winch(self, winch: int=1, *, timeout: float | None=None) -> None:
+        """Let the line of a winch run freely (MAV_CMD_DO_WINCH).
+
+        Args:
+            winch: The number of the winch, from 1.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidTypeError: The number is not a number.
+            InvalidArgumentError: The number is out of range.
+            CommandDenied: The vehicle refused, such as without a winch.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
+class CalibrationSession:
+    """A calibration; made by `Calibration.start`.
+
+    Iterating it yields a `CalibrationStep` whenever there is something to do or to show, and ends when the
+    calibration is done. A failure raises from the iteration.
+    """
+
+    @property
+    def kind(self) -> CalibrationKind:
+        """The kind of the calibration."""
+
+    @property
+    def step(self) -> CalibrationStep | None:
+        """The last step; None before the first one."""
+
+    @property
+    def result(self) -> CalibrationResult | None:
+        """The result; None until the calibration is done."""
+
+    def confirm(self) -> None:
+        """Confirm that the task of the step is done, such as that the vehicle is in the pose.
+
+        Raises:
+            InvalidStateError: The calibration is not waiting for a confirmation.
+        """
+
+    def __enter__(self) -> Self:
+        ...
+
+    def __iter__(self) -> Self:
+        ...
+
+    def __next__(self) -> CalibrationStep:
+        """Return the next step.
+
+        Raises:
+            CommandDenied: The vehicle refused.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: It was not done within the timeout, or the vehicle gave no sign of progress.
+            ActionInterrupted: The vehicle reported that it failed, or was armed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        ...
+
+class Calibration:
+    """The calibrations of a vehicle; `vehicle.calibration`."""
+
+    @property
+    def kinds(self) -> tuple[CalibrationKind, ...]:
+        """The kinds that the firmware and the vehicle type have."""
+
+    def needs_confirmation(self, kind: CalibrationKind | str) -> bool:
+        """Return whether steps of a calibration wait for a confirmation, as of poses and sticks.
+
+        Args:
+            kind: The kind, or its name such as "accelerometer".
+
+        Returns:
+            True if `start` is needed for it; `run` cannot confirm steps.
+
+        Raises:
+            InvalidArgumentError: There is no such kind.
+            ActionUnsupported: The firmware or the vehicle type lacks it.
+        """
+
+    def start(self, kind: CalibrationKind | str, *, timeout: float | None=None) -> CalibrationSession:
+        """Return a context manager during which a calibration runs, and an iterator of its steps.
+
+        The vehicle must be disarmed. Leaving the block before the end cancels the calibration, as far as the
+        firmware can: ArduPilot cannot cancel its accelerometer calibration, which a new start continues.
+
+        Args:
+            kind: The kind, or its name such as "accelerometer".
+            timeout: Seconds for the whole calibration; None sets no overall limit.
+
+        Returns:
+            The session. Its iteration raises `CommandDenied`, `CommandTimeout`, `ActionTimeout`,
+            `ActionInterrupted`, `ContactLost` or `RemoteCancelled` if the calibration fails.
+
+        Raises:
+            InvalidArgumentError: There is no such kind.
+            ActionUnsupported: The firmware or the vehicle type lacks it.
+        """
+
+    def run(self, kind: CalibrationKind | str, *, on_step: Callable[[CalibrationStep], None] | None=None, timeout: float | None=None) -> CalibrationResult:
+        """Run a calibration that needs no confirmation to its end.
+
+        Args:
+            kind: The kind, or its name such as "gyroscope".
+            on_step: Called with each step, which tells what to do with the vehicle.
+            timeout: Seconds for the whole call; None: until the vehicle gives no sign of progress.
+
+        Returns:
+            The result.
+
+        Raises:
+            InvalidArgumentError: There is no such kind, or its steps need confirmations; use `start`.
+            ActionUnsupported: The firmware or the vehicle type lacks it; nothing was sent.
+            CommandDenied: The vehicle refused, such as while it is armed.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: It was not done within `timeout`, or the vehicle gave no sign of progress.
+            ActionInterrupted: The vehicle reported that it failed, or was armed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def cancel(self, kind: CalibrationKind | str, *, timeout: float | None=None) -> None:
+        """Cancel a calibration that another program, or an earlier one, has started.
+
+        Args:
+            kind: The kind, or its name.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidArgumentError: There is no such kind.
+            ActionUnsupported: The firmware or the vehicle type lacks it; nothing was sent.
+            CommandDenied: The vehicle refused.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
+class RegionOfInterest:
+    """The region of interest of a vehicle; `vehicle.roi`."""
+
+    def set_location(self, latitude: float, longitude: float, altitude: float=0.0, *, timeout: float | None=None) -> None:
+        """Keep pointing at a location (MAV_CMD_DO_SET_ROI_LOCATION).
+
+        Args:
+            latitude: Degrees.
+            longitude: Degrees.
+            altitude: Metres above home.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidTypeError: An argument is not a number.
+            InvalidArgumentError: The location is not one on Earth.
+            CommandDenied: The vehicle refused, or has no home (PX4 counts altitudes from the sea).
+            CommandTimeout: The vehicle did not answer.
+            MessageTimeout: The vehicle did not report its home, which the altitude counts from (PX4).
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
+    def set_next_waypoint(self, *, pitch: float=0.0, roll: float=0.0, yaw: float=0.0, timeout: float | None=None) -> None:
+        """Keep pointing at the next waypoint, turned by an offset (MAV_CMD_DO_SET_ROI_WPNEXT_OFFSET).
+
+        Args:
+            pitch: Degrees, positive up.
+            roll: Degrees, positive to the right.
+            yaw: Degrees, positive clockwise.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidTypeError: An angle is not a number.
+            InvalidArgumentError: An angle is not finite.
+            ActionUnsupported: The firmware does not do that (ArduPilot); nothing was sent.
+            CommandDenied: The vehicle refused.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
+    def clear(self, *, timeout: float | None=None) -> None:
+        """Point ahead again (MAV_CMD_DO_SET_ROI_NONE).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            CommandDenied: The vehicle refused.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
 class Vehicle:
     """One vehicle; made by `Connection.wait_for_vehicle` and found in `Connection.vehicles`."""
     connection: Node
@@ -2720,6 +3060,18 @@ class Vehicle:
         """The direction in which the vehicle points, 0 to 360 degrees (GLOBAL_POSITION_INT or ATTITUDE)."""
 
     @property
+    def ground_speed(self) -> float | None:
+        """The horizontal speed over ground, in m/s (LOCAL_POSITION_NED, GLOBAL_POSITION_INT or VFR_HUD)."""
+
+    @property
+    def climb_rate(self) -> float | None:
+        """The vertical speed, in m/s, positive up (LOCAL_POSITION_NED, GLOBAL_POSITION_INT or VFR_HUD)."""
+
+    @property
+    def version(self) -> AutopilotVersion | None:
+        """The software and hardware versions; None before `get_version` (AUTOPILOT_VERSION)."""
+
+    @property
     def modes(self) -> Modes:
         """The flight modes."""
 
@@ -2994,6 +3346,61 @@ class Vehicle:
             RemoteCancelled: The connection was closed.
         """
 
+    def transition_to_fixed_wing(self, *, wait: bool=True, timeout: float | None=None) -> None:
+        """Change a VTOL that hovers to flight on its wing (MAV_CMD_DO_VTOL_TRANSITION).
+
+        Args:
+            wait: Wait until the vehicle flies on its wing.
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            CommandDenied: The vehicle refused, such as on the ground or in a mode without forward flight.
+            CommandTimeout: The vehicle did not answer.
+            ActionUnsupported: The vehicle is no VTOL; nothing was sent.
+            ActionTimeout: It was not complete within `timeout`, or within a minute.
+            ActionInterrupted: The vehicle was disarmed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def transition_to_multicopter(self, *, wait: bool=True, timeout: float | None=None) -> None:
+        """Change a VTOL that flies on its wing to hovering (MAV_CMD_DO_VTOL_TRANSITION).
+
+        Args:
+            wait: Wait until the vehicle hovers.
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            CommandDenied: The vehicle refused, such as on the ground.
+            CommandTimeout: The vehicle did not answer.
+            ActionUnsupported: The vehicle is no VTOL; nothing was sent.
+            ActionTimeout: It was not complete within `timeout`, or within a minute.
+            ActionInterrupted: The vehicle was disarmed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def terminate(self, *, timeout: float | None=None) -> None:
+        """Terminate the flight: stop the motors for good, wherever the vehicle is. It crashes.
+
+        Only a reboot ends the termination. ArduPilot may need AFS_ENABLE for it
+        (MAV_CMD_DO_FLIGHTTERMINATION).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+
+        Raises:
+            CommandDenied: The vehicle refused, such as PX4 while it is disarmed.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The vehicle accepted, and its heartbeat did not confirm it in time.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    @property
+    def capabilities(self) -> Capabilities:
+        """The capabilities as far as they are known now; `get_version` requests AUTOPILOT_VERSION."""
+
     def wait_until_ready(self, *, mode: str | None=None, timeout: float | None=...) -> Health:
         """Wait until the vehicle will accept arming.
 
@@ -3057,6 +3464,57 @@ class Vehicle:
             ModeTimeout: The vehicle accepted the mode and did not enter it.
         """
 
+    def command(self, command: int, *params: float, frame: int | None=None, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> CommandResult:
+        """Send any MAV_CMD to the autopilot, and wait for its end; errors carry the vehicle's status texts.
+
+        Args:
+            command: The MAV_CMD.
+            params: Up to seven parameters, in the units of the command's definition; missing ones are 0.
+            frame: A MAV_FRAME: send COMMAND_INT, with params 5 and 6 in degrees or metres. None:
+                COMMAND_LONG.
+            timeout: Seconds for the whole call; None: until retries are exhausted or no more IN_PROGRESS is
+                received.
+            progress: Called with the percentage done and 100 while a long command runs.
+
+        Returns:
+            The result and its additional data (COMMAND_ACK).
+
+        Raises:
+            CommandDenied: The vehicle answered with another result than ACCEPTED.
+            CommandTimeout: The vehicle did not answer.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def get_version(self, *, timeout: float | None=None) -> AutopilotVersion:
+        """Get the software and hardware versions and the capabilities (AUTOPILOT_VERSION).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The versions, the unique id and the MAV_PROTOCOL_CAPABILITY flags; `version` keeps them.
+
+        Raises:
+            CommandDenied: The vehicle refused the request.
+            MessageTimeout: The vehicle did not answer.
+        """
+
+    def set_ekf_source(self, number: int, *, timeout: float | None=None) -> None:
+        """Select a set of sources of the state estimator (MAV_CMD_SET_EKF_SOURCE_SET).
+
+        Args:
+            number: The number of the set, 1 to 3: parameters EK3_SRC1_… to EK3_SRC3_….
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidTypeError: The number is not a number.
+            InvalidArgumentError: The number is not 1, 2 or 3.
+            ActionUnsupported: The firmware has no source sets (PX4); nothing was sent.
+            CommandDenied: The vehicle refused.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
     def guided(self, rate: float=20.0, first: Setpoint=..., *, timeout: float | None=None) -> GuidedSession:
         """Return a context manager during which the vehicle follows setpoints.
 
@@ -3101,6 +3559,18 @@ class Vehicle:
             ActionTimeout: The vehicle did not come back in time.
             RemoteCancelled: The connection was closed.
         """
+
+    @cached_property
+    def actuators(self) -> Actuators:
+        """The outputs: servos, relays, actuators, motor tests, gripper and winch."""
+
+    @cached_property
+    def calibration(self) -> Calibration:
+        """The calibrations of the sensors, the radio control and the motors."""
+
+    @cached_property
+    def roi(self) -> RegionOfInterest:
+        """The region of interest: the point that the gimbal or the nose keeps pointing at."""
 
     @cached_property
     def mission(self) -> Mission:

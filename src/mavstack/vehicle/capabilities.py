@@ -60,7 +60,7 @@ class Capabilities:
         osd: There is an on-screen display.
         flashing: The firmware can be replaced over USB by its bootloader.
         calibrations: The kinds of calibrations: `calibration`.
-        cameras: The component ids of cameras.
+        cameras: The ids of cameras, as `Vehicle.camera` takes them.
         gimbals: The component ids of gimbals and gimbal managers.
     """
 
@@ -179,12 +179,13 @@ class _Reader:
         return None if self._version is None else bool(self._version.vendor_id)
 
     def cameras(self) -> Iterator[int]:
-        """Yield the component ids of cameras."""
+        """Yield the component ids of cameras, and the number of one that is attached to the autopilot."""
         for component, info in self._vehicle.components.items():
             if info.type == _TYPE.CAMERA:
                 yield component
-        if self._vehicle.latest(common.CameraInformation) is not None:
-            yield self._vehicle.address.component
+        attached = self._vehicle.latest(common.CameraInformation)
+        if attached is not None:
+            yield attached.camera_device_id or self._vehicle.address.component
 
     def gimbals(self) -> Iterator[int]:
         """Yield the component ids of gimbals, and that of an autopilot that manages one."""

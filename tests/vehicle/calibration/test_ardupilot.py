@@ -175,12 +175,12 @@ def test_a_failed_compass():
             await asyncio.sleep(1)
             made.script.send(report)
             await asyncio.sleep(2)
-            made.script.send(report.replace(compass_id=1, cal_status=common.MagCalStatus.BAD_ORIENTATION))
+            made.script.send(report.replace(compass_id=1, cal_status=common.MagCalStatus.FAILED_ORIENTATION))
 
         telling = asyncio.create_task(tell())
         with pytest.raises(ActionInterrupted) as failed:
             await made.vehicle.calibration.run("compass")
-        assert str(failed.value) == "compass calibration of 1/1 failed: compass 1: BAD_ORIENTATION"
+        assert str(failed.value) == "compass calibration of 1/1 failed: compass 1: FAILED_ORIENTATION"
         await telling
 
     play(scenario, autopilot=ARDUPILOT_NUMBER)

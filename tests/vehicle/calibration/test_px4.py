@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from itertools import groupby
 
 import pytest
 
@@ -128,6 +129,61 @@ def test_a_reported_failure():
         with pytest.raises(ActionInterrupted) as failed:
             await made.vehicle.calibration.run("gyroscope")
         assert str(failed.value) == "gyroscope calibration of 1/1 failed: reading sensor"
+
+    play(scenario)
+
+
+#: The texts of real vehicles: they were not turned, so that both calibrations failed.
+ACCELEROMETER = [
+    "calibration started: 2 accel",
+    "pending: back front left right up down",
+    "hold vehicle still on a pending side",
+    "detected rest position, hold still...",
+    "down orientation detected",
+    "Hold still, measuring down side",
+    "down side result: [ 1.5294 -0.2218 -11.85",
+    "progress <17>",
+    "down side done, rotate to a different side",
+    "pending: back front left right up",
+    "hold vehicle still on a pending side",
+    "detected rest position, hold still...",
+    "down side already completed",
+    "calibration failed: timeout: no motion",
+]
+COMPASS = [
+    "calibration started: 2 mag",
+    "Skipped scale calibration, sensor 0",
+    "pending: back front left right up down",
+    "hold vehicle still on a pending side",
+    "detected rest position, hold still...",
+    "up orientation detected",
+    "Rotate vehicle around the detected orientat",
+    "Continue rotation for up 7 s",
+    "calibration failed: mag",
+]
+
+
+@pytest.mark.parametrize(
+    ("kind", "texts", "tasks", "reason"),
+    [
+        (
+            "accelerometer",
+            ACCELEROMETER,
+            [TASK.PLACE, TASK.HOLD_STILL, TASK.PLACE, TASK.HOLD_STILL, TASK.PLACE],
+            "timeout: no motion",
+        ),
+        ("compass", COMPASS, [TASK.PLACE, TASK.HOLD_STILL, TASK.ROTATE], "the vehicle reported a failure"),
+    ],
+)
+def test_recorded_conversations(kind, texts, tasks, reason):
+    async def scenario(made):
+        texts_of(made, texts)
+        told = []
+        with pytest.raises(ActionInterrupted, match=f"{kind} calibration of 1/1 failed: {reason}"):
+            await made.vehicle.calibration.run(kind, on_step=told.append)
+        assert [task for task, _ in groupby(step.task for step in told)] == tasks
+        if kind == "accelerometer":
+            assert (told[-1].pending, told[-1].progress) == (tuple(POSES[:5]), 17)
 
     play(scenario)
 

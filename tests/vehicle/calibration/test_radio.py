@@ -44,9 +44,9 @@ def test_the_pulses_of_the_channels(firmware):
         steps, result = await calibrate(vehicle, "radio", act)
         tasks = list(dict.fromkeys(step.task for step in steps))
         assert tasks == [TASK.WAIT, TASK.MOVE_STICKS, TASK.CENTER_STICKS]
-        assert result.channels == {1: ChannelRange(1012, 1505, 1990), 3: ChannelRange(1012, 1015, 1990)}
+        assert result.channels == {1: ChannelRange(1012, 1505, 1990), 3: ChannelRange(1000, 1015, 1990)}
         parameters = world.simulated.parameters
-        assert [parameters[f"RC3_{name}"] for name in ("MIN", "TRIM", "MAX")] == [1012, 1015, 1990]
+        assert [parameters[f"RC3_{name}"] for name in ("MIN", "TRIM", "MAX")] == [1000, 1015, 1990]
         if firmware is PX4:
             texts = [text.text for text in vehicle.status_texts]
             assert "Calibration: Restoring RC input" in texts

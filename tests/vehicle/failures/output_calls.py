@@ -1,4 +1,4 @@
-"""The rows of the failure table for outputs, region of interest, calibrations and the vehicle's own commands."""
+"""The failure table of outputs, region of interest, calibrations and the vehicle's own commands."""
 
 from __future__ import annotations
 

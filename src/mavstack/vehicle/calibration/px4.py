@@ -114,7 +114,8 @@ class _Reader:
         elif state == "done":
             self.done = True
         elif state == "failed":
-            conversation.problem = rest.strip() or "the vehicle gave no reason"
+            reason = rest.strip()  # or the name of the sensor
+            conversation.problem = reason if " " in reason else "the vehicle reported a failure"
         elif state == "cancelled" and self._begun:  # else it is an earlier one
             conversation.problem = "it was cancelled"
 
