@@ -14,7 +14,7 @@ from __future__ import annotations
 from contextlib import suppress
 from math import inf
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING, Final, TypeAlias, cast
 
 from mavstack.dialects import ardupilotmega, common
 from mavstack.errors import CommandDenied
@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from mavstack.dialects import Message
     from mavstack.vehicle.calibration.conversation import Conversation
     from mavstack.vehicle.vehicle_state import VehicleState
+
+_Back: TypeAlias = ComponentRebooted | ComponentReturned | ComponentFound
 
 _CMD: Final = ardupilotmega.MavCmd
 _POSITION: Final = ardupilotmega.AccelcalVehiclePos
@@ -195,7 +197,8 @@ async def _esc(conversation: Conversation) -> None:
     await vehicle.params.set(_ESC_PARAMETER, _CALIBRATE_AT_POWER_UP)
     conversation.running = True
     text = "Take the propellers off. Disconnect battery and USB, connect the battery, and wait for the tones."
-    async with vehicle.connection.events(ComponentRebooted, ComponentReturned, ComponentFound) as events:
+    kinds: tuple[type[_Back], ...] = (ComponentRebooted, ComponentReturned, ComponentFound)
+    async with vehicle.connection.events(*kinds) as events:
 
         def is_back() -> bool:
             nonlocal back

@@ -23,6 +23,7 @@ from mavstack.vehicle.calibration.selection import procedures_of
 from mavstack.vehicle.calibration.session import CalibrationSession
 from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import firmware_of
+from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -132,7 +133,7 @@ class Calibration(ReadOnly):
         """
         found, procedure = self._procedure(kind)
         async with deadline(timeout, f"cancelling the {found} calibration of", self._vehicle.address):
-            await procedure.cancel(self._vehicle)
+            await with_status_texts(self._vehicle, procedure.cancel(self._vehicle))
 
     def _procedure(self, kind: CalibrationKind | str) -> tuple[CalibrationKind, Procedure]:
         try:

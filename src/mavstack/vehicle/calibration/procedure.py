@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
+    from collections.abc import Awaitable, Callable, Coroutine
+    from typing import Any
 
     from mavstack.vehicle.calibration.conversation import Conversation
     from mavstack.vehicle.vehicle_state import VehicleState
@@ -23,5 +24,5 @@ class Procedure:
     """
 
     run: Callable[[Conversation], Awaitable[None]]
-    cancel: Callable[[VehicleState], Awaitable[None]]
+    cancel: Callable[[VehicleState], Coroutine[Any, Any, None]]
     needs_confirmation: bool = False
