@@ -1,7 +1,7 @@
-"""`mav vehicle calibrate`: one calibration, with its steps on the terminal, and questions where it waits.
+"""`mav vehicle calibrate`: one calibration, with its steps on the terminal.
 
-A step that waits for a confirmation is a question, which Enter answers; `--yes` answers it after a pause, for
-scripts. Without a kind the command lists the kinds that the vehicle has.
+Enter confirms a step that waits for it; `--yes` confirms it after a pause, for scripts. Without a kind the
+command lists the kinds that the vehicle has.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from mavstack.cli.common.confirmation import add_yes_option
 from mavstack.cli.common.connection import run_on_vehicle
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.options import finite_number
-from mavstack.cli.common.output import echo, echo_json, echo_progress, echo_question
+from mavstack.cli.common.output import echo, echo_json, echo_progress
 from mavstack.cli.common.selection import of_vehicle
 from mavstack.cli.common.stdin_lines import stdin_lines
 from mavstack.cli.vehicle.arguments import add_timed
@@ -22,10 +22,10 @@ from mavstack.vehicle import CalibrationKind
 
 if TYPE_CHECKING:
     from argparse import Namespace
-    from collections.abc import Awaitable, Callable
+    from collections.abc import Awaitable, Callable, Coroutine
 
     from mavstack.cli.common.actions import Actions
-    from mavstack.vehicle import CalibrationResult, CalibrationStep, Vehicle
+    from mavstack.vehicle import CalibrationResult, CalibrationSession, CalibrationStep, Vehicle
 
     Ask = Callable[[str], Awaitable[str]]
 
@@ -84,21 +84,42 @@ async def _run(vehicle: Vehicle, kind: CalibrationKind, arguments: Namespace) ->
     if vehicle.calibration.needs_confirmation(kind) and not questions.can_be_asked:
         text = f"the {kind} calibration asks questions; add --yes to answer each after --pause seconds"
         raise UsageError(text)
-    display = _Display(arguments)
-    asked = ""
+    display, asked, answers = _Display(arguments), "", _Answers()
     try:
         async with vehicle.calibration.start(kind, timeout=arguments.action_timeout) as session:
             async for step in session:
                 question = f"{step.task} {step.pose}" if step.needs_confirmation else ""
-                display.show(step, new=question != asked)
+                display.show(step)
                 if question and question != asked:
-                    await questions.ask(step)
-                    await session.confirm()
+                    answers.begin(_confirm(questions, session, step))
                 asked = question
     finally:
+        await answers.end()
         display.end()
     _report_result(vehicle, arguments, session.result)
     return 0
+
+
+async def _confirm(questions: _Questions, session: CalibrationSession, step: CalibrationStep) -> None:
+    await questions.ask(step)
+    await session.confirm()
+
+
+class _Answers:
+    """The question that is open; steps go on to arrive meanwhile."""
+
+    def __init__(self) -> None:
+        self._task: asyncio.Task[None] | None = None
+
+    def begin(self, asking: Coroutine[Any, Any, None]) -> None:
+        """Ask a question."""
+        self._task = asyncio.get_running_loop().create_task(asking)
+
+    async def end(self) -> None:
+        """Withdraw the open question."""
+        if self._task is not None:
+            self._task.cancel()
+            await asyncio.gather(self._task, return_exceptions=True)
 
 
 class _Questions:
@@ -118,13 +139,11 @@ class _Questions:
 
     async def ask(self, step: CalibrationStep) -> None:
         """Wait until the task of a step is done."""
-        question = f"{step.text} [Enter] "
         if self._pause is not None:
             await asyncio.sleep(self._pause)
         elif self._prompt is not None:
-            await self._prompt(question)
+            await self._prompt("[Enter] ")
         else:
-            echo_question(question)
             await anext(self._lines, "")
 
 
@@ -133,21 +152,21 @@ class _Display:
 
     def __init__(self, arguments: Namespace) -> None:
         self._json = arguments.json
-        self._yes = arguments.yes
         self._live = sys.stderr.isatty() and not arguments.json
         self._shown = ""
 
-    def show(self, step: CalibrationStep, *, new: bool) -> None:
-        """Show a step; a question shows itself."""
+    def show(self, step: CalibrationStep) -> None:
+        """Show a step: its task once, and its text or its progress as it changes."""
         if self._json:
             echo_json(_plain(step))
             return
-        if step.text != self._shown and not (step.needs_confirmation and not (self._yes and new)):
+        task = f"{step.task} {step.pose}" if step.needs_confirmation else step.text
+        if task != self._shown:
+            self._shown = task
             self.end()
             echo(step.text)
-            self._shown = step.text
-        if self._live and step.progress is not None:
-            echo_progress(f"{step.kind}: {step.progress} %")
+        elif self._live:
+            echo_progress(str(step))
 
     def end(self) -> None:
         """Erase the progress line."""

@@ -39,6 +39,15 @@ _MESSAGES: Final[tuple[type[Message], ...]] = (
 #: Columns of wrapped texts, which with the names of the rows fit into 80.
 _WIDTH: Final = 66
 _FIXES: Final = ("no receiver", "no fix", "2D fix", "3D fix", "DGPS fix", "RTK float", "RTK fixed")
+#: The features whose names are abbreviations.
+_FEATURE_NAMES: Final = {
+    "ftp": "FTP",
+    "vtol": "VTOL",
+    "osd": "OSD",
+    "mavlink2": "MAVLink 2",
+    "command_int": "COMMAND_INT",
+    "ekf_sources": "EKF sources",
+}
 _FIRMWARES: Final[dict[int, str]] = {
     common.MavAutopilot.ARDUPILOTMEGA: "ArduPilot",
     common.MavAutopilot.PX4: "PX4",
@@ -203,7 +212,8 @@ def _health_rows(health: dict[str, Any]) -> list[tuple[str, str]]:
 
 def _feature_names(features: dict[str, Any]) -> list[str]:
     """Return the features that the vehicle has, as words; components and calibrations have their own rows."""
-    return [name.replace("_", " ") for name, value in features.items() if value is True]
+    had = [name for name, value in features.items() if value is True]
+    return [_FEATURE_NAMES.get(name, name.replace("_", " ")) for name in had]
 
 
 def _wrapped(name: str, texts: Iterable[str]) -> list[tuple[str, str]]:
