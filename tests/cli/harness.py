@@ -17,7 +17,7 @@ from mavstack.sim.simulation import Simulation
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import connect
-from tests.sim.harness import make_ready, reduce_telemetry, running
+from tests.sim.running import make_ready, reduce_telemetry, running
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Coroutine

@@ -10,7 +10,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.sim import Simulation
 from tests.interop.mavsdk_peer import MavsdkError, mavsdk_object, mavsdk_peer
-from tests.sim.harness import RunningSimulation, running
+from tests.sim.running import RunningSimulation, running
 from tests.waiting import wait_until
 
 #: Simulated seconds per real second: a minute of flight in five seconds.

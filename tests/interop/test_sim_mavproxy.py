@@ -13,7 +13,7 @@ from mavstack.sim import Firmware, Simulation
 from mavstack.sim.telemetry.px4 import LinkMode, set_link_mode
 from tests.interop.mavproxy import mavproxy, needs_mavproxy
 from tests.interop.simulated import Flight
-from tests.sim.harness import running
+from tests.sim.running import running
 
 pytestmark = [pytest.mark.interop, needs_mavproxy]
 

@@ -10,7 +10,7 @@ from mavstack.links import Impairment, impair, open_link
 from mavstack.sim.runner import Runner
 from mavstack.sim.simulation import Simulation
 from mavstack.vehicle import connect
-from tests.sim.harness import reduce_telemetry
+from tests.sim.running import reduce_telemetry
 from tests.sim.whole_flights.plans import triangle
 from tests.vehicle.test_whole_missions import check, flown, loaded
 from tests.vehicle.world import ALL, World

@@ -1,6 +1,6 @@
 """The harness of simulated vehicles in tests, in virtual time.
 
-Blocking, without links: a vehicle with a ground station beside it, which exchanges bytes with it.
+Blocking, without links: a vehicle and a ground station that exchange bytes.
 
     copter = airborne("copter", "ardupilot", FS_GCS_ENABLE=1)
     copter.sends_heartbeats = False
@@ -10,36 +10,27 @@ Blocking, without links: a vehicle with a ground station beside it, which exchan
 Several vehicles in one `SimulationHarness` cost little more than one. Vehicles are placed in the air rather
 than flown there; wings start with a speed at which they can fly.
 
-With links, in an event loop: `make_ready` boots all vehicles, `running` connects them to a link.
+Simulations with links, in an event loop, are in `running.py`.
 """
 
 from __future__ import annotations
 
-from contextlib import asynccontextmanager
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack import Dialect, Parser, encode
 from mavstack.dialects import common
-from mavstack.links import Impairment, impair
 from mavstack.services import Address
 from mavstack.services.command import Command
 from mavstack.sim.motion.state import StateArray
-from mavstack.sim.runner import Runner
-from mavstack.sim.scenarios import run_until
 from mavstack.sim.simulation import Simulation
-from mavstack.sim.telemetry.px4 import LinkMode, set_link_mode
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 from tests.waiting import step_until
 
 if TYPE_CHECKING:
-    import asyncio
-    from collections.abc import AsyncIterator, Callable
+    from collections.abc import Callable
 
     from mavstack.dialects import Message
-    from mavstack.links import Link, MemoryNetwork
     from mavstack.services.mission import MissionItem
-    from mavstack.sim.vehicle import SimulatedVehicle
 
 AnyMessage = TypeVar("AnyMessage", bound="Message")
 
@@ -47,72 +38,12 @@ CMD, RESULT = common.MavCmd, common.MavResult
 GROUND = Address(255, common.MavComponent.MISSIONPLANNER)
 #: Steps per second.
 RATE = 50
-#: Seconds from boot until a vehicle has a position and can be armed.
-SETTLING_TIME = 15.0
+
+
 HEIGHT, WING_HEIGHT, DEPTH = 20.0, 150.0, 10.0
 _WING_SPEED = 18.0
 _WINGS = (VehicleType.PLANE,)
 _VELOCITY = StateArray.ROWS["velocity"][0]
-#: ArduPilot's streams; the values are their rates in hertz over a slow radio.
-_STREAMS = dict.fromkeys(("RAW_SENS", "RC_CHAN", "RAW_CTRL", "EXTRA1", "EXTRA2", "EXTRA3"), 0) | {
-    "EXT_STAT": 1,
-    "POSITION": 1,
-}
-
-
-# Shared by harnesses with links
-
-
-def reduce_telemetry(vehicle: SimulatedVehicle) -> None:
-    """Make a vehicle send little, since telemetry would take most of a test's time."""
-    if vehicle.firmware is Firmware.PX4:
-        set_link_mode(vehicle, LinkMode.MINIMAL)
-        return
-    for stream, rate in _STREAMS.items():
-        vehicle.parameters.set(f"SR0_{stream}", rate)
-
-
-def make_ready(simulation: Simulation) -> None:
-    """Advance until all vehicles can be armed, and drop the data that they sent meanwhile."""
-    for vehicle in simulation.vehicles:
-        run_until(simulation, lambda vehicle=vehicle: vehicle.autopilot.booted)
-    simulation.advance(simulation.now + SETTLING_TIME)
-    for vehicle in simulation.vehicles:
-        vehicle.data_to_send()
-
-
-@dataclass(frozen=True, slots=True)
-class RunningSimulation:
-    """A simulation that advances in a task, with all its vehicles on one link."""
-
-    runner: Runner
-    link: Link
-    task: asyncio.Task[None]
-
-    def raise_error(self) -> None:
-        """Raise the error that ended the simulation, if any."""
-        if self.task.done() and not self.task.cancelled():
-            self.task.result()
-
-
-@asynccontextmanager
-async def running(
-    simulation: Simulation, link: str | Link, *, speed: float = 1.0
-) -> AsyncIterator[RunningSimulation]:
-    """Connect all vehicles to a link and advance them; at the end an error of the simulation is raised."""
-    async with Runner(simulation, speed=speed) as runner:
-        opened = await runner.connect(link, simulation.vehicles)
-        advancing = RunningSimulation(runner, opened, runner.start())
-        yield advancing
-        advancing.raise_error()
-
-
-def impaired_link(network: MemoryNetwork, **impairment: float) -> Link:
-    """Return a link of the network, with loss, latency and so on if any are given."""
-    return impair(network.link(), Impairment(**impairment)) if impairment else network.link()
-
-
-# Without links
 
 
 class StatusTexts(list[str]):

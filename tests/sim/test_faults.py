@@ -6,13 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mavstack.dialects import common
-from mavstack.services.command import Command
-from mavstack.services.mission import MissionItem
 from mavstack.sim.faults import Fault, FaultError, FaultScript
 from mavstack.sim.simulation import Simulation
-from mavstack.wire import Parser
-from tests.sim.harness import CMD, RESULT, SimulationHarness, VehicleHarness, airborne, grounded
+from tests.sim.harness import VehicleHarness, airborne, grounded
 
 FIRMWARES = ["ardupilot", "px4"]
 
@@ -207,119 +203,7 @@ def test_battery(copter) -> None:
     assert body.battery.voltage == pytest.approx(before, abs=0.1)
 
 
-# Reboot and link
-
-
-def boot_times(one: VehicleHarness) -> list[int]:
-    return [message.time_boot_ms for message in one.received if hasattr(message, "time_boot_ms")]
-
-
-@pytest.mark.fast_cases(1)
-@pytest.mark.parametrize("firmware", FIRMWARES)
-def test_a_reboot_on_the_ground(firmware) -> None:
-    one = grounded("copter", firmware)
-    name = "RTL_ALT" if firmware == "ardupilot" else "RTL_RETURN_ALT"
-    one.set(**{name: 42})
-    one.load(*[waypoint()] * 2)
-    one.receiving = True
-    one.run(2)
-    boots, before = one.vehicle.boots, boot_times(one)
-    assert before[-1] > 4000
-    one.send(Command.of(CMD.PREFLIGHT_REBOOT_SHUTDOWN, [1], None).to_long(one.vehicle.address))
-    one.run(0.2)
-    assert [ack.result for ack in one.received_of(common.CommandAck)] == [RESULT.ACCEPTED], (
-        "it is told before"
-    )
-    one.received.clear()
-    one.run(0.5)
-    assert not one.received, "for a moment it is silent"
-    one.run(3)
-    assert one.vehicle.boots == boots + 1
-    assert boot_times(one)[0] < 2500, "time begins anew"
-    assert one.vehicle.parameters[name] == 42
-    assert len(one.vehicle.mission.plan(0).items) >= 2
-    assert one.received_of(common.Heartbeat), "the link is the same"
-    assert one.command(CMD.COMPONENT_ARM_DISARM, 1) == RESULT.ACCEPTED, one.texts
-
-
-@pytest.mark.parametrize(("firmware", "name"), [("ardupilot", "SYSID_THISMAV"), ("px4", "MAV_SYS_ID")])
-def test_another_system_id_counts_from_the_next_boot(firmware, name) -> None:
-    simulation = Simulation(rate=20)
-    vehicle = simulation.add("copter", firmware)
-    vehicle.open_port("ground")
-    vehicle.parameters.set(name, 42)
-    received = []
-    for _ in range(2):
-        simulation.advance(simulation.now + 3)
-        data = b"".join(data for _, data in vehicle.data_to_send())
-        received.append({packet.system for packet in Parser(common).feed(data)})
-        vehicle.reboot()
-    simulation.advance(simulation.now + 3)
-    assert received == [{1}, {42}]
-
-
-def waypoint() -> MissionItem:
-    frame = common.MavFrame.GLOBAL_RELATIVE_ALT
-    return MissionItem(CMD.NAV_WAYPOINT, param5=47.4, param6=8.5456, param7=30.0, frame=frame)
-
-
-@pytest.mark.fast_cases(1)
-@pytest.mark.parametrize("firmware", FIRMWARES)
-def test_a_reboot_in_the_air_stops_the_motors_and_the_vehicle_falls(firmware) -> None:
-    one = airborne("copter", firmware)
-    refused = {RESULT.FAILED, RESULT.DENIED, RESULT.TEMPORARILY_REJECTED}
-    assert one.command(CMD.PREFLIGHT_REBOOT_SHUTDOWN, 1) in refused
-    assert one.armed
-    one.inject("reboot").run(1.2)
-    assert not one.armed
-    assert one.height < 18
-    one.run(4)
-    assert one.vehicle.body.on_ground
-    one.run(4)
-    assert not list(one.vehicle.profile.arming_problems(one.autopilot))
-    assert not one.autopilot.arm()
-
-
-def test_an_ardupilot_reboots_in_the_air_if_it_is_forced_to() -> None:
-    copter = airborne()
-    boots = copter.vehicle.boots
-    assert copter.command(CMD.PREFLIGHT_REBOOT_SHUTDOWN, 1, 0, 0, 0, 0, 20190226) == RESULT.ACCEPTED
-    copter.run(1)
-    assert copter.vehicle.boots == boots + 1
-
-
-def test_faults_outlive_a_reboot() -> None:
-    copter = grounded().inject("gps off", "radio off", "reboot").run(4)
-    assert copter.vehicle.faults.active == {"gps": "gps off", "radio": "radio off"}
-    assert not copter.autopilot.has_position
-    assert not copter.autopilot.radio.present
-    copter.inject("gps on", "radio on").run(4)
-    assert copter.autopilot.has_position
-    assert copter.autopilot.radio.present
-
-
-@pytest.mark.fast_cases(1)
-@pytest.mark.parametrize("firmware", FIRMWARES)
-def test_a_link_that_is_cut_lets_nothing_through_until_it_is_whole(firmware) -> None:
-    enabled = {"FS_GCS_ENABLE": 1, "FS_GCS_TIMEOUT": 2} if firmware == "ardupilot" else {
-        "NAV_DLL_ACT": 2, "COM_DL_LOSS_T": 2, "COM_FAIL_ACT_T": 0}  # fmt: skip
-    one = airborne("copter", firmware, **enabled)
-    one.receiving = True
-    one.inject("link off")
-    one.run(0.1)
-    one.received.clear()
-    assert one.command(CMD.NAV_LAND) is None
-    one.run(3.5)
-    assert not one.received
-    assert one.mode in ("RTL", "Return"), "the failsafe acts"
-    one.inject("link on").run(2)
-    assert one.received_of(common.Heartbeat)
-    assert one.mode in ("RTL", "Return")
-    assert {"GCS Failsafe Cleared", "GCS connection regained"} & set(one.texts)
-    assert "link" not in one.vehicle.faults.active
-
-
-# Injection by parameters and commands
+# Injection by parameters
 
 
 @pytest.fixture(scope="module")
@@ -397,48 +281,3 @@ def test_values_that_are_no_numbers_do_no_harm(tuned) -> None:
             tuned.set_parameter(name, value)
         tuned.set_parameter(name, {"SIM_BATT_VOLTAGE": 16.8, "SIM_ENGINE_MUL": 1}.get(name, 0))
     tuned.run(0.5)
-
-
-UNIT, TYPE = common.FailureUnit, common.FailureType
-
-
-@pytest.mark.parametrize(
-    ("unit", "kind", "what"),
-    [
-        (UNIT.SENSOR_GPS, TYPE.OFF, {"gps"}),
-        (UNIT.SENSOR_GPS, TYPE.WRONG, {"gps spoof"}),
-        (UNIT.SENSOR_MAG, TYPE.STUCK, {"compass"}),
-        (UNIT.SENSOR_BARO, TYPE.WRONG, {"baro"}),
-        (UNIT.SYSTEM_MOTOR, TYPE.OFF, {"motor 1", "motor 2", "motor 3", "motor 4"}),
-    ],
-)
-def test_px4_takes_failures_by_command(unit, kind, what) -> None:
-    one = SKY.vehicles[0] if SKY.vehicles else SKY.add("copter", "px4").run(3)
-    assert one.command(CMD.INJECT_FAILURE, unit, kind, 0) == RESULT.ACCEPTED
-    assert set(one.vehicle.faults.active) == what
-    assert one.command(CMD.INJECT_FAILURE, unit, TYPE.OK, 0) == RESULT.ACCEPTED
-    assert not one.vehicle.faults.active
-
-
-SKY = SimulationHarness()
-
-
-@pytest.mark.flight
-def test_px4_takes_one_motor_and_a_failing_link_by_command() -> None:
-    copter = airborne("copter", "px4")
-    assert copter.command(CMD.INJECT_FAILURE, UNIT.SYSTEM_MOTOR, TYPE.OFF, 2) == RESULT.ACCEPTED
-    assert set(copter.vehicle.faults.active) == {"motor 2"}
-    assert copter.command(CMD.INJECT_FAILURE, UNIT.SYSTEM_MAVLINK_SIGNAL, TYPE.OFF, 0) == RESULT.ACCEPTED
-    assert copter.vehicle.cut_off
-    copter.set(SYS_FAILURE_EN=0).inject("link on")
-    assert copter.command(CMD.INJECT_FAILURE, UNIT.SENSOR_GPS, TYPE.OFF, 0) == RESULT.DENIED
-
-
-def test_px4_takes_failures_from_its_shell() -> None:
-    copter = grounded("copter", "px4")
-    for line, active in (("failure gps off", {"gps"}), ("failure gps ok", set())):
-        data = f"{line}\n".encode().ljust(70, b"\0")
-        flags = common.SerialControlFlag.RESPOND | common.SerialControlFlag.EXCLUSIVE
-        copter.send(common.SerialControl(device=10, flags=flags, count=len(line) + 1, data=data))
-        copter.run(1)
-        assert set(copter.vehicle.faults.active) == active

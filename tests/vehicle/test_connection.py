@@ -16,7 +16,7 @@ from mavstack.sim.vehicle_types import DEFAULT_HOME as HOME
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import NodeOptions, VehicleLost, VehicleRebooted, VehicleReturned, connect
-from tests.sim.harness import reduce_telemetry
+from tests.sim.running import reduce_telemetry
 from tests.vehicle.peers import AUTOPILOT, TYPE, play
 from tests.vehicle.world import ARDUPILOT, PX4, fly, named
 

@@ -19,7 +19,7 @@ from mavstack.errors import (
 )
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.vehicle import Group, VehicleFound, VehicleLost
-from tests.sim.harness import reduce_telemetry
+from tests.sim.running import reduce_telemetry
 from tests.vehicle.peers import play
 from tests.vehicle.world import ARDUPILOT, PX4, fly
 

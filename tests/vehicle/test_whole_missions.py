@@ -9,7 +9,7 @@ import pytest
 
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
-from tests.sim.harness import reduce_telemetry
+from tests.sim.running import reduce_telemetry
 from tests.sim.whole_flights.plans import triangle, whole_mission
 from tests.vehicle.world import ALL, named, world
 

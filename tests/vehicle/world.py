@@ -11,7 +11,7 @@ from mavstack.sim.simulation import Simulation
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import Connection, connect
-from tests.sim.harness import impaired_link, make_ready, running
+from tests.sim.running import impaired_link, make_ready, running
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:

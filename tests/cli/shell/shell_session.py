@@ -11,7 +11,7 @@ from mavstack.links import MemoryNetwork
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import connect
-from tests.sim.harness import reduce_telemetry
+from tests.sim.running import reduce_telemetry
 from tests.vehicle.world import ARDUPILOT, PX4, fly
 
 if TYPE_CHECKING:

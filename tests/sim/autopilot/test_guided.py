@@ -7,39 +7,12 @@ from math import cos, pi, radians, sin
 import pytest
 
 from mavstack.dialects import common
-from mavstack.services import Address
-from mavstack.services.setpoints import AttitudeSetpoint, GlobalSetpoint, LocalSetpoint, SetpointReceived
-from mavstack.sim.autopilot.behaviours import Offboard
+from mavstack.services.setpoints import AttitudeSetpoint, GlobalSetpoint, LocalSetpoint
 from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.autopilot.harness import GUIDED, HOLD, AutopilotHarness, turned
+from tests.sim.autopilot.setpoints import guided, send_setpoint, stream
 
 F = common.MavFrame
-GROUND = Address(255, 190)
-
-
-def guided(
-    kind: VehicleType = VehicleType.COPTER, height: float = 15.0, **flight_parameters: object
-) -> AutopilotHarness:
-    """A vehicle in the air, or on its way, in the guided mode."""
-    flight = AutopilotHarness(kind, **flight_parameters)
-    if kind.flies:
-        flight.in_the_air(height)
-    else:
-        flight.arm()
-    flight.enter(GUIDED)
-    flight.run(0.2)
-    return flight
-
-
-def send_setpoint(flight: AutopilotHarness, setpoint: object) -> None:
-    flight.vehicle.handle_event(SetpointReceived(GROUND, setpoint))
-
-
-def stream(flight: AutopilotHarness, setpoint: object, seconds: float, rate: float = 10.0) -> None:
-    """Repeat a setpoint."""
-    for _ in range(round(seconds * rate)):
-        send_setpoint(flight, setpoint)
-        flight.run(1 / rate)
 
 
 def face(flight: AutopilotHarness, yaw: float) -> None:
@@ -353,59 +326,3 @@ def test_flown_into_the_ground_it_stays_there_and_disarms() -> None:
 
 
 # A stream that must live
-
-
-def offboard(flight: AutopilotHarness) -> None:
-    flight.fly(Offboard)
-
-
-@pytest.mark.flight
-def test_a_stream_lives_from_its_second_setpoint_while_it_is_quick() -> None:
-    flight = guided(setpoint_timeout=1.0)
-    target = flight.autopilot.guided
-    assert not target.stream_alive
-    send_setpoint(flight, LocalSetpoint(velocity=(0.0, 0.0, 0.0)))
-    assert not target.stream_alive
-    flight.run(0.1)
-    send_setpoint(flight, LocalSetpoint(velocity=(0.0, 0.0, 0.0)))
-    assert target.stream_alive
-    flight.run(0.9)
-    assert target.stream_alive
-    flight.run(0.3)
-    assert not target.stream_alive
-    send_setpoint(flight, LocalSetpoint(velocity=(0.0, 0.0, 0.0)))
-    assert not target.stream_alive, "one a second is no stream"
-
-
-@pytest.mark.flight
-def test_offboard_takes_off_by_a_position_and_follows() -> None:
-    flight = AutopilotHarness(setpoint_timeout=1.0)
-    stream(flight, LocalSetpoint(position=(0.0, 0.0, -5.0)), 1.0)
-    flight.arm()
-    offboard(flight)
-    stream(flight, LocalSetpoint(position=(0.0, 0.0, -5.0)), 10.0)
-    assert flight.height == pytest.approx(5.0, abs=1.0)
-    stream(flight, LocalSetpoint(position=(5.0, 5.0, -5.0), yaw=1.0), 10.0)
-    assert flight.distance((5.0, 5.0)) < 1.0
-
-
-@pytest.mark.flight
-def test_offboard_that_starves_does_what_the_firmware_does() -> None:
-    flight = AutopilotHarness(setpoint_timeout=1.0).in_the_air(10.0)
-    stream(flight, LocalSetpoint(velocity=(2.0, 0.0, 0.0)), 1.0)
-    offboard(flight)
-    stream(flight, LocalSetpoint(velocity=(2.0, 0.0, 0.0)), 3.0)
-    assert flight.speed > 1.5
-    flight.run(0.8)
-    assert flight.autopilot.mode.number != HOLD
-    flight.run(1.0)
-    assert flight.autopilot.mode.number == HOLD
-    flight.run(5)
-    assert flight.speed < 0.5
-
-
-def test_offboard_without_a_stream_ends_at_once() -> None:
-    flight = AutopilotHarness().in_the_air(10.0)
-    offboard(flight)
-    flight.run(0.5)
-    assert flight.autopilot.mode.number == HOLD

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from mavstack.dialects import common
 from mavstack.services.modes.names import px4_modes_of
-from tests.sim.harness import CMD, GROUND, RESULT, SimulationHarness, VehicleHarness, reduce_telemetry
+from tests.sim.harness import CMD, GROUND, RESULT, SimulationHarness, VehicleHarness
+from tests.sim.running import reduce_telemetry
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

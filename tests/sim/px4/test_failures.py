@@ -6,8 +6,10 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.sim.px4.failures import TYPES, UNITS
+from tests.sim.harness import SimulationHarness, airborne, grounded
 from tests.sim.px4.harness import CMD, RESULT, Px4Harness
 
+SIMULATION = SimulationHarness()
 UNIT, TYPE = common.FailureUnit, common.FailureType
 FAULTS = {
     UNIT.SENSOR_GPS: "gps",
@@ -57,3 +59,42 @@ def test_failures_are_denied_without_sys_failure_en() -> None:
     harness = Px4Harness()
     harness.vehicle.parameters.set("SYS_FAILURE_EN", 0)
     assert harness.command(CMD.INJECT_FAILURE, UNIT.SENSOR_GPS, TYPE.OFF) == RESULT.DENIED
+
+
+@pytest.mark.parametrize(
+    ("unit", "kind", "what"),
+    [
+        (UNIT.SENSOR_GPS, TYPE.OFF, {"gps"}),
+        (UNIT.SENSOR_GPS, TYPE.WRONG, {"gps spoof"}),
+        (UNIT.SENSOR_MAG, TYPE.STUCK, {"compass"}),
+        (UNIT.SENSOR_BARO, TYPE.WRONG, {"baro"}),
+        (UNIT.SYSTEM_MOTOR, TYPE.OFF, {"motor 1", "motor 2", "motor 3", "motor 4"}),
+    ],
+)
+def test_px4_takes_failures_by_command(unit, kind, what) -> None:
+    one = SIMULATION.vehicles[0] if SIMULATION.vehicles else SIMULATION.add("copter", "px4").run(3)
+    assert one.command(CMD.INJECT_FAILURE, unit, kind, 0) == RESULT.ACCEPTED
+    assert set(one.vehicle.faults.active) == what
+    assert one.command(CMD.INJECT_FAILURE, unit, TYPE.OK, 0) == RESULT.ACCEPTED
+    assert not one.vehicle.faults.active
+
+
+@pytest.mark.flight
+def test_px4_takes_one_motor_and_a_failing_link_by_command() -> None:
+    copter = airborne("copter", "px4")
+    assert copter.command(CMD.INJECT_FAILURE, UNIT.SYSTEM_MOTOR, TYPE.OFF, 2) == RESULT.ACCEPTED
+    assert set(copter.vehicle.faults.active) == {"motor 2"}
+    assert copter.command(CMD.INJECT_FAILURE, UNIT.SYSTEM_MAVLINK_SIGNAL, TYPE.OFF, 0) == RESULT.ACCEPTED
+    assert copter.vehicle.cut_off
+    copter.set(SYS_FAILURE_EN=0).inject("link on")
+    assert copter.command(CMD.INJECT_FAILURE, UNIT.SENSOR_GPS, TYPE.OFF, 0) == RESULT.DENIED
+
+
+def test_px4_takes_failures_from_its_shell() -> None:
+    copter = grounded("copter", "px4")
+    for line, active in (("failure gps off", {"gps"}), ("failure gps ok", set())):
+        data = f"{line}\n".encode().ljust(70, b"\0")
+        flags = common.SerialControlFlag.RESPOND | common.SerialControlFlag.EXCLUSIVE
+        copter.send(common.SerialControl(device=10, flags=flags, count=len(line) + 1, data=data))
+        copter.run(1)
+        assert set(copter.vehicle.faults.active) == active

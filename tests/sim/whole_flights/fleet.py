@@ -13,7 +13,7 @@ from mavstack.node import Node
 from mavstack.sim.simulation import RATE, Simulation
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
-from tests.sim.harness import impaired_link, reduce_telemetry, running
+from tests.sim.running import impaired_link, reduce_telemetry, running
 from tests.sim.whole_flights.ground_station import SAMPLES, Flight, Sample, Station
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from mavstack.sim.motion import LocalFrame
 from mavstack.sim.simulation import Simulation
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
-from tests.sim.harness import reduce_telemetry
+from tests.sim.running import reduce_telemetry
 from tests.sim.whole_flights.fleet import station
 
 if TYPE_CHECKING:

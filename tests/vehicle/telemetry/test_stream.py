@@ -10,7 +10,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, LocalProtocolError
 from mavstack.sim.vehicle_types import VehicleType
-from tests.sim.harness import reduce_telemetry
+from tests.sim.running import reduce_telemetry
 from tests.vehicle.telemetry.harness import PX4, RESULT, with_peer
 from tests.vehicle.world import ARDUPILOT, fly
 from tests.vehicle.world import PX4 as SIMULATED_PX4

@@ -10,7 +10,7 @@ from mavstack.dialects import common
 from mavstack.errors import CommandDenied, InvalidArgumentError, MessageTimeout
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.vehicle.telemetry.values import Battery, HomePosition
-from tests.sim.harness import reduce_telemetry
+from tests.sim.running import reduce_telemetry
 from tests.vehicle.telemetry.harness import RESULT, with_peer
 from tests.vehicle.world import ARDUPILOT, PX4, fly, named
 

@@ -199,3 +199,26 @@ def cross_track(
         if corner <= progress <= length - corner:
             worst = max(worst, abs(here[0] * along[1] - here[1] * along[0]) / length)
     return worst
+
+
+def fly_items(
+    *items: MissionItem,
+    firmware: Firmware = Firmware.ARDUPILOT,
+    kind: VehicleType = VehicleType.COPTER,
+    **flight_parameters: float,
+) -> MissionHarness:
+    """Fly a mission of a takeoff to 10 m and these items, up to the first item."""
+    flight = MissionHarness(kind, firmware, **flight_parameters)
+    flight.load(takeoff(10), *items)
+    flight.start()
+    flight.run_until(lambda: flight.first in flight.reached, timeout=60)
+    return flight
+
+
+def fly_short_mission(*items: MissionItem, firmware: Firmware = Firmware.ARDUPILOT) -> MissionHarness:
+    """Fly a takeoff to 2 m, these items and a waypoint, to the end."""
+    flight = MissionHarness(VehicleType.COPTER, firmware)
+    flight.load(takeoff(2), *items, waypoint(8, 0, 2))
+    flight.start()
+    flight.ended()
+    return flight

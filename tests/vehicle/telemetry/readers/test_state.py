@@ -1,0 +1,68 @@
+"""Armed, in the air and the system status, by heartbeats and EXTENDED_SYS_STATE."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from mavstack.dialects import common
+from tests.vehicle.telemetry.harness import PX4, with_telemetry
+
+
+def test_values_of_the_heartbeat():
+    async def scenario(harness):
+        harness.heartbeat(base_mode=common.MavModeFlag.SAFETY_ARMED, custom_mode=4, system_status=4)
+        vehicle = harness.vehicle
+        assert vehicle.armed is True
+        assert vehicle.mode == "GUIDED"
+        assert vehicle.mav_type is common.MavType.QUADROTOR
+        assert vehicle.system_status is common.MavState.ACTIVE
+        harness.heartbeat(custom_mode=12345)
+        assert vehicle.mode is None
+        assert vehicle.armed is False
+
+    with_telemetry(scenario)
+
+
+@pytest.mark.parametrize(("landed_state", "in_air"), [(0, None), (1, False), (2, True), (3, True), (4, True)])
+def test_in_the_air_by_extended_sys_state(landed_state, in_air):
+    async def scenario(harness):
+        harness.heartbeat(PX4)
+        harness.receive(common.ExtendedSysState(landed_state=landed_state, vtol_state=4))
+        assert harness.vehicle.in_air is in_air
+        assert harness.vehicle.landed_state == (landed_state or None)
+        assert harness.vehicle.vtol_state is common.MavVtolState.FW
+
+    with_telemetry(scenario)
+
+
+@pytest.mark.parametrize(
+    ("armed", "status", "in_air"),
+    [(False, 4, False), (True, 3, False), (True, 4, True), (True, 5, None)],
+)
+def test_in_the_air_by_ardupilots_heartbeat(armed, status, in_air):
+    async def scenario(harness):
+        harness.heartbeat(base_mode=armed * common.MavModeFlag.SAFETY_ARMED, system_status=status)
+        assert harness.vehicle.in_air is in_air
+
+    with_telemetry(scenario)
+
+
+def test_an_old_landed_state_gives_way_to_the_heartbeat():
+    async def scenario(harness):
+        harness.heartbeat(base_mode=common.MavModeFlag.SAFETY_ARMED, system_status=4)
+        harness.receive(common.ExtendedSysState(landed_state=1))
+        assert harness.vehicle.in_air is False
+        await asyncio.sleep(60)
+        assert harness.vehicle.in_air is True
+
+    with_telemetry(scenario)
+
+
+def test_a_rover_is_never_in_the_air():
+    async def scenario(harness):
+        harness.heartbeat(type=common.MavType.GROUND_ROVER, base_mode=128, system_status=4)
+        assert harness.vehicle.in_air is False
+
+    with_telemetry(scenario)
