@@ -13,6 +13,7 @@ from mavstack.cli.shell.registry import COMMANDS
 from mavstack.cli.shell.session import Command
 from mavstack.links import MemoryNetwork
 from mavstack.node import forwarding
+from mavstack.sim import Firmware, VehicleType
 from tests.cli.harness import COPTER, PX4_COPTER, CliHarness
 from tests.vehicle.world import named
 
@@ -130,6 +131,8 @@ def test_examples_of_the_help_run(simulate, mav, pipe, tmp_path, monkeypatch):
 
 #: Examples that need a file, an output or another firmware have tests of their own.
 ELSEWHERE = {"wp set 2", "nsh ver all", "script"}
+#: Vehicles of the examples that a copter with ArduPilot does not run.
+VEHICLES = {"actuator": PX4_COPTER, "transition": (VehicleType.VTOL, Firmware.ARDUPILOT)}
 
 
 @pytest.mark.fast_cases(1)
@@ -145,11 +148,16 @@ def test_examples_of_each_shell_command_run(simulate, mav, command, tmp_path, mo
         "rtl": "mode guided; arm throttle; takeoff 10; ",
         "hold": "mode guided; arm throttle; takeoff 10; ",
         "takeoff": "mode guided; arm throttle; ",
+        "transition": "mode guided; arm throttle; takeoff 30; ",
     }.get(command.name, "")
-    lines = [example for example in command.examples if example not in ELSEWHERE]
+    confirmation = " --yes" if command.name == "motortest" else ""  # asked for, unless a script gives it
+    lines = [example + confirmation for example in command.examples if example not in ELSEWHERE]
     if not lines:
         pytest.skip("tried elsewhere")
-    simulate()
+    harness = simulate(VEHICLES.get(command.name, COPTER))
+    for name in ("GRIP_ENABLE", "WINCH_TYPE"):
+        if name in harness.vehicle.parameters:
+            harness.vehicle.parameters.set(name, 1)
     result = mav(
         "shell",
         "--command",

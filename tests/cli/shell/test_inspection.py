@@ -17,7 +17,7 @@ def test_info_page(kind, capsys):
     type_lines("info", kind=kind)
     out = capsys.readouterr().out
     assert out.startswith(f"vehicle 1: quadrotor, {'PX4' if kind == PX4_COPTER else 'ArduPilot'} ")
-    for word in ("disarmed, on the ground", "above sea", "battery", "3D fix", "ready to arm", "mavlink2"):
+    for word in ("disarmed, on the ground", "above sea", "battery", "3D fix", "ready to arm", "MAVLink 2"):
         assert word in out
 
 
