@@ -35,12 +35,16 @@ class CliHarness:
     """Simulated vehicles that every command of `mav` reaches, whatever URL it is given."""
 
     def __init__(
-        self, monkeypatch: pytest.MonkeyPatch, *kinds: tuple[VehicleType, str], ready: bool = False
+        self,
+        monkeypatch: pytest.MonkeyPatch,
+        *kinds: tuple[VehicleType, str],
+        ready: bool = False,
+        payloads: bool = False,
     ) -> None:
         """Make a vehicle of each kind (one ArduPilot copter by default), if wanted already able to arm."""
         self.simulation = Simulation(seed=5)
         for vehicle_type, firmware in kinds or [COPTER]:
-            reduce_telemetry(self.simulation.add(vehicle_type, firmware))
+            reduce_telemetry(self.simulation.add(vehicle_type, firmware, camera=payloads, gimbal=payloads))
         if ready:
             make_ready(self.simulation)
         #: Coroutine of another ground station that runs beside a command.

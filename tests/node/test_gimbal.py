@@ -16,6 +16,7 @@ def test_discovery_and_control() -> None:
         first, second = await pair.remote.list_gimbals()
         assert (first.device_id, second.device_id) == (1, 2)
         assert repr(second) == "<Gimbal 1/100 device 2>"
+        assert (first.information.vendor, first.information.model) == ("Maker", "G1")
         assert first.information.pitch_range == pytest.approx((-90, 30))
         assert (await first.get_information()).device_id == 1
         assert (await first.get_status()).primary is None

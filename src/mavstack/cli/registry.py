@@ -54,6 +54,8 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
             _entry("mission", "missions, fences, rally points: upload, download, show, start"),
             _entry("ftp", "files on a vehicle: ls, get, put, rm, mkdir, rename, crc"),
             _entry("log", "logs on a vehicle: list, get, erase"),
+            _entry("camera", "cameras of a vehicle: info, photo, video, mode, settings and others"),
+            _entry("gimbal", "gimbals of a vehicle: info, point, turn, center, roi, take, release"),
             _entry("shell", "interactive console: arm, mode, takeoff, wp, param, ftp, log"),
             _entry("dialect", "list, show, check, compare and import message definitions"),
             _entry("doctor", "check the installation"),

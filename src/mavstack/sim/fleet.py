@@ -28,13 +28,15 @@ MAX_PORT = 65535
 
 @dataclass(frozen=True, slots=True)
 class Fleet:
-    """A fleet: the number of vehicles, and the types and firmwares that they take in turn."""
+    """A fleet: the number of vehicles, their payloads, and the types and firmwares that they take in turn."""
 
     types: Sequence[VehicleType] = (VehicleType.COPTER,)
     firmwares: Sequence[Firmware] = (Firmware.ARDUPILOT,)
     count: int = 1
     home: Home = DEFAULT_HOME
     first_system: int = 1
+    camera: bool = False
+    gimbal: bool = False
 
     def add_to(self, simulation: Simulation) -> list[SimulatedVehicle]:
         """Add the fleet to a simulation.
@@ -54,7 +56,14 @@ class Fleet:
             )
         types = islice(zip(cycle(self.types), cycle(self.firmwares), strict=False), self.count)
         return [
-            simulation.add(vehicle_type, firmware, home=home, system=self.first_system + number)
+            simulation.add(
+                vehicle_type,
+                firmware,
+                home=home,
+                system=self.first_system + number,
+                camera=self.camera,
+                gimbal=self.gimbal,
+            )
             for number, ((vehicle_type, firmware), home) in enumerate(zip(types, self.homes(), strict=True))
         ]
 

@@ -82,6 +82,8 @@ class Simulation:
         *,
         home: Home = DEFAULT_HOME,
         system: int | None = None,
+        camera: bool = False,
+        gimbal: bool = False,
     ) -> SimulatedVehicle:
         """Add a vehicle to the world.
 
@@ -90,6 +92,8 @@ class Simulation:
             firmware: The firmware, "ardupilot" or "px4".
             home: The start position.
             system: The system id; None for the next free one.
+            camera: Give the vehicle a camera, a component of its own (component id 100).
+            gimbal: Give the vehicle a gimbal, managed by the autopilot.
 
         Returns:
             The vehicle, disarmed on the ground.
@@ -115,7 +119,10 @@ class Simulation:
             Parameters(firmware, vehicle_type, system),
             now=self.now,
             folder=self.storage and self.storage / str(system),
+            camera=camera,
+            gimbal=gimbal,
         )
+        _enable_payloads(vehicle)
         self.vehicles.append(vehicle)
         _LOG.info("vehicle %d added: %s %s", system, firmware, vehicle_type)
         return vehicle
@@ -143,3 +150,10 @@ class Simulation:
     def data_to_send(self) -> list[tuple[SimulatedVehicle, Port, bytes]]:
         """Return the data sent by all vehicles since the last call."""
         return [(vehicle, port, data) for vehicle in self.vehicles for port, data in vehicle.data_to_send()]
+
+
+def _enable_payloads(vehicle: SimulatedVehicle) -> None:
+    """Set ArduPilot's parameters by which its missions and commands use a camera and a gimbal."""
+    for name, present in (("CAM1_TYPE", vehicle.camera), ("MNT1_TYPE", vehicle.gimbal)):
+        if present is not None and name in vehicle.parameters:
+            vehicle.parameters.set(name, 1)

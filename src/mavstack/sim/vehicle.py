@@ -22,6 +22,7 @@ from mavstack.services.mission import PlanStore
 from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 from mavstack.sim.autopilot.state import TICK
 from mavstack.sim.faults import Faults
+from mavstack.sim.payloads import SimulatedCamera, SimulatedGimbal
 from mavstack.sim.port import Port
 from mavstack.sim.recorder import Recorder
 from mavstack.sim.services import Services
@@ -73,6 +74,8 @@ class SimulatedVehicle:
         *,
         now: float,
         folder: Path | None = None,
+        camera: bool = False,
+        gimbal: bool = False,
     ) -> None:
         self.body, self.vehicle_type, self.firmware, self.address = body, vehicle_type, firmware, address
         self.profile = profile
@@ -80,7 +83,7 @@ class SimulatedVehicle:
         self.plans = PlanStore()
         self.now = self.booted_at = now
         self.boots = 0
-        #: Called with the vehicle, "text", "mode" or "armed", and a description of the event.
+        #: Called with the vehicle, "text", "mode", "armed" or "camera", and a description of the event.
         self.listeners: list[Callable[[SimulatedVehicle, str, str], None]] = []
         self.ports: list[Port] = []
         self.storage = Storage(self, folder=folder)
@@ -92,6 +95,9 @@ class SimulatedVehicle:
         self._final_data: list[tuple[Port, bytes]] = []
         self._dialect = Dialect.load("all")
         self._silent_until = now
+        #: The gimbal and the camera; None if the vehicle has none.
+        self.gimbal = SimulatedGimbal(self) if gimbal else None
+        self.camera = SimulatedCamera(self, self.gimbal) if camera else None
         self._boot()
 
     def _boot(self) -> None:
@@ -107,9 +113,19 @@ class SimulatedVehicle:
         self.autopilot = SimulatedAutopilot(self, self.profile)
         self.profile.register(self)
         self.profile.provide(self)
+        self._attach_payloads()
         self.profile.booted(self)
         for port in self.ports:
             self._connect(port)
+
+    def _attach_payloads(self) -> None:
+        if self.gimbal is not None:
+            self.gimbal.attach()
+        if self.camera is not None:
+            if self.camera.address.system != self.address.system:
+                self.camera = SimulatedCamera(self, self.gimbal)
+            self.camera.attach()
+            self.autopilot.payload.trigger = self.camera.capture
 
     # Ports
 
@@ -268,6 +284,10 @@ class SimulatedVehicle:
     def refresh_heartbeat(self) -> None:
         """Send HEARTBEAT immediately if its content has changed."""
         self.services.refresh_heartbeat()
+
+    def announce(self, kind: str, text: str) -> None:
+        """Tell the listeners of an event of a payload."""
+        self._notify(kind, text)
 
     def _notify(self, kind: str, text: str) -> None:
         _LOG.debug("vehicle %d: %s", self.address.system, text)

@@ -246,3 +246,15 @@ def test_pointing_a_gimbal_that_does_not_report_fails() -> None:
     silent = point(pair, GimbalSetpoint(pitch=-10))
     assert "does not report its attitude" in str(silent.error)
     assert point(pair, GimbalSetpoint(pitch=-10), wait=False).result() is None
+
+
+def test_an_unset_device_id_stands_for_all() -> None:
+    pair = Pair(1, 2)
+    nan = float("nan")
+    command = Command(CMD.DO_GIMBAL_MANAGER_CONFIGURE, -2, -2, -1, -1, nan, nan, nan)
+    pair.run(CommandOperation(command)).result()
+    assert pair.server.status(1).primary == pair.server.status(2).primary == GROUND
+    request = Command(CMD.REQUEST_MESSAGE, 280, nan, nan, nan, nan, nan, nan)
+    pair.run(CommandOperation(request)).result()
+    pair.let_pass(0.1)
+    assert len(pair.monitor.informations) == 2

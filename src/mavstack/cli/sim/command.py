@@ -44,6 +44,7 @@ examples:
   mav sim --fault "30 gps off" --fault "60 battery sag 3"   # with faults after 30 and 60 s
   mav sim --speed 10                          # ten times as fast
   mav sim --storage flights                   # keep logs and files in a folder
+  mav sim --camera --gimbal                   # with a camera and a gimbal
 
 Fly it from another terminal:
   mavproxy.py --master=udpin:0.0.0.0:14550
@@ -72,6 +73,8 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="LAT,LON,ALT,HDG",
         help="home of the first vehicle: degrees, metres above sea, heading in degrees",
     )
+    add("--camera", action="store_true", help="give each vehicle a camera (component id 100)")
+    add("--gimbal", action="store_true", help="give each vehicle a gimbal, managed by its autopilot")
     add("--seed", type=int, default=1, metavar="N", help="seed of all random numbers (default: 1)")
     add(
         "--speed",
@@ -131,7 +134,8 @@ async def _simulate(arguments: Namespace) -> int:
     simulation = Simulation(seed=arguments.seed, start=_start_time(), storage=arguments.storage)
     types = _kinds(VehicleType, arguments.type, "--type")
     firmwares = _kinds(Firmware, arguments.firmware, "--firmware")
-    fleet = Fleet(types, firmwares, arguments.count, arguments.home, arguments.system)
+    payloads = {"camera": arguments.camera, "gimbal": arguments.gimbal}
+    fleet = Fleet(types, firmwares, arguments.count, arguments.home, arguments.system, **payloads)
     if arguments.wind:
         speed, direction, turbulence = arguments.wind
         simulation.world.set_wind(speed=speed, direction=direction, turbulence=turbulence)
@@ -221,7 +225,9 @@ class EventPrinter:
             )
             return
         for vehicle in vehicles:
-            echo(f"system {vehicle.address.system}: {vehicle.firmware} {vehicle.vehicle_type}")
+            payloads = [name for name in ("camera", "gimbal") if getattr(vehicle, name) is not None]
+            equipment = f" with {' and '.join(payloads)}" if payloads else ""
+            echo(f"system {vehicle.address.system}: {vehicle.firmware} {vehicle.vehicle_type}{equipment}")
         shown = [link.url.redacted for link in links]
         echo("on " + (", ".join(shown) if len(shown) <= 6 else f"{shown[0]} … {shown[-1]}"))
         echo("type a fault (gps off, battery 15, link off, reboot …), or Ctrl-C to end")

@@ -119,9 +119,9 @@ class CameraMonitor(Service):
     def next_request(self, now: float) -> int:
         """Return the number of a request for a single image; a camera that gets one twice takes one image.
 
-        It follows the time, so that a program that is started again does not repeat the last numbers.
+        It follows the time in milliseconds, so that a program that is started again repeats no number.
         """
-        self._last_request = max(self._last_request + 1, 1 + int(now) % MAX_REQUEST)
+        self._last_request = max(self._last_request + 1, 1 + int(now * 1e3) % MAX_REQUEST)
         return self._last_request
 
     @property

@@ -121,6 +121,10 @@ class CameraServer(Service):
         """Return the present CAMERA_MODE."""
         return self._cameras[device_id].sequence.mode
 
+    def count(self, device_id: int = OWN_COMPONENT) -> int:
+        """Return the number of images since the image log was reset."""
+        return self._cameras[device_id].sequence.count
+
     # Methods of a service
 
     def receive(self, packet: Packet, now: float) -> None:

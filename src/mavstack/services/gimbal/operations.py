@@ -8,15 +8,22 @@ PointGimbal    DO_GIMBAL_MANAGER_PITCHYAW ── accepted ── GIMBAL_DEVICE_A
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from mavstack.dialects import common
-from mavstack.errors import ActionTimeout, CommandDenied, MessageTimeout, RemoteDenied
+from mavstack.errors import ActionTimeout, CommandDenied, MessageTimeout, RemoteDenied, RemoteTimeout
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.command import Command, CommandOperation
 from mavstack.services.gimbal.control import RELEASE, UNCHANGED
 from mavstack.services.gimbal.rotation import wrap
-from mavstack.services.gimbal.values import ALL_DEVICES, GimbalAttitude, GimbalInformation, GimbalStatus
+from mavstack.services.gimbal.values import (
+    ALL_DEVICES,
+    MAX_ATTACHED_DEVICE,
+    GimbalAttitude,
+    GimbalInformation,
+    GimbalStatus,
+)
 from mavstack.services.message_request import ListInstances, RequestMessage
 from mavstack.services.operation import Operation, Procedure
 
@@ -32,6 +39,8 @@ STALL_TIMEOUT = 5.0
 MIN_PROGRESS = 0.5
 #: Seconds for the message that tells who is in control; a manager that does not send it has no owner.
 STATUS_TIMEOUT = 3.0
+#: Seconds for the names of a gimbal.
+NAMES_TIMEOUT = 2.0
 
 
 class ListGimbals(Procedure[tuple[GimbalInformation, ...]]):
@@ -49,7 +58,27 @@ class ListGimbals(Procedure[tuple[GimbalInformation, ...]]):
             )
         except CommandDenied:
             return ()  # the component manages no gimbal
-        return tuple(GimbalInformation.read(message) for message in found.values())
+        gimbals = {}
+        for number, message in found.items():
+            gimbals[number] = yield from _named(GimbalInformation.read(message))
+        return tuple(gimbals.values())
+
+
+def _named(gimbal: GimbalInformation) -> Generator[Operation[Any], Any, GimbalInformation]:
+    """Add the names of a gimbal that is attached to its manager; another one tells them itself."""
+    number = gimbal.device_id
+    if number > MAX_ATTACHED_DEVICE:
+        return gimbal
+    try:
+        message = yield RequestMessage(
+            common.GimbalDeviceInformation,
+            (float(number),),
+            match=lambda message: message.gimbal_device_id == number,
+            timeout=NAMES_TIMEOUT,
+        )
+    except (RemoteDenied, RemoteTimeout):
+        return gimbal
+    return replace(gimbal, vendor=message.vendor_name, model=message.model_name)
 
 
 class TakeControl(Procedure[None]):

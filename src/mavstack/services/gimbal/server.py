@@ -12,6 +12,7 @@ region of interest is turned into angles here, from the positions that the vehic
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isnan
 from typing import TYPE_CHECKING, Protocol
 
 from mavstack.dialects import common
@@ -99,6 +100,7 @@ class GimbalManagerServer(Service):
         devices: The gimbals, with different device ids.
         booted_at: When the component started, Unix seconds, for `time_boot_ms`; None: with its first message.
         pose: Returns the vehicle's pose at a time, None if unknown; None: the messages of the vehicle tell.
+        open_control: Accept setpoints of components that are not in control, as ArduPilot does.
 
     Raises:
         InvalidArgumentError: There is no gimbal, or two have one device id.
@@ -121,6 +123,7 @@ class GimbalManagerServer(Service):
         *,
         booted_at: float | None = None,
         pose: Callable[[float], VehiclePose | None] | None = None,
+        open_control: bool = False,
     ) -> None:
         super().__init__(local)
         self._gimbals = {device.information.device_id: _Managed(device) for device in devices}
@@ -128,6 +131,7 @@ class GimbalManagerServer(Service):
             raise InvalidArgumentError("a gimbal manager needs gimbals with different device ids from 1")
         self._booted_at = booted_at
         self._pose = pose
+        self._open_control = open_control
         self._positions = Positions(local.system)
         self._aim_due: float | None = None
 
@@ -194,7 +198,7 @@ class GimbalManagerServer(Service):
 
     def _selected(self, device_id: float) -> list[_Managed]:
         """Return the gimbals that a device id stands for; 0 for all."""
-        if device_id == ALL_DEVICES:
+        if device_id == ALL_DEVICES or isnan(device_id):
             return list(self._gimbals.values())
         return [gimbal for number, gimbal in self._gimbals.items() if number == device_id]
 
@@ -258,7 +262,7 @@ class GimbalManagerServer(Service):
 
     def _controlled(self, device_id: float, source: Address) -> list[_Managed]:
         """Return the selected gimbals that a component controls."""
-        own = source == self.local
+        own = source == self.local or self._open_control
         return [gimbal for gimbal in self._selected(device_id) if own or gimbal.control.accepts(source)]
 
     # Setpoints

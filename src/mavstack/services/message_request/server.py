@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from heapq import heapify, heapreplace
-from math import inf, isfinite
+from math import inf, isfinite, isnan
 from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import Message, common
@@ -172,7 +172,9 @@ class MessageServer(Service):
         if self._others and message_id not in self._instances and message_id not in self._streams:
             return self._others(request)  # the handler that was registered before
         target = BROADCAST if response_target == _BROADCAST else request.source
-        return self._send_one(message_id, request.command.param2, target, request)
+        instance = request.command.param2
+        # MAVSDK sends NaN for a param that it does not set.
+        return self._send_one(message_id, 0.0 if isnan(instance) else instance, target, request)
 
     def _send_one(
         self, message_id: float, instance: float, target: Address, request: CommandRequest

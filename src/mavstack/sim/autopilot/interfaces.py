@@ -51,6 +51,9 @@ class Vehicle(VehicleState, Protocol):
     def mode_entered(self, mode: Mode, reason: str) -> None:
         """Publish that the autopilot entered a mode."""
 
+    def announce(self, kind: str, text: str) -> None:
+        """Tell the listeners of an event of a payload."""
+
 
 class Autopilot(AutopilotState, Protocol):
     """One autopilot: its state, its mode and its parts."""

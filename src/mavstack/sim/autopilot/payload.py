@@ -67,6 +67,8 @@ class Payload:
         self.sprayer = False
         #: Length of the unwound line, in metres.
         self.winch = 0.0
+        #: Takes a picture with the vehicle's camera component; None if it has none.
+        self.trigger: Callable[[], None] | None = None
         self.images = 0
         self.recording = False
         self.zoom = 0.0
@@ -153,8 +155,11 @@ class Payload:
     # Camera
 
     def take_image(self) -> None:
-        """Take one picture and send CAMERA_IMAGE_CAPTURED."""
+        """Take one picture: by the camera component, or by a simple camera at the autopilot."""
         self.images += 1
+        if self.trigger is not None:
+            self.trigger()
+            return
         vehicle, here = self._autopilot.vehicle, self._autopilot.body.estimate
         latitude, longitude, altitude = self._autopilot.body.frame.to_global(here.north, here.east, here.down)
         vehicle.services.send(
