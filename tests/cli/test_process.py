@@ -92,6 +92,27 @@ def test_live_display_ends_by_sigterm_in_a_background_job():
         signal.signal(signal.SIGINT, before)
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo terminals")
+def test_live_display_ends_when_its_terminal_vanishes_and_sighup_is_ignored():
+    """Before: it went on for ever without output."""
+    import pty
+
+    def ignore_signals():
+        signal.signal(signal.SIGHUP, signal.SIG_IGN)
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    terminal, side = pty.openpty()
+    environment = {**os.environ, "TERM": "xterm-256color", "COLUMNS": "100", "LINES": "30"}
+    options = {"stdin": side, "stdout": side, "stderr": side, "env": environment}
+    seen = b""
+    with running(["demo"], preexec_fn=ignore_signals, **options) as process:
+        os.close(side)
+        while b"quadrotor" not in seen:
+            seen += os.read(terminal, 65536)
+        os.close(terminal)
+        assert process.wait(60) == 129
+
+
 def check_live_display(ending):
     """Run `mav demo` on a terminal until it ends, or is ended by a signal."""
     import pty

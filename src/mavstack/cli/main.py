@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack import __version__
 from mavstack.cli.common.errors import UsageError, failure_text
-from mavstack.cli.common.log_output import logging_to_outputs
+from mavstack.cli.common.log_output import logging_to_outputs, warnings_as_lines
 from mavstack.cli.common.output import echo, echo_text
 from mavstack.cli.registry import COMMANDS, command_parser, load_command
 from mavstack.errors import LinkURLError, MavstackError, UnknownDialectError
@@ -94,7 +94,7 @@ def _run(name: str, words: Sequence[str]) -> int:
         arguments = parser.parse_args(words)
     except SystemExit as leaving:  # argparse has printed its help or the problem
         return leaving.code if isinstance(leaving.code, int) else 0
-    with logging_to_outputs(arguments):
+    with logging_to_outputs(arguments), warnings_as_lines(f"mav {name}"):
         return load_command(name).run(arguments)
 
 

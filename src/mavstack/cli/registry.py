@@ -58,6 +58,7 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
             _entry("gimbal", "gimbals of a vehicle: info, point, turn, center, roi, take, release"),
             _entry("shell", "interactive console: arm, mode, takeoff, wp, param, ftp, log"),
             _entry("dialect", "list, show, check, compare and import message definitions"),
+            _entry("completion", "print a completion script for bash, zsh or fish"),
             _entry("doctor", "check the installation"),
         ]
     )

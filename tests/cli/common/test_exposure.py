@@ -5,7 +5,10 @@ from types import SimpleNamespace
 import pytest
 
 from mavstack.cli.common.exposure import announce_exposure
+from mavstack.cli.main import main
+from mavstack.cli.shell.runner import run_line
 from mavstack.links import parse_url
+from tests.cli.shell.shell_session import alone
 
 
 @pytest.mark.parametrize("url", ["udpin://0.0.0.0:14550", "tcpin://[::]:5760", "udpin://192.168.1.2:14550"])
@@ -20,3 +23,18 @@ def test_ports_that_other_hosts_reach_are_named(capsys, url):
 def test_other_links_are_not_mentioned(capsys, url):
     announce_exposure("param", [SimpleNamespace(url=parse_url(url))])
     assert capsys.readouterr().err == ""
+
+
+def test_the_demo_names_its_ports(capsys):
+    assert main(["demo", "--out", "tcpin://0.0.0.0:0", "--once", "--for", "0.2", "--speed", "1000"]) == 0
+    captured = capsys.readouterr()
+    assert captured.err.startswith("mav demo: tcpin://0.0.0.0:")
+    assert "can be reached from the network" in captured.err
+
+
+def test_outputs_of_the_shell_are_named(capsys):
+    async def scenario(session):
+        await run_line(session, "output add tcpin://0.0.0.0:0")
+
+    alone(scenario)
+    assert capsys.readouterr().err.startswith("mav shell: tcpin://0.0.0.0:")

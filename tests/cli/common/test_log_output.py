@@ -1,12 +1,19 @@
 from __future__ import annotations
 
 import logging
+import warnings
 from argparse import ArgumentParser, Namespace
 
 import pytest
 
-from mavstack.cli.common.log_output import add_logging_options, logging_to_outputs, stderr_log_held
+from mavstack.cli.common.log_output import (
+    add_logging_options,
+    logging_to_outputs,
+    stderr_log_held,
+    warnings_as_lines,
+)
 from mavstack.cli.registry import COMMANDS, actions_of, command_parser
+from mavstack.errors import MissionWarning
 
 LOGGER = logging.getLogger("mavstack.links")
 
@@ -104,3 +111,14 @@ def test_log_of_a_link_names_it(mav, tmp_path):
     path = tmp_path / "mav.log"
     mav("watch", "udpin://127.0.0.1:0", "--once", "--for", 0.1, "--log-file", path)
     assert "udpin://127.0.0.1:0" in path.read_text()
+
+
+def test_a_mission_warning_is_one_line(capsys):
+    with warnings_as_lines("mav mission"):
+        warnings.warn("the mission begins\n18,070 km away", MissionWarning, stacklevel=1)
+    assert capsys.readouterr().err == "mav mission: warning: the mission begins 18,070 km away\n"
+
+
+def test_other_warnings_stay_as_python_shows_them():
+    with pytest.warns(UserWarning, match="other"), warnings_as_lines("mav mission"):
+        warnings.warn("other", UserWarning, stacklevel=1)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 
-from mavstack.cli.common.errors import UsageError
+from mavstack.cli.common.errors import CommandError, UsageError
+from mavstack.cli.shell.prompt_parts import prompt_parts
 from mavstack.cli.shell.runner import run_line
+from mavstack.cli.shell.session import Session
 from mavstack.errors import HealthTimeout, MavstackError
 from tests.cli.shell.shell_session import COPTER, PX4_COPTER, alone, in_shell, type_lines
 from tests.vehicle.world import named
@@ -88,7 +92,7 @@ def test_vehicles_are_listed_and_selected(capsys):
 
     in_shell([COPTER, PX4_COPTER], scenario)
     lines = capsys.readouterr().out.splitlines()
-    assert lines[0].startswith("*  1  quadrotor with ArduPilot")
+    assert lines[0].startswith("   1  quadrotor with ArduPilot"), "none is selected before the choice"
     assert lines[3].startswith("*  2  quadrotor with PX4")
 
 
@@ -103,3 +107,33 @@ def test_no_vehicle_is_an_error(line):
 def test_link_without_peers(capsys):
     alone(lambda session: run_line(session, "link; vehicle"))
     assert "no peer\nno vehicle has been heard yet\n" in capsys.readouterr().out
+
+
+def test_several_vehicles_need_a_choice_before_any_command_acts(capsys):
+    async def scenario(session, world):
+        await session.connection.wait_for_vehicles(2)
+        assert session.selected is None
+        assert prompt_parts(session)[0] == ("silent", "vehicle 1, 2?")
+        for line in ("arm", "param set RTL_ALT 3000", "loiter", "reboot", "info"):
+            with pytest.raises(
+                CommandError, match=r"more than one vehicle is heard \(1, 2\); `vehicle 1` selects"
+            ):
+                await run_line(session, line)
+        await run_line(session, "vehicle 2")
+        assert prompt_parts(session)[0] == ("system", "2")
+        await run_line(session, "mode loiter")
+        modes = [vehicle.mode for vehicle in session.connection.vehicles.values()]
+        assert modes.count("LOITER") == 1
+        assert session.connection.vehicles[2].mode == "LOITER"
+
+    in_shell([COPTER, COPTER], scenario)
+
+
+def test_the_only_vehicle_stays_selected_when_another_appears():
+    async def scenario(session, world):
+        first = session.vehicle
+        session.connection = SimpleNamespace(vehicles={1: first, 2: object()})
+        assert session.vehicle is first
+        assert Session.selected.fget(SimpleNamespace(connection=session.connection, _system=None)) is None
+
+    in_shell(COPTER, scenario)

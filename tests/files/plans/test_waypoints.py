@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from mavstack.errors import PlanFileError
 from mavstack.files.plans import Home, PlanFile, fence_items, format_plan, parse_plan
 from mavstack.files.plans.fence import Circle, FenceAreas
 from mavstack.files.plans.model import CMD, FRAME, params_of
@@ -155,4 +156,23 @@ def test_rally_points_of_the_older_kind():
     assert [item.frame for item in plan.rally.items] == [3, 0, 10]
     assert plan.problems == ()
     rally_plan = parse_plan("RALLY 47.1 8.1 25 40 90 2\n")
-    assert rally_plan.problems == ("rally point 0: its break altitude, landing direction and flags",)
+    assert rally_plan.problems == ()
+    unused = "the break altitude, the landing direction, the flag to land immediately"
+    assert rally_plan.notes == (f"not used of the rally points: {unused}",)
+
+
+def test_a_rally_file_of_mavproxy_is_read_without_problems():
+    """MAVProxy separates the values by tabs, and gives each point a break altitude."""
+    plan = parse_plan("RALLY -35.363261\t149.165230\t100.000000\t40.000000\t0.000000\t0\n" * 2)
+    assert len(plan.rally) == 2
+    assert plan.problems == ()
+    assert plan.notes == ("not used of the rally points: the break altitude",)
+
+
+def test_a_rally_line_of_other_columns_is_refused_with_the_columns():
+    with pytest.raises(PlanFileError) as raised:
+        parse_plan("RALLY 47.1 8.1 25 0 0 0\nRALLY 47.1 8.1 25\n", "r.txt")
+    columns = "latitude, longitude, altitude, break altitude, landing direction, flags"
+    assert (
+        str(raised.value) == f"r.txt: line 2: it is 'RALLY' and 3 values instead of RALLY and six: {columns}"
+    )

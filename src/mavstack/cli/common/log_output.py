@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from argparse import SUPPRESS
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
+from mavstack.cli.common.output import echo
 from mavstack.cli.common.text import printable
+from mavstack.errors import MissionWarning
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -72,6 +74,25 @@ def logging_to_outputs(arguments: Namespace) -> Iterator[None]:
             logger.removeHandler(handler)
             handler.close()
         logger.setLevel(level)
+
+
+@contextmanager
+def warnings_as_lines(name: str) -> Iterator[None]:
+    """Show each `MissionWarning` as one line on stderr, after the name of the command."""
+    import warnings
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", MissionWarning)
+        show_as_python = warnings.showwarning
+
+        def show(message: Warning | str, *where: Any) -> None:  # noqa: ANN401 (as in the warnings module)
+            if isinstance(message, MissionWarning):
+                echo(f"{name}: warning: {' '.join(str(message).split())}", error=True)
+            else:
+                show_as_python(message, *where)
+
+        warnings.showwarning = show  # type: ignore[assignment]
+        yield
 
 
 @contextmanager

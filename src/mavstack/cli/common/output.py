@@ -78,6 +78,11 @@ def coloured(text: str, colour: str) -> str:
     return f"{_MARKS[colour]}{printable(text)}{_END_MARK}" if colour else text
 
 
+def shown_length(text: str) -> int:
+    """Return the number of letters of a text without the marks of its colours."""
+    return sum(letter not in _SEQUENCES for letter in text)
+
+
 def _rendered(line: str, stream: TextIO) -> str:
     """Return a line with colours instead of marks, and without control characters."""
     if line.isprintable():

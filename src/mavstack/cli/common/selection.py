@@ -77,18 +77,23 @@ async def selected_vehicles(connection: Connection, arguments: Namespace) -> Gro
     return Group([first])
 
 
+async def several_vehicles(connection: Connection) -> bool:
+    """Listen for further vehicles, and return whether more than one is heard."""
+    async with connection.events(VehicleFound) as found:
+        with suppress(TimeoutError):
+            async with asyncio.timeout(DISCOVERY_TIME):
+                while len(connection.vehicles) < 2:
+                    await anext(found)
+    return len(connection.vehicles) > 1
+
+
 async def require_one_vehicle(connection: Connection, remedy: str) -> None:
     """Listen for other vehicles.
 
     Raises:
         UsageError: More than one vehicle is heard; the text ends with the remedy.
     """
-    async with connection.events(VehicleFound) as found:
-        with suppress(TimeoutError):
-            async with asyncio.timeout(DISCOVERY_TIME):
-                while len(connection.vehicles) < 2:
-                    await anext(found)
-    if len(connection.vehicles) > 1:
+    if await several_vehicles(connection):
         heard = systems_text(connection.vehicles)
         raise UsageError(f"more than one vehicle is heard ({heard}); {remedy}")
 

@@ -6,6 +6,7 @@ import asyncio
 import sys
 from typing import TYPE_CHECKING, Any, Final
 
+from mavstack.cli.common.exposure import announce_exposure
 from mavstack.cli.common.link_options import add_link_options, with_link_options
 from mavstack.cli.common.options import seconds
 from mavstack.cli.common.output import echo, echo_json
@@ -76,8 +77,8 @@ async def _demo(arguments: Namespace) -> int:
     vehicles = add_vehicles(simulation)
     async with Runner(simulation, speed=arguments.speed) as runner:
         await runner.connect(network.link(), vehicles)
-        for url in with_link_options(arguments.out, arguments):
-            await runner.connect(url, vehicles)
+        urls = with_link_options(arguments.out, arguments)
+        announce_exposure("demo", [await runner.connect(url, vehicles) for url in urls])
         async with (
             Node(network.link(), dialect=dialect) as ground,
             background_tasks(_observe(ground, fleet), fly_missions(ground, vehicles)),

@@ -53,7 +53,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "which", nargs="+", type=_log_number, metavar="NUMBER", help="number of a log, last, or all"
     )
     get_parser.add_argument(
-        "-o", "--output", metavar="PATH", help="file or directory (default: the current directory)"
+        "-o", "--output", metavar="FILE", help="file or directory (default: the current directory)"
     )
     get_parser.add_argument("--force", action="store_true", help="replace a local file of another size")
     get_parser.add_argument(

@@ -11,11 +11,11 @@ from mavstack.cli.common.connection import DEFAULT_URL, add_heartbeat_timeout, c
 from mavstack.cli.common.exposure import announce_exposure
 from mavstack.cli.common.link_options import add_link_options
 from mavstack.cli.common.options import system_id
-from mavstack.cli.common.selection import require_one_vehicle
+from mavstack.cli.common.selection import require_one_vehicle, several_vehicles
 from mavstack.cli.common.stdin_lines import stdin_lines
-from mavstack.cli.shell.control import script_lines
+from mavstack.cli.shell.control import add_output, script_lines
 from mavstack.cli.shell.interactive import line_reader, run_interactive
-from mavstack.cli.shell.notifications import Notifications
+from mavstack.cli.shell.notifications import Notifications, print_notification
 from mavstack.cli.shell.plugins import with_plugins
 from mavstack.cli.shell.registry import COMMANDS
 from mavstack.cli.shell.runner import report_failure, run_lines
@@ -56,7 +56,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="URL",
         help=f"link to the vehicles; may be repeated (default: $MAVSTACK_URL or {DEFAULT_URL})",
     )
-    add("--system", type=system_id, metavar="ID", help="vehicle to select (default: the first vehicle heard)")
+    add("--system", type=system_id, metavar="ID", help="vehicle to select (needed if several are heard)")
     add("--out", action="append", default=[], metavar="URL", help="forward all packets to this link and back")
     group = parser.add_mutually_exclusive_group()
     group.add_argument("--script", metavar="FILE", help="run the lines of a file, and exit")
@@ -83,7 +83,7 @@ async def run_shell(connection: Connection, arguments: Namespace) -> int:
     commands = with_plugins(COMMANDS, report_failure)
     async with Session(connection, commands) as session, Notifications(session):
         for url in arguments.out:
-            await session.forwarding.add(url)
+            await add_output(session, url)
         if lines is None:
             reader = line_reader(session)
             session.ask, session.reader = reader.ask, reader
@@ -124,11 +124,14 @@ async def _require_vehicle(session: Session, arguments: Namespace) -> None:
 
 
 async def _look_for_vehicle(session: Session, arguments: Namespace) -> None:
-    """Wait for a vehicle before the first prompt; an interactive shell goes on without it."""
+    """Wait for vehicles before the first prompt; an interactive shell goes on without them."""
+    connection = session.connection
     try:
-        vehicle = await session.connection.wait_for_vehicle(arguments.system, timeout=arguments.timeout)
+        vehicle = await connection.wait_for_vehicle(arguments.system, timeout=arguments.timeout)
     except RemoteTimeout as error:
         report_failure(error)
         return
     if arguments.system is not None:
         session.select(vehicle.system)
+    elif await several_vehicles(connection):
+        print_notification(session.choice_text(), "yellow")

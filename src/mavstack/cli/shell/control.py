@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.errors import CommandError, UsageError
+from mavstack.cli.common.exposure import announce_exposure
 from mavstack.cli.common.output import align_columns
 from mavstack.cli.shell import completion
 from mavstack.cli.shell.console_command import AlreadyReported, expect_words, parse_number
@@ -88,12 +89,18 @@ async def output(session: Session, words: list[str]) -> None:
             ]
             session.print(*(align_columns(rows) if rows else ["there are no outputs"]))
         case ["add", url]:
-            await forwarding.add(url)
+            await add_output(session, url)
         case ["remove", which]:
             known = which.isascii() and which.isdecimal() and len(which) < 4
             await forwarding.remove(int(which) if known else which)
         case _:
             raise UsageError("usage: output [list], output add URL, or output remove URL|NUMBER")
+
+
+async def add_output(session: Session, url: str) -> None:
+    """Forward packets to a link; say on stderr if other hosts can reach it."""
+    added = await session.forwarding.add(url)
+    announce_exposure("shell", [added.link])
 
 
 async def sleep(session: Session, words: list[str]) -> None:

@@ -12,6 +12,7 @@ from mavstack.cli.common.field_values import field_texts
 from mavstack.cli.common.output import align_columns
 from mavstack.cli.common.selection import DISCOVERY_TIME
 from mavstack.cli.common.text import size_text
+from mavstack.cli.common.wrapping import terminal_columns
 from mavstack.cli.shell import completion
 from mavstack.cli.shell.console_command import expect_words, parse_integer, parse_number
 from mavstack.cli.shell.session import Command
@@ -34,7 +35,7 @@ _MESSAGE_TIMEOUT: Final = 5.0
 async def info(session: Session, words: list[str]) -> None:
     """Run `info`."""
     expect_words(words, 0, 0, "info")
-    session.print(*page(await gather_facts(session.vehicle)))
+    session.print(*page(await gather_facts(session.vehicle), terminal_columns()))
 
 
 async def status(session: Session, words: list[str]) -> None:

@@ -1,8 +1,10 @@
-"""The parts of the prompt: `1 GUIDED armed> `."""
+"""The parts of the prompt: `1 GUIDED armed> `, or `vehicle 1, 2?> ` before one of several is selected."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
+
+from mavstack.cli.common.selection import systems_text
 
 if TYPE_CHECKING:
     from mavstack.cli.shell.session import Session
@@ -12,7 +14,8 @@ def prompt_parts(session: Session) -> list[tuple[str, str]]:
     """Return the parts of the prompt as pairs of style and text."""
     vehicle = session.selected
     if vehicle is None:
-        return [("silent", "no vehicle"), ("end", "> ")]
+        heard = systems_text(session.connection.vehicles)
+        return [("silent", f"vehicle {heard}?" if heard else "no vehicle"), ("end", "> ")]
     parts = [("system", str(vehicle.system))]
     if not vehicle.alive:
         parts.append(("silent", " silent"))

@@ -17,9 +17,10 @@ from mavstack.errors import MavstackError
 from mavstack.services.modes import mode_names
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterable
+    from collections.abc import AsyncIterable, Iterable
 
     from mavstack.cli.shell.session import Session
+    from mavstack.vehicle import Vehicle
 
 #: Nesting depth of aliases and scripts.
 MAX_DEPTH: Final = 20
@@ -103,12 +104,15 @@ def report_failure(error: MavstackError | OSError, location: str = "") -> None:
 
 
 def known_modes(session: Session) -> frozenset[str]:
-    """Return the names of the flight modes of the vehicle's firmware, in lower case."""
-    vehicle = session.selected
-    info = None if vehicle is None else vehicle.component.info
-    if info is None:
-        return frozenset()
-    return frozenset(name.lower() for name in mode_names(info.autopilot, info.type).values())
+    """Return the flight modes in lower case: of the selected vehicle, or of all before a choice."""
+    selected = session.selected
+    vehicles = session.connection.vehicles.values() if selected is None else (selected,)
+    return frozenset(name.lower() for vehicle in vehicles for name in _mode_names(vehicle))
+
+
+def _mode_names(vehicle: Vehicle) -> Iterable[str]:
+    info = vehicle.component.info
+    return () if info is None else mode_names(info.autopilot, info.type).values()
 
 
 async def _run_nested(session: Session, name: str, text: str) -> None:

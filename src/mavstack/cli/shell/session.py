@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.cli.common.errors import CommandError
 from mavstack.cli.common.output import echo
-from mavstack.cli.common.selection import of_vehicle
+from mavstack.cli.common.selection import of_vehicle, systems_text
 from mavstack.cli.shell.overrides import Overrides
 from mavstack.cli.shell.settings import Settings
 from mavstack.node.forwarding import Forwarding
@@ -89,10 +89,11 @@ class Session:
 
     @property
     def selected(self) -> Vehicle | None:
-        """The selected vehicle, by default the first; None if there is none."""
+        """The selected vehicle, or the only one that is heard; None without any, and before a choice."""
+        vehicles = self.connection.vehicles
         if self._system is not None:
-            return self.connection.vehicles.get(self._system)
-        return next(iter(self.connection.vehicles.values()), None)
+            return vehicles.get(self._system)
+        return next(iter(vehicles.values())) if len(vehicles) == 1 else None
 
     @property
     def has_selection(self) -> bool:
@@ -101,11 +102,23 @@ class Session:
 
     @property
     def vehicle(self) -> Vehicle:
-        """The selected vehicle; raises `CommandError` if there is none."""
+        """The vehicle that a command acts on, from then on the selected one.
+
+        Raises:
+            CommandError: No vehicle is heard, or several are and none is selected.
+        """
         vehicle = self.selected
+        if vehicle is None and self.connection.vehicles:
+            raise CommandError(self.choice_text())
         if vehicle is None:
             raise CommandError("no vehicle has been heard yet; `link` shows the traffic of each link")
+        self._system = vehicle.system
         return vehicle
+
+    def choice_text(self) -> str:
+        """Return how to choose one of several vehicles."""
+        heard = self.connection.vehicles
+        return f"more than one vehicle is heard ({systems_text(heard)}); `vehicle {min(heard)}` selects one"
 
     async def require_vehicle(self) -> None:
         """Wait for the vehicle of a script, once."""

@@ -6,20 +6,18 @@ import asyncio
 from contextlib import suppress
 from dataclasses import asdict
 from math import isfinite
-from textwrap import wrap
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.cli.common.identity import entry_words
 from mavstack.cli.common.output import coloured
 from mavstack.cli.common.text import printable
+from mavstack.cli.common.wrapping import DEFAULT_COLUMNS, wrapped
 from mavstack.cli.vehicle.flight_progress import distance_to_home
 from mavstack.dialects import common
 from mavstack.errors import MavstackError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from mavstack.dialects import Message
     from mavstack.services.version import AutopilotVersion
     from mavstack.vehicle import Vehicle
@@ -36,8 +34,8 @@ _MESSAGES: Final[tuple[type[Message], ...]] = (
     common.GlobalPositionInt,
     common.ExtendedSysState,
 )
-#: Columns of wrapped texts, which with the names of the rows fit into 80.
-_WIDTH: Final = 66
+#: Columns before the text of a row.
+_INDENT: Final = 13
 _FIXES: Final = ("no receiver", "no fix", "2D fix", "3D fix", "DGPS fix", "RTK float", "RTK fixed")
 #: The features whose names are abbreviations.
 _FEATURE_NAMES: Final = {
@@ -125,8 +123,8 @@ def _components(vehicle: Vehicle) -> dict[str, Any]:
     }
 
 
-def page(facts: dict[str, Any]) -> list[str]:
-    """Return the facts as lines of text."""
+def page(facts: dict[str, Any], columns: int = DEFAULT_COLUMNS) -> list[str]:
+    """Return the facts as lines of text, wrapped between words."""
     firmware = " ".join(filter(None, (facts["firmware"], facts["version"])))
     commit = f" ({facts['git_hash']})" if facts["git_hash"] else ""
     head = f"vehicle {facts['system']}: {facts['type'] or 'of an unknown type'}, {firmware}{commit}"
@@ -138,15 +136,17 @@ def page(facts: dict[str, Any]) -> list[str]:
         ("GPS", _gps_text(facts["gps"])),
         *_health_rows(facts["health"]),
         *[("component", f"{each['kind']} ({each['component']})") for each in facts["components"]],
-        *_wrapped("supports", _feature_names(facts["features"])),
-        *_wrapped("calibrates", facts["features"]["calibrations"]),
+        ("supports", ", ".join(_feature_names(facts["features"]))),
+        ("calibrates", ", ".join(facts["features"]["calibrations"])),
         ("board", _board_text(facts)),
     ]
-    lines = [coloured(head, "bold")]
+    lines = [coloured(line, "bold") for line in wrapped(head, columns, "  ")]
     previous = ""
     for name, text in rows:
         if text:
-            lines.append(f"  {'' if name == previous else name:10} {text}")
+            first, *rest = wrapped(text, columns - _INDENT)
+            lines.append(f"  {'' if name == previous else name:10} {first}")
+            lines += [f"{'':{_INDENT}}{line}" for line in rest]
             previous = name
     return lines
 
@@ -214,10 +214,6 @@ def _feature_names(features: dict[str, Any]) -> list[str]:
     """Return the features that the vehicle has, as words; components and calibrations have their own rows."""
     had = [name for name, value in features.items() if value is True]
     return [_FEATURE_NAMES.get(name, name.replace("_", " ")) for name in had]
-
-
-def _wrapped(name: str, texts: Iterable[str]) -> list[tuple[str, str]]:
-    return [(name, line) for line in wrap(", ".join(texts), _WIDTH)]
 
 
 _NUMBERS: Final = MappingProxyType({"vendor": "vendor {}", "product": "product {}", "board": "version {}"})

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from mavstack.cli.common.connection import run_on_connection
 from mavstack.cli.common.output import echo, echo_json
 from mavstack.cli.common.selection import mention_other_vehicles, selected_vehicles, selects_several
+from mavstack.cli.common.wrapping import terminal_columns
 from mavstack.cli.vehicle.info import gather_facts, health_facts, page
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ def info(arguments: Namespace) -> int:
         if arguments.json:
             echo_json(facts)
         else:
-            echo(*page(facts))
+            echo(*page(facts, terminal_columns()))
 
     return _show_each(arguments, show)
 

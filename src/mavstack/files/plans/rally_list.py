@@ -4,7 +4,8 @@
 
 Altitudes are relative to home, unless flag 4 (ALT_FRAME_VALID) marks flags 8 and 16 as the frame: 0 above
 mean sea level, 1 above home, 3 above the terrain. The break altitude, the landing direction and the other
-flags have no param in a rally point item; they are reported if they are set.
+flags have no param in a rally point item; a note tells that they are not used. MAVProxy writes a break
+altitude into every point.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import PlanFileError
 from mavstack.files.plans.model import CMD, FRAME, PLAN_NAMES, PlanFile, item_of, plain_frame
-from mavstack.files.plans.parsing import bounded, first_line, lines_of, number_text
+from mavstack.files.plans.parsing import bounded, first_line, lines_of, number_text, shown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from mavstack.files.plans.parsing import Line, Report
     from mavstack.services.mission import MissionItem
 
+_COLUMNS: Final = "latitude, longitude, altitude, break altitude, landing direction, flags"
 _FRAME_VALID: Final = 4
 _FRAME_BITS: Final = 24
 _FRAME_SHIFT: Final = 3
@@ -40,13 +42,12 @@ def recognise(text: str) -> bool:
 
 def parse(text: str, name: str = "") -> PlanFile:
     """Read the text of a file."""
-    problems: list[str] = []
-    items: list[MissionItem] = []
-    for line in lines_of(text, name):
-        items.append(_read_point(line, len(items), problems))
+    unused: dict[str, None] = {}
+    items = [_read_point(line, unused) for line in lines_of(text, name)]
     if not items:
         raise PlanFileError("it holds no rally points", name)
-    return replace(PlanFile.of(rally=bounded(items, name)), problems=tuple(problems))
+    notes = (f"not used of the rally points: {', '.join(unused)}",) if unused else ()
+    return replace(PlanFile.of(rally=bounded(items, name)), notes=notes)
 
 
 def write(plan: PlanFile, report: Report) -> str:
@@ -59,14 +60,22 @@ def write(plan: PlanFile, report: Report) -> str:
     return "".join(_text(index, item, report) for index, item in enumerate(plan.rally.items))
 
 
-def _read_point(line: Line, index: int, problems: list[str]) -> MissionItem:
+def _read_point(line: Line, unused: dict[str, None]) -> MissionItem:
+    """Return the item of a line; the names of its values that an item cannot hold are added to `unused`."""
     if line.words[0].upper() != "RALLY" or len(line.words) != 7:
-        raise line.wrong("is not RALLY and six numbers")
+        found = f"{shown(line.words[0])} and {len(line.words) - 1} values"
+        raise line.wrong(f"it is {found} instead of RALLY and six: {_COLUMNS}")
     place = [line.number_at(at, label) for at, label in ((1, "the latitude"), (2, "the longitude"))]
     altitude = line.number_at(3, "the altitude")
     flags = line.integer(6, "flags", 255)
-    if line.number_at(4, "the break altitude") or line.number_at(5, "the landing direction") or flags & 3:
-        problems.append(f"rally point {index}: its break altitude, landing direction and flags")
+    for value, label in (
+        (line.number_at(4, "the break altitude"), "the break altitude"),
+        (line.number_at(5, "the landing direction"), "the landing direction"),
+        (flags & 1, "the flag for a favourable wind"),
+        (flags & 2, "the flag to land immediately"),
+    ):
+        if value:
+            unused[label] = None
     frame = int(FRAME.GLOBAL_RELATIVE_ALT)
     if flags & _FRAME_VALID:
         named = (flags & _FRAME_BITS) >> _FRAME_SHIFT

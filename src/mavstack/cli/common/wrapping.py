@@ -1,0 +1,76 @@
+"""Lines that fit the terminal, broken between words; a pipe gets lines of 80 columns."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from typing import TYPE_CHECKING, Final
+
+from mavstack.cli.common.output import align_columns, shown_length
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+DEFAULT_COLUMNS: Final = 80
+#: Narrower terminals break lines themselves.
+MIN_COLUMNS: Final = 40
+#: Columns that the last column of a table needs to be wrapped.
+_MIN_LAST_COLUMN: Final = 20
+
+
+def terminal_columns() -> int:
+    """Return the width of the terminal; in a pipe `DEFAULT_COLUMNS`."""
+    if not sys.stdout.isatty():
+        return DEFAULT_COLUMNS
+    return max(shutil.get_terminal_size().columns, MIN_COLUMNS)
+
+
+def wrapped(text: str, columns: int, indent: str = "") -> list[str]:
+    """Return a text as lines of at most `columns`, broken at blanks; further lines are indented."""
+    lines: list[str] = []
+    line = ""
+    for word in text.split(" "):
+        longer = f"{line} {word}" if line else word
+        if line.strip() and shown_length(longer) > columns:
+            lines.append(line)
+            line = indent + word
+        else:
+            line = longer
+    return [*lines, line]
+
+
+def table_that_fits(
+    rows: Sequence[Sequence[str]], columns: int, *, right: frozenset[int] = frozenset()
+) -> list[str]:
+    """Return a table as lines that fit, broken between words.
+
+    Args:
+        rows: The heads, then the rows; the first column is short.
+        columns: Width of the terminal. The last column is wrapped below itself; if there is no room for that,
+            each row becomes a text, in which the columns of `right` are named by their heads.
+        right: Columns that are aligned to the right.
+    """
+    lines = align_columns(rows, right=right)
+    if max(map(shown_length, lines)) <= columns:
+        return lines
+    start = lines[0].rindex(rows[0][-1])
+    if columns - start < _MIN_LAST_COLUMN:
+        return _texts(rows, columns, right)
+    found: list[str] = []
+    for line in lines:
+        first, *rest = wrapped(line[start:], columns - start)
+        found += [f"{line[:start]}{first}".rstrip(), *(" " * start + each for each in rest)]
+    return found
+
+
+def _texts(rows: Sequence[Sequence[str]], columns: int, right: frozenset[int]) -> list[str]:
+    head, *others = rows
+    width = max(len(row[0]) for row in rows)
+    lines: list[str] = []
+    for first, *cells in others:
+        named = [
+            f"{head[index]} {cell}" if index in right else cell for index, cell in enumerate(cells, 1) if cell
+        ]
+        begin, *rest = wrapped(", ".join(named), columns - width - 2)
+        lines += [f"{first:>{width}}  {begin}", *(f"{'':{width}}  {each}" for each in rest)]
+    return lines

@@ -1,0 +1,46 @@
+from __future__ import annotations
+
+from mavstack.cli.common.output import align_columns, coloured, shown_length
+from mavstack.cli.common.wrapping import table_that_fits, wrapped
+
+
+def test_lines_break_between_words():
+    text = "altitude 34 m above home, heading 120 degrees"
+    assert wrapped(text, 20) == ["altitude 34 m above", "home, heading 120", "degrees"]
+    assert wrapped(text, 20, "  ") == ["altitude 34 m above", "  home, heading 120", "  degrees"]
+    assert wrapped(text, 80) == [text]
+
+
+def test_a_word_longer_than_a_line_stays_whole():
+    assert wrapped("a " + "b" * 30, 20) == ["a", "b" * 30]
+    assert wrapped("b" * 30, 20) == ["b" * 30]
+
+
+def test_colours_have_no_width():
+    assert shown_length(coloured("red", "red")) == 3
+    assert len(wrapped(f"{coloured('ready to', 'green')} fly", 12)) == 1
+
+
+ROWS = [
+    ("#", "command", "distance", "params"),
+    ("1", "takeoff", "", "pitch 15 deg, yaw 90 deg"),
+    ("2", "land", "90 m", ""),
+]
+
+
+def test_the_last_column_of_a_table_is_wrapped_below_itself():
+    assert table_that_fits(ROWS, 80, right=frozenset({2})) == align_columns(ROWS, right=frozenset({2}))
+    assert table_that_fits(ROWS, 44, right=frozenset({2})) == [
+        "#  command  distance  params",
+        "1  takeoff            pitch 15 deg, yaw 90",
+        "                      deg",
+        "2  land         90 m",
+    ]
+
+
+def test_a_table_without_room_becomes_texts():
+    assert table_that_fits(ROWS, 30, right=frozenset({2})) == [
+        "1  takeoff, pitch 15 deg, yaw",
+        "   90 deg",
+        "2  land, distance 90 m",
+    ]
