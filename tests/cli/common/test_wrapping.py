@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 from mavstack.cli.common.output import align_columns, coloured, shown_length
-from mavstack.cli.common.wrapping import table_that_fits, wrapped
+from mavstack.cli.common.wrapping import UNLIMITED, table_that_fits, terminal_columns, wrapped
 
 
 def test_lines_break_between_words():
@@ -44,3 +44,13 @@ def test_a_table_without_room_becomes_texts():
         "   90 deg",
         "2  land, distance 90 m",
     ]
+
+
+def test_the_width_is_that_of_the_terminal(monkeypatch):
+    assert terminal_columns() == 80
+    assert terminal_columns(UNLIMITED) == UNLIMITED
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    monkeypatch.setenv("COLUMNS", "61")
+    assert terminal_columns(UNLIMITED) == 61
+    monkeypatch.setenv("COLUMNS", "3")
+    assert terminal_columns() == 40

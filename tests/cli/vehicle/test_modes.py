@@ -36,10 +36,11 @@ def test_lists_refusals_and_the_current_mode_have_the_same_names(mav, monkeypatc
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: f"{kind[1]}-{kind[0]}")
 def test_the_shell_lists_and_completes_the_same_names(kind, capsys):
     async def scenario(session, world):
+        candidates, _ = await complete(session, "mode ")
         await run_line(session, "mode")
         listed = {line[2:] for line in capsys.readouterr().out.splitlines()}
-        candidates, _ = await complete(session, "mode ")
-        assert listed <= {each.upper() for each in candidates}
+        assert {each.lower() for each in listed} == set(candidates)
         assert session.vehicle.mode in listed
+        assert set(candidates) <= set((await complete(session, ""))[0]), "a mode is a command too"
 
     in_shell(kind, scenario)

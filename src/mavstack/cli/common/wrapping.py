@@ -1,4 +1,4 @@
-"""Lines that fit the terminal, broken between words; a pipe gets lines of 80 columns."""
+"""Lines that fit the terminal, broken between words; a pipe gets texts of 80 columns, and whole tables."""
 
 from __future__ import annotations
 
@@ -12,16 +12,18 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 DEFAULT_COLUMNS: Final = 80
+#: The width of a table in a pipe, where programs read it.
+UNLIMITED: Final = 1 << 20
 #: Narrower terminals break lines themselves.
 MIN_COLUMNS: Final = 40
 #: Columns that the last column of a table needs to be wrapped.
 _MIN_LAST_COLUMN: Final = 20
 
 
-def terminal_columns() -> int:
-    """Return the width of the terminal; in a pipe `DEFAULT_COLUMNS`."""
+def terminal_columns(in_pipe: int = DEFAULT_COLUMNS) -> int:
+    """Return the width of the terminal, or `in_pipe` if the output goes elsewhere."""
     if not sys.stdout.isatty():
-        return DEFAULT_COLUMNS
+        return in_pipe
     return max(shutil.get_terminal_size().columns, MIN_COLUMNS)
 
 

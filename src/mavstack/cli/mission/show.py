@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from mavstack.cli.common.connection import run_on_vehicle
 from mavstack.cli.common.output import align_columns, echo, echo_json
-from mavstack.cli.common.wrapping import table_that_fits, terminal_columns
+from mavstack.cli.common.wrapping import UNLIMITED, table_that_fits, terminal_columns
 from mavstack.cli.mission.files import read
 from mavstack.cli.mission.sketch import flown_path, sketch
 from mavstack.cli.mission.text import altitude_text, length_text, number, params_text, place_text
@@ -118,7 +118,7 @@ def _mission_lines(plan: PlanFile) -> list[str]:
     for index, item in enumerate(plan.mission.items, plan.first):
         leg = length_text(legs[index]) if index in legs else ""
         rows.append(_row(str(index), item, leg, plan.first))
-    return table_that_fits(rows, terminal_columns(), right=_RIGHT)
+    return table_that_fits(rows, terminal_columns(UNLIMITED), right=_RIGHT)
 
 
 def _row(index: str, item: MissionItem, leg: str, first: int) -> tuple[str, ...]:

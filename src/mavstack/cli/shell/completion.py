@@ -11,6 +11,7 @@ the vehicle does not answer in time.
 from __future__ import annotations
 
 import asyncio
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -92,7 +93,12 @@ async def parameters(session: Session, _: Sequence[str], __: str) -> Iterable[st
 
 
 async def modes(session: Session, _: Sequence[str], __: str) -> Iterable[str]:
-    """Complete flight modes."""
+    """Complete flight modes, which the vehicle lists once."""
+    vehicle = session.selected
+    if vehicle is not None and vehicle.system not in session.listed_modes:
+        with suppress(MavstackError, TimeoutError):
+            async with asyncio.timeout(LISTING_TIMEOUT):
+                await session.list_modes(vehicle)
     return known_modes(session)
 
 

@@ -134,7 +134,7 @@ async def modes(session: Session, words: list[str]) -> None:
     """Run `modes`."""
     expect_words(words, 0, 0, "modes")
     vehicle = session.vehicle
-    found = await vehicle.modes.list()
+    found = await session.list_modes(vehicle)
     current = (vehicle.mode or "").lower()
     session.print(*(f"{'*' if each.name.lower() == current else ' '} {each.name}" for each in found))
 
@@ -193,6 +193,7 @@ async def reboot(session: Session, words: list[str]) -> None:
         return
     expect_words(words, 0, 0, "reboot [bootloader]")
     session.completion_cache.clear()
+    session.listed_modes.clear()
     with notice_of_interruption(session.vehicle, "reboot"):
         await session.vehicle.reboot(wait=session.settings.wait)
 

@@ -104,13 +104,19 @@ def report_failure(error: MavstackError | OSError, location: str = "") -> None:
 
 
 def known_modes(session: Session) -> frozenset[str]:
-    """Return the flight modes in lower case: of the selected vehicle, or of all before a choice."""
+    """Return the names of flight modes in lower case: of the selected vehicle, or of all before a choice.
+
+    They are the modes that the vehicle has listed, or else those of its firmware.
+    """
     selected = session.selected
     vehicles = session.connection.vehicles.values() if selected is None else (selected,)
-    return frozenset(name.lower() for vehicle in vehicles for name in _mode_names(vehicle))
+    return frozenset(name.lower() for vehicle in vehicles for name in _mode_names(session, vehicle))
 
 
-def _mode_names(vehicle: Vehicle) -> Iterable[str]:
+def _mode_names(session: Session, vehicle: Vehicle) -> Iterable[str]:
+    listed = session.listed_modes.get(vehicle.system)
+    if listed is not None:
+        return listed
     info = vehicle.component.info
     return () if info is None else mode_names(info.autopilot, info.type).values()
 

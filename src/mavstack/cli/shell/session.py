@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from typing import Self
 
     from mavstack.cli.shell.reader import LineReader
+    from mavstack.services.modes import AvailableMode
     from mavstack.vehicle import Connection, Vehicle
 
     Run: TypeAlias = Callable[["Session", list[str]], Awaitable[None]]
@@ -79,6 +80,8 @@ class Session:
         self.overrides = Overrides()
         #: Directory listings for completion: time and names by system id and directory.
         self.completion_cache: dict[tuple[int, str], tuple[float, tuple[str, ...]]] = {}
+        #: Names of the modes that a vehicle has listed, by system id.
+        self.listed_modes: dict[int, tuple[str, ...]] = {}
         self._system: int | None = None
         self._stack = AsyncExitStack()
 
@@ -138,6 +141,12 @@ class Session:
             raise CommandError(f"no vehicle has the system id {system}; known: {known}")
         self._system = system
         return vehicle
+
+    async def list_modes(self, vehicle: Vehicle) -> Sequence[AvailableMode]:
+        """List the modes of a vehicle, and keep their names for completion."""
+        found = await vehicle.modes.list()
+        self.listed_modes[vehicle.system] = tuple(mode.name for mode in found)
+        return found
 
     async def confirm(self, question: str) -> bool:
         """Ask the user a yes-or-no question; a shell that is not interactive answers no."""

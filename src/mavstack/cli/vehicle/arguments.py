@@ -66,6 +66,6 @@ def add_place(parser: ArgumentParser) -> None:
         "altitude",
         nargs="?",
         type=finite_number,
-        metavar="M",
+        metavar="ALTITUDE",
         help="metres above home (default: the current altitude)",
     )

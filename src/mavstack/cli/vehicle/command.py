@@ -101,7 +101,7 @@ def _add_takeoff(actions: Actions) -> None:
         nargs="?",
         type=finite_number,
         default=10.0,
-        metavar="M",
+        metavar="ALTITUDE",
         help="metres above home (default: 10)",
     )
     add_override(action)
