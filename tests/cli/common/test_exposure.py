@@ -38,3 +38,11 @@ def test_outputs_of_the_shell_are_named(capsys):
 
     alone(scenario)
     assert capsys.readouterr().err.startswith("mav shell: tcpin://0.0.0.0:")
+
+
+def test_many_ports_are_one_line(capsys):
+    announce_exposure(
+        "sim", [SimpleNamespace(url=parse_url(f"tcpin://0.0.0.0:{port}")) for port in range(5760, 5860)]
+    )
+    text = "tcpin://0.0.0.0:5760 … tcpin://0.0.0.0:5859 can be reached from the network"
+    assert capsys.readouterr().err.startswith(f"mav sim: {text}")

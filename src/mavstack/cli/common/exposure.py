@@ -12,16 +12,20 @@ if TYPE_CHECKING:
 
     from mavstack.links import Link
 
+#: Of more links only the first and the last are named.
+_MAX_SHOWN: Final = 3
 _LISTENING: Final = frozenset({"udpin", "tcpin", "tlsin", "wsin", "wssin"})
 
 
 def announce_exposure(command: str, links: Iterable[Link]) -> None:
-    """Say on stderr which links accept data from other hosts."""
-    for link in links:
-        url = link.url
-        if url.scheme in _LISTENING and not _is_loopback(url.host):
-            remedy = "127.0.0.1 in the URL limits it to this machine"
-            echo(f"mav {command}: {url.redacted} can be reached from the network; {remedy}", error=True)
+    """Say on stderr, in one line, which links accept data from other hosts."""
+    urls = [link.url for link in links]
+    exposed = [url.redacted for url in urls if url.scheme in _LISTENING and not _is_loopback(url.host)]
+    if not exposed:
+        return
+    shown = ", ".join(exposed) if len(exposed) <= _MAX_SHOWN else f"{exposed[0]} … {exposed[-1]}"
+    remedy = "127.0.0.1 in the URL limits it to this machine"
+    echo(f"mav {command}: {shown} can be reached from the network; {remedy}", error=True)
 
 
 def _is_loopback(host: str) -> bool:
