@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 #: Names of arguments in help texts that stand for files or directories on this machine.
 _FILES: Final = frozenset(
-    {"FILE", "FILE.xml", "OFFICIAL.xml", "NAME|FILE.xml", "URL|FILE", "FOLDER", "DIR", "LOCAL"}
+    {"FILE", "FILE.xml", "OFFICIAL.xml", "NAME|FILE.xml", "FILE|NAME", "URL|FILE", "FOLDER", "DIR", "LOCAL"}
     | {"IN", "OUT", "OLD", "NEW"}
 )
 PROGRAM: Final = "mav"
