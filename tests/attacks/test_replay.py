@@ -73,46 +73,84 @@ async def test_a_command_is_executed_once_over_several_tcp_connections() -> None
         assert target.executed == 1
 
 
-async def test_a_command_is_not_executed_again_by_the_next_run(tmp_path) -> None:
-    packet, executed = command_packet(time()), 0
-    for _ in range(3):
-        store = TimestampStore(tmp_path / "clock")
-        async with Target("udpin://127.0.0.1:0", timestamps=store) as target:
+async def run_with(path, *packets: bytes) -> tuple[int, bytes]:
+    """Run a node with a store; return how many of the packets it executes, and a command executed last."""
+    store = None if path is None else TimestampStore(path)
+    async with Target("udpin://127.0.0.1:0", timestamps=store) as target:
+        for packet in packets:
             send_udp(target.port, packet)
-            await asyncio.sleep(PAUSE)
-            executed += target.executed
-    assert executed == 1
+        await asyncio.sleep(PAUSE)
+        executed = target.executed
+        send_udp(target.port, new := command_packet(time()))
+        await asyncio.sleep(PAUSE)
+        assert target.executed == executed + 1, "a new command is executed"
+        return executed, new
+
+
+async def test_a_command_is_not_executed_again_by_the_next_run(tmp_path) -> None:
+    _, packet = await run_with(tmp_path / "clock")
+    for _ in range(2):
+        assert (await run_with(tmp_path / "clock", packet))[0] == 0
 
 
 KILLED = """
 import asyncio, os, socket, sys
-from tests.attacks.test_replay import Target, TimestampStore, send_udp
+from time import time
+from tests.attacks.test_replay import Target, TimestampStore, command_packet, send_udp
 
-async def work(path, packet):
+async def work(path):
     async with Target("udpin://127.0.0.1:0", timestamps=TimestampStore(path)) as target:
-        send_udp(target.port, packet)
+        send_udp(target.port, packet := command_packet(time()))
         await asyncio.sleep(0.2)
-        print(target.executed, flush=True)
+        print(target.executed, packet.hex(), flush=True)
         os.kill(os.getpid(), 9)
 
-asyncio.run(work(sys.argv[1], bytes.fromhex(sys.argv[2])))
+asyncio.run(work(sys.argv[1]))
 """
 
 
-async def test_a_command_is_not_executed_again_after_the_process_was_killed(tmp_path) -> None:
-    packet, path = command_packet(time()), tmp_path / "clock"
+async def run_killed(path) -> bytes:
+    """Run a process that executes a command and is killed; return the command."""
     killed = await asyncio.to_thread(
         subprocess.run,
-        [sys.executable, "-c", KILLED, str(path), packet.hex()],
+        [sys.executable, "-c", KILLED, str(path)],
         capture_output=True,
         text=True,
         timeout=60,
     )
-    assert killed.stdout.strip() == "1", killed.stderr
+    executed, packet = killed.stdout.split()
+    assert executed == "1", killed.stderr
+    return bytes.fromhex(packet)
+
+
+async def test_a_command_is_not_executed_again_after_the_process_was_killed(tmp_path) -> None:
+    packet = await run_killed(tmp_path / "clock")
+    assert (await run_with(tmp_path / "clock", packet))[0] == 0
+
+
+async def test_a_command_is_not_executed_by_the_second_run_after_a_kill(tmp_path) -> None:
+    """The run in between receives nothing of the stream, and ends properly."""
+    path = tmp_path / "clock"
+    await run_with(path)
+    packet = await run_killed(path)
     async with Target("udpin://127.0.0.1:0", timestamps=TimestampStore(path)) as target:
-        send_udp(target.port, packet)
+        send_udp(target.port, Encoder(254, 1, signing=KEY.signing()).encode(common.Heartbeat(), time()))
         await asyncio.sleep(PAUSE)
-        assert target.executed == 0
-        send_udp(target.port, command_packet(time()))
+    assert (await run_with(path, packet))[0] == 0
+
+
+async def test_a_command_is_not_executed_again_without_the_stored_state(tmp_path) -> None:
+    _, packet = await run_with(tmp_path / "clock")
+    (tmp_path / "clock").unlink()
+    assert (await run_with(tmp_path / "clock", packet))[0] == 0
+    assert (await run_with(None, packet))[0] == 0
+
+
+async def test_a_command_is_not_executed_beside_a_process_with_the_same_store(tmp_path) -> None:
+    path = tmp_path / "clock"
+    async with Target("udpin://127.0.0.1:0", timestamps=TimestampStore(path)) as target:
+        send_udp(target.port, packet := command_packet(time()))
         await asyncio.sleep(PAUSE)
         assert target.executed == 1
+        assert (await run_with(path, packet))[0] == 0
+    assert (await run_with(path, packet))[0] == 0

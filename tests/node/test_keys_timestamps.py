@@ -26,13 +26,10 @@ class Store(TimestampStore):
         self.start = start
         self.error: Exception | None = None
 
-    def load_last_run(self) -> LastRun:
+    def begin_run(self, timestamp=0) -> LastRun:
         return LastRun(self.stored[-1] if self.stored else self.start)
 
-    def mark_running(self) -> None:
-        pass
-
-    def store(self, timestamp, streams=(), *, running=False) -> None:
+    def store(self, timestamp, streams=(), *, floor=0, running=False) -> None:
         if self.error is not None:
             raise self.error
         self.stored.append(timestamp)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mavstack.node.routes import MAX_ADDRESSES, SILENCE_TIMEOUT, Routes
+from mavstack.node.routes import MAX_ADDRESSES, MAX_CHANNELS, MAX_WIDE, SILENCE_TIMEOUT, Routes
 from mavstack.services import BROADCAST, Address
 
 A, B, C = "radio", "wifi", "usb"
@@ -92,3 +92,30 @@ def test_the_number_of_addresses_is_bounded() -> None:
         routes.learn(Address(1 + number % 255, 1 + number // 255 % 255), A, float(number))
     assert len(routes._routes) == MAX_ADDRESSES
     assert sum(len(system) for system in routes._systems.values()) == MAX_ADDRESSES
+
+
+def test_the_channels_of_all_addresses_are_bounded_in_total() -> None:
+    routes: Routes[int] = Routes()
+    for channel in range(64):
+        for number in range(1000):
+            routes.learn(Address(1 + number % 250, 1 + number // 250), channel, channel / 100)
+    addresses = [Address(1 + number % 250, 1 + number // 250) for number in range(1000)]
+    counts = [len(routes.heard_on(address)) for address in addresses]
+    assert sum(counts) <= 1000 * MAX_CHANNELS + MAX_WIDE * 64
+    narrow = next(address for address in addresses if len(routes.heard_on(address)) <= MAX_CHANNELS)
+    assert list(routes.channels_to(narrow, range(64))) == [0], "the preferred channel stays"
+
+
+def test_an_address_with_many_channels_keeps_its_verified_ones() -> None:
+    routes: Routes[int] = Routes()
+    for number in range(20):
+        routes.learn(COPTER, number, 0.0)
+    routes.learn(COPTER, 19, 1.0, verified=True)
+    routes.learn(COPTER, 18, 1.5, verified=True)
+    for number in range(20, 40):
+        routes.learn(COPTER, number, 2.0 + number)
+    for system in range(2, 3 + MAX_WIDE):
+        for number in range(MAX_CHANNELS + 1):
+            routes.learn(Address(system, 1), number, 60.0)
+    assert routes.heard_on(COPTER) == (19, 18, 38, 39)
+    assert routes.verified_on(COPTER) == {18, 19}

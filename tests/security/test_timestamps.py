@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 import threading
 
 import pytest
@@ -12,8 +14,15 @@ from hypothesis import strategies as st
 import mavstack
 from mavstack.dialects import common
 from mavstack.errors import SigningError
-from mavstack.security import SigningKey, TimestampStore, timestamps
-from mavstack.security.timestamps import MAX_STREAMS, MAX_TIMESTAMP, LastRun, timestamp_at
+from mavstack.security import SigningKey, TimestampStore, file_lock
+from mavstack.security.timestamps import (
+    MAX_RUNS,
+    MAX_STREAMS,
+    MAX_TIMESTAMP,
+    RUN_TIMEOUT,
+    LastRun,
+    timestamp_at,
+)
 
 
 @pytest.fixture
@@ -38,7 +47,7 @@ def test_the_timestamp_only_increases(store):
     ):
         store.store(timestamp)
         assert store.load() == TimestampStore(str(store.path)).load() == stored
-    assert list(store.path.parent.iterdir()) == [store.path]
+    assert {path.name for path in store.path.parent.iterdir()} == {"clock", "clock.lock"}
 
 
 @pytest.mark.parametrize(
@@ -52,6 +61,9 @@ def test_the_timestamp_only_increases(store):
         b"\xff",
         b"0" * 99,
         b"5\nrunning\nx",
+        b"5\nrunning a\n",
+        b"5\nrunning a -1\n",
+        b"5\nfloor x\n",
         b"5\n1 2 3\n",
         b"5\nkey 1 2 256 4\n",
         b"5\nkey 1 2 3 -4\n",
@@ -89,7 +101,7 @@ def test_an_interrupted_write_leaves_the_old_value(store, monkeypatch, step):
         raise OSError("power cut")
 
     with monkeypatch.context() as patch:
-        patch.setattr(timestamps.os if step == "fsync" else type(store.path), step, fail)
+        patch.setattr(os if step == "fsync" else type(store.path), step, fail)
         with pytest.raises(SigningError, match="power cut"):
             store.store(6)
     assert store.load() == 5
@@ -145,7 +157,7 @@ def test_streams_are_kept_by_key_and_only_increase(store):
     store.store(5, [(KEY, {(1, 1, 1): 10, (2, 1, 1): 20}), (OTHER, {(1, 1, 1): 30})])
     store.store(4, [(KEY, {(1, 1, 1): 9, (2, 1, 1): 21})])
     last_run = TimestampStore(store.path).load_last_run()
-    assert (last_run.timestamp, last_run.interrupted) == (5, False)
+    assert (last_run.timestamp, last_run.is_complete) == (5, True)
     assert last_run.streams_of(KEY) == {(1, 1, 1): 10, (2, 1, 1): 21}
     assert last_run.streams_of(OTHER) == {(1, 1, 1): 30}
     assert last_run.streams_of(SigningKey.generate()) == {}
@@ -157,17 +169,99 @@ def test_the_file_does_not_contain_the_key(store):
 
 
 def test_a_run_that_did_not_end_is_noticed(store):
-    store.mark_running()
-    assert store.load_last_run() == LastRun(0, True)
+    assert not store.begin_run().is_complete, "there was no run"
+    assert TimestampStore(store.path).load_last_run().running
     store.store(7, running=True)
-    assert store.load_last_run() == LastRun(7, True)
+    assert not store.load_last_run().is_complete
     store.store(7)
-    assert store.load_last_run() == LastRun(7, False)
+    assert store.load_last_run() == LastRun(7)
+    assert store.begin_run().is_complete
 
 
-def test_a_file_of_an_older_version_is_read(store):
-    store.path.write_text("123\n")
-    assert store.load_last_run() == LastRun(123)
+def test_runs_of_two_processes_are_known_separately(store):
+    other = TimestampStore(store.path)
+    store.begin_run()
+    assert not other.begin_run().is_complete, "the first still runs"
+    store.store(7)
+    assert not store.load_last_run().is_complete, "the other still runs"
+    other.store(8)
+    assert store.load_last_run() == LastRun(8)
+
+
+def test_a_killed_run_is_forgotten_after_a_while(store):
+    TimestampStore(store.path).begin_run()
+    store.store(RUN_TIMEOUT - 1)
+    assert not store.load_last_run().is_complete
+    store.store(RUN_TIMEOUT)
+    assert store.load_last_run().is_complete
+
+
+def test_the_floor_is_kept_and_only_increases(store):
+    for floor, stored in ((5, 5), (3, 5), (7, 7)):
+        store.store(1, floor=floor)
+        assert store.load_last_run() == LastRun(1, stored)
+    with pytest.raises(SigningError, match="48 bits"):
+        store.store(1, floor=MAX_TIMESTAMP + 1)
+
+
+def test_a_run_that_begins_has_the_present_time(store):
+    store.begin_run(10 * RUN_TIMEOUT)
+    TimestampStore(store.path).store(10 * RUN_TIMEOUT + 1)
+    assert list(store.load_last_run().running.values()) == [10 * RUN_TIMEOUT]
+
+
+def test_runs_that_never_end_are_bounded(store):
+    for number in range(MAX_RUNS + 9):
+        TimestampStore(store.path).store(number, running=True)
+    assert sorted(store.load_last_run().running.values()) == list(range(9, MAX_RUNS + 9))
+
+
+SHARED = """
+import sys
+from mavstack.security import SigningKey, TimestampStore, file_lock
+
+file_lock.LOCK_TIMEOUT = 60
+key, own = SigningKey.from_passphrase("key"), int(sys.argv[2])
+store = TimestampStore(sys.argv[1])
+newest = 0
+for number in range(20):
+    streams = {(own, 1, 1): number + 1, (9, 1, 1): 2 * number + own}
+    store.store(2 * number + own, [(key, streams)], running=True)
+    last = store.load_last_run()
+    assert last.timestamp >= newest, (last.timestamp, newest)
+    assert last.streams_of(key)[own, 1, 1] == number + 1
+    newest = last.timestamp
+"""
+
+
+def test_processes_that_share_a_file_lose_nothing_of_each_other(store):
+    programs = [
+        subprocess.Popen([sys.executable, "-c", SHARED, store.path, str(number)], stderr=subprocess.PIPE)
+        for number in range(3)
+    ]
+    assert [program.communicate(timeout=60)[1].decode() for program in programs] == ["", "", ""]
+    last = store.load_last_run()
+    assert last.timestamp == 40
+    assert last.streams_of(KEY) == {(0, 1, 1): 20, (1, 1, 1): 20, (2, 1, 1): 20, (9, 1, 1): 40}
+    assert {path.name for path in store.path.parent.iterdir()} == {"clock", "clock.lock"}
+
+
+def test_a_process_that_holds_the_lock_does_not_block_others_for_ever(store, monkeypatch):
+    store.store(5)
+    monkeypatch.setattr(file_lock, "LOCK_TIMEOUT", 0.01)
+    with file_lock.locked(store.path), pytest.raises(SigningError, match="another process has locked it"):
+        TimestampStore(store.path).store(6)
+    store.store(6)
+    assert store.load() == 6
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [("123\n", LastRun(123)), ("5\nrunning\n", LastRun(5, running={"": 5}))],
+)
+def test_a_file_of_an_older_version_is_read(store, text, expected):
+    store.path.write_text(text)
+    assert store.load_last_run() == expected
 
 
 def test_the_newest_streams_are_kept(store):

@@ -24,7 +24,6 @@ class TcpServer(ServerLink):
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
         self._server: asyncio.Server | None = None
-        self._ssl: ssl.SSLContext | None = None
 
     @property
     def address(self) -> tuple[str, int] | None:
@@ -33,11 +32,15 @@ class TcpServer(ServerLink):
 
     async def _open(self) -> None:
         try:
-            self._server = await asyncio.start_server(
-                self._accept, self.url.host, self.url.port, ssl=self._ssl
+            self._server = await asyncio.get_running_loop().create_server(
+                self._new_protocol, self.url.host, self.url.port
             )
         except OSError as error:
             raise open_error(self.url, error) from error
+
+    def _new_protocol(self) -> asyncio.Protocol:
+        """Return the protocol of a connection that is being accepted."""
+        return asyncio.StreamReaderProtocol(asyncio.StreamReader(), self._accept)
 
     def _accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         enable_keepalive(writer)

@@ -12,9 +12,12 @@ import ssl
 from typing import TYPE_CHECKING
 
 from mavstack.errors import LinkError, LinkURLError
+from mavstack.links.handshakes import Handshakes, TlsHandshake
 from mavstack.links.tcp import TcpClient, TcpServer
 
 if TYPE_CHECKING:
+    import asyncio
+
     from mavstack.links.options import Options
     from mavstack.links.url import LinkURL
 
@@ -24,7 +27,15 @@ class TlsServer(TcpServer):
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
-        self._ssl = server_context(url, options)
+        self._context = server_context(url, options)
+        self._handshakes = Handshakes()
+
+    def _new_protocol(self) -> asyncio.Protocol:
+        return TlsHandshake(super()._new_protocol(), self._context, self._handshakes)
+
+    async def _stop(self) -> None:
+        await super()._stop()
+        self._handshakes.close()
 
 
 class TlsClient(TcpClient):

@@ -29,6 +29,7 @@ from mavstack.errors import LinkError, LinkURLError, MissingExtraError
 from mavstack.links.address import format_address
 from mavstack.links.channel import Request
 from mavstack.links.connection import ClientLink, ConnectionChannel, ServerLink
+from mavstack.links.handshakes import HANDSHAKE_TIMEOUT, Handshakes, TlsHandshake
 from mavstack.links.os_errors import open_error
 from mavstack.links.queued import QueuedChannel
 from mavstack.links.stream import stop_accepting
@@ -36,7 +37,7 @@ from mavstack.links.tls import client_context, server_context
 
 try:
     from websockets.asyncio.client import connect
-    from websockets.asyncio.server import serve
+    from websockets.asyncio.server import ServerConnection, serve
     from websockets.exceptions import ConnectionClosed, InvalidHandshake, WebSocketException
     from websockets.protocol import Side
 except ImportError as missing:
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from websockets.asyncio.connection import Connection as WebSocket
-    from websockets.asyncio.server import Server, ServerConnection
+    from websockets.asyncio.server import Server
     from websockets.http11 import Request as HttpRequest
     from websockets.http11 import Response
     from websockets.typing import Origin, Subprotocol
@@ -97,12 +98,27 @@ class WsChannel(QueuedChannel):
             await self._socket.close()
 
 
+class _Opening(ServerConnection):
+    """A connection to a server that is counted until its handshakes are done."""
+
+    handshakes: Handshakes
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        super().connection_made(transport)
+        self.handshakes.begin(self.transport)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self.handshakes.end(self.transport)
+        super().connection_lost(exc)
+
+
 class WsServer(ServerLink):
     """A link that listens; every WebSocket is a channel."""
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
-        self._ssl: ssl.SSLContext | None = server_context(url, options) if url.scheme == "wssin" else None
+        self._context: ssl.SSLContext | None = server_context(url, options) if url.scheme == "wssin" else None
+        self._handshakes = Handshakes()
         self._origin = options.text("origin")
         self._token = options.text("token")
         self._subprotocols = _words(options, "subprotocol")
@@ -140,9 +156,9 @@ class WsServer(ServerLink):
         try:
             self._server = await serve(
                 self._accept, self.url.host, self.url.port,
-                origins=self._origins(), ssl=self._ssl,
+                origins=self._origins(), create_connection=self._new_connection,
                 process_request=self._check, subprotocols=self._subprotocols or None,
-                compression=None, max_size=MAX_MESSAGE, close_timeout=1,
+                compression=None, max_size=MAX_MESSAGE, close_timeout=1, open_timeout=HANDSHAKE_TIMEOUT,
             )  # fmt: skip
         except OSError as error:
             raise open_error(self.url, error) from error
@@ -162,7 +178,16 @@ class WsServer(ServerLink):
         reason = self.accept(request) if self.accept is not None else None
         return None if reason is None else socket.respond(HTTPStatus.FORBIDDEN, f"{reason}\n")
 
+    def _new_connection(self, *arguments: Any, **settings: Any) -> Any:  # noqa: ANN401 (of websockets)
+        """Return the protocol of a connection that is being accepted: WebSocket, for wssin inside TLS."""
+        connection = _Opening(*arguments, **settings)
+        connection.handshakes = self._handshakes
+        if self._context is None:
+            return connection
+        return TlsHandshake(connection, self._context, self._handshakes)
+
     async def _accept(self, socket: ServerConnection) -> None:
+        self._handshakes.end(socket.transport)
         connection = WsChannel(self.url.scheme, self._inbox.remove_channel, self._send_queue, socket)
         if self._admit(connection):
             await asyncio.wait({self._spawn(self._serve_task(connection))})
@@ -171,6 +196,7 @@ class WsServer(ServerLink):
         if self._server is not None:
             await stop_accepting(self._server.sockets)
             self._server.close(close_connections=False)
+            self._handshakes.close()
 
     async def _release(self) -> None:
         if self._server is not None:

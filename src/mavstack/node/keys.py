@@ -11,25 +11,25 @@ next run; the event `KeySettled` has it.
 Signing timestamps never decrease, whichever channel they are for: a new channel starts at the newest
 timestamp of all others, closed ones and those of the last run included. The timestamps received in each
 stream are kept as well, for all channels of a key and for the next run, so that no packet is accepted twice.
-After a run that was killed, all packets from before the start are refused: the last state that it stored does
-not have the packets that it accepted later. RADIO_STATUS is accepted unsigned: radios send it themselves and
-have no key.
+Unless the state of the last run is known completely, all packets from before the start are refused: without
+a store, with a new one, after a run that was killed, and beside another process that uses the store. Peers
+adopt newer timestamps, so that their next packets are accepted. RADIO_STATUS is accepted unsigned: radios
+send it themselves and have no key.
 """
 
 from __future__ import annotations
 
 import asyncio
 from dataclasses import dataclass, field
-from functools import partial
 from typing import TYPE_CHECKING
 
 from mavstack.node.key_change import apply_key_event
-from mavstack.security.timestamps import UNITS_PER_SECOND, time_if_set, timestamp_at
+from mavstack.security.timestamps import UNITS_PER_SECOND, LastRun, time_if_set, timestamp_at
 from mavstack.services.signing_setup import KeySettled, ListenForKey, SigningSetupServer
 from mavstack.services.signing_setup.key_change import signed_with
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
     from mavstack.links import Link
     from mavstack.node.channel_state import ChannelState
@@ -141,16 +141,15 @@ class Keys:
 
     def open(self, now: float) -> None:
         """Load the state of the last run, and start to store it; raises SigningError if it cannot be read."""
+        present = 0 if time_if_set(now) is None else timestamp_at(now)
+        last_run = LastRun() if self._timestamps is None else self._timestamps.begin_run(present)
+        floor, self._stored = last_run.floor, last_run.timestamp
+        if present and not last_run.is_complete:
+            floor = max(self._stored, present)
+        elif self._stored and not last_run.is_complete:
+            floor = self._stored = self._stored + int(STORE_INTERVAL * UNITS_PER_SECOND)
+        self._engine.signing_states.restore(last_run, floor)
         if self._timestamps is not None:
-            last_run = self._timestamps.load_last_run()
-            self._stored, floor = last_run.timestamp, 0
-            if last_run.interrupted and time_if_set(now) is not None:
-                floor = max(self._stored, timestamp_at(now))
-            elif last_run.interrupted:
-                floor = self._stored = self._stored + int(STORE_INTERVAL * UNITS_PER_SECOND)
-            self._engine.signing_states.restore(last_run, floor)
-            if self._key is not None or self._link_keys:
-                self._call_store(self._timestamps.mark_running)
             self._task = asyncio.get_running_loop().create_task(self._store_periodically())
 
     async def close(self) -> None:
@@ -166,14 +165,12 @@ class Keys:
             self._store(running=True)
 
     def _store(self, *, running: bool) -> None:
-        clock = self._engine.signing_clock
-        if self._timestamps is not None and clock:
-            streams = self._engine.signing_states.streams()
-            self._call_store(partial(self._timestamps.store, clock, streams, running=running))
-
-    def _call_store(self, function: Callable[[], None]) -> None:
+        if self._timestamps is None:
+            return
+        states = self._engine.signing_states
+        clock = max(self._stored, self._engine.signing_clock)
         try:
-            function()
+            self._timestamps.store(clock, states.streams(), floor=states.floor, running=running)
         except Exception as error:  # noqa: BLE001 (a program's store may raise anything)
             context = {"message": "the signing timestamp could not be stored", "exception": error}
             asyncio.get_running_loop().call_exception_handler(context)

@@ -7,7 +7,8 @@ channels. Some programs send as component 0; a packet to component 0 is for all 
 
 A channel that verifies signatures teaches verified routes. An address with a verified route has no others:
 what an unsigned channel receives from it is forged, or a copy. The table is bounded. If it is full, addresses
-that were heard only once are removed first, then silent ones, and verified ones last.
+that were heard only once are removed first, then silent ones, and verified ones last. Only some addresses may
+have more than a few channels; the others keep their preferred, verified and newest ones.
 """
 
 from __future__ import annotations
@@ -26,6 +27,9 @@ SILENCE_TIMEOUT = 2.5
 #: Addresses in the table, and how many are removed at once when it is full.
 MAX_ADDRESSES = 4096
 REMOVED_AT_ONCE = 512
+#: Channels of an address that is not among the `MAX_WIDE` ones that exceeded this number last.
+MAX_CHANNELS = 4
+MAX_WIDE = 64
 #: Seconds for which an address that was heard more than once is heard at least.
 MIN_HEARD_DURATION = 1.0
 
@@ -52,6 +56,16 @@ class _Route(Generic[Channel]):
         ):
             self.preferred = channel
         return True
+
+    def narrow(self) -> None:
+        """Keep only `MAX_CHANNELS` channels."""
+        order = sorted(
+            self.heard,
+            key=lambda known: (known is self.preferred, known in self.verified, self.heard[known]),
+        )
+        for channel in order[:-MAX_CHANNELS]:
+            del self.heard[channel]
+            self.verified.discard(channel)
 
     def verify(self, channel: Channel) -> None:
         """Record that the address was verified on a channel; forget the channels on which it was not."""
@@ -81,6 +95,7 @@ class Routes(Generic[Channel]):
         self._routes: dict[Address, _Route[Channel]] = {}
         self._systems: dict[int, dict[Address, _Route[Channel]]] = {}
         self._verified: set[tuple[int, int]] = set()
+        self._wide: dict[tuple[int, int], None] = {}
 
     def learn(self, heard: tuple[int, int], channel: Channel, now: float, *, verified: bool = False) -> bool:
         """Record that an address was heard on a channel; return whether it is heard on several.
@@ -93,7 +108,10 @@ class Routes(Generic[Channel]):
             if verified and channel not in route.verified:
                 self._verified.add(heard)
                 route.verify(channel)
-            return route.learn(channel, now)
+            is_redundant = route.learn(channel, now)
+            if is_redundant and len(route.heard) > MAX_CHANNELS and heard not in self._wide:
+                self._widen(heard)
+            return is_redundant
         address = Address(*heard)
         if address.system:
             self._make_room()
@@ -152,10 +170,19 @@ class Routes(Generic[Channel]):
     def _remove(self, address: Address) -> None:
         del self._routes[address]
         self._verified.discard(address)
+        self._wide.pop(address, None)
         system = self._systems[address.system]
         del system[address]
         if not system:
             del self._systems[address.system]
+
+    def _widen(self, address: tuple[int, int]) -> None:
+        """Let an address have many channels; too many of such addresses lose the first one."""
+        self._wide[address] = None
+        if len(self._wide) > MAX_WIDE:
+            first = next(iter(self._wide))
+            del self._wide[first]
+            self._routes[Address(*first)].narrow()
 
     def _make_room(self) -> None:
         if len(self._routes) >= MAX_ADDRESSES:

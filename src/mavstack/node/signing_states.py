@@ -33,11 +33,12 @@ class SigningStates:
     def __init__(self) -> None:
         self._states: list[tuple[SigningKey, Signing]] = []
         self._last_run: LastRun | None = None
-        self._floor = 0
+        #: Timestamp up to which packets of all streams are refused.
+        self.floor = 0
 
     def restore(self, last_run: LastRun, floor: int) -> None:
         """Refuse the packets of the last run, and all packets with a timestamp up to `floor`."""
-        self._last_run, self._floor = last_run, floor
+        self._last_run, self.floor = last_run, floor
         for key, state in self._states:
             state.restore(last_run.streams_of(key), floor=floor)
 
@@ -62,6 +63,6 @@ class SigningStates:
             return known[1]
         state = key.signing(timestamp=timestamp, unsigned_ids=UNSIGNED, reorder_slack=REORDER_SLACK)
         if self._last_run is not None:
-            state.restore(self._last_run.streams_of(key), floor=self._floor)
+            state.restore(self._last_run.streams_of(key), floor=self.floor)
         self._states = [*self._states[-MAX_KEYS + 1 :], (key, state)]
         return state

@@ -2,10 +2,14 @@
 
 A device that starts with an older timestamp than it has used is refused by its peers, and one that forgets
 the packets that it has accepted executes them again when an attacker sends them again. The first line of the
-file is the timestamp, which only increases, also over restarts. Each further line is a stream: the id of its
-key, link id, system, component and timestamp. The line `running` says that the program has not ended yet; a
-file that has it at the start was left by a program that was killed. The file is replaced atomically, so a
-power failure leaves either the old or the new values.
+file is the timestamp, which only increases, also over restarts. A line `floor` has the timestamp up to which
+nothing is accepted: packets from before it may have been accepted by a run that could not store them. Each
+other line is a stream: the id of its key, link id, system, component and timestamp.
+
+A line `running` has the id of a run that has not ended, and the timestamp of its last store. A run that finds
+one cannot know which packets the other has accepted since: the other was killed, or still runs. Several
+processes may share a file: each change is made under a lock, merges with what is in the file, and replaces it
+atomically, so that a power failure leaves either the old or the new values.
 """
 
 from __future__ import annotations
@@ -13,14 +17,17 @@ from __future__ import annotations
 import hashlib
 import hmac
 import os
-from dataclasses import dataclass, field
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
+from mavstack.atomic_file import write_file_atomically
 from mavstack.errors import SigningError
+from mavstack.security.file_lock import locked
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
     from mavstack.security.keys import SigningKey
 
@@ -31,10 +38,15 @@ MAX_TIMESTAMP = 2**48 - 1
 #: Streams of one key in the file; those with the newest timestamps are kept.
 MAX_STREAMS = 1024
 MAX_FILE_SIZE = 4 << 20
+#: Runs that have not ended in the file; those with the newest timestamps are kept.
+MAX_RUNS = 64
 _MAX_DIGITS = 15
-_RUNNING = "running"
+_RUNNING, _FLOOR = "running", "floor"
 EPOCH = 1_420_070_400
 UNITS_PER_SECOND = 100_000
+#: Timestamp units after its last store for which a run that has not ended is kept in the file: a living one
+#: stores more often, and a killed one is covered by the floor of the run that found it.
+RUN_TIMEOUT = 600 * UNITS_PER_SECOND
 
 
 def timestamp_at(unix_time: float) -> int:
@@ -63,17 +75,24 @@ def time_if_set(unix_time: float) -> float | None:
 
 @dataclass(frozen=True, slots=True)
 class LastRun:
-    """The signing state that the last run of a program left.
+    """The signing state that the last runs of a program left.
 
     Attributes:
         timestamp: The newest timestamp used, in 10 µs since 2015-01-01 UTC; 0 if there was no run.
-        interrupted: True if the run did not end properly: it may have used and accepted newer timestamps.
+        floor: Timestamp up to which packets of all streams are refused, because of runs before the last one.
         streams: The newest timestamp of each stream, by the id of its key.
+        running: The timestamp of the last store of each run that has not ended, by the id of the run.
     """
 
     timestamp: int = 0
-    interrupted: bool = False
+    floor: int = 0
     streams: Mapping[str, Mapping[StreamId, int]] = field(default_factory=dict)
+    running: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def is_complete(self) -> bool:
+        """True if there was a run, and none has accepted packets that it has not stored."""
+        return self.timestamp > 0 and not self.running
 
     def streams_of(self, key: SigningKey) -> dict[StreamId, int]:
         """Return the newest timestamp of each stream of a key.
@@ -90,12 +109,15 @@ class LastRun:
 class TimestampStore:
     """A file with the newest signing timestamp used, and the newest one received in each stream.
 
+    Several processes may use one file at the same time. A file with the suffix `.lock` is beside it.
+
     Args:
         path: Path of the file; it need not exist.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
+        self._run = os.urandom(8).hex()
 
     def load(self) -> int:
         """Read the stored timestamp.
@@ -134,21 +156,30 @@ class TimestampStore:
                 "remove it if its links use new keys"
             ) from None
 
-    def mark_running(self) -> None:
-        """Record that a program runs, so that the next run notices if this one was killed.
+    def begin_run(self, timestamp: int = 0) -> LastRun:
+        """Read the whole state, and record that a run begins, so that others know if it does not end.
+
+        Args:
+            timestamp: The current time in 10 µs since 2015-01-01 UTC; 0 if it is not known.
+
+        Returns:
+            The state that the last runs left.
 
         Raises:
-            SigningError: The file cannot be read or written.
+            SigningError: The file cannot be read or written, is damaged, or is locked by another process.
         """
-        last = self.load_last_run()
-        if not last.interrupted:
-            self._write(LastRun(last.timestamp, True, last.streams))
+        with self._locked():
+            last = self.load_last_run()
+            running = {**last.running, self._run: max(timestamp, last.timestamp)}
+            self._write(replace(last, running=running))
+        return last
 
     def store(
         self,
         timestamp: int,
         streams: Iterable[tuple[SigningKey, Mapping[StreamId, int]]] = (),
         *,
+        floor: int = 0,
         running: bool = False,
     ) -> None:
         """Store a timestamp and streams; newer timestamps in the file are kept.
@@ -156,37 +187,59 @@ class TimestampStore:
         Args:
             timestamp: The timestamp in 10 µs since 2015-01-01 UTC, such as `Signing.timestamp`.
             streams: For each key, the newest timestamp of its streams, as in `Signing.stream_timestamps`.
+            floor: Timestamp up to which this run refuses packets of all streams.
             running: True if the program continues and stores its state again when it ends.
 
         Raises:
-            SigningError: The timestamp does not fit 48 bits, or the file cannot be read or written.
+            SigningError: A timestamp does not fit 48 bits, or the file cannot be read or written, is damaged,
+                or is locked by another process.
         """
-        if not 0 <= timestamp <= MAX_TIMESTAMP:
-            raise SigningError(f"a signing timestamp must fit 48 bits, got {timestamp}")
-        last = self.load_last_run()
-        merged = {name: dict(known) for name, known in last.streams.items()}
-        for key, newest in streams:
-            known = merged.setdefault(_key_id(key), {})
-            known.update((stream, max(value, known.get(stream, 0))) for stream, value in newest.items())
-        state = LastRun(max(timestamp, last.timestamp), running, merged)
-        if state != last:
-            self._write(state)
+        for value in (timestamp, floor):
+            if not 0 <= value <= MAX_TIMESTAMP:
+                raise SigningError(f"a signing timestamp must fit 48 bits, got {value}")
+        with self._locked():
+            last = self.load_last_run()
+            state = self._merged(last, timestamp, floor, running=running)
+            state = replace(state, streams=_merged_streams(last.streams, streams))
+            if state != last:
+                self._write(state)
+
+    def _merged(self, last: LastRun, timestamp: int, floor: int, *, running: bool) -> LastRun:
+        newest = max(timestamp, last.timestamp)
+        runs = {run: at for run, at in last.running.items() if newest - at < RUN_TIMEOUT and run != self._run}
+        if running:
+            runs[self._run] = newest
+        return LastRun(newest, max(floor, last.floor), running=runs)
+
+    @contextmanager
+    def _locked(self) -> Iterator[None]:
+        with ExitStack() as stack:
+            try:
+                stack.enter_context(locked(self.path))
+            except OSError as error:
+                raise self._write_error(error) from None
+            yield
 
     def _write(self, state: LastRun) -> None:
         try:
-            self._replace(_format(state))
+            write_file_atomically(self.path, _format(state))
         except OSError as error:
-            raise SigningError(
-                f"cannot write the signing timestamp {self.path}: {error.strerror or error}"
-            ) from None
+            raise self._write_error(error) from None
 
-    def _replace(self, text: str) -> None:
-        temporary = self.path.with_name(self.path.name + ".new")
-        with temporary.open("w", encoding="ascii") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        temporary.replace(self.path)
+    def _write_error(self, error: OSError) -> SigningError:
+        return SigningError(f"cannot write the signing timestamp {self.path}: {error.strerror or error}")
+
+
+def _merged_streams(
+    known: Mapping[str, Mapping[StreamId, int]],
+    streams: Iterable[tuple[SigningKey, Mapping[StreamId, int]]],
+) -> dict[str, dict[StreamId, int]]:
+    """Return the streams with the newest timestamp of each."""
+    merged = {name: dict(timestamps) for name, timestamps in known.items()}
+    for key, newest in streams:
+        timestamps = merged.setdefault(_key_id(key), {})
+        timestamps.update((stream, max(value, timestamps.get(stream, 0))) for stream, value in newest.items())
+    return merged
 
 
 def _key_id(key: SigningKey) -> str:
@@ -195,7 +248,10 @@ def _key_id(key: SigningKey) -> str:
 
 
 def _format(state: LastRun) -> str:
-    lines = [str(state.timestamp)] + [_RUNNING] * state.interrupted
+    runs = sorted(state.running.items(), key=lambda item: item[1])[-MAX_RUNS:]
+    lines = [str(state.timestamp)]
+    lines += [f"{_FLOOR} {state.floor}"] * (state.floor > 0)
+    lines += [f"{_RUNNING} {run} {timestamp}" for run, timestamp in runs]
     for name, streams in state.streams.items():
         newest = sorted(streams.items(), key=lambda item: item[1])[-MAX_STREAMS:]
         lines += [
@@ -209,15 +265,23 @@ def _parse(text: str) -> LastRun:
     if len(text) > MAX_FILE_SIZE:
         raise ValueError
     first, *lines = text.strip().split("\n")
-    interrupted = lines[:1] == [_RUNNING]
+    floor = 0
+    running: dict[str, int] = {}
     streams: dict[str, dict[StreamId, int]] = {}
-    for line in lines[interrupted:]:
-        name, *numbers = line.split(" ")
-        link, system, component, value = map(_number, numbers)
-        if max(link, system, component) > 255:
-            raise ValueError
-        streams.setdefault(name, {})[link, system, component] = value
-    return LastRun(_number(first.strip()), interrupted, streams)
+    for line in lines:
+        match line.split(" "):
+            case [word, value] if word == _FLOOR:
+                floor = _number(value)
+            case [word] if word == _RUNNING:  # of an older version
+                running[""] = _number(first)
+            case [word, run, value] if word == _RUNNING:
+                running[run] = _number(value)
+            case [name, *numbers]:
+                link, system, component, value = map(_number, numbers)
+                if max(link, system, component) > 255:
+                    raise ValueError
+                streams.setdefault(name, {})[link, system, component] = value
+    return LastRun(_number(first.strip()), floor, streams, running)
 
 
 def _number(text: str) -> int:
