@@ -17,7 +17,7 @@ from tests.waiting import wait_until
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-#: Sends up to 37,500 ATTITUDE per second for 30 s.
+#: Sends 150 ATTITUDE at a time, with pauses of so many seconds, for 30 s.
 FLOOD = """
 import socket, sys, time
 from mavstack import Encoder
@@ -27,7 +27,7 @@ sender.connect(("127.0.0.1", int(sys.argv[1])))
 packet = Encoder(66, 1).encode(common.Attitude(roll=1.0))
 end = time.time() + 30
 while time.time() < end:
-    time.sleep(0.004)
+    time.sleep(float(sys.argv[2]))
     for _ in range(150):
         try:
             sender.send(packet)
@@ -54,9 +54,10 @@ COMMANDS = 15
 
 
 @contextmanager
-def running(*programs: str, port: int) -> Iterator[None]:
+def running(*programs: str, port: int, pause: float = 0) -> Iterator[None]:
     """Run Python programs, and kill them at the end."""
-    processes = [subprocess.Popen([sys.executable, "-c", program, str(port)]) for program in programs]
+    arguments = [str(port), str(pause)]
+    processes = [subprocess.Popen([sys.executable, "-c", program, *arguments]) for program in programs]
     try:
         yield
     finally:
@@ -66,14 +67,17 @@ def running(*programs: str, port: int) -> Iterator[None]:
 
 
 @pytest.mark.nightly
-async def test_a_flood_loses_no_acknowledgement_of_another_sender() -> None:
+@pytest.mark.parametrize(
+    ("senders", "pause"), [(1, 0.004), (1, 0), (4, 0)], ids=["37,500/s", "unlimited", "4 unlimited"]
+)
+async def test_a_flood_loses_no_acknowledgement_of_another_sender(senders: int, pause: float) -> None:
     commands = list(common.MavCmd)[:COMMANDS]
     async with Node("udpin://127.0.0.1:0") as node:
         (link,) = node.links
         port = link.address[1]
         with running(VEHICLE, port=port):
             await node.wait_for_autopilot(1, timeout=30)
-            with running(FLOOD, port=port):
+            with running(*[FLOOD] * senders, port=port, pause=pause):
                 await wait_until(lambda: link.counters.chunks_in > 5000)
                 async with node.stream(common.CommandAck, system=1) as acknowledgements:
                     for command in commands:

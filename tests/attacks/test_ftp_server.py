@@ -105,6 +105,28 @@ def test_a_flood_of_listings_is_executed_slowly_and_in_turns(serve, tmp_path) ->
     assert client(9).system in [system for system, _ in replies(server, START + 0.05)]
 
 
+@pytest.mark.parametrize("opcode", [Opcode.CREATEDIRECTORY, Opcode.REMOVEFILE, Opcode.RENAME])
+def test_a_flood_of_changes_is_executed_slowly_and_in_turns(serve, tmp_path, opcode) -> None:
+    """Before: vehicles stopped for 5 s after 3,000 requests."""
+    server = serve(OverlayStore(DirectoryStore(tmp_path)))
+    for number in range(500):
+        request(server, opcode, b"d%d\0e%d" % (number, number), sequence=number)
+    assert len(replies(server, START)) < 20
+    request(server, opcode, b"mine\0other", source=client(9))
+    server.handle_timeout(START + 0.05)
+    assert client(9).system in [system for system, _ in replies(server, START + 0.05)]
+
+
+def test_a_change_of_a_directory_does_not_list_it(serve, tmp_path) -> None:
+    base = DirectoryStore(tmp_path)
+    (tmp_path / "logs").mkdir()
+    store = OverlayStore(base, {"logs/virtual": VirtualFile(lambda query: b"")})
+    base.list_directory = lambda path: pytest.fail("a listing takes long")
+    for path in ("new", "logs/new"):
+        store.make_directory(path)
+        assert (tmp_path / path).is_dir()
+
+
 def test_the_pages_of_a_listing_need_one_scan(serve, tmp_path) -> None:
     for number in range(300):
         (tmp_path / f"{number:04}").write_bytes(b"")
@@ -174,7 +196,7 @@ def test_the_number_of_files_is_bounded(serve, tmp_path) -> None:
     store = DirectoryStore(tmp_path, max_entries=50)
     server = serve(store)
     for number in range(100):
-        ask(server, Opcode.CREATEDIRECTORY, b"d%d" % number, sequence=number)
+        ask(server, Opcode.CREATEDIRECTORY, b"d%d" % number, sequence=number, now=START + number * 0.01)
     assert len(list(tmp_path.iterdir())) == 50
 
 

@@ -58,3 +58,26 @@ def test_the_backlog_is_bounded_however_many_senders_there_are():
     for number in range(10_000):
         backlog.add((TELEMETRY, ("10.0.0.9", number), 0.0), known=True)
     assert len(backlog) <= 200
+
+
+def test_a_backlog_that_is_full_of_known_senders_has_room_for_a_new_one():
+    backlog = Backlog(800)
+    for number in range(20_000):
+        backlog.add((TELEMETRY, ("10.0.0.9", number % 100), 0.0), known=True)
+    assert len(backlog) >= 700
+    assert backlog.add((CONTROL, VEHICLE, 0.0), known=False)
+    for number in range(20_000):
+        backlog.add((TELEMETRY, ("10.0.0.8", number), 0.0), known=False)
+    assert len(backlog) <= 1600
+    backlog.clear()
+    assert backlog.add((CONTROL, VEHICLE, 0.0), known=False)
+
+
+def test_senders_that_were_new_at_first_leave_room_for_a_new_one():
+    backlog = Backlog(800)
+    for number in range(20_000):
+        backlog.add((TELEMETRY, ("10.0.0.9", number % 100), 0.0), known=number > 5000)
+        if number > 5000:
+            backlog.pop()
+            backlog.add((TELEMETRY, ("10.0.0.9", number % 100), 0.0), known=True)
+    assert backlog.add((CONTROL, VEHICLE, 0.0), known=False)

@@ -12,7 +12,7 @@ from mavstack.node import Node
 from mavstack.node.pacing import MAX_BULK_BURST
 from mavstack.services.log.entry import CHUNK
 from mavstack.sim import Runner, Simulation, run_virtually
-from mavstack.sim.runner import BULK_RATE
+from mavstack.sim.runner import BULK_RATE, EVENTS_PER_TURN
 from mavstack.sim.scenarios import arm, run_until
 
 
@@ -196,3 +196,32 @@ def test_a_time_that_is_no_whole_number_of_steps_ends_too(speed):
     began = simulation.now
     run_virtually(Runner(simulation, speed=speed).run(0.05))
     assert simulation.now - began == pytest.approx(0.06)
+
+
+def test_a_flood_of_packets_leaves_turns_to_other_tasks():
+    simulation = Simulation()
+    simulation.add()
+    turns = 0
+
+    async def count() -> None:
+        nonlocal turns
+        while True:
+            await asyncio.sleep(0)
+            turns += 1
+
+    async def work() -> None:
+        network = MemoryNetwork()
+        async with Runner(simulation) as runner, network.link() as flooder:
+            await runner.connect(network.link(), simulation.vehicles)
+            await asyncio.sleep(0.1)
+            (channel,) = flooder.channels
+            for _ in range(20 * EVENTS_PER_TURN):
+                channel.write(b"no packet")
+            task = asyncio.create_task(count())
+            received = channel.counters.chunks_out
+            await asyncio.sleep(0.001)
+            task.cancel()
+            assert received >= 20 * EVENTS_PER_TURN
+
+    run_virtually(work())
+    assert turns >= 20

@@ -4,7 +4,8 @@ The kernel drops datagrams without regard to their sender when its queue is full
 sender loses the acknowledgements of all others. Under load a link therefore empties the kernel's queue into a
 backlog, and handles the datagrams of all senders in turn. If the backlog is full, the senders with the
 longest queues lose datagrams; of one sender, those with the message id that it sends most: control messages
-are rare and survive. The datagrams of one sender keep their order.
+are rare and survive. Senders of whom no valid packet was handled have a share of the backlog, so that neither
+they nor the others can keep it full. The datagrams of one sender keep their order.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 DEFAULT_LIMIT = 4096
 #: Number of waiting datagrams of one message id up to which the id is rare.
 MAX_RARE = 16
+#: A full backlog has room for new senders until they have this part of it.
+NEW_SHARE = 8
 _MAGIC_V1, _MAGIC_V2 = 0xFE, 0xFD
 
 Datagram: TypeAlias = "tuple[bytes, Address, float]"
@@ -28,7 +31,7 @@ class _Queue:
     __slots__ = ("datagrams", "ids")
 
     def __init__(self) -> None:
-        self.datagrams: deque[tuple[Datagram, int]] = deque()
+        self.datagrams: deque[tuple[Datagram, int, bool]] = deque()
         self.ids: dict[int, int] = {}
 
 
@@ -39,6 +42,7 @@ class Backlog:
         self._limit = limit
         self._queues: dict[Address, _Queue] = {}
         self._count = 0
+        self._new_count = 0  # of new senders
 
     def __len__(self) -> int:
         return self._count
@@ -52,13 +56,14 @@ class Backlog:
             return False
         if queue is None:
             queue = self._queues[address] = _Queue()
-        queue.datagrams.append((datagram, message_id))
+        queue.datagrams.append((datagram, message_id, known))
         queue.ids[message_id] = queue.ids.get(message_id, 0) + 1
         self._count += 1
+        self._new_count += not known
         return True
 
     def _has_room(self, queue: _Queue | None, message_id: int, *, known: bool) -> bool:
-        if self._count >= self._limit and not known:
+        if self._count >= self._limit and not known and self._new_count >= self._limit // NEW_SHARE:
             return False
         share = self._limit // (len(self._queues) + 1)
         if queue is None or len(queue.datagrams) < share:
@@ -68,8 +73,9 @@ class Backlog:
     def pop(self) -> Datagram:
         """Remove and return the next datagram; its sender is served again after all others."""
         address, queue = next(iter(self._queues.items()))
-        datagram, message_id = queue.datagrams.popleft()
+        datagram, message_id, known = queue.datagrams.popleft()
         self._count -= 1
+        self._new_count -= not known
         del self._queues[address]
         if queue.datagrams:
             self._queues[address] = queue
@@ -81,7 +87,7 @@ class Backlog:
     def clear(self) -> None:
         """Remove all datagrams."""
         self._queues.clear()
-        self._count = 0
+        self._count = self._new_count = 0
 
 
 def first_message_id(data: bytes) -> int:

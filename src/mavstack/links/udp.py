@@ -7,7 +7,8 @@ multicast address.
 
 Each datagram becomes one event and is passed on before the next is read, because more arrive meanwhile. If
 many wait, they are first read into a `backlog`, which is fair to all senders, so that a flood from one of
-them does not lose the packets of the others. Datagrams that have no room are dropped and counted.
+them does not lose the packets of the others; if even reading them takes too long, a `flood_filter` in the
+kernel thins out the senders that send most. Datagrams that have no room are dropped and counted.
 `kernel_drops` counts datagrams that the kernel dropped before that, where the system reports it (Linux): a
 larger `socket_buffer` helps, up to the system's limit (sysctl net.core.rmem_max; a process with CAP_NET_ADMIN
 may exceed it). A link to a loopback address is reachable from this machine only. Sending never
@@ -31,6 +32,7 @@ from mavstack.links.admission import Admission
 from mavstack.links.backlog import Backlog
 from mavstack.links.base import Link
 from mavstack.links.channel import Channel, Data
+from mavstack.links.flood_filter import ADJUST_INTERVAL, FloodFilter
 from mavstack.links.os_errors import open_error
 
 if TYPE_CHECKING:
@@ -77,6 +79,9 @@ class UdpLink(Link):
         self._socket: socket.socket | None = None
         self._transport: asyncio.DatagramTransport | None = None
         self._backlog = Backlog()
+        self._filter: FloodFilter | None = None
+        self._known_drops = 0
+        self._filter_timer: asyncio.TimerHandle | None = None
 
     @property
     def address(self) -> tuple[str, int] | None:
@@ -162,15 +167,36 @@ class UdpLink(Link):
     def _fill_backlog(self, sock: socket.socket) -> None:
         """Empty the kernel's queue into the backlog."""
         receive, add, now = sock.recvfrom, self._backlog.add, time()
+        senders: list[Address] = []
+        emptied = False
         for _ in range(MAX_BATCH):
             try:
                 data, address = receive(MAX_DATAGRAM)
             except (BlockingIOError, InterruptedError):
-                return
+                emptied = True
+                break
             except OSError:  # as above
                 continue
+            senders.append(address)
             if not add((data, address, now), known=self._knows(address)):
                 self._inbox.drop()
+        if self._filter is None:
+            self._filter = FloodFilter(sock)
+        self._filter.observe(senders, emptied=emptied)
+        if not emptied and self._filter_timer is None:
+            self._known_drops = self.kernel_drops or 0
+            self._adjust_later()
+
+    def _adjust_later(self) -> None:
+        self._filter_timer = asyncio.get_running_loop().call_later(ADJUST_INTERVAL, self._adjust_filter)
+
+    def _adjust_filter(self) -> None:
+        self._filter_timer = None
+        if self._filter is None or self._socket is None or self._closed:
+            return
+        self._filter.adjust(overflowed=(self.kernel_drops or 0) > self._known_drops)
+        if self._filter.active:
+            self._adjust_later()
 
     def _handle_backlog(self) -> None:
         """Pass on datagrams of the backlog for a moment; the rest follows in the next round of the loop."""
@@ -187,6 +213,8 @@ class UdpLink(Link):
     async def _stop(self) -> None:
         """Stop reading."""
         self._backlog.clear()
+        if self._filter_timer is not None:
+            self._filter_timer.cancel()
         if self._socket is not None and self._transport is None:
             with suppress(NotImplementedError):
                 asyncio.get_running_loop().remove_reader(self._socket)

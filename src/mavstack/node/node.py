@@ -278,6 +278,7 @@ class Node(Messaging, Serving, ReadOnly):
                         found := [info for info in self.components.values() if info.alive and predicate(info)]
                     ):
                         await anext(events)
+                        events.drain()  # one look at all components suffices for all events so far
             except (TimeoutError, StopAsyncIteration):
                 raise self._wait_error(description, "none", timeout) from None
         return self.component(*found[0].address)

@@ -47,6 +47,8 @@ MAX_LAG = 0.5
 #: Maximum number of steps between two turns of the links, so that received packets do not wait so long
 #: that timeouts of the vehicle expire.
 MAX_STEPS_PER_TURN = 5
+#: Maximum number of events of a link that are handled in one turn of the event loop.
+EVENTS_PER_TURN = 32
 #: Packets of logs and files per second to each peer, as simulators of the firmwares send; slower receivers
 #: would lose most of a faster stream.
 BULK_RATE = 1000.0
@@ -229,10 +231,12 @@ class Runner:
     async def _read(self, link: Link, vehicles: Sequence[SimulatedVehicle]) -> None:
         try:
             async for batch in link.batches():
-                for event in batch:
-                    self._take(link, vehicles, event)
-                for vehicle in vehicles:
-                    self._flush(vehicle)
+                for start in range(0, len(batch), EVENTS_PER_TURN):
+                    for event in batch[start : start + EVENTS_PER_TURN]:
+                        self._take(link, vehicles, event)
+                    for vehicle in vehicles:
+                        self._flush(vehicle)
+                    await asyncio.sleep(0)  # a flood must not stop the simulation
         except LinkError as error:
             _LOG.warning("link %s down: %s", link.url.redacted, error)
             if self._on_link_down is not None:

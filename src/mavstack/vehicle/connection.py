@@ -150,8 +150,10 @@ class Connection(Node):
         return [vehicle for vehicle in self.vehicles.values() if vehicle.alive]
 
     def _is_vehicle(self, info: ComponentInfo, system: int | None) -> bool:
+        if system not in (None, info.address.system):
+            return False
         vehicle = self._tracker.vehicles.get(info.address.system)
-        return vehicle is not None and vehicle.address == info.address and system in (None, vehicle.system)
+        return vehicle is not None and vehicle.address == info.address
 
     def _make_vehicle(self, address: Address) -> Vehicle:
         return Vehicle(self, self.component(*address))

@@ -62,6 +62,11 @@ _QUEUED = frozenset(
         Opcode.OPENFILEWO,
         Opcode.CREATEFILE,
         Opcode.CALCFILECRC,
+        Opcode.REMOVEFILE,
+        Opcode.CREATEDIRECTORY,
+        Opcode.REMOVEDIRECTORY,
+        Opcode.TRUNCATEFILE,
+        Opcode.RENAME,
     }
 )
 

@@ -1,4 +1,4 @@
-"""The queue of requests that take long: opening and listing, and checksums, which are computed in slices.
+"""The queue of requests that name a path, which may take long; checksums are computed in slices.
 
 A server executes few slices at a time with pauses between them, so that other services, and other vehicles
 in the process, continue meanwhile. Clients take turns, each with few waiting requests: a client that sends
