@@ -17,7 +17,7 @@ from tests.waiting import wait_until
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-#: Sends 150 ATTITUDE at a time, with pauses of so many seconds, for 30 s.
+#: Sends 150 ATTITUDE at a time for 30 s; the second argument is the pause in seconds.
 FLOOD = """
 import socket, sys, time
 from mavstack import Encoder

@@ -71,9 +71,9 @@ class FloodFilter:
 
     def _add_senders(self) -> None:
         """Add the senders with more than half of the mean number of datagrams."""
-        least = max(self._counts.total() / (2 * max(len(self._counts), 1)), MIN_DATAGRAMS)
+        threshold = max(self._counts.total() / (2 * max(len(self._counts), 1)), MIN_DATAGRAMS)
         for address, count in self._counts.most_common(MAX_SENDERS):
-            if count >= least:
+            if count >= threshold:
                 self._senders[address] = None
         for address in list(self._senders)[:-MAX_SENDERS]:
             del self._senders[address]

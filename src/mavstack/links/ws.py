@@ -156,7 +156,8 @@ class WsServer(ServerLink):
         try:
             self._server = await serve(
                 self._accept, self.url.host, self.url.port,
-                origins=self._origins(), create_connection=self._new_connection,
+                origins=self._origins(),
+                create_connection=self._new_connection,  # type: ignore[arg-type]
                 process_request=self._check, subprotocols=self._subprotocols or None,
                 compression=None, max_size=MAX_MESSAGE, close_timeout=1, open_timeout=HANDSHAKE_TIMEOUT,
             )  # fmt: skip

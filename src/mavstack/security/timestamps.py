@@ -270,12 +270,12 @@ def _parse(text: str) -> LastRun:
     streams: dict[str, dict[StreamId, int]] = {}
     for line in lines:
         match line.split(" "):
-            case [word, value] if word == _FLOOR:
-                floor = _number(value)
+            case [word, number] if word == _FLOOR:
+                floor = _number(number)
             case [word] if word == _RUNNING:  # of an older version
                 running[""] = _number(first)
-            case [word, run, value] if word == _RUNNING:
-                running[run] = _number(value)
+            case [word, run, number] if word == _RUNNING:
+                running[run] = _number(number)
             case [name, *numbers]:
                 link, system, component, value = map(_number, numbers)
                 if max(link, system, component) > 255:

@@ -328,11 +328,10 @@ def test_the_errors_of_a_server(server) -> None:
 def test_read_only() -> None:
     server = FtpServer(VEHICLE, MemoryStore({"f": DATA}), read_only=True)
     changes = (6, 7, 8, 9, 10, 11, 12, 13)
-    assert {ask(server, opcode, b"f", sequence=opcode)[0].error for opcode in changes} == {
-        FtpError.FILEPROTECTED
-    }
+    replies = [ask(server, opcode, b"f", sequence=opcode, now=START + opcode)[0] for opcode in changes]
+    assert {reply.error for reply in replies} == {FtpError.FILEPROTECTED}
     assert server.store["f"] == DATA
-    assert ask(server, Opcode.CALCFILECRC, b"f", sequence=20)[0].error is None
+    assert ask(server, Opcode.CALCFILECRC, b"f", sequence=20, now=START + 20)[0].error is None
 
 
 def test_sessions_are_bounded_and_end_when_idle(server) -> None:
