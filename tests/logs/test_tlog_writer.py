@@ -41,6 +41,16 @@ def test_a_recording_can_be_read_while_it_is_written(tmp_path: Path) -> None:
     writer.close()
 
 
+def test_the_times_of_several_links_are_in_order(tmp_path: Path) -> None:
+    path = tmp_path / "flight.tlog"
+    with TlogWriter(path) as writer:
+        for offset in (0.0, -0.25, 0.5, -3600.0):
+            writer.write([packet()], TIME + offset)
+    times = open_log(path)["ATTITUDE"]["_time"]
+    offsets = [(time - times[0]).astype("timedelta64[ms]").astype(int) for time in times]
+    assert offsets == [0, 0, 500, -3_600_000]
+
+
 def test_an_existing_file_is_never_overwritten(tmp_path: Path) -> None:
     path = tmp_path / "flight.tlog"
     path.write_bytes(b"precious")

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 _TIMESTAMP: Final = 8
 _MAX_TIME: Final = 2**63 - 1
+#: Microseconds by which packets of several links may arrive out of order; times that jump slow down a replay.
+_MAX_DISORDER: Final = 1_000_000
 
 
 class TlogWriter:
@@ -47,6 +49,7 @@ class TlogWriter:
         except OSError as error:
             raise LogError(f"{path}: {error.strerror or error}") from None
         self._size = 0
+        self._last_time = 0
 
     def write(self, packets: Iterable[Packet], unix_time: float) -> None:
         """Write packets that were received at one time.
@@ -58,7 +61,7 @@ class TlogWriter:
         Raises:
             LogError: The file cannot be written; it keeps the complete records.
         """
-        stamp = min(max(int(unix_time * 1e6), 0), _MAX_TIME).to_bytes(_TIMESTAMP, "big")
+        stamp = self._in_order(min(max(int(unix_time * 1e6), 0), _MAX_TIME)).to_bytes(_TIMESTAMP, "big")
         records = [stamp + redact(packet) for packet in packets]
         data = b"".join(records)
         try:
@@ -81,6 +84,13 @@ class TlogWriter:
     def close(self) -> None:
         """Close the file. Idempotent."""
         self._file.close()
+
+    def _in_order(self, time: int) -> int:
+        """Return a time that is not before the last one, unless the clock was set back."""
+        if 0 < self._last_time - time < _MAX_DISORDER:
+            return self._last_time
+        self._last_time = time
+        return time
 
     def _cut_off(self) -> None:
         """Remove a record that was written partly."""
