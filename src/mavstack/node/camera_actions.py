@@ -148,7 +148,7 @@ class CameraActions:
     # Mode, lens, storage
 
     async def set_mode(self, mode: str | int, *, timeout: float | None = None) -> None:
-        """Set the mode (MAV_CMD_SET_CAMERA_MODE), and wait until the camera reports it.
+        """Set the mode (MAV_CMD_SET_CAMERA_MODE), and wait a moment for the camera to report it.
 
         Args:
             mode: "photo", "video", "survey", or a CAMERA_MODE.
@@ -158,7 +158,7 @@ class CameraActions:
             InvalidArgumentError: There is no such mode.
             CommandDenied: The camera refused, such as while it records.
             CommandTimeout: The camera does not answer.
-            ModeTimeout: The camera accepted, and did not enter the mode.
+            MessageTimeout: The camera accepted, and does not answer any more.
         """
         number = _MODES.get(mode.casefold()) if isinstance(mode, str) else mode
         if number is None:

@@ -360,7 +360,7 @@ class Camera:
         """
 
     def set_mode(self, mode: str | int, *, timeout: float | None=None) -> None:
-        """Set the mode (MAV_CMD_SET_CAMERA_MODE), and wait until the camera reports it.
+        """Set the mode (MAV_CMD_SET_CAMERA_MODE), and wait a moment for the camera to report it.
 
         Args:
             mode: "photo", "video", "survey", or a CAMERA_MODE.
@@ -370,7 +370,7 @@ class Camera:
             InvalidArgumentError: There is no such mode.
             CommandDenied: The camera refused, such as while it records.
             CommandTimeout: The camera does not answer.
-            ModeTimeout: The camera accepted, and did not enter the mode.
+            MessageTimeout: The camera accepted, and does not answer any more.
         """
 
     def set_zoom(self, value: float, *, kind: int=..., timeout: float | None=None) -> None:
