@@ -47,7 +47,7 @@ def dronekit_names() -> SimpleNamespace:
 
 
 def has(owner: object, name: str) -> bool:
-    """Whether a class or module has a name, as a class attribute or one that its methods set."""
+    """Return whether a class or module has a name, as a class attribute or one that its methods set."""
     if hasattr(owner, name):
         return True
     return inspect.isclass(owner) and any(

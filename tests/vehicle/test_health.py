@@ -1,4 +1,4 @@
-"""Whether a vehicle is ready to arm, and the reasons in words."""
+"""Health of a vehicle: ready to arm, or the reasons against it."""
 
 from __future__ import annotations
 

@@ -245,8 +245,7 @@ class Dialect:
         parents = [dialect.message_class(number) for dialect in self.includes if number in dialect]
         if self.path:
             parents += official_bases(row, self._official_views())
-        table = self._origins[number].table
-        return make_class(self, row, parents, table)
+        return make_class(self, row, parents, self._origins[number].table)
 
     def _official_views(self) -> list[Dialect]:
         """Return the official dialects that may define a user's message, that of the same name first."""
@@ -383,9 +382,8 @@ def _from_source(source: Source) -> Dialect:
     dialects: dict[int, Dialect] = {}
     for item in included_first(source):
         includes = tuple(dialects[id(included)] for included in item.includes)
-        dialects[id(item)] = (
-            _load(item.definition.name) if item.official else _from_definition(item.definition, includes)
-        )
+        name = item.definition.name
+        dialects[id(item)] = _load(name) if item.official else _from_definition(item.definition, includes)
     return dialects[id(source)]
 
 
@@ -397,7 +395,6 @@ def _from_definition(definition: DialectDefinition, includes: tuple[Dialect, ...
 
     highest: dict[str, int] = {}
     if any(entry.automatic for enum in definition.enums for entry in enum.entries):
-        for item in includes:
-            for name in item.enums:
-                highest[name] = max(highest.get(name, 0), *item.enum_values(name).values(), 0)
+        for item, name in [(item, name) for item in includes for name in item.enums]:
+            highest[name] = max(highest.get(name, 0), *item.enum_values(name).values(), 0)
     return Dialect(encode_table(with_automatic_values(definition, highest)), includes, definition.path)

@@ -298,9 +298,8 @@ class Client(Service):
             yield self._outbox.popleft()
 
     def next_timeout(self) -> float | None:
-        times = [operation.next_timeout() for operation in self._running]
-        times += [operation.deadline for operation in self._waiting]
-        return earliest(*times)
+        deadlines = (operation.deadline for operation in self._waiting)
+        return earliest(*(operation.next_timeout() for operation in self._running), *deadlines)
 
     def handle_timeout(self, now: float) -> None:
         for operation in (*self._running, *self._waiting):

@@ -53,7 +53,7 @@ def test_jump_targets_follow_the_numbering_of_the_vehicle(mav, target):
     held = target.vehicle.plans.get(PlanType.MISSION)
     jump = next(item for item in held.items if item.command == common.MavCmd.DO_JUMP)
     destination = held.items[int(jump.param1)]
-    assert (destination.command, destination.param1) == (common.MavCmd.NAV_WAYPOINT, 3)  # the one with a hold of 3 s
+    assert (destination.command, destination.param1) == (common.MavCmd.NAV_WAYPOINT, 3)
 
 
 @pytest.mark.flight

@@ -73,5 +73,5 @@ class SigningHarness:
 
     @property
     def signed(self):
-        """Whether the last packets of (ground, vehicle) are signed."""
+        """Return whether the last packets of (ground, vehicle) are signed."""
         return self.vehicle.received[-1].signed, self.ground.received[-1].signed

@@ -26,7 +26,7 @@ def star(radii: list[float], inclusion: bool = True) -> Polygon:
 
 
 def winds_around(polygon: Polygon, place: tuple[float, float]) -> bool:
-    """Whether the corners go round a place once, as seen from it."""
+    """Return whether the corners go round a place once, as seen from it."""
     total = 0.0
     for begin, end in polygon.edges:
         first = atan2(begin[1] - place[1], begin[0] - place[0])

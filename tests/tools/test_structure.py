@@ -1,0 +1,114 @@
+"""Modules are small, docstrings begin with a noun or a verb, and test modules mirror source modules."""
+
+from __future__ import annotations
+
+import ast
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+FOLDERS = ("src", "tests", "tools", "benchmarks", "examples")
+MODULES = sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py"))
+TEST_MODULES = sorted((ROOT / "tests").rglob("test_*.py"))
+MAX_MODULE_LINES, MAX_FUNCTION_LINES = 400, 60
+
+#: Folders of tests by subject.
+SUBJECT_FOLDERS = {
+    "attacks",
+    "docs",
+    "interop",
+    "realdata",
+    "robustness",
+    "sim/failsafes",
+    "sim/robustness",
+    "sim/whole_flights",
+    "tools",
+    "typing",
+    "vehicle/failures",
+}
+#: Tests of a whole package by method: in any folder.
+METHODS = {"client_server", "pitfalls", "properties", "pymavlink", "random", "robustness"}
+#: Tests of a package by subject.
+SUBJECTS = {
+    ".": {"api_docs", "build_backend", "examples"},
+    "cli": {"help", "process", "realdata", "redaction"},
+    "files/parameters": {"formats"},
+    "files/plans": {"round_trips"},
+    "logs": {"recordings"},
+    "node": {"closing"},
+    "services/ftp": {"interruptions", "radio"},
+    "services/mission": {"autopilots", "goals"},
+    "services/parameters": {"pauses"},
+    "sim/ardupilot": {"home_item", "quadplane"},
+    "sim/autopilot/mission": {"flights"},
+    "sim/px4": {"mission_end", "offboard"},
+    "sim/storage": {"log_downloads"},
+    "sync": {"vehicle"},
+    "vehicle": {"arguments", "flying", "modes", "quadplane", "whole_missions"},
+    "wire": {"core_docs", "object_lifetime", "parser_properties", "signing", "signing_pitfalls"},
+}
+
+
+@cache
+def tree(path: Path) -> ast.Module:
+    return ast.parse(path.read_text("utf-8"))
+
+
+def name_of(path: Path) -> str:
+    return path.relative_to(ROOT).as_posix()
+
+
+def mirrors_source(path: Path) -> bool:
+    """Return whether `test_<name>.py` or `test_<name>_<subject>.py` has a source `<name>`."""
+    folder = path.parent.relative_to(ROOT / "tests")
+    source = ROOT / "src" / "mavstack" / folder
+    words = path.stem.removeprefix("test_").split("_")
+    names = ("_".join(words[:count]) for count in range(1, len(words) + 1))
+    is_package = "_".join(words) == folder.name and source.is_dir()
+    return is_package or any((source / f"{name}.py").exists() or (source / name).is_dir() for name in names)
+
+
+def is_subject(path: Path) -> bool:
+    folder = path.parent.relative_to(ROOT / "tests").as_posix()
+    name = path.stem.removeprefix("test_")
+    in_folder = any(f"{folder}/".startswith(f"{subject}/") for subject in SUBJECT_FOLDERS)
+    return in_folder or name in METHODS or name in SUBJECTS.get(folder, ())
+
+
+def test_test_modules_mirror_source_modules() -> None:
+    others = {name_of(path) for path in TEST_MODULES if not mirrors_source(path) and not is_subject(path)}
+    assert others == set(), "name them after their source modules, or add their subjects to this file"
+
+
+def test_listed_subjects_exist() -> None:
+    assert all((ROOT / "tests" / folder).is_dir() for folder in SUBJECT_FOLDERS)
+    listed = {ROOT / "tests" / folder / f"test_{name}.py" for folder in SUBJECTS for name in SUBJECTS[folder]}
+    assert {name_of(path) for path in listed - set(TEST_MODULES)} == set()
+
+
+def test_modules_are_short() -> None:
+    lengths = {name_of(path): len(path.read_text("utf-8").splitlines()) for path in MODULES}
+    assert {name: length for name, length in lengths.items() if length > MAX_MODULE_LINES} == {}
+
+
+def test_functions_are_short() -> None:
+    long = {
+        f"{name_of(path)}:{node.name}": length
+        for path in MODULES
+        for node in ast.walk(tree(path))
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+        and (length := (node.end_lineno or 0) - node.lineno + 1) > MAX_FUNCTION_LINES
+    }
+    assert long == {}
+
+
+def test_docstrings_begin_with_a_noun_or_a_verb() -> None:
+    documented = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
+    unclear = [
+        f"{name_of(path)}: {text.splitlines()[0]}"
+        for path in MODULES
+        for node in ast.walk(tree(path))
+        if isinstance(node, documented)
+        and (text := ast.get_docstring(node) or "").startswith(("What ", "Whether "))
+    ]
+    assert unclear == []
