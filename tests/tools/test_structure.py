@@ -32,6 +32,7 @@ METHODS = {"client_server", "pitfalls", "properties", "pymavlink", "random", "ro
 SUBJECTS = {
     ".": {"api_docs", "build_backend", "examples"},
     "cli": {"help", "process", "realdata", "redaction"},
+    "cli/vehicle": {"modes"},
     "files/parameters": {"formats"},
     "files/plans": {"round_trips"},
     "logs": {"recordings"},
@@ -39,6 +40,7 @@ SUBJECTS = {
     "services/ftp": {"interruptions", "radio"},
     "services/mission": {"autopilots", "goals"},
     "services/parameters": {"pauses"},
+    "sim": {"link_settings"},
     "sim/ardupilot": {"home_item", "quadplane"},
     "sim/autopilot/mission": {"flights"},
     "sim/px4": {"mission_end", "offboard"},

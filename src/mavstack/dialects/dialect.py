@@ -395,6 +395,6 @@ def _from_definition(definition: DialectDefinition, includes: tuple[Dialect, ...
 
     highest: dict[str, int] = {}
     if any(entry.automatic for enum in definition.enums for entry in enum.entries):
-        for item, name in [(item, name) for item in includes for name in item.enums]:
-            highest[name] = max(highest.get(name, 0), *item.enum_values(name).values(), 0)
+        for dialect, name in [(included, name) for included in includes for name in included.enums]:
+            highest[name] = max(highest.get(name, 0), *dialect.enum_values(name).values(), 0)
     return Dialect(encode_table(with_automatic_values(definition, highest)), includes, definition.path)
