@@ -5,11 +5,16 @@ from __future__ import annotations
 import gc
 import signal
 from collections import Counter, defaultdict
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import settings
 
 from tests.seeds import REPORT, Seeds, blocks_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
 
 settings.register_profile("mavstack", deadline=None)
 settings.load_profile("mavstack")
@@ -56,6 +61,15 @@ def pytest_collection_finish() -> None:
     """Keep the garbage collector away from the thousands of collected tests, which live to the end."""
     gc.collect()
     gc.freeze()
+
+
+@pytest.fixture(autouse=True, scope="session")
+def user_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Keep the cache folder of the user out of the tests."""
+    folder = tmp_path_factory.mktemp("cache")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("mavstack.files.parameter_metadata.cache.cache_directory", lambda: folder)
+        yield folder
 
 
 @pytest.fixture

@@ -100,6 +100,20 @@ class ParameterFileError(MavstackError):
         return type(self), (self.problem, self.path, self.line)
 
 
+class MetadataError(MavstackError):
+    """Metadata of a component or its parameters cannot be read; `path` and `line` locate the problem."""
+
+    def __init__(self, problem: str, path: str | None = None, line: int | None = None) -> None:
+        self.problem = problem
+        self.path = path
+        self.line = line
+        where = "" if path is None else f"{path}: " if line is None else f"{path}:{line}: "
+        super().__init__(where + problem)
+
+    def __reduce__(self) -> tuple[type[MetadataError], tuple[str, str | None, int | None]]:
+        return type(self), (self.problem, self.path, self.line)
+
+
 class PlanFileError(MavstackError):
     """A plan file cannot be read or written; `path` and `where` (a line or a key) locate the problem."""
 

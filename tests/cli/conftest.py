@@ -41,10 +41,12 @@ def mav(capsys) -> Callable[..., Result]:
 
 
 @pytest.fixture
-def simulate(monkeypatch) -> Callable[..., CliHarness]:
-    """Make simulated vehicles that are ready to arm, for the commands of a test."""
+def simulate(monkeypatch, tmp_path) -> Callable[..., CliHarness]:
+    """Make simulated vehicles that are ready to arm, and an empty cache, for the commands of a test."""
     from tests.cli.harness import CliHarness
 
+    folder = tmp_path / "user-cache"
+    monkeypatch.setattr("mavstack.files.parameter_metadata.cache.cache_directory", lambda: folder)
     return lambda *kinds, ready=True: CliHarness(monkeypatch, *kinds, ready=ready)
 
 

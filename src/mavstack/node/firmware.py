@@ -10,6 +10,7 @@ from mavstack.services.parameters import encoding_of
 if TYPE_CHECKING:
     from mavstack.services.heartbeat import ComponentInfo
     from mavstack.services.parameters import Encoding
+    from mavstack.services.version import AutopilotVersion
 
 
 def is_ardupilot(info: ComponentInfo | None) -> bool:
@@ -30,3 +31,11 @@ def has_packed_params(info: ComponentInfo | None, capabilities: int) -> bool:
 def param_encoding(info: ComponentInfo | None, capabilities: int) -> Encoding:
     """Return the encoding of parameter values: by capability, else the firmware's default."""
     return encoding_of(capabilities, info.autopilot if info else common.MavAutopilot.GENERIC)
+
+
+def firmware_key(info: ComponentInfo | None, version: AutopilotVersion | None) -> str:
+    """Return a text that names a firmware: its autopilot, the type of the vehicle, and the version."""
+    autopilot, kind = (0, 0) if info is None else (info.autopilot, info.type)
+    flight = None if version is None else version.flight
+    number = "unknown" if flight is None else f"{flight.major}.{flight.minor}.{flight.patch}"
+    return f"firmware-{int(autopilot)}-{int(kind)}-{number}"

@@ -3,23 +3,40 @@
 from __future__ import annotations
 
 from contextlib import contextmanager
+from os import fspath
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.errors import (
+    InvalidArgumentError,
+    MetadataError,
     ParameterDenied,
     ParameterTimeout,
     RemoteCancelled,
     RemoteDenied,
     RemoteError,
+    RemoteProtocolError,
     RemoteTimeout,
 )
-from mavstack.node.firmware import has_packed_params, param_encoding
+from mavstack.files.parameter_metadata import (
+    MetadataCache,
+    parse_parameter_metadata,
+    read_metadata_file,
+)
+from mavstack.node.firmware import firmware_key, has_packed_params, param_encoding
+from mavstack.node.metadata_files import Fetch, MetadataAccess, MetadataFiles
 from mavstack.node.read_only import ReadOnly
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.node.time_budget import TimeBudget
 from mavstack.services.arguments import check_number, check_text
-from mavstack.services.parameters import PACKED_NAME, Encoding, ParameterChanged, renaming_of
+from mavstack.services.parameters import (
+    PACKED_NAME,
+    Encoding,
+    MetadataTable,
+    ParameterChanged,
+    renaming_of,
+)
+from mavstack.services.parameters.metadata import NO_METADATA, number_text
 from mavstack.services.version import RequestAutopilotVersion
 
 if TYPE_CHECKING:
@@ -29,11 +46,14 @@ if TYPE_CHECKING:
     from mavstack.node.host import NodeHost
     from mavstack.node.subscription import Subscription
     from mavstack.services.parameters import Parameter, ParameterClient, Snapshot, Value
+    from mavstack.services.version import AutopilotVersion
 
 #: Seconds to wait for a component's capabilities before its parameter encoding follows from its heartbeat.
 CAPABILITIES_TIMEOUT = 3.0
 _ARDUPILOT: Final = common.MavAutopilot.ARDUPILOTMEGA
 _NO_SUCH_PARAMETER: Final = common.MavParamError.DOES_NOT_EXIST
+#: The metadata files in the user's cache folder.
+USER_CACHE = MetadataCache()
 
 
 class Params(ReadOnly):
@@ -41,7 +61,11 @@ class Params(ReadOnly):
 
     def __init__(self, clients: ComponentClients) -> None:
         self._clients = clients
-        self._capabilities: int | None = None
+        #: The component's version; None: not requested, or it does not answer such requests.
+        self._version: AutopilotVersion | None = None
+        self._version_requested = False
+        self._metadata = NO_METADATA
+        self._metadata_files = MetadataFiles(clients)
 
     @property
     def cached(self) -> Mapping[str, Parameter]:
@@ -78,6 +102,11 @@ class Params(ReadOnly):
         """The encoding of values on the wire, as far as it is known."""
         return self._clients.params.encoding
 
+    @property
+    def metadata(self) -> MetadataTable:
+        """The metadata (description, unit, range, values) by name; empty until downloaded or loaded."""
+        return self._metadata
+
     async def get(self, name: str, *, timeout: float | None = None) -> Parameter:
         """Get one parameter (PARAM_REQUEST_READ).
 
@@ -100,12 +129,15 @@ class Params(ReadOnly):
         with self._naming(name):
             return await host.finish(client, client.get(name, host.now(), timeout=budget.remaining()))
 
-    async def set(self, name: str, value: Value, *, timeout: float | None = None) -> Parameter:
+    async def set(
+        self, name: str, value: Value, *, check: bool = False, timeout: float | None = None
+    ) -> Parameter:
         """Set one parameter (PARAM_SET), and wait until the component reports its value.
 
         Args:
             name: The name of the parameter.
             value: The new value, in the parameter's own unit.
+            check: Refuse a value that `metadata` does not allow; a parameter without metadata is not checked.
             timeout: Seconds for the whole call; None: until retries are exhausted.
 
         Returns:
@@ -113,13 +145,17 @@ class Params(ReadOnly):
 
         Raises:
             InvalidTypeError: The name is not a str, or the value is not a number.
-            InvalidArgumentError: The parameter's type, or its encoding on the wire, cannot hold the value.
+            InvalidArgumentError: The parameter's type, or its encoding on the wire, cannot hold the value; or
+                with `check` the metadata does not allow it.
             ParameterDenied: The component refused the value.
             ParameterTimeout: The component does not answer, as most do for an unknown name.
             RemoteCancelled: The node was closed.
         """
         check_text("name", name)
         check_number(f"the value of {name}", value, finite=False)
+        problem = self.metadata.problem(name, value) if check else None
+        if problem is not None:
+            raise InvalidArgumentError(f"{name} cannot be set to {number_text(value)}: {problem}")
         host, client, budget = self._start(timeout)
         await self._find_encoding(budget)
         operation = client.set(name, value, host.now(), timeout=budget.remaining())
@@ -157,13 +193,89 @@ class Params(ReadOnly):
             await host.finish(client, operation, progress)
         return self.cached
 
+    async def download_metadata(
+        self,
+        *,
+        fetch: Fetch | None = None,
+        cache: MetadataCache | None = USER_CACHE,
+        cached_only: bool = False,
+        timeout: float | None = None,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> MetadataTable:
+        """Download the metadata of the parameters (COMPONENT_METADATA, MAVLink FTP), unless it is cached.
+
+        Components without metadata, such as ArduPilot's, get that of the file which `load_metadata` was told
+        to remember for their firmware.
+
+        Args:
+            fetch: Returns the content of a URL, for components whose metadata is on a web server; called in a
+                thread. The URL comes from the component. None: such a file is refused.
+            cache: Where files are kept by their CRC; None: nowhere.
+            cached_only: Do not download a file: take one from the cache, or fail.
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+            progress: Called with the bytes received and the bytes in total.
+
+        Returns:
+            The metadata by name, also in `metadata` from now on.
+
+        Raises:
+            RemoteDenied: The component has no metadata, or does not give it.
+            RemoteTimeout: The component does not answer.
+            RemoteProtocolError: The file is damaged, or is not metadata.
+            RemoteCancelled: The node was closed.
+        """
+        budget = TimeBudget(timeout, self._clients.host.now)
+        access = MetadataAccess(budget, cache, fetch, progress, cached_only)
+        try:
+            found = await self._metadata_files.get(
+                common.CompMetadataType.PARAMETER, access, parse_parameter_metadata
+            )
+        except (RemoteDenied, RemoteProtocolError):
+            remembered = await self._remembered_metadata(cache, budget)
+            if remembered is None:
+                raise
+            found = remembered
+        self._metadata = found
+        return found
+
+    async def load_metadata(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        remember: bool = False,
+        cache: MetadataCache | None = USER_CACHE,
+        timeout: float | None = None,
+    ) -> MetadataTable:
+        """Load the metadata of the parameters from a file of a firmware project.
+
+        Args:
+            path: ArduPilot's apm.pdef.xml or apm.pdef.json, PX4's parameters.json or .xml; compressed
+                or not.
+            remember: Keep a copy in the cache for `download_metadata` of components with this firmware.
+            cache: Where the copy is kept.
+            timeout: Seconds to wait for the version of the firmware, with `remember`.
+
+        Returns:
+            The metadata by name, also in `metadata` from now on.
+
+        Raises:
+            MetadataError: The content is not metadata of parameters.
+            OSError: The file cannot be read.
+        """
+        data = read_metadata_file(path)
+        self._metadata = found = parse_parameter_metadata(data, os.fspath(path))
+        if remember and cache is not None:
+            cache.store(await self._firmware_key(TimeBudget(timeout, self._clients.host.now)), data)
+        return found
+
     def changes(self) -> Subscription[ParameterChanged]:
         """Subscribe to changes of parameters, made by any component."""
         return self._clients.host.events(ParameterChanged, of=self._clients.params, queue=DEFAULT_QUEUE)
 
     def clear_cache(self) -> None:
-        """Discard the capabilities that were cached before a reboot."""
-        self._capabilities = None
+        """Discard the version that was cached before a reboot; metadata stays until the next download."""
+        self._version, self._version_requested = None, False
+        self._metadata_files.clear_cache()
 
     @contextmanager
     def _naming(self, name: str) -> Iterator[None]:
@@ -183,7 +295,7 @@ class Params(ReadOnly):
 
     async def _download_packed(self, budget: TimeBudget, progress: Callable[[int, int], None] | None) -> bool:
         """Download the packed file; return whether all parameters are known from it."""
-        if not has_packed_params(self._clients.info, self._capabilities or 0):
+        if not has_packed_params(self._clients.info, self._capabilities):
             return False
         host, ftp = self._clients.host, self._clients.ftp
         started_at = host.now()
@@ -195,15 +307,37 @@ class Params(ReadOnly):
         return self._clients.params.load_packed(data, host.now(), started_at=started_at)
 
     async def _find_encoding(self, budget: TimeBudget) -> None:
-        if self._capabilities is None:
-            self._capabilities = await self._get_capabilities(budget.remaining(CAPABILITIES_TIMEOUT))
+        if not self._version_requested:
+            await self._find_version(budget)
             self._clients.params.encoding = param_encoding(self._clients.info, self._capabilities)
 
-    async def _get_capabilities(self, timeout: float | None) -> int:
-        operation = RequestAutopilotVersion(timeout=timeout)
+    @property
+    def _capabilities(self) -> int:
+        return 0 if self._version is None else self._version.capabilities
+
+    async def _find_version(self, budget: TimeBudget) -> None:
+        operation = RequestAutopilotVersion(timeout=budget.remaining(CAPABILITIES_TIMEOUT))
         try:
-            return (await self._clients.host.run_operation(self._clients.command, operation)).capabilities
+            self._version = await self._clients.host.run_operation(self._clients.command, operation)
         except RemoteCancelled:
             raise  # the node was closed
         except RemoteError:
-            return 0
+            self._version = None
+        self._version_requested = True
+
+    async def _firmware_key(self, budget: TimeBudget) -> str:
+        await self._find_encoding(budget)
+        return firmware_key(self._clients.info, self._version)
+
+    async def _remembered_metadata(
+        self, cache: MetadataCache | None, budget: TimeBudget
+    ) -> MetadataTable | None:
+        """Return the metadata that was remembered for the component's firmware; None if there is none."""
+        key = None if cache is None else await self._firmware_key(budget)
+        data = None if cache is None or key is None else cache.find(key)
+        if data is None:
+            return None
+        try:
+            return parse_parameter_metadata(data, f"the file that was loaded for {key}")
+        except MetadataError:
+            return None

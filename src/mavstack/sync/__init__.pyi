@@ -10,10 +10,12 @@ from mavstack._core import HasCoreDialect
 from mavstack.dialects import Message
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied
+from mavstack.files.parameter_metadata import MetadataCache
 from mavstack.links import Channel
 from mavstack.links import Link
 from mavstack.links.settings import Version
 from mavstack.node.channel_state import ChannelState
+from mavstack.node.metadata_files import Fetch
 from mavstack.security import SigningKey
 from mavstack.security import TimestampStore
 from mavstack.services import Address
@@ -59,6 +61,7 @@ from mavstack.services.mission import Plan
 from mavstack.services.modes import AvailableMode
 from mavstack.services.modes import ModeSeen
 from mavstack.services.parameters import Encoding
+from mavstack.services.parameters import MetadataTable
 from mavstack.services.parameters import Parameter
 from mavstack.services.parameters import ParameterChanged
 from mavstack.services.parameters import Snapshot
@@ -1119,6 +1122,10 @@ class Params:
     def encoding(self) -> Encoding:
         """The encoding of values on the wire, as far as it is known."""
 
+    @property
+    def metadata(self) -> MetadataTable:
+        """The metadata (description, unit, range, values) by name; empty until downloaded or loaded."""
+
     def get(self, name: str, *, timeout: float | None=None) -> Parameter:
         """Get one parameter (PARAM_REQUEST_READ).
 
@@ -1136,12 +1143,13 @@ class Params:
             RemoteCancelled: The node was closed.
         """
 
-    def set(self, name: str, value: Value, *, timeout: float | None=None) -> Parameter:
+    def set(self, name: str, value: Value, *, check: bool=False, timeout: float | None=None) -> Parameter:
         """Set one parameter (PARAM_SET), and wait until the component reports its value.
 
         Args:
             name: The name of the parameter.
             value: The new value, in the parameter's own unit.
+            check: Refuse a value that `metadata` does not allow; a parameter without metadata is not checked.
             timeout: Seconds for the whole call; None: until retries are exhausted.
 
         Returns:
@@ -1149,7 +1157,8 @@ class Params:
 
         Raises:
             InvalidTypeError: The name is not a str, or the value is not a number.
-            InvalidArgumentError: The parameter's type, or its encoding on the wire, cannot hold the value.
+            InvalidArgumentError: The parameter's type, or its encoding on the wire, cannot hold the value; or
+                with `check` the metadata does not allow it.
             ParameterDenied: The component refused the value.
             ParameterTimeout: The component does not answer, as most do for an unknown name.
             RemoteCancelled: The node was closed.
@@ -1173,11 +1182,53 @@ class Params:
             RemoteCancelled: The node was closed.
         """
 
+    def download_metadata(self, *, fetch: Fetch | None=None, cache: MetadataCache | None=..., cached_only: bool=False, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> MetadataTable:
+        """Download the metadata of the parameters (COMPONENT_METADATA, MAVLink FTP), unless it is cached.
+
+        Components without metadata, such as ArduPilot's, get that of the file which `load_metadata` was told
+        to remember for their firmware.
+
+        Args:
+            fetch: Returns the content of a URL, for components whose metadata is on a web server; called in a
+                thread. The URL comes from the component. None: such a file is refused.
+            cache: Where files are kept by their CRC; None: nowhere.
+            cached_only: Do not download a file: take one from the cache, or fail.
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+            progress: Called with the bytes received and the bytes in total.
+
+        Returns:
+            The metadata by name, also in `metadata` from now on.
+
+        Raises:
+            RemoteDenied: The component has no metadata, or does not give it.
+            RemoteTimeout: The component does not answer.
+            RemoteProtocolError: The file is damaged, or is not metadata.
+            RemoteCancelled: The node was closed.
+        """
+
+    def load_metadata(self, path: str | os.PathLike[str], *, remember: bool=False, cache: MetadataCache | None=..., timeout: float | None=None) -> MetadataTable:
+        """Load the metadata of the parameters from a file of a firmware project.
+
+        Args:
+            path: ArduPilot's apm.pdef.xml or apm.pdef.json, PX4's parameters.json or .xml; compressed
+                or not.
+            remember: Keep a copy in the cache for `download_metadata` of components with this firmware.
+            cache: Where the copy is kept.
+            timeout: Seconds to wait for the version of the firmware, with `remember`.
+
+        Returns:
+            The metadata by name, also in `metadata` from now on.
+
+        Raises:
+            MetadataError: The content is not metadata of parameters.
+            OSError: The file cannot be read.
+        """
+
     def changes(self) -> Subscription[ParameterChanged]:
         """Subscribe to changes of parameters, made by any component."""
 
     def clear_cache(self) -> None:
-        """Discard the capabilities that were cached before a reboot."""
+        """Discard the version that was cached before a reboot; metadata stays until the next download."""
 
 class Plans:
     """The plan of one type on a remote component, by the mission protocol.

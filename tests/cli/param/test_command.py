@@ -35,6 +35,9 @@ def test_examples_of_the_help_run(mav, monkeypatch, tmp_path, firmware):
     }
     (tmp_path / "before.param").write_text("RTL_ALT,1\nOLD,2\n")
     (tmp_path / "after.params").write_text("1\t1\tRTL_ALT\t2\t6\n")
+    (tmp_path / "apm.pdef.xml").write_text(
+        '<paramfile><vehicles><parameters><param name="RTL_ALT"/></parameters></vehicles></paramfile>'
+    )
     for example in examples_of(EXAMPLES):
         words = [of_px4.get(word, word) if firmware == "px4" or "," in word else word for word in example]
         result = mav(*words)
@@ -94,7 +97,7 @@ def test_set(mav, harness):
 
 
 def test_set_continues_after_a_refusal(mav, harness):
-    result = mav("param", "set", "STAT_BOOTCNT=9", "RTL_ALT=2000")
+    result = mav("param", "set", "STAT_BOOTCNT=9", "RTL_ALT=2000", "--force")
     assert (result.code, result.out) == (1, "vehicle 1: RTL_ALT: 1500 -> 2000\n")
     assert result.err.startswith("mav param: vehicle 1: setting parameter STAT_BOOTCNT to 9 on 1/1 failed")
     assert "READ_ONLY" in result.err
@@ -102,7 +105,7 @@ def test_set_continues_after_a_refusal(mav, harness):
 
 
 def test_value_out_of_the_range_of_its_type(mav, harness):
-    result = mav("param", "set", "FRAME_CLASS", "300")
+    result = mav("param", "set", "FRAME_CLASS", "300", "--force")
     assert result.code == 1
     assert result.err == "mav param: FRAME_CLASS is of type INT8, which cannot hold 300\n"
 

@@ -29,14 +29,15 @@ _FILE_TIME: Final = "%Y-%m-%dT%H:%M:%S"
 
 
 def add_logging_options(parser: ArgumentParser) -> None:
-    """Declare `-v` and `--log-file`.
+    """Declare `-v` and `--log-file`; an action that has a `-v` of its own only gets `--verbose`.
 
     They have no defaults in the parsed arguments, so that they may stand before and after the name of an
     action.
     """
     group = parser.add_argument_group(LOGGING_GROUP)
+    taken = "-v" in parser._option_string_actions  # noqa: SLF001 (argparse has no public access)
     group.add_argument(
-        "-v",
+        *(() if taken else ("-v",)),
         "--verbose",
         action="count",
         default=SUPPRESS,

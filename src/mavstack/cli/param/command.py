@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.connection import add_vehicle_action, run_on_vehicle
-from mavstack.cli.common.errors import failure_text
+from mavstack.cli.common.errors import CommandError, failure_text
 from mavstack.cli.common.options import seconds
 from mavstack.cli.common.output import align_columns, echo, echo_json
 from mavstack.cli.common.selection import of_vehicle, selects_several
@@ -15,6 +15,13 @@ from mavstack.cli.ftp.limited import add_timeout_option
 from mavstack.cli.param.diff import diff
 from mavstack.cli.param.download import download_parameters
 from mavstack.cli.param.load import load
+from mavstack.cli.param.metadata import (
+    add_metadata_option,
+    description_lines,
+    json_metadata,
+    metadata_for_checks,
+    metadata_to_show,
+)
 from mavstack.cli.param.save import save
 from mavstack.cli.param.text import (
     assignments,
@@ -24,14 +31,16 @@ from mavstack.cli.param.text import (
     matching,
     parameter_row,
 )
-from mavstack.errors import RemoteError
+from mavstack.errors import MavstackError, RemoteError
 from mavstack.files.parameters import FORMATS, needs_reboot, value_text
+from mavstack.services.parameters.metadata import number_text
 from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
+    from collections.abc import Sequence
 
-    from mavstack.services.parameters import Parameter, Value
+    from mavstack.services.parameters import MetadataTable, Parameter, Value
     from mavstack.vehicle import Vehicle
 
 EXAMPLES = """\
@@ -39,7 +48,10 @@ examples:
   mav param list
   mav param list 'RTL*' --json
   mav param get SYSID_THISMAV RTL_ALT
+  mav param get -v RTL_ALT
+  mav param get -v RTL_ALT --metadata apm.pdef.xml
   mav param set RTL_ALT 3000
+  mav param set RTL_ALT 20 --force
   mav param set RTL_ALT=3000 RTL_SPEED=500
   mav param set RTL_ALT 3000 --systems 1,3-5
   mav param save backup.param
@@ -62,10 +74,21 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_timeout_option(action)
     action = add_vehicle_action(actions, "get", "read parameters from the vehicle", get, fleet=True)
     action.add_argument("names", nargs="+", metavar="NAME", help="name of a parameter")
+    action.add_argument(
+        "-v",
+        "--describe",
+        action="store_true",
+        help="also show description, unit, range, named values and bits",
+    )
+    add_metadata_option(action)
     action = add_vehicle_action(
         actions, "set", "set parameters, and verify their values", set_values, fleet=True, changes=True
     )
     action.add_argument("words", nargs="+", metavar="NAME VALUE", help="or NAME=VALUE; may be repeated")
+    action.add_argument(
+        "--force", action="store_true", help="also set values outside of the range that the metadata states"
+    )
+    add_metadata_option(action)
     _add_save_arguments(
         add_vehicle_action(actions, "save", "save the parameters to a file", save, fleet=True)
     )
@@ -117,7 +140,9 @@ def get(arguments: Namespace) -> int:
                 found.append(await vehicle.params.get(name.upper()))
             except RemoteError as error:
                 failures.append(error)
-        if found:
+        if found and arguments.describe:
+            await _describe(vehicle, found, arguments)
+        elif found:
             show(vehicle, found, arguments)
         return _report_failures(vehicle, failures)
 
@@ -129,14 +154,16 @@ def set_values(arguments: Namespace) -> int:
     wanted = assignments(arguments.words)
 
     async def work(vehicle: Vehicle) -> int:
-        failures = []
+        failures: list[MavstackError] = []
+        metadata = await metadata_for_checks(vehicle, arguments)
         for name, value in wanted.items():
             try:
+                _check(metadata, vehicle, name.upper(), value)
                 before, after = await _set(vehicle, name.upper(), value)
-            except RemoteError as error:
+            except (RemoteError, CommandError) as error:
                 failures.append(error)
             else:
-                _show_set(vehicle, before, after, as_json=arguments.json)
+                _show_set(vehicle, before, after, metadata, as_json=arguments.json)
         return _report_failures(vehicle, failures)
 
     return run_on_vehicle(arguments, work)
@@ -177,14 +204,42 @@ def show(vehicle: Vehicle, parameters: list[Parameter], arguments: Namespace) ->
     echo(*head, *align_columns([parameter_row(each) for each in parameters], right=frozenset({1})))
 
 
+async def _describe(vehicle: Vehicle, parameters: list[Parameter], arguments: Namespace) -> None:
+    """Print parameters with their metadata."""
+    metadata = await metadata_to_show(vehicle, arguments)
+    several = selects_several(arguments)
+    if arguments.json:
+        found = [
+            {**json_parameter(each), "metadata": json_metadata(metadata.get(each.name))}
+            for each in parameters
+        ]
+        echo_json({"system": vehicle.system, "parameters": found} if several else found)
+        return
+    head = [f"vehicle {vehicle.system}:"] if several else []
+    lines = [line for each in parameters for line in description_lines(each, metadata.get(each.name))]
+    echo(*head, *lines)
+
+
+def _check(metadata: MetadataTable, vehicle: Vehicle, name: str, value: Value) -> None:
+    """Raise if the metadata does not allow a value."""
+    problem = metadata.problem(name, value)
+    if problem is not None:
+        target = f"setting parameter {name} to {number_text(value)} on {vehicle.address}"
+        raise CommandError(f"{target} failed: {problem}; --force sends it anyway")
+
+
 async def _set(vehicle: Vehicle, name: str, value: Value) -> tuple[Parameter, Parameter]:
     """Set a parameter; return it before and after."""
     before = await vehicle.params.get(name)
     return before, await with_status_texts(vehicle, vehicle.params.set(name, value))
 
 
-def _show_set(vehicle: Vehicle, before: Parameter, after: Parameter, *, as_json: bool) -> None:
-    reboot = needs_reboot(after.name) and before.value != after.value
+def _show_set(
+    vehicle: Vehicle, before: Parameter, after: Parameter, metadata: MetadataTable, *, as_json: bool
+) -> None:
+    described = metadata.get(after.name)
+    delayed = needs_reboot(after.name) or (described is not None and described.reboot_required)
+    reboot = delayed and before.value != after.value
     if as_json:
         facts = {"before": json_value(before), "needs_reboot": reboot}
         echo_json({"system": vehicle.system, **json_parameter(after), **facts})
@@ -203,7 +258,7 @@ def _show_change(vehicle: Vehicle, before: Parameter | None, after: Parameter, a
     echo(of_vehicle(vehicle, text) if selects_several(arguments) else text)
 
 
-def _report_failures(vehicle: Vehicle, failures: list[RemoteError]) -> int:
+def _report_failures(vehicle: Vehicle, failures: Sequence[MavstackError]) -> int:
     """Print a line for each failure and return the exit code."""
     for error in failures:
         echo(f"mav param: {of_vehicle(vehicle, failure_text(error))}", error=True)

@@ -21,6 +21,7 @@ from mavstack.cli.shell.runner import known_modes
 from mavstack.cli.shell.settings import Settings
 from mavstack.dialects import Dialect, ardupilotmega, common
 from mavstack.errors import MavstackError
+from mavstack.services.parameters.metadata import number_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
 LISTING_TIMEOUT: Final = 2.0
 CACHE_DURATION: Final = 15.0
 MAX_CANDIDATES: Final = 500
+#: Key of the cache, beside the directories, that says that the metadata of parameters was requested.
+_METADATA_REQUESTED: Final = "\0metadata"
 
 
 async def complete(session: Session, text: str) -> tuple[list[str], int]:
@@ -86,10 +89,54 @@ def subcommands(known: Mapping[str, Completer | None]) -> Completer:
 # Completers of single words
 
 
+class Candidate(str):
+    """A candidate with a note for the user."""
+
+    note = ""
+
+    @classmethod
+    def noted(cls, text: str, note: str) -> Candidate:
+        """Return a candidate with a note."""
+        found = cls(text)
+        found.note = note
+        return found
+
+
 async def parameters(session: Session, _: Sequence[str], __: str) -> Iterable[str]:
     """Complete the names of known parameters."""
     vehicle = session.selected
-    return () if vehicle is None else tuple(vehicle.params.cached)
+    if vehicle is None:
+        return ()
+    metadata = vehicle.params.metadata
+    names = tuple(vehicle.params.cached) or tuple(metadata)
+    notes = ((name, metadata.get(name)) for name in names)
+    return [Candidate.noted(name, "" if found is None else found.short_description) for name, found in notes]
+
+
+async def parameter_assignments(session: Session, before: Sequence[str], word: str) -> Iterable[str]:
+    """Complete names of parameters and the named values that their metadata states, in turn."""
+    name, mark, _ = word.partition("=")
+    if not mark and len(before) % 2 == 0:
+        return await parameters(session, before, word)
+    values = await _named_values(session, name if mark else before[-1])
+    return [Candidate.noted(f"{name}={text}" if mark else text, note) for text, note in values]
+
+
+async def _named_values(session: Session, name: str) -> list[tuple[str, str]]:
+    """Return the named values of a parameter; its metadata is requested once in a session."""
+    vehicle = session.selected
+    if vehicle is None:
+        return []
+    key = (vehicle.system, _METADATA_REQUESTED)
+    if not vehicle.params.metadata and key not in session.completion_cache:
+        session.completion_cache[key] = session.connection.now(), ()
+        with suppress(MavstackError):
+            await vehicle.params.download_metadata(timeout=LISTING_TIMEOUT)
+    found = vehicle.params.metadata.get(name.upper())
+    if found is None:
+        return []
+    bits = {1 << bit: label for bit, label in found.bitmask.items()}
+    return [(number_text(value), label) for value, label in {**bits, **found.values}.items()]
 
 
 async def modes(session: Session, _: Sequence[str], __: str) -> Iterable[str]:

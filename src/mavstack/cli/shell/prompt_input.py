@@ -15,6 +15,7 @@ from prompt_toolkit.patch_stdout import patch_stdout
 from prompt_toolkit.shortcuts import CompleteStyle
 from prompt_toolkit.styles import Style
 
+from mavstack.cli.common.text import printable
 from mavstack.cli.shell.completion import complete
 from mavstack.cli.shell.prompt_parts import prompt_parts
 from mavstack.cli.shell.state import history_file
@@ -114,4 +115,5 @@ class _Completer(Completer):
         for text in found:
             shown = text.rstrip("/").rpartition("/")[2] + ("/" if text.endswith("/") else "")
             quoted = f'"{text}"' if " " in text else text
-            yield Completion(quoted, start_position=-length, display=shown)
+            note = getattr(text, "note", "")
+            yield Completion(quoted, start_position=-length, display=shown, display_meta=printable(note))

@@ -170,7 +170,8 @@ COMMANDS: Final = (
         "downloads all parameters.",
         complete=completion.subcommands(
             {
-                **dict.fromkeys(("show", "list", "get", "set", "watch", "fetch"), _parameter_names),
+                **dict.fromkeys(("show", "list", "get", "watch", "fetch"), _parameter_names),
+                "set": completion.parameter_assignments,
                 **dict.fromkeys(("save", "load", "diff"), _file),
             }
         ),

@@ -3,6 +3,7 @@
 from mavstack.services.parameters.cache import Snapshot
 from mavstack.services.parameters.client import ParameterChanged, ParameterClient, ParameterRounded
 from mavstack.services.parameters.hashing import HASH_NAME, hash_of
+from mavstack.services.parameters.metadata import MetadataTable, ParameterMetadata
 from mavstack.services.parameters.operations import DownloadParameters, GetParameter, ReadHash, SetParameter
 from mavstack.services.parameters.packed import PACKED_NAME, PackedFile, unpack, write, write_upload
 from mavstack.services.parameters.renamed import RENAMED, RenamedParameter, renaming_of
@@ -17,11 +18,13 @@ __all__ = [
     "DownloadParameters",
     "Encoding",
     "GetParameter",
+    "MetadataTable",
     "PackedFile",
     "Parameter",
     "ParameterChanged",
     "ParameterClient",
     "ParameterDefinition",
+    "ParameterMetadata",
     "ParameterRounded",
     "ParameterServer",
     "ParameterTable",

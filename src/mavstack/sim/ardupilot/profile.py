@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
+from mavstack.services.component_metadata import provide_component_metadata
 from mavstack.services.version import provide_versions
 from mavstack.sim.ardupilot.arming import PreArmReporter, arming_problems, prearm_problems
 from mavstack.sim.ardupilot.behaviours import RegionOfInterestYaw, ReturnPath, return_path_of
@@ -20,6 +21,7 @@ from mavstack.sim.ardupilot.simulation_parameters import SimulationParameters
 from mavstack.sim.ardupilot.texts import BootTexts, armed_text, disarmed_text
 from mavstack.sim.autopilot.commands.home import home_position
 from mavstack.sim.autopilot.interfaces import FirmwareProfile
+from mavstack.sim.parameters import served_metadata
 from mavstack.sim.telemetry import publish_ardupilot
 from mavstack.sim.vehicle_types import VehicleType
 
@@ -84,8 +86,13 @@ class ArdupilotProfile(FirmwareProfile):
             vehicle.parameters.on_change(_QUADPLANE_TYPE, lambda _: vehicle.services.refresh_type())
 
     def provide(self, vehicle: Vehicle) -> None:
-        """Publish streams and versions."""
+        """Publish streams and versions, and the metadata, which a real ArduPilot does not serve."""
         publish_ardupilot(vehicle)
+        provide_component_metadata(
+            vehicle.messages,
+            lambda: served_metadata(vehicle.firmware, self.vehicle_type),
+            lambda: vehicle.uptime,
+        )
         provide_versions(vehicle.messages, version_of(vehicle))
 
     def booted(self, vehicle: Vehicle) -> None:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
+from mavstack.services.component_metadata import provide_component_metadata
 from mavstack.services.modes import ModeChanged
 from mavstack.services.version import provide_versions
 from mavstack.sim.autopilot.interfaces import FirmwareProfile
+from mavstack.sim.parameters import served_metadata
 from mavstack.sim.px4 import modes
 from mavstack.sim.px4.arming import LandDetector, PreflightReporter, preflight_problems
 from mavstack.sim.px4.commands import register_commands
@@ -80,8 +82,13 @@ class Px4Profile(FirmwareProfile):
         Console(vehicle, self.state, self.message_log)
 
     def provide(self, vehicle: Vehicle) -> None:
-        """Publish PX4's streams and the versions."""
+        """Publish PX4's streams, the versions and the metadata."""
         publish_px4(vehicle)
+        provide_component_metadata(
+            vehicle.messages,
+            lambda: served_metadata(vehicle.firmware, self.vehicle_type),
+            lambda: vehicle.uptime,
+        )
         provide_versions(vehicle.messages, version_of(vehicle))
 
     # Status texts

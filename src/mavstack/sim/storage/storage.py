@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 from mavstack.dialects import common
 from mavstack.errors import LocalProtocolError
 from mavstack.services.addressing import BROADCAST
+from mavstack.sim.parameters import metadata_files
 from mavstack.sim.storage.dataflash_logs import DataflashLogs
 from mavstack.sim.storage.flight_logs import DEFAULT_LOG_CAPACITY
 from mavstack.sim.storage.roots import ardupilot_root, file_store, px4_root
@@ -120,6 +121,8 @@ class Storage:
                 set_plan=self._set_plan,
             )
             self.logs = DataflashLogs(self.store, self._log_start, capacity=capacity)
+        for path, file in metadata_files(vehicle.firmware, vehicle.vehicle_type).items():
+            self.files.add(path, file)
 
     @property
     def firmware(self) -> str:

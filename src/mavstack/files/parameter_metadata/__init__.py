@@ -1,0 +1,16 @@
+"""Metadata of parameters from the files that firmware projects publish, and the cache of downloaded files."""
+
+from mavstack.files.parameter_metadata.cache import MetadataCache, cache_directory
+from mavstack.files.parameter_metadata.file_access import (
+    parse_parameter_metadata,
+    read_metadata_file,
+    read_parameter_metadata,
+)
+
+__all__ = [
+    "MetadataCache",
+    "cache_directory",
+    "parse_parameter_metadata",
+    "read_metadata_file",
+    "read_parameter_metadata",
+]

@@ -1,0 +1,62 @@
+"""ArduPilot's apm.pdef.json: parameters by name in groups, with numbers in texts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from mavstack.files.parameter_metadata import facts
+from mavstack.services.parameters.metadata import ParameterMetadata
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+#: Facts about the file, not a group of parameters.
+_HEAD: Final = "json"
+#: Keys of which every described parameter has one.
+_DESCRIPTIONS: Final = ("DisplayName", "Description", "displayName", "description")
+
+
+def recognises(document: dict[str, Any]) -> bool:
+    """Return whether a document has this form."""
+    return _HEAD in document or any(True for _ in read(document))
+
+
+def read(document: dict[str, Any]) -> Iterator[ParameterMetadata]:
+    """Yield the metadata of each parameter."""
+    for group, entries in document.items():
+        if group == _HEAD or not isinstance(entries, dict):
+            continue
+        for key, entry in entries.items():
+            name = facts.name_of(key)
+            if name is not None and isinstance(entry, dict) and any(each in entry for each in _DESCRIPTIONS):
+                yield _parameter(name, entry, group)
+
+
+def _parameter(name: str, entry: dict[str, Any], group: str) -> ParameterMetadata:
+    low, high = _range(entry.get("Range"))
+    return ParameterMetadata(
+        name=name,
+        short_description=facts.text_of(entry.get("DisplayName") or entry.get("displayName")),
+        long_description=facts.text_of(entry.get("Description") or entry.get("description")),
+        unit=facts.text_of(entry.get("Units")),
+        minimum=low,
+        maximum=high,
+        increment=facts.number_of(entry.get("Increment")),
+        values=facts.values_of(_pairs(entry.get("Values"))),
+        bitmask=facts.bits_of(_pairs(entry.get("Bitmask"))),
+        reboot_required=facts.flag_of(entry.get("RebootRequired")),
+        read_only=facts.flag_of(entry.get("ReadOnly")),
+        volatile=facts.flag_of(entry.get("Volatile")),
+        group=facts.text_of(group),
+        category=facts.text_of(entry.get("User") or entry.get("user")),
+    )
+
+
+def _range(value: object) -> tuple[float | None, float | None]:
+    if isinstance(value, dict):
+        return facts.ordered(facts.number_of(value.get("low")), facts.number_of(value.get("high")))
+    return facts.range_of(value)
+
+
+def _pairs(entries: object) -> list[tuple[Any, Any]]:
+    return list(entries.items()) if isinstance(entries, dict) else []

@@ -1,0 +1,201 @@
+"""The metadata files of a remote component: found by COMPONENT_METADATA, kept in a cache, else downloaded.
+
+Each file is tried in the cache first, at its first place next, at its fallback last. Files on web servers are
+fetched only by a function of the program, since a URL from a vehicle can name any host of the network.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar
+
+from mavstack.dialects import common
+from mavstack.errors import (
+    CommandDenied,
+    MetadataError,
+    RemoteCancelled,
+    RemoteDenied,
+    RemoteError,
+    RemoteProtocolError,
+)
+from mavstack.services import Address
+from mavstack.services.component_metadata import (
+    MAX_FILE,
+    FtpLocation,
+    MetadataFile,
+    has_crc,
+    parse_general,
+    parse_uri,
+    unpack_content,
+)
+from mavstack.services.ftp import FtpClient
+from mavstack.services.message_request import RequestMessage
+
+if TYPE_CHECKING:
+    from mavstack.files.parameter_metadata import MetadataCache
+    from mavstack.node.clients import ComponentClients
+    from mavstack.node.time_budget import TimeBudget
+
+#: Returns the content of a URL, or raises OSError.
+Fetch: TypeAlias = Callable[[str], bytes]
+Progress: TypeAlias = Callable[[int, int], None]
+Result = TypeVar("Result")
+
+_LOGGER: Final = logging.getLogger("mavstack.node")
+_OPERATION: Final = "downloading metadata from"
+_GENERAL: Final = int(common.CompMetadataType.GENERAL)
+
+
+@dataclass(frozen=True, slots=True)
+class MetadataAccess:
+    """How files are reached: the cache, the function for URLs, the remaining time, the progress."""
+
+    budget: TimeBudget
+    cache: MetadataCache | None = None
+    fetch: Fetch | None = None
+    progress: Progress | None = None
+    #: Take files from the cache alone.
+    cached_only: bool = False
+
+
+class MetadataFiles:
+    """The metadata files of one component."""
+
+    def __init__(self, clients: ComponentClients) -> None:
+        self._clients = clients
+        self._files: dict[int, MetadataFile] | None = None
+
+    def clear_cache(self) -> None:
+        """Forget which files the component has, as after its reboot."""
+        self._files = None
+
+    async def get(self, kind: int, access: MetadataAccess, parse: Callable[[bytes, str], Result]) -> Result:
+        """Return the parsed file of a COMP_METADATA_TYPE.
+
+        Args:
+            kind: The type.
+            access: How files are reached.
+            parse: Parses the bytes of a file from a URI; raises `MetadataError`.
+
+        Returns:
+            The result of `parse`.
+
+        Raises:
+            RemoteDenied: The component has no such file, or does not give it.
+            RemoteTimeout: The component does not answer.
+            RemoteProtocolError: The file is not valid.
+        """
+        if self._files is None:
+            self._files = await self._read(await self._find_general(access), access, _parse_general)
+        file = self._files.get(kind)
+        if file is None:
+            raise self._denied("it has no such file")
+        return await self._read(file, access, parse)
+
+    async def _find_general(self, access: MetadataAccess) -> MetadataFile:
+        """Ask for the general file, in the older way if the component refuses the current one."""
+        message: common.ComponentMetadata | common.ComponentInformation
+        try:
+            message = await self._request(common.ComponentMetadata, access)
+            uri, crc = message.uri, message.file_crc
+        except CommandDenied as error:
+            try:
+                message = await self._request(common.ComponentInformation, access)
+            except CommandDenied:
+                raise self._denied(f"it has none (COMPONENT_METADATA: {error.answer})", error.code) from None
+            uri, crc = message.general_metadata_uri, message.general_metadata_file_crc
+        if not uri:
+            raise self._denied("it has none (its COMPONENT_METADATA names no file)")
+        return MetadataFile(_GENERAL, uri, crc or None)
+
+    async def _request(self, message: type[Result], access: MetadataAccess) -> Result:
+        operation = RequestMessage(message, timeout=access.budget.remaining())  # type: ignore[arg-type]
+        found: Result = await self._clients.host.run_operation(self._clients.command, operation)
+        return found
+
+    async def _read(
+        self, file: MetadataFile, access: MetadataAccess, parse: Callable[[bytes, str], Result]
+    ) -> Result:
+        """Return a parsed file from the first place that has a valid one."""
+        for uri, crc in file.sources:
+            data = None if crc is None or access.cache is None else access.cache.find_crc(file.type, crc)
+            if data is not None:
+                return self._parsed(data, uri, parse)
+        if access.cached_only:
+            raise self._denied("it is not in the cache")
+        first: RemoteError | None = None
+        for uri, crc in file.sources:
+            try:
+                data = await self._download(uri, crc, access)
+                result = self._parsed(data, uri, parse)
+            except RemoteCancelled:
+                raise  # the node was closed
+            except RemoteError as error:
+                _LOGGER.info("metadata of %s: %s", self._clients.address, error)
+                first = first or error
+                continue
+            if crc is not None and access.cache is not None:
+                access.cache.store_crc(file.type, crc, data)
+            return result
+        raise first if first is not None else self._denied("it names no place of the file")
+
+    async def _download(self, uri: str, crc: int | None, access: MetadataAccess) -> bytes:
+        """Return the bytes of a file, verified by its CRC if it has one."""
+        try:
+            place = parse_uri(uri)
+            is_on_component = isinstance(place, FtpLocation)
+            data = await (self._transfer(place, access) if is_on_component else self._fetch(uri, access))
+            if crc is not None and not has_crc(data, crc):
+                raise MetadataError("its CRC is not the announced one", uri)
+        except MetadataError as error:
+            raise self._invalid(error) from None
+        return data
+
+    async def _transfer(self, place: FtpLocation, access: MetadataAccess) -> bytes:
+        """Return a file over MAVLink FTP, from the component itself or another one of its system."""
+        host, address = self._clients.host, self._clients.address
+        other = place.component is not None and place.component != address.component
+        if other:
+            client = host.serve(FtpClient(host.address, Address(address.system, place.component or 0)))
+        else:
+            client = self._clients.ftp
+        try:
+            operation = client.download(
+                place.path, host.now(), max_size=MAX_FILE, timeout=access.budget.remaining()
+            )
+            return await host.finish(client, operation, access.progress)
+        finally:
+            if other:
+                host.remove(client)
+
+    async def _fetch(self, url: str, access: MetadataAccess) -> bytes:
+        """Return a file from a web server, in a thread of its own."""
+        if access.fetch is None:
+            raise self._denied(f"it is on a web server, {url}, for which a fetch function is needed")
+        try:
+            async with asyncio.timeout(access.budget.remaining()):
+                return await asyncio.to_thread(access.fetch, url)
+        except OSError as error:  # a TimeoutError too
+            raise self._denied(f"{url} could not be fetched: {error or 'no answer in time'}") from None
+
+    def _parsed(self, data: bytes, uri: str, parse: Callable[[bytes, str], Result]) -> Result:
+        try:
+            return parse(data, uri)
+        except MetadataError as error:
+            raise self._invalid(error) from None
+
+    def _denied(self, answer: str, code: int = 0) -> RemoteDenied:
+        return RemoteDenied(_OPERATION, str(self._clients.address), answer=answer, code=code)
+
+    def _invalid(self, error: MetadataError) -> RemoteProtocolError:
+        return RemoteProtocolError(_OPERATION, str(self._clients.address), answer=str(error))
+
+
+def _parse_general(data: bytes, uri: str) -> dict[int, MetadataFile]:
+    try:
+        return parse_general(unpack_content(data))
+    except MetadataError as error:
+        raise MetadataError(error.problem, uri, error.line) from None
