@@ -146,8 +146,10 @@ class MetadataFiles:
         """Return the bytes of a file, verified by its CRC if it has one."""
         try:
             place = parse_uri(uri)
-            is_on_component = isinstance(place, FtpLocation)
-            data = await (self._transfer(place, access) if is_on_component else self._fetch(uri, access))
+            if isinstance(place, FtpLocation):
+                data = await self._transfer(place, access)
+            else:
+                data = await self._fetch(place, access)
             if crc is not None and not has_crc(data, crc):
                 raise MetadataError("its CRC is not the announced one", uri)
         except MetadataError as error:

@@ -41,6 +41,7 @@ from mavstack.services.version import RequestAutopilotVersion
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
+    from os import PathLike
 
     from mavstack.node.clients import ComponentClients
     from mavstack.node.host import NodeHost
@@ -240,7 +241,7 @@ class Params(ReadOnly):
 
     async def load_metadata(
         self,
-        path: str | os.PathLike[str],
+        path: str | PathLike[str],
         *,
         remember: bool = False,
         cache: MetadataCache | None = USER_CACHE,
@@ -263,7 +264,7 @@ class Params(ReadOnly):
             OSError: The file cannot be read.
         """
         data = read_metadata_file(path)
-        self._metadata = found = parse_parameter_metadata(data, os.fspath(path))
+        self._metadata = found = parse_parameter_metadata(data, fspath(path))
         if remember and cache is not None:
             cache.store(await self._firmware_key(TimeBudget(timeout, self._clients.host.now)), data)
         return found

@@ -83,6 +83,7 @@ from mavstack.vehicle.telemetry.values import HomePosition
 from mavstack.vehicle.telemetry.values import Position
 from mavstack.vehicle.vehicle_type import VehicleType
 from mavstack.wire import Packet
+from os import PathLike
 from types import TracebackType
 from typing import Any
 from typing import Generic
@@ -1206,7 +1207,7 @@ class Params:
             RemoteCancelled: The node was closed.
         """
 
-    def load_metadata(self, path: str | os.PathLike[str], *, remember: bool=False, cache: MetadataCache | None=..., timeout: float | None=None) -> MetadataTable:
+    def load_metadata(self, path: str | PathLike[str], *, remember: bool=False, cache: MetadataCache | None=..., timeout: float | None=None) -> MetadataTable:
         """Load the metadata of the parameters from a file of a firmware project.
 
         Args:

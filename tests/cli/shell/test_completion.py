@@ -94,6 +94,20 @@ def test_vehicle_data_is_completed(kind, mode):
 
 
 @pytest.mark.flight
+def test_values_of_parameters_are_completed():
+    async def scenario(session, _):
+        found, length = await complete(session, "param set nav_dll_act ")
+        assert (found, length) == (["0", "1", "2", "3", "5", "6"], 0)
+        assert [each.note for each in found][:3] == ["None", "Hold", "Return"]
+        assert (await complete(session, "param set NAV_DLL_ACT=5"))[0] == ["NAV_DLL_ACT=5"]
+        assert (await complete(session, "param set COM_RCL_EXCEPT 1"))[0] == ["1", "16"]
+        assert (await complete(session, "param set UNKNOWN "))[0] == []
+        names = (await complete(session, "param set NAV_DLL_ACT 2 nav_rcl"))[0]
+        assert [(name, name.note) for name in names] == [("NAV_RCL_ACT", "Reaction to lost manual control")]
+
+    in_shell(PX4_COPTER, scenario)
+
+
 def test_remote_listing_is_cached():
     async def scenario(session, world):
         listed = []

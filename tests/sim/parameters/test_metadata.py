@@ -12,7 +12,7 @@ from mavstack.sim.vehicle_types import Firmware, VehicleType
 EVERY_TYPE = [(firmware, kind) for firmware in Firmware for kind in VehicleType]
 
 
-@pytest.mark.parametrize(("firmware", "kind"), EVERY_TYPE, ids=lambda each: str(each))
+@pytest.mark.parametrize(("firmware", "kind"), EVERY_TYPE, ids=str)
 def test_descriptions_agree_with_the_parameters(firmware, kind):
     known = {row.name: row for row in rows(firmware, kind)}
     found = described(firmware, kind)

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from mavstack.cli.shell.session import Completer, Session
+    from mavstack.services.parameters import Value
 
 #: Seconds to wait for a directory listing of the vehicle, and seconds to keep it.
 LISTING_TIMEOUT: Final = 2.0
@@ -135,8 +136,9 @@ async def _named_values(session: Session, name: str) -> list[tuple[str, str]]:
     found = vehicle.params.metadata.get(name.upper())
     if found is None:
         return []
-    bits = {1 << bit: label for bit, label in found.bitmask.items()}
-    return [(number_text(value), label) for value, label in {**bits, **found.values}.items()]
+    labels: dict[Value, str] = {1 << bit: label for bit, label in found.bitmask.items()}
+    labels.update(found.values)
+    return [(number_text(value), label) for value, label in labels.items()]
 
 
 async def modes(session: Session, _: Sequence[str], __: str) -> Iterable[str]:

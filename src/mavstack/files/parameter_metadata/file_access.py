@@ -13,7 +13,7 @@ The form follows from the content. Documents with entities are refused, as in di
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from mavstack.bounded_file import read_file_bounded
 from mavstack.dialects.xml_reader import read_tree
@@ -23,12 +23,23 @@ from mavstack.services.component_metadata import MAX_CONTENT, parse_json, unpack
 from mavstack.services.parameters.metadata import MetadataTable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
+    from mavstack.dialects.xml_reader import Element
     from mavstack.services.parameters.metadata import ParameterMetadata
 
-_JSON_FORMS: Final = (component_json, ardupilot_json)
-_XML_FORMS: Final = (ardupilot_xml, px4_xml)
+    Document: TypeAlias = dict[str, Any]
+    Entries: TypeAlias = Iterator[ParameterMetadata]
+
+#: The test for each form, and its reader.
+_JSON_FORMS: Final[tuple[tuple[Callable[[Document], bool], Callable[[Document], Entries]], ...]] = (
+    (component_json.recognises, component_json.read),
+    (ardupilot_json.recognises, ardupilot_json.read),
+)
+_XML_FORMS: Final[tuple[tuple[Callable[[Element], bool], Callable[[Element], Entries]], ...]] = (
+    (ardupilot_xml.recognises, ardupilot_xml.read),
+    (px4_xml.recognises, px4_xml.read),
+)
 _BYTE_ORDER_MARK: Final = b"\xef\xbb\xbf"
 
 
@@ -82,18 +93,18 @@ def parse_parameter_metadata(data: bytes, source: str) -> MetadataTable:
     return table
 
 
-def _entries(content: bytes) -> Iterator[ParameterMetadata]:
+def _entries(content: bytes) -> Entries:
     start = content.removeprefix(_BYTE_ORDER_MARK).lstrip()[:1]
     if start == b"<":
         root = read_tree(content, "")
-        for xml_form in _XML_FORMS:
-            if xml_form.recognises(root):
-                return xml_form.read(root)
+        for recognises_root, read_root in _XML_FORMS:
+            if recognises_root(root):
+                return read_root(root)
         raise MetadataError(f"<{root.tag[:40]}> is not the root of a file of parameter metadata")
     if start == b"{":
         document = parse_json(content)
-        for json_form in _JSON_FORMS:
-            if json_form.recognises(document):
-                return json_form.read(document)
+        for recognises, read in _JSON_FORMS:
+            if recognises(document):
+                return read(document)
         raise MetadataError("the JSON describes no parameter")
     raise MetadataError("it is neither XML nor JSON, so it is not a file of parameter metadata")
