@@ -17,7 +17,7 @@ from mavstack.services.component_metadata import ServedMetadata
 from mavstack.services.ftp import FtpServer, MemoryStore, file_crc32
 from mavstack.sim.virtual import run_virtually
 from tests.node.vehicle import Pair, Vehicle
-from tests.sim.harness import impaired_link
+from tests.sim.running import impaired_link
 
 PARAMETER = common.CompMetadataType.PARAMETER
 PARAMETERS = [{"name": "P_07", "min": 0, "max": 50, "units": "m"}]

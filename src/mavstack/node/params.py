@@ -24,7 +24,7 @@ from mavstack.files.parameter_metadata import (
     read_metadata_file,
 )
 from mavstack.node.firmware import firmware_key, has_packed_params, param_encoding
-from mavstack.node.metadata_files import Fetch, MetadataAccess, MetadataFiles
+from mavstack.node.metadata_files import MetadataAccess, MetadataFiles
 from mavstack.node.read_only import ReadOnly
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.node.time_budget import TimeBudget
@@ -197,7 +197,7 @@ class Params(ReadOnly):
     async def download_metadata(
         self,
         *,
-        fetch: Fetch | None = None,
+        fetch: Callable[[str], bytes] | None = None,
         cache: MetadataCache | None = USER_CACHE,
         cached_only: bool = False,
         timeout: float | None = None,

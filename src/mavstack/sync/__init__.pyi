@@ -15,7 +15,6 @@ from mavstack.links import Channel
 from mavstack.links import Link
 from mavstack.links.settings import Version
 from mavstack.node.channel_state import ChannelState
-from mavstack.node.metadata_files import Fetch
 from mavstack.security import SigningKey
 from mavstack.security import TimestampStore
 from mavstack.services import Address
@@ -1183,7 +1182,7 @@ class Params:
             RemoteCancelled: The node was closed.
         """
 
-    def download_metadata(self, *, fetch: Fetch | None=None, cache: MetadataCache | None=..., cached_only: bool=False, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> MetadataTable:
+    def download_metadata(self, *, fetch: Callable[[str], bytes] | None=None, cache: MetadataCache | None=..., cached_only: bool=False, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> MetadataTable:
         """Download the metadata of the parameters (COMPONENT_METADATA, MAVLink FTP), unless it is cached.
 
         Components without metadata, such as ArduPilot's, get that of the file which `load_metadata` was told
