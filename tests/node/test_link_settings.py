@@ -78,7 +78,7 @@ def test_each_link_signs_with_the_key_of_its_url(tmp_path) -> None:
         ]
         async with vehicles[0], vehicles[1], Node(*links) as ground:
             for number in (1, 2):
-                await (await ground.wait_for_autopilot(number, timeout=3)).ping(timeout=3)
+                await (await ground.wait_for_autopilot(number, timeout=3)).ping(timeout=20)
             assert [channel.verifies for channel in ground._host.engine.channels] == [True, True]
 
     run_virtually(work())
