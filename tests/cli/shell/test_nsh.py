@@ -87,7 +87,7 @@ def test_lines_are_sent_and_their_output_is_shown_without_echo(capsys):
     assert keys.history == "nsh"
 
 
-def test_the_key_ctrl_c_is_passed_on_and_the_session_goes_on():
+def test_the_key_ctrl_c_is_passed_on_and_the_session_continues():
     shell = FakeShell()
     in_session(shell, Keys("top", KeyboardInterrupt, "ls"))
     assert shell.received == ["top", b"\x03", "ls"]
