@@ -10,7 +10,7 @@ from mavstack.dialects import common
 from mavstack.sim import Simulation
 from tests.interop.mavsdk_peer import MavsdkError, mavsdk_peer, needs_mavsdk
 from tests.interop.simulated import Flight
-from tests.sim.harness import running
+from tests.sim.running import running
 
 pytestmark = [pytest.mark.interop, needs_mavsdk]
 

@@ -14,7 +14,7 @@ from mavstack.sim.runner import Runner
 from mavstack.sim.simulation import Simulation
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.sim.virtual import run_virtually
-from tests.sim.harness import reduce_telemetry, running
+from tests.sim.running import reduce_telemetry, running
 
 
 def heard_from(query: str, *, key: SigningKey | None = None) -> set[tuple[int, bool]]:

@@ -15,7 +15,7 @@ from mavstack.sim.payloads.camera import CAPACITY
 from mavstack.sim.payloads.definition import simulated_definition
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import connect
-from tests.sim.harness import make_ready, reduce_telemetry, running
+from tests.sim.running import make_ready, reduce_telemetry, running
 
 CMD = common.MavCmd
 
