@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from mavstack.cli.main import main
+from mavstack.cli.entry import main
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -12,6 +12,7 @@ from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol, cast
 
+from mavstack.cli.common.interrupted_imports import ended_by_sigint
 from mavstack.cli.common.log_output import add_logging_options
 
 if TYPE_CHECKING:
@@ -67,7 +68,8 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
 
 def load_command(name: str) -> CommandModule:
     """Import the module of a command."""
-    return cast("CommandModule", import_module(COMMANDS[name].module))
+    with ended_by_sigint():
+        return cast("CommandModule", import_module(COMMANDS[name].module))
 
 
 class CommandParser(ArgumentParser):
