@@ -325,7 +325,7 @@ def test_vehicle_falls_silent_during_set(mav, harness):
     result = mav("param", "set", "RTL_ALT=2000", "RTL_SPEED=5")
     assert (result.code, result.out) == (1, "vehicle 1: RTL_ALT: 1500 -> 2000\n")
     assert result.err.startswith("mav param: vehicle 1: reading parameter RTL_SPEED of 1/1 failed ")
-    assert result.err.endswith(" attempts: no answer\n")
+    assert " attempts: no answer" in result.err
     assert result.err.count("\n") == 1
 
 
