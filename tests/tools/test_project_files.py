@@ -42,7 +42,8 @@ def test_make_targets_that_documents_name_exist() -> None:
 
 
 def test_continuous_integration_runs_all_tiers_but_the_nightly_one() -> None:
-    commands = re.findall(r"^make (\w+)", (ROOT / ".ci" / "run").read_text("utf-8"), re.MULTILINE)
+    lines = re.findall(r"^make (.*)", (ROOT / ".ci" / "run").read_text("utf-8"), re.MULTILINE)
+    commands = [word for line in lines for word in line.split() if word.isalpha()]
     assert commands == ["test", "flights", "interop", "docs"]
 
 

@@ -33,6 +33,7 @@ SUBJECTS = {
     ".": {"api_docs", "build_backend", "examples"},
     "cli": {"help", "process", "realdata", "redaction"},
     "cli/vehicle": {"modes"},
+    "files/parameter_metadata": {"formats"},
     "files/parameters": {"formats"},
     "files/plans": {"round_trips"},
     "logs": {"recordings"},
