@@ -34,6 +34,7 @@ REACHED = {
     "param save - --format mavproxy", "ftp ls /bad", "shell --command modes",
     "shell --command 'arm throttle'", "shell --command 'ftp list /bad'", "watch hostile.tlog",
     "watch hostile.tlog --once", "dialect show hostile.xml", "dialect show hostile.xml BAD_MESSAGE",
+    "camera info",
 }  # fmt: skip
 #: The only modules that may write to the terminal.
 WRITERS = {"common/output.py", "common/live_display.py"}
@@ -44,6 +45,9 @@ WITH_VEHICLE = [
     "vehicle hold", "vehicle goto 47.3 8.5 10", "vehicle orbit 47.3 8.5 10", "vehicle mode LOITER",
     "vehicle mode NOSUCH", "vehicle modes", "vehicle speed 5", "vehicle yaw 90 --no-wait", "vehicle home",
     "vehicle reboot --no-wait", "vehicle info", "vehicle health", "vehicle statustext hello",
+    "vehicle servo 9 1500", "vehicle relay 1 on", "vehicle actuator 1 0.5", "vehicle motor-test 1 --yes",
+    "vehicle gripper grip", "vehicle winch relax", "vehicle roi none", "vehicle transition multicopter",
+    "vehicle ekf-source 1", "vehicle calibrate gyroscope", "vehicle terminate --yes",
     "param list", "param get RALLY_LIMIT_KM NOSUCH", "param set NOSUCH 1", "param set LOG_BACKEND_TYPE 2",
     "param save - --format mavproxy", "param load hostile.param", "param diff hostile.param",
     "param watch --for 2",
@@ -52,7 +56,12 @@ WITH_VEHICLE = [
     "ftp ls /", "ftp ls /bad", "ftp get -r /bad here",
     "ftp put hostile.param /bad/x.param", "ftp mkdir /bad/y",
     "ftp rename /bad/y /bad/z", "ftp crc /none", "ftp rm /none",
-    "log list", "log get all", "log erase --yes",
+    "log list", "log get all", "log erase --yes", "rate ATTITUDE", "rate ATTITUDE 20",
+    "camera info", "camera list", "camera photo", "camera stop", "camera video start", "camera mode video",
+    "camera stream stop 1", "camera zoom 50", "camera focus auto", "camera settings",
+    "camera settings CAM_WBMODE Nosuch", "camera track off", "camera format --yes", "camera reset",
+    "gimbal info", "gimbal point -45", "gimbal turn 0 15", "gimbal center", "gimbal retract",
+    "gimbal roi off", "gimbal follow 2", "gimbal watch --for 2", "gimbal take", "gimbal release",
     "shell --command 'arm throttle'", "shell --command 'takeoff 10'", "shell --command modes",
     "shell --command 'nsh ver all'", "shell --command 'status STATUSTEXT'", "shell --command info",
     "shell --command 'ftp list /bad'", "shell --command 'watch STATUSTEXT 3'",
@@ -88,6 +97,10 @@ def hostile_texts(packet: Packet) -> bytes:
             changed = {"param_id": "COM_\x1b[2J\x9bA"}
         case common.AutopilotVersion():
             changed = {"flight_custom_version": b"\x1b[2J\x9b5n!"}
+        case common.CameraInformation():
+            changed = {"vendor_name": b"\x1b[2J\x9b5n", "model_name": b"\x1bc\x9b!"}
+        case common.VideoStreamInformation():
+            changed = {"name": fitting(f"a{ATTACK}", 32), "uri": fitting(f"rtsp://{ATTACK}", 160)}
         case common.SerialControl(data=data) if any(data):
             return packet.raw.replace(b"ver", b"\x1bc\x9b")
         case _:
@@ -159,7 +172,8 @@ def test_texts_of_a_vehicle_do_not_control_the_terminal(
     mav, simulate, hostile_link, files, monkeypatch, line, terminal
 ):
     px4 = any(word in line for word in ("nsh", "modes", "NOSUCH", "param list", "param save"))
-    vehicles = simulate(PX4_COPTER if px4 else COPTER, ready=False)
+    payloads = line.startswith(("camera", "gimbal"))
+    vehicles = simulate(PX4_COPTER if px4 else COPTER, ready=False, payloads=payloads)
     vehicles.put(f"/bad/{ATTACK.replace('/', '')}", b"content")
     monkeypatch.setattr("sys.stdin", None)
     run(mav, line, monkeypatch, terminal=terminal)

@@ -27,15 +27,15 @@ def test_parameters(kind, name, capsys, tmp_path):
     kept = tmp_path / "kept.params"
 
     async def scenario(session, world):
-        await run_line(session, f"param set {name.lower()} 25; param show {name}; param fetch {name}")
+        await run_line(session, f"param set {name.lower()} 35; param show {name}; param fetch {name}")
         await run_line(session, f"param save {kept} {name}; param set {name} 30; param diff {kept}")
         await run_line(session, f"param load {kept}")
-        assert world.simulated.parameters[name] == 25
+        assert world.simulated.parameters[name] == 35
 
     in_shell(kind, scenario)
     out = capsys.readouterr().out
     assert f"{name}: " in out
-    assert "-> 25" in out
+    assert "-> 35" in out
     assert "1 set" in out
 
 

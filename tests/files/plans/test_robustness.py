@@ -118,7 +118,7 @@ def test_lists_with_random_values(text, data):
         (WAYPOINTS.replace("488", "\u0664\u0664"), "line 2: the altitude is"),
         ("47.1 8.1\n47.2\n", "line 2: has 1 values instead of a latitude and a longitude"),
         ("47.1 8.1\n47.2 8.2\n47.3 8.3\n", "a fence needs a return point and at least 3 vertices"),
-        ("RALLY 1 2 3 4\n", "line 1: is not RALLY and six numbers"),
+        ("RALLY 1 2 3 4\n", "line 1: it is 'RALLY' and 4 values instead of RALLY and six"),
         ("RALLY 1 2 3 0 0 20\n", "flags 20 mean an altitude above the origin"),
         ("{", "line 1: it is not JSON"),
         ("{}", "it has none of mission, geoFence and rallyPoints"),

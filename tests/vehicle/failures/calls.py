@@ -314,6 +314,12 @@ PARAMETERS = [
         silent=ParameterTimeout,
         why_not="only requests for single parameters are refused",
     ),
+    Call(
+        "Params.download_metadata",
+        lambda s: s.vehicle.params.download_metadata(cache=None),
+        silent=MessageTimeout,
+        why_not="a vehicle that refuses has no metadata",
+    ),
 ]
 FILES = [
     file("Ftp.list", lambda s: s.vehicle.ftp.list("/none"), "/none"),

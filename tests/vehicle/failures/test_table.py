@@ -25,6 +25,10 @@ FACES = (
 )
 
 
+#: Reads a file; only to remember it, it asks for the version of the firmware.
+NO_CALLS_OF_VEHICLES = {"Params.load_metadata"}
+
+
 def calls_of(face):
     special = {"__aenter__", "__aexit__", "__anext__"}
     names = [name for name in dir(face) if name in special or not name.startswith("_")]
@@ -32,7 +36,7 @@ def calls_of(face):
 
 
 def test_every_call_has_a_row():
-    wanted = set().union(*map(calls_of, FACES))
+    wanted = set().union(*map(calls_of, FACES)) - NO_CALLS_OF_VEHICLES
     rows = [call.name for call in CALLS]
     assert len(wanted) > 50
     assert set(rows) == wanted
