@@ -14,7 +14,7 @@ from mavstack.errors import MavstackError
 from mavstack.links import LinkURL
 from mavstack.links.impairment import Impairment
 from mavstack.links.options import Options
-from mavstack.links.registry import BACKENDS
+from mavstack.links.registry import BACKENDS, RADIOS
 from mavstack.links.url import EXAMPLES
 
 if TYPE_CHECKING:
@@ -80,6 +80,7 @@ DESCRIPTIONS = {
     "latency": "delay",
     "loss": "probability that a packet is lost",
     "queue": "bytes that wait in front of the limited bandwidth",
+    "radio": "sik: a pair of SiK telemetry radios with RADIO_STATUS; `bandwidth` and `queue` are those of the radio",
     "reorder": "probability that a packet is delayed behind later ones",
     "seed": "seed of the random numbers",
 }
@@ -158,6 +159,7 @@ def impairment_options() -> dict[str, Option]:
     """Return the options of impairments, by name."""
     options = RecordingOptions(LinkURL("udpout", host="127.0.0.1", port=1, options={"loss": "0.5"}))
     Impairment.from_options(options)
+    options.choice("radio", RADIOS)
     return options.read
 
 

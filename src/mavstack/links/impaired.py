@@ -148,13 +148,15 @@ class ImpairedLink(Link):
                 self._inbox.report_down(reason, retry_in)
 
     def _wrap(self, inner: Channel) -> None:
-        number = next(self._numbers)
-        outgoing, incoming = self._models
-        wrapper = ImpairedChannel(
-            inner, self._inbox, Flow(outgoing, f"{number} out"), Flow(incoming, f"{number} in")
-        )
+        wrapper = self._new_channel(inner, next(self._numbers))
         self._channels[inner] = wrapper
         self._inbox.add_channel(wrapper)
+
+    def _new_channel(self, inner: Channel, number: int) -> ImpairedChannel:
+        outgoing, incoming = self._models
+        return ImpairedChannel(
+            inner, self._inbox, Flow(outgoing, f"{number} out"), Flow(incoming, f"{number} in")
+        )
 
     async def _stop(self) -> None:
         await self._inner.close()

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 ENTRY_POINTS = "mavstack.links"
 
+#: The values of the option `radio`, the default first.
+RADIOS: Final = ("none", "sik")
+
 Backend: TypeAlias = "Callable[[LinkURL, Options], Link]"
 
 BACKENDS: Final[Mapping[str, str]] = MappingProxyType(
@@ -65,8 +68,13 @@ def open_link(url: str | LinkURL, **options: object) -> Link:
     parsed = (resolve_url(url) if isinstance(url, str) else url).with_options(**options)
     reader = Options(parsed)
     impairment = Impairment.from_options(reader)
+    radio = reader.choice("radio", RADIOS)
     link = _backend(parsed.scheme)(parsed, reader)
     reader.refuse_unknown()
+    if radio == "sik":
+        from mavstack.links.radio import sik_radio
+
+        return sik_radio(link, impairment)
     if impairment is None:
         return link
     from mavstack.links.impaired import impair

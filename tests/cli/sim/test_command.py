@@ -99,7 +99,7 @@ def test_errors_are_one_line(mav, words):
 
 def test_impairments_become_url_options(mav, capsys):
     class Arguments:
-        loss, latency, bandwidth, seed = 0.1, 200.0, "5760", 4
+        loss, latency, bandwidth, seed, radio = 0.1, 200.0, "5760", 4, None
 
     impaired = parse_url(_impaired("udpout://127.0.0.1:9", Arguments))
     assert dict(impaired.options) == {"loss": "0.1", "latency": "200ms", "bandwidth": "5760", "seed": "4"}
@@ -107,6 +107,9 @@ def test_impairments_become_url_options(mav, capsys):
     assert own.options["loss"] == "0.5"
     assert open_link(str(impaired))
     Arguments.loss = Arguments.latency = Arguments.bandwidth = None
+    Arguments.radio = "sik"
+    assert parse_url(_impaired("udpout://127.0.0.1:9", Arguments)).options["radio"] == "sik"
+    Arguments.radio = None
     assert _impaired("udpout://127.0.0.1:9", Arguments) == "udpout://127.0.0.1:9"
 
 

@@ -40,6 +40,7 @@ examples:
   mav sim --type copter,rover --count 10      # ten vehicles, copters and rovers in turn, on one port
   mav sim --count 3 --each --out tcpin://0.0.0.0:5760       # one port per vehicle: 5760, 5761, 5762
   mav sim --loss 0.1 --latency 200            # over a bad radio link
+  mav sim --radio sik                         # over a slow telemetry radio that reports RADIO_STATUS
   mav sim --home 51.4934,-0.0098,20,90 --wind 6,270,0.2     # at Greenwich, in a gusty west wind
   mav sim --fault "30 gps off" --fault "60 battery sag 3"   # with faults after 30 and 60 s
   mav sim --speed 10                          # ten times as fast
@@ -99,6 +100,11 @@ def _add_link_options(parser: ArgumentParser) -> None:
     add("--loss", type=_share, default=0.0, metavar="F", help="share of packets lost per direction, 0 to 1")
     add("--latency", type=_milliseconds, default=0.0, metavar="MS", help="delay per direction, milliseconds")
     add("--bandwidth", metavar="BYTES", help="bytes per second in each direction, such as 5760 or 64k")
+    add(
+        "--radio",
+        choices=("sik",),
+        help="telemetry radios between vehicle and ground, with RADIO_STATUS; sik: 57600 baud, half duplex",
+    )
     add_link_options(group, identity=False)
 
 
@@ -264,6 +270,7 @@ def _impaired(url: str, arguments: Namespace) -> str:
         "loss": f"{arguments.loss:g}" if arguments.loss else None,
         "latency": f"{arguments.latency:g}ms" if arguments.latency else None,
         "bandwidth": arguments.bandwidth,
+        "radio": arguments.radio,
     }
     options = {name: value for name, value in wanted.items() if value}
     if not options:
