@@ -5,7 +5,15 @@ from __future__ import annotations
 import ast
 from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+#: One worker parses all modules, once.
+pytestmark = pytest.mark.xdist_group("structure")
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("src", "tests", "tools", "benchmarks", "examples")
 MODULES = sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py"))
@@ -78,6 +86,16 @@ def is_subject(path: Path) -> bool:
     return in_folder or name in METHODS or name in SUBJECTS.get(folder, ())
 
 
+def definitions(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield a module, and the classes and functions in it (expressions are not searched: there are many)."""
+    if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+        yield node
+    for name in ("body", "orelse", "handlers", "finalbody"):
+        for part in getattr(node, name, ()):
+            if isinstance(part, ast.stmt | ast.excepthandler):
+                yield from definitions(part)
+
+
 def test_test_modules_mirror_source_modules() -> None:
     others = {name_of(path) for path in TEST_MODULES if not mirrors_source(path) and not is_subject(path)}
     assert others == set(), "name them after their source modules, or add their subjects to this file"
@@ -98,7 +116,7 @@ def test_functions_are_short() -> None:
     long = {
         f"{name_of(path)}:{node.name}": length
         for path in MODULES
-        for node in ast.walk(tree(path))
+        for node in definitions(tree(path))
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
         and (length := (node.end_lineno or 0) - node.lineno + 1) > MAX_FUNCTION_LINES
     }
@@ -110,7 +128,7 @@ def test_docstrings_begin_with_a_noun_or_a_verb() -> None:
     unclear = [
         f"{name_of(path)}: {text.splitlines()[0]}"
         for path in MODULES
-        for node in ast.walk(tree(path))
+        for node in definitions(tree(path))
         if isinstance(node, documented)
         and (text := ast.get_docstring(node) or "").startswith(("What ", "Whether "))
     ]

@@ -63,7 +63,7 @@ def test_up_there_and_back(kind):
     fly(kind, scenario)
 
 
-@pytest.mark.fast_cases(1)
+@pytest.mark.flight
 @pytest.mark.flight_cases(2)
 @pytest.mark.parametrize("kind", [kind for kind in ALL if kind not in FLYING], ids=named)
 def test_vehicles_that_do_not_fly_go_and_return(kind):
@@ -87,7 +87,7 @@ def test_vehicles_that_do_not_fly_go_and_return(kind):
     fly(kind, scenario)
 
 
-@pytest.mark.fast_cases(1)
+@pytest.mark.flight
 @pytest.mark.parametrize("kind", COPTERS, ids=named)
 def test_a_copter_lands_where_it_is(kind):
     async def scenario(world, vehicle):
@@ -102,7 +102,7 @@ def test_a_copter_lands_where_it_is(kind):
     fly(kind, scenario)
 
 
-@pytest.mark.fast_cases(1)
+@pytest.mark.flight
 @pytest.mark.parametrize("kind", COPTERS, ids=named)
 @pytest.mark.parametrize("radius", [15.0, -15.0])
 def test_an_orbit(kind, radius):

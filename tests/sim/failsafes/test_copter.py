@@ -157,7 +157,7 @@ def results() -> dict[str, VehicleHarness]:
     return run_cases(CASES, "ardupilot")
 
 
-@pytest.mark.fast_cases(1)
+@pytest.mark.flight
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_failsafe_action_and_status_texts(results, case) -> None:
     harness = results[case.name]
@@ -168,6 +168,7 @@ def test_failsafe_action_and_status_texts(results, case) -> None:
         assert not harness.critical
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_state_is_critical_while_a_failsafe_is_active_and_the_vehicle_armed(results, case) -> None:
     harness = results[case.name]

@@ -98,7 +98,7 @@ def check(harness: VehicleHarness, case: Case) -> None:
     assert set(case.texts) <= set(harness.texts), list(harness.texts)
 
 
-@pytest.mark.fast_cases(1)
+@pytest.mark.flight
 @pytest.mark.parametrize("case", ARDUPILOT, ids=lambda case: case.name)
 def test_ardupilot_executes_fs_ekf_action(ardupilot, case) -> None:
     harness = ardupilot[case.name]
@@ -107,7 +107,7 @@ def test_ardupilot_executes_fs_ekf_action(ardupilot, case) -> None:
     assert harness.critical == (harness.armed and case.name not in without_failsafe)
 
 
-@pytest.mark.fast_cases(8)
+@pytest.mark.flight
 @pytest.mark.parametrize("case", PX4, ids=lambda case: case.name)
 def test_px4_descends_without_a_position(px4, case) -> None:
     check(px4[case.name], case)
@@ -162,7 +162,7 @@ def test_copter_lands_and_disarms_without_a_position() -> None:
     assert copter.autopilot.landed
 
 
-@pytest.mark.fast_cases(1)
+@pytest.mark.flight
 @pytest.mark.parametrize("firmware", ["ardupilot", "px4"])
 def test_vehicle_follows_a_spoofed_gps(firmware) -> None:
     copter = airborne("copter", firmware)

@@ -111,7 +111,7 @@ def results() -> dict[str, VehicleHarness]:
     return run_cases(map(without_fs_action, CASES), "ardupilot")
 
 
-@pytest.mark.fast_cases(1)
+@pytest.mark.flight
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_failsafe_action_and_status_texts(results, case) -> None:
     harness = results[case.name]

@@ -121,7 +121,7 @@ def test_wheels_do_not_slip_but_a_hull_drifts_with_the_wind():
     assert 0.5 < boat.truth.east < 15
 
 
-@pytest.mark.fast_cases(1)
+@pytest.mark.flight
 def test_surface_vehicles_ignore_altitude(pair):
     world, bodies = pair
     for body in bodies:

@@ -135,7 +135,7 @@ def test_reposition_without_position_keeps_the_position() -> None:
     assert harness.height == pytest.approx(25, abs=1.5)
 
 
-@pytest.mark.fast_cases(1)
+@pytest.mark.flight
 @pytest.mark.parametrize("clockwise", [1, -1])
 def test_orbit_radius_and_direction(clockwise: int) -> None:
     harness = Px4Harness().take_off()
@@ -270,7 +270,7 @@ def test_every_type_repositions(vehicle_type: str) -> None:
         harness.run_until(lambda: abs(harness.height + 8) < 1, timeout=60)
 
 
-@pytest.mark.fast_cases(1)
+@pytest.mark.flight
 @pytest.mark.parametrize("vehicle_type", ["copter", "plane", "sub"])
 def test_descends_without_a_position(vehicle_type: str) -> None:
     harness = Px4Harness(vehicle_type)

@@ -41,7 +41,7 @@ def test_flights_start_anywhere_on_earth(home, firmware):
     assert vehicle.autopilot.home.altitude == pytest.approx(home.altitude, abs=5)
 
 
-@pytest.mark.fast_cases(2)
+@pytest.mark.flight
 @pytest.mark.parametrize("rate", [10, 200, 1000])
 def test_flights_at_any_rate(rate):
     simulation = Simulation(rate=rate)

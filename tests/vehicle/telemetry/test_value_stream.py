@@ -47,6 +47,7 @@ def test_a_stream_of_values_at_a_rate(kind):
     fly(kind, scenario, prepare=reduce_telemetry)
 
 
+@pytest.mark.flight
 def test_states_are_streamed_when_they_change_and_print_their_names():
     async def scenario(world, vehicle):
         async def collect(stream, count):

@@ -50,7 +50,7 @@ def test_a_copter_with_the_stick_pushed_flies_ahead(behaviour: type[Manual]) -> 
     assert flight.body.truth.velocity_north > 1.0
 
 
-@pytest.mark.fast_cases(1)
+@pytest.mark.flight
 @pytest.mark.parametrize("behaviour", [AltitudeHold, PositionHold])
 def test_the_throttle_climbs_and_centred_it_stays_as_high(behaviour: type[Manual]) -> None:
     flight = manual_control(behaviour)

@@ -21,7 +21,7 @@ def bearing(flight: AutopilotHarness, centre: tuple[float, float, float] = CENTR
     return atan2(flight.body.truth.east - centre[1], flight.body.truth.north - centre[0])
 
 
-@pytest.mark.fast_cases(1)
+@pytest.mark.flight
 @pytest.mark.parametrize("radius", [15.0, -15.0])
 def test_a_copter_orbits_the_way_it_is_told(radius: float) -> None:
     flight = AutopilotHarness().in_the_air(15.0)
@@ -132,7 +132,7 @@ def test_a_vtol_circles_hovering_or_on_its_wing() -> None:
     assert 1.0 < flight.speed < 7.0
 
 
-@pytest.mark.fast_cases(1)
+@pytest.mark.flight
 @pytest.mark.parametrize(("throttle", "rises"), [(0.0, -1), (0.5, 0), (1.0, 1)])
 def test_in_the_mode_the_throttle_climbs_and_sinks(throttle: float, rises: int) -> None:
     flight = AutopilotHarness(circle_radius=6.0, circle_speed=1.0).in_the_air(40.0)

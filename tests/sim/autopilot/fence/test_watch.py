@@ -207,7 +207,7 @@ def test_ardupilots_rover(action: int, mode: int) -> None:
     assert flight.autopilot.mode.number == mode
 
 
-@pytest.mark.fast_cases(1)
+@pytest.mark.flight
 @pytest.mark.parametrize(("action", "mode"), [(0, OTHER), (1, RETURN), (2, OTHER), (6, GUIDED), (8, RETURN)])
 def test_ardupilots_plane(action: int, mode: int) -> None:
     flight = fenced(*square(300), kind=VehicleType.PLANE, height=60, FENCE_ACTION=action)

@@ -46,7 +46,7 @@ def plan(kind: VehicleType, corners: list[tuple[float, float]], up: float) -> li
     return items
 
 
-@pytest.mark.fast_cases(1)
+@pytest.mark.flight
 @pytest.mark.flight_cases(3)
 @pytest.mark.parametrize("firmware", list(Firmware))
 @pytest.mark.parametrize("kind", list(_T))
