@@ -18,11 +18,10 @@ test: $(VENV)/installed ## Run the fast tier: lint, types, unit and property tes
 	$(BIN)/pytest -n auto --dist loadgroup --durations 10 -m "not nightly and not flight and (not interop or smoke)" --seeds $(or $(SEEDS),60)
 
 flights: $(VENV)/installed ## Run the tests that take seconds of processor time each, mostly simulated flights
-	@# niced: beside `make interop` they take the time that its tests wait
-	nice -n 19 $(BIN)/pytest -n auto --dist loadgroup --durations 10 -m "flight and not nightly and not interop" --seeds $(or $(SEEDS),60)
+	$(BIN)/pytest -n auto --dist loadgroup --durations 10 -m "flight and not nightly and not interop" --seeds $(or $(SEEDS),60)
 
 interop: $(VENV)/installed ## Run the other tests with programs that are not ours, several at a time: they mostly wait
-	$(BIN)/pytest -n $(or $(WORKERS),6) --dist loadgroup --durations 10 -m "interop and not smoke and not nightly"
+	$(BIN)/pytest -n $(or $(WORKERS),4) --dist loadgroup --durations 10 -m "interop and not smoke and not nightly"
 
 nightly: $(VENV)/installed ## Run the long tests, the randomised ones over SEEDS (10000) each
 	$(BIN)/pytest -n auto --dist loadgroup -m nightly --seeds 300 --timeout 1800

@@ -102,6 +102,7 @@ def test_a_copter_lands_where_it_is(kind):
     fly(kind, scenario)
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.flight
 @pytest.mark.parametrize("kind", COPTERS, ids=named)
 @pytest.mark.parametrize("radius", [15.0, -15.0])

@@ -12,6 +12,9 @@ from tests.sim.harness import CMD, RESULT, SimulationHarness, VehicleHarness, gr
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+#: One worker flies the cases, all at the same time.
+pytestmark = pytest.mark.xdist_group("failsafes of arming")
+
 
 class Refusal(NamedTuple):
     text: str

@@ -11,6 +11,9 @@ from mavstack.services.mission import MissionItem
 from tests.sim.failsafes.cases import Case, run_cases, stop_heartbeats
 from tests.sim.harness import CMD, VehicleHarness, airborne
 
+#: One worker flies the cases, all at the same time.
+pytestmark = pytest.mark.xdist_group("failsafes of plane")
+
 ON, CLEARED = "RC Short Failsafe On", "RC Short Failsafe Cleared"
 
 

@@ -10,6 +10,9 @@ import pytest
 from tests.sim.failsafes.cases import Case, run_cases
 from tests.sim.harness import VehicleHarness, airborne, grounded
 
+#: One worker flies the cases, all at the same time.
+pytestmark = pytest.mark.xdist_group("failsafes of position")
+
 GLITCH, CLEARED = "GPS Glitch or Compass error", "Glitch cleared"
 VARIANCE, FAILSAFE = "EKF variance", "EKF failsafe"
 TO_LAND, TO_ALT_HOLD = "EKF Failsafe: changed to LAND Mode", "EKF Failsafe: changed to ALT_HOLD Mode"

@@ -252,6 +252,7 @@ def test_mission_that_starts_with_a_landing_is_denied() -> None:
     assert harness.command(CMD.MISSION_START, 0, 0) == RESULT.DENIED
 
 
+@pytest.mark.flight_cases(2)
 @pytest.mark.flight
 @pytest.mark.parametrize("vehicle_type", ["plane", "vtol", "rover", "boat", "sub"])
 def test_every_type_repositions(vehicle_type: str) -> None:

@@ -25,6 +25,7 @@ HOMES = [
 ]
 
 
+@pytest.mark.flight_cases(4)
 @pytest.mark.fast_cases(3)
 @pytest.mark.parametrize("firmware", Firmware)
 @pytest.mark.parametrize("home", HOMES, ids=str)

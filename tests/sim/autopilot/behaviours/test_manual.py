@@ -158,6 +158,7 @@ def test_a_wing_keeps_its_course_and_altitude() -> None:
     assert flight.body.truth.velocity_down < -1.0
 
 
+@pytest.mark.flight_cases(3)
 @pytest.mark.fast_cases(2)
 @pytest.mark.parametrize("behaviour", ALL)
 @pytest.mark.parametrize("kind", [VehicleType.ROVER, VehicleType.BOAT])
@@ -191,6 +192,7 @@ def test_a_sub_dives_and_swims(behaviour: type[Manual]) -> None:
         assert flight.body.truth.down == pytest.approx(depth, abs=0.5)
 
 
+@pytest.mark.flight_cases(8)
 @pytest.mark.fast_cases(7)
 @pytest.mark.parametrize("kind", list(VehicleType))
 @pytest.mark.parametrize("behaviour", ALL)

@@ -207,6 +207,7 @@ def test_ardupilots_rover(action: int, mode: int) -> None:
     assert flight.autopilot.mode.number == mode
 
 
+@pytest.mark.flight_cases(2)
 @pytest.mark.flight
 @pytest.mark.parametrize(("action", "mode"), [(0, OTHER), (1, RETURN), (2, OTHER), (6, GUIDED), (8, RETURN)])
 def test_ardupilots_plane(action: int, mode: int) -> None:

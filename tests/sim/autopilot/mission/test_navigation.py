@@ -64,6 +64,7 @@ def test_a_plane_passes_by_at_a_distance() -> None:
     assert flight.distance((500, 0)) < 40
 
 
+@pytest.mark.flight_cases(3)
 @pytest.mark.fast_cases(1)
 @pytest.mark.parametrize(
     ("frame", "altitude"),
