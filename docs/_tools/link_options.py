@@ -80,7 +80,7 @@ DESCRIPTIONS = {
     "latency": "delay",
     "loss": "probability that a packet is lost",
     "queue": "bytes that wait in front of the limited bandwidth",
-    "radio": "sik: a pair of SiK telemetry radios with RADIO_STATUS; `bandwidth` and `queue` are those of the radio",
+    "radio": "sik: a pair of SiK telemetry radios with RADIO_STATUS, `bandwidth` and `queue` are theirs",
     "reorder": "probability that a packet is delayed behind later ones",
     "seed": "seed of the random numbers",
 }

@@ -1,8 +1,8 @@
 """Simulated SiK telemetry radios: a half-duplex air link, a buffer at each end, and RADIO_STATUS.
 
-A link with a radio is opened by a URL with the option `radio=sik`, or by `sik_radio(link)`. Each channel has a
-pair of radios: the near one is wired to the program, the far one to its peer. Both share the air, so that
-what one side sends delays the other side. A packet that finds the buffer of its radio full is dropped and
+A link with radios is opened by a URL with the option `radio=sik`, or by `sik_radio(link)`. Each channel has
+a pair of radios: the near one is wired to the program, the far one to its peer. Both share the air, so that
+data of one side delays the other side. A packet that finds the buffer of its radio full is dropped and
 counted, as by the real firmware, which has no flow control by default.
 
 A radio answers each HEARTBEAT of the program that it is wired to with a RADIO_STATUS, in MAVLink 1 and from
