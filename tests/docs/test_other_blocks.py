@@ -91,9 +91,9 @@ def mav(*words: str, url: str, folder: Path = ROOT) -> subprocess.CompletedProce
     )  # fmt: skip
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def vehicle_url():
-    """One vehicle for all commands; they leave and come back to it."""
+    """One vehicle for all commands of a block; they leave and come back to it."""
     with BackgroundSimulator("copter", speed=5.0, link="udpin://127.0.0.1:0?idle=600") as vehicle:
         url = f"udpout://127.0.0.1:{vehicle.port}"
         mav("param", "set", "DISARM_DELAY", "0", url=url)  # a slow machine takes long between two commands
@@ -101,7 +101,6 @@ def vehicle_url():
 
 
 @pytest.mark.interop
-@pytest.mark.xdist_group("runnable blocks")
 @pytest.mark.parametrize(
     "block", [block for block in BLOCKS if block.directive == "runnable"], ids=lambda block: block.name
 )

@@ -15,10 +15,10 @@ from tests.interop.mavproxy import mavproxy, needs_mavproxy
 from tests.interop.simulated import Flight
 from tests.sim.running import running
 
-pytestmark = [pytest.mark.interop, needs_mavproxy]
+pytestmark = [pytest.mark.interop, pytest.mark.timeout(240), needs_mavproxy]
 
 #: MAVProxy reads one datagram at a time and loses some at a higher speed on a busy machine.
-SPEED = 6.0
+SPEED = 4.0
 WAYPOINT, TURNS, HOLD_TIME, RETURN, LAND, TAKE_OFF, SPEED_CHANGE = 16, 18, 19, 20, 21, 22, 178
 LAND_START, INSIDE, OUTSIDE, RALLY = 189, 5001, 5004, 5100
 ABOVE_SEA, NO_PLACE, ABOVE_HOME = 0, 2, 3
@@ -174,10 +174,15 @@ async def fly_mission(flight: MavproxyFlight) -> None:
     await flight.set_mode("GUIDED")
     await flight.arm()
     await flight.send_and_wait("mode auto", "DO_SET_MODE: ACCEPTED", "AP: Mission: 1 Takeoff")
-    await flight.ground.wait_for_output("AP: Mission: 2 WP", "Reached command #2", "waypoint 4")
-    await flight.ground.wait_for_output("Mission: 5 LoitTurns", "Mission: 7 RTL", "Disarming motors")
-    await flight.wait_until_disarmed()
-    assert flight.texts.count("Mission: 1 Takeoff") == 1
+    await flight.wait_until_disarmed()  # MAVProxy prints most status texts of the mission, and loses some
+    for text in (
+        "Mission: 1 Takeoff",
+        "Mission: 2 WP",
+        "Reached command #2",
+        "Mission: 5 LoitTurns",
+        "Mission: 7 RTL",
+    ):
+        assert flight.texts.count(text) == 1, text
     assert flight.distance(5, 20) < 2  # the nearest rally point
 
 
