@@ -54,7 +54,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.seeds)
         if item.get_closest_marker("interop"):
             # External programs have timeouts in real time, which expire on a busy machine.
-            item.add_marker(pytest.mark.flaky(reruns=2))
+            item.add_marker(pytest.mark.flaky(reruns=3))
 
 
 def pytest_collection_finish() -> None:
