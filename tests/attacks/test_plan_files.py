@@ -21,7 +21,10 @@ try:
     parse_plan(head + unit * (size // len(unit)) + tail)
 except PlanFileError as error:
     print(error)
-print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+try:  # the peak since the program began; ru_maxrss begins with the memory of the process that started it
+    print(next(line.split()[1] for line in open("/proc/self/status") if line.startswith("VmHWM")))
+except OSError:
+    print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """
 QGC = '{"fileType": "Plan", "version": 1, "groundStation": "x", "mission": ['
 JSON = [
