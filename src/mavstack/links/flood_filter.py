@@ -95,7 +95,7 @@ def _program(senders: Iterable[Address], part: float) -> bytes:
     code: list[tuple[int, int, int, int]] = []
     for entry in entries:
         code += entry
-        code.append((_JUMP, 0, 0, length - len(code)))  # past the end of the entries, to the drawing of lots
+        code.append((_JUMP, 0, 0, length - len(code)))  # past the entries, to the random choice
     code += [
         (_RETURN, 0, 0, _ACCEPT),
         (_LOAD_WORD, 0, 0, _RANDOM & _ACCEPT),
