@@ -7,7 +7,7 @@ import pytest
 import mavstack
 from mavstack.dialects import ardupilotmega, common, minimal
 from mavstack.dialects.secrets import SECRET_FIELDS, SECRET_IDS
-from mavstack.security import redact
+from mavstack.security import redact, strip_signature
 
 SECRET = b"K" * 32
 SETUP = common.SetupSigning(target_system=1, target_component=2, secret_key=SECRET, initial_timestamp=99)
@@ -64,3 +64,18 @@ def test_secret_fields_and_ids_match_the_definitions():
     assert {definition.id for definition in definitions} == SECRET_IDS
     for definition in definitions:
         assert SECRET_FIELDS[definition.name] <= {field.name for field in definition.fields}
+
+
+# `minimal` lacks the message, whose CRC_EXTRA follows from the CRC.
+@pytest.mark.parametrize("dialect", [common, minimal])
+@pytest.mark.parametrize("text", ["", "low battery", "x" * 50])
+def test_a_signature_is_removed(dialect, text):
+    message = common.Statustext(severity=2, text=text)
+    packet = packet_of(message, dialect, signing=mavstack.Signing(bytes(32), link_id=3))
+    assert packet.signed
+    assert redact(packet) == strip_signature(packet) == packet_of(message).raw
+
+
+def test_an_unsigned_packet_has_no_signature_to_remove():
+    packet = packet_of(common.Heartbeat(), version=1)
+    assert strip_signature(packet) == packet.raw

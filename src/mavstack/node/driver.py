@@ -21,7 +21,7 @@ from mavstack.links import BytesReceived, Channel, ChannelClosed, ChannelOpened,
 from mavstack.services import Client, Operation, OperationEnded, Progress
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Sequence
 
     from mavstack.links import LinkEvent
     from mavstack.links.settings import Version
@@ -43,6 +43,7 @@ class Driver:
         on_packet: Callable[[Packet], None],
         on_event: Callable[[object, Service | None], None],
         on_channel: Callable[[ChannelState, Link], None],
+        sent_listeners: Sequence[Callable[[bytes], None]] = (),
         version: Version = 2,
         on_error: Callable[[Operation[Any], float], None] = lambda operation, started_at: None,
     ) -> None:
@@ -51,6 +52,7 @@ class Driver:
         self._on_packet = on_packet
         self._on_event = on_event
         self._on_channel = on_channel
+        self._sent_listeners = sent_listeners
         self._version = version
         self._on_error = on_error
         self._loop = asyncio.get_running_loop()
@@ -185,6 +187,8 @@ class Driver:
                 channel.write(data)
             except LinkClosedError:
                 return  # its ChannelClosed follows
+            for listener in self._sent_listeners:
+                listener(data)
 
     async def _read(self, link: Link) -> None:
         try:

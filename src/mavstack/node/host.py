@@ -38,6 +38,8 @@ class NodeHost:
         self.discovery = discovery
         self.packet_dispatch = PacketDispatch()
         self.event_dispatch = EventDispatch()
+        #: Called with the bytes that are written to a channel.
+        self.sent_listeners: list[Callable[[bytes], None]] = []
         #: The driver that runs the engine; None while the node is closed.
         self.open_driver: Driver | None = None
 

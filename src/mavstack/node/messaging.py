@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeVar
 
 from mavstack.dialects import Message
+from mavstack.node.recording import Recording
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.services import Address
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from os import PathLike
 
     from mavstack.node.dispatch import Listener
     from mavstack.node.host import NodeHost
@@ -114,6 +116,39 @@ class Messaging:
         """
         kinds = () if kind is None else kind if isinstance(kind, tuple) else (kind,)
         return self._host.packet_dispatch.add(kinds, Address(system, component), callback)
+
+    def record(
+        self,
+        path: str | PathLike[str],
+        *,
+        sent: bool = True,
+        max_size: int | None = None,
+        max_duration: float | None = None,
+        keep: int | None = None,
+    ) -> Recording:
+        """Record the packets that the node receives and sends, without keys, passwords and signatures.
+
+        Packets that are refused because of their signature are not recorded. With `max_size` or
+        `max_duration` the files have a number: `flight-0001.tlog`, `flight-0002.tlog` …
+
+        Args:
+            path: Path of a new file: a tlog, or with the suffix `.pcap` a capture for Wireshark.
+            sent: True records sent packets too, once for each channel.
+            max_size: Bytes of a file before the next one begins; None: no limit.
+            max_duration: Seconds of a file before the next one begins; None: no limit.
+            keep: Number of numbered files that are kept, the newest ones; None keeps all.
+
+        Returns:
+            The recording: close it, or use it as an async context manager.
+
+        Raises:
+            InvalidArgumentError: A limit is not positive.
+            LogError: The file exists, or cannot be created.
+        """
+        from mavstack.logs.recorder import Recorder  # numpy, which a node does not need otherwise
+
+        recorder = Recorder(path, max_size=max_size, max_duration=max_duration, keep=keep)
+        return Recording(self._host, recorder, sent=sent)
 
     def events(
         self, *kinds: type[AnyEvent], of: Service | None = None, queue: int = DEFAULT_QUEUE

@@ -171,6 +171,7 @@ class Node(Messaging, Serving, ReadOnly):
             on_packet=self._host.packet_dispatch.deliver,
             on_event=self._on_event,
             on_channel=self._keys.on_channel_opened,
+            sent_listeners=self._host.sent_listeners,
             on_error=self._on_operation_error,
             version=self._version,
         )

@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from mavstack.security.keys import SigningKey
-from mavstack.security.redaction import carries_signing_key, has_secret_fields, redact
+from mavstack.security.redaction import carries_signing_key, has_secret_fields, redact, strip_signature
 from mavstack.security.timestamps import TimestampStore
 
-__all__ = ["SigningKey", "TimestampStore", "carries_signing_key", "has_secret_fields", "redact"]
+__all__ = [
+    "SigningKey",
+    "TimestampStore",
+    "carries_signing_key",
+    "has_secret_fields",
+    "redact",
+    "strip_signature",
+]

@@ -83,6 +83,7 @@ from mavstack.vehicle.telemetry.values import Position
 from mavstack.vehicle.vehicle_type import VehicleType
 from mavstack.wire import Packet
 from os import PathLike
+from pathlib import Path
 from types import TracebackType
 from typing import Any
 from typing import Generic
@@ -90,7 +91,7 @@ from typing import Self
 from typing import TypeVar
 from typing import Unpack
 
-__all__ = ['Actuators', 'Calibration', 'CalibrationSession', 'Camera', 'CameraSettings', 'CommandHandlers', 'Connection', 'ControlStream', 'ExtendedParams', 'Ftp', 'Gimbal', 'Group', 'GuidedSession', 'Listener', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'RegionOfInterest', 'RemoteComponent', 'Results', 'Shell', 'Subscription', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
+__all__ = ['Actuators', 'Calibration', 'CalibrationSession', 'Camera', 'CameraSettings', 'CommandHandlers', 'Connection', 'ControlStream', 'ExtendedParams', 'Ftp', 'Gimbal', 'Group', 'GuidedSession', 'Listener', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'Recording', 'RegionOfInterest', 'RemoteComponent', 'Results', 'Shell', 'Subscription', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
 AnyEvent = TypeVar('AnyEvent')
 AnyHandler = TypeVar('AnyHandler', bound='Callable[..., Any]')
 AnyMessage = TypeVar('AnyMessage', bound=Message)
@@ -158,6 +159,30 @@ class Listener:
 
     def close(self) -> None:
         """Unregister the callback. Idempotent."""
+
+class Recording:
+    """A running recording; a context manager that ends it."""
+
+    @property
+    def packets(self) -> int:
+        """Number of packets that were written."""
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """Paths of the files, oldest first."""
+
+    def close(self) -> None:
+        """End the recording. Idempotent.
+
+        Raises:
+            LogError: A file could not be written; it keeps the packets before.
+        """
+
+    def __enter__(self) -> Self:
+        ...
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        ...
 
 class CommandHandlers:
     """The command server of a node, with plain and async handlers."""
@@ -1740,6 +1765,27 @@ class Node:
 
         Returns:
             The listener; its `close()` ends the calls.
+        """
+
+    def record(self, path: str | PathLike[str], *, sent: bool=True, max_size: int | None=None, max_duration: float | None=None, keep: int | None=None) -> Recording:
+        """Record the packets that the node receives and sends, without keys, passwords and signatures.
+
+        Packets that are refused because of their signature are not recorded. With `max_size` or
+        `max_duration` the files have a number: `flight-0001.tlog`, `flight-0002.tlog` …
+
+        Args:
+            path: Path of a new file: a tlog, or with the suffix `.pcap` a capture for Wireshark.
+            sent: True records sent packets too, once for each channel.
+            max_size: Bytes of a file before the next one begins; None: no limit.
+            max_duration: Seconds of a file before the next one begins; None: no limit.
+            keep: Number of numbered files that are kept, the newest ones; None keeps all.
+
+        Returns:
+            The recording: close it, or use it as a context manager.
+
+        Raises:
+            InvalidArgumentError: A limit is not positive.
+            LogError: The file exists, or cannot be created.
         """
 
     def events(self, *kinds: type[AnyEvent], of: Service | None=None, queue: int=...) -> Subscription[AnyEvent]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 CLASSES = {
     "Subscription": "node.subscription",
     "Listener": "node.dispatch",
+    "Recording": "node.recording",
     "CommandHandlers": "node.command_handlers",
     "ControlStream": "node.control",
     "ExtendedParams": "node.extended_params",

@@ -93,6 +93,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     add("--to", metavar="URL", help="replay a recording onto this link, as fast as recorded or --speed")
     add_link_options(parser.add_argument_group("links"))
     add_dialect_option(parser)
+    parser.set_defaults(command="watch")
 
 
 def run(arguments: Namespace) -> int:

@@ -15,17 +15,24 @@ from mavstack.cli.watch.relay import Relay
 from mavstack.errors import LinkError
 from mavstack.links import open_link
 from mavstack.links.registry import resolve_url
-from mavstack.logs.tlog_writer import TlogWriter
+from mavstack.logs.recorder import Recorder
 
 if TYPE_CHECKING:
     from argparse import Namespace
     from collections.abc import Callable, Coroutine, Sequence
-    from typing import Any, Self
+    from contextlib import AbstractContextManager
+    from typing import Any, Protocol, Self
 
-    from mavstack.cli.watch.live_table import LiveTable
     from mavstack.cli.watch.sources import Source
     from mavstack.links import Link
     from mavstack.wire import Packet
+
+    class Display(AbstractContextManager["Display"], Protocol):
+        """A display of what is followed, which draws until it is cancelled."""
+
+        async def run(self) -> None:
+            """Draw until cancelled."""
+
 
 #: Seconds between two waits for the disk; a loss of power loses at most the packets in between.
 SYNC_INTERVAL: Final = 1.0
@@ -35,8 +42,8 @@ async def follow_sources(
     sources: Sequence[Source],
     arguments: Namespace,
     duration: float | None,
-    display: Callable[[Following], LiveTable] | None,
-    at_end: Callable[[], None] | None,
+    display: Callable[[Following], Display] | None,
+    at_end: Callable[[], None] | None = None,
 ) -> None:
     """Follow the links of the sources together.
 
@@ -44,24 +51,29 @@ async def follow_sources(
         sources: The sources; those that are files are replayed.
         arguments: The options of the command.
         duration: Seconds; None: until all links have ended.
-        display: Makes the live display; None for none.
+        display: Makes the display; None for none.
         at_end: Called when the links have ended, before problems are told; None for nothing.
 
     Raises:
         LinkError: A link cannot be opened, or nothing was received.
         LogError: The recording cannot be written.
     """
-    async with Following(sources, arguments) as following:
-        jobs = following.jobs()
-        if display is None:
-            async with background_tasks(*jobs):
-                await following.run(duration)
-        else:
-            with display(following) as table:
-                async with background_tasks(*jobs, table.run()):
+    following = Following(sources, arguments)
+    try:
+        async with following:
+            jobs = following.jobs()
+            if display is None:
+                async with background_tasks(*jobs):
                     await following.run(duration)
-        if at_end is not None:
-            at_end()
+            else:
+                with display(following) as drawn:
+                    async with background_tasks(*jobs, drawn.run()):
+                        await following.run(duration)
+            if at_end is not None:
+                at_end()
+    except asyncio.CancelledError:  # Ctrl-C, the usual end of a recording
+        following.report_activity()
+        raise
     following.report()
 
 
@@ -73,15 +85,16 @@ class Following:
         self._arguments = arguments
         self._links: list[Link] = []
         self._stack = AsyncExitStack()
-        self._writer: TlogWriter | None = None
+        #: The recording; None: nothing is recorded.
+        self.recorder: Recorder | None = None
         self._relay: Relay | None = None
 
     @property
     def activity(self) -> str:
         """The running recording and replay, in words; empty: none."""
         parts = []
-        if self._writer is not None:
-            parts.append(f"recorded {self._writer.packets} packets to {self._writer.path}")
+        if self.recorder is not None:
+            parts.append(recorded_text(self.recorder))
         if self._relay is not None:
             dropped = f", {self._relay.dropped} dropped" if self._relay.dropped else ""
             parts.append(f"replayed {self._relay.sent} packets{dropped} to {self._relay.link.url.redacted}")
@@ -93,8 +106,8 @@ class Following:
         jobs: list[Coroutine[Any, Any, None]] = []
         if wants_heartbeats:
             jobs += [send_heartbeats(link, source.follower) for link, source in self._pairs()]
-        if self._writer is not None:
-            jobs.append(_sync_periodically(self._writer))
+        if self.recorder is not None:
+            jobs.append(_sync_periodically(self.recorder))
         return jobs
 
     async def run(self, duration: float | None) -> None:
@@ -103,13 +116,17 @@ class Following:
 
     def report(self) -> None:
         """Tell what was recorded and replayed, and which links were silent; raise if all of them were."""
-        if self.activity:
-            echo(f"mav watch: {self.activity}", error=True)
+        self.report_activity()
         silent = [error for source in self._sources if (error := silence(source)) is not None]
         if len(silent) == len(self._sources):
             raise silent[0]
         for error in silent:
-            echo(f"mav watch: {error}", error=True)
+            echo(f"mav {self._arguments.command}: {error}", error=True)
+
+    def report_activity(self) -> None:
+        """Tell what was recorded and replayed."""
+        if self.activity:
+            echo(f"mav {self._arguments.command}: {self.activity}", error=True)
 
     def _pairs(self) -> list[tuple[Link, Source]]:
         return list(zip(self._links, self._sources, strict=True))
@@ -129,13 +146,13 @@ class Following:
         arguments = self._arguments
         if arguments.to is not None:
             self._relay = await self._stack.enter_async_context(Relay(arguments.to))
-            announce_exposure("watch", [self._relay.link])
+            announce_exposure(arguments.command, [self._relay.link])
             await _wait_for_peer(self._relay)
         for url in with_link_options([source.text for source in self._sources], arguments):
             self._links.append(await self._stack.enter_async_context(self._link(url)))
-        announce_exposure("watch", self._links)
+        announce_exposure(arguments.command, self._links)
         if arguments.record is not None:
-            self._writer = self._stack.enter_context(TlogWriter(arguments.record))
+            self.recorder = self._stack.enter_context(_open_recorder(arguments))
         for source in self._sources:
             self._connect(source)
 
@@ -148,8 +165,9 @@ class Following:
 
     def _connect(self, source: Source) -> None:
         """Pass the packets of a source to the recording and to the output."""
-        if self._writer is not None:
-            source.observer.tap = self._writer.write
+        if self.recorder is not None:
+            source.observer.tap = self.recorder.add
+            source.follower.after_batch = self._finish_batch
         relay, show = self._relay, source.follower.show
         if relay is None:
             return
@@ -160,7 +178,14 @@ class Following:
                 show(packets, time)
 
         source.follower.show = send
-        source.follower.after_batch = relay.drain
+        source.follower.after_batch = self._finish_batch
+
+    async def _finish_batch(self) -> None:
+        """Write what was received to the recording, and wait for the link of the replay."""
+        if self.recorder is not None:
+            self.recorder.flush()
+        if self._relay is not None:
+            await self._relay.drain()
 
 
 def silence(source: Source) -> LinkError | None:
@@ -188,7 +213,23 @@ async def _wait_for_peer(relay: Relay) -> None:
     await relay.wait_for_peer()
 
 
-async def _sync_periodically(writer: TlogWriter) -> None:
+def recorded_text(recorder: Recorder) -> str:
+    """Return what was recorded, in words."""
+    files = recorder.files
+    where = f"{len(files)} files, the last one {files[-1]}" if len(files) > 1 else str(recorder.path)
+    omitted = f" ({recorder.omitted} SETUP_SIGNING left out)" if recorder.omitted else ""
+    return f"recorded {recorder.packets} packets{omitted} to {where}"
+
+
+def _open_recorder(arguments: Namespace) -> Recorder:
+    """Open the recording of `mav watch`, or of `mav record`, which has more options."""
+    options = {
+        name: getattr(arguments, name, None) for name in ("format", "max_size", "max_duration", "keep")
+    }
+    return Recorder(arguments.record, **options)
+
+
+async def _sync_periodically(recorder: Recorder) -> None:
     while True:
         await asyncio.sleep(SYNC_INTERVAL)
-        await asyncio.to_thread(writer.sync)
+        await asyncio.to_thread(recorder.sync)

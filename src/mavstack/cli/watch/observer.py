@@ -147,13 +147,13 @@ class Observer:
             time: Unix time of the reception, which signatures are checked against; None: not known.
         """
         packets: Sequence[Packet] = self.channels[channel].feed(data, time_if_set(time or 0.0))
-        self.tap(packets, time or 0.0)
+        self._pass_on(packets, time or 0.0)
         return self._count(packets if duration is None else self._within(packets, duration), now)
 
     def flush(self, channel: str, now: float, *, time: float | None = None) -> Sequence[Packet]:
         """Count and return the last selected packets of a stream that ends."""
         packets = self.channels[channel].flush(time_if_set(time or 0.0))
-        self.tap(packets, time or 0.0)
+        self._pass_on(packets, time or 0.0)
         return self._count(packets, now)
 
     def close(self, channel: str) -> None:
@@ -175,6 +175,10 @@ class Observer:
         if self.first_recorded is None or self.last_recorded is None:
             return None
         return self.last_recorded - self.first_recorded
+
+    def _pass_on(self, packets: Sequence[Packet], time: float) -> None:
+        """Pass received packets to the tap."""
+        self.tap(packets, time)
 
     def _count(self, packets: Sequence[Packet], now: float) -> Sequence[Packet]:
         self._note_times(packets)

@@ -50,13 +50,18 @@ class Source:
         return self.follower.seconds if followed else self.observer.recorded_seconds
 
 
-def open_sources(texts: Sequence[str], dialect: Dialect, selection: Selection) -> list[Source]:
+def open_sources(
+    texts: Sequence[str],
+    dialect: Dialect,
+    selection: Selection,
+    observer_class: type[Observer] = Observer,
+) -> list[Source]:
     """Return the sources of the command line; raises UsageError if there are too many."""
     if len(texts) > MAX_SOURCES:
-        raise UsageError(f"at most {MAX_SOURCES} sources can be watched together, got {len(texts)}")
+        raise UsageError(f"at most {MAX_SOURCES} sources can be given together, got {len(texts)}")
     sources = []
     for letter, text in zip(ascii_uppercase, texts, strict=False):
-        observer = Observer(dialect, selection)
+        observer = observer_class(dialect, selection)
         path = recording_path(text)
         title = text if path is not None else _redacted(text)
         label = letter if len(texts) > 1 else ""
