@@ -3,7 +3,7 @@
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
-SOURCES := $(shell find rust/core rust/python -name '*.rs' -o -name Cargo.toml) Cargo.toml pyproject.toml
+SOURCES := $(shell find rust/core rust/logs rust/python -name '*.rs' -o -name Cargo.toml) Cargo.toml pyproject.toml
 
 # Modules are compiled once, not by every worker and every `mav` that a test starts.
 unexport PYTHONDONTWRITEBYTECODE
@@ -45,7 +45,7 @@ lint-rust: | rust
 	cargo clippy --quiet --all-targets --release --locked -- -D warnings
 
 rust-tests: lint-rust
-	cargo test --quiet --release --locked -p mavstack-core
+	cargo test --quiet --release --locked -p mavstack-core -p mavstack-logs
 
 docs: $(VENV)/installed ## Build the documentation site in site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet

@@ -1,28 +1,17 @@
 //! Python interface of the bulk decoder: the index of a file, and its tables.
 
 use crate::dialect::{AnyDialect, Dialect};
+use crate::memory::{Table, require_read_only, shared, writable};
 use crate::statistics::{Statistics, sources_to_dict};
 use mavstack_core::{bulk, scan};
 use pyo3::buffer::PyBuffer;
-use pyo3::exceptions::{PyBufferError, PyKeyError, PyValueError};
+use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::collections::BTreeMap;
 
 /// Number of bytes examined to detect timestamps.
 const MAX_HEAD: usize = 1 << 18;
-
-/// Returns the bytes of a buffer, for use without the interpreter lock.
-///
-/// # Safety
-/// The buffer must not be written to as long as the result is used.
-unsafe fn shared(buffer: &PyBuffer<u8>) -> PyResult<&[u8]> {
-    if !buffer.is_c_contiguous() {
-        return Err(PyBufferError::new_err("the buffer must be contiguous"));
-    }
-    // SAFETY: the buffer is held for 'a and contiguous; the caller guarantees that it is not written to.
-    Ok(unsafe { std::slice::from_raw_parts(buffer.buf_ptr().cast(), buffer.len_bytes()) })
-}
 
 /// Return whether a file has a timestamp before each packet, as in a tlog.
 ///
@@ -70,9 +59,7 @@ impl Index {
         timestamped: bool,
         threads: usize,
     ) -> PyResult<Self> {
-        if !data.readonly() {
-            return Err(PyBufferError::new_err("the buffer must be read-only: bytes, or a map opened for reading"));
-        }
+        require_read_only(&data)?;
         let dialect = dialect.0;
         // SAFETY: the buffer is read-only for Python. Another process may still write to a mapped file; the core
         // then reads old or new bytes, and checks every index it derives from them.
@@ -138,36 +125,19 @@ impl Index {
     ///     ValueError: A buffer is read-only, has the wrong size or overlaps another.
     #[pyo3(signature = (tables, *, threads = 1))]
     fn decode(&self, py: Python<'_>, tables: Vec<(u32, PyBuffer<u8>)>, threads: usize) -> PyResult<()> {
-        let mut rows = Vec::with_capacity(tables.len());
-        for (message_id, table) in &tables {
+        let mut sized = Vec::with_capacity(tables.len());
+        for (message_id, buffer) in &tables {
             let slot = self.slot(*message_id)?;
-            let expected = self.core.rows(slot) * self.row_size(*message_id)?;
-            if table.readonly() || !table.is_c_contiguous() || table.len_bytes() != expected {
-                return Err(PyValueError::new_err(format!("the buffer must be writable and have {expected} bytes")));
-            }
-            rows.push((slot, table.buf_ptr().cast::<u8>(), expected));
+            sized.push(Table { slot, buffer, size: self.core.rows(slot) * self.row_size(*message_id)? });
         }
-        if overlap(&rows) {
-            return Err(PyValueError::new_err("the tables must not share memory"));
-        }
-        // SAFETY: the buffers are held to the end, contiguous, writable and disjoint, and the Python part of the package
-        // creates them for this call only.
-        let rows = rows
-            .into_iter()
-            .map(|(slot, start, length)| (slot, unsafe { std::slice::from_raw_parts_mut(start, length) }));
-        let rows: Vec<_> = rows.collect();
+        // SAFETY: the Python part of the package creates the buffers for this call only.
+        let rows = unsafe { writable(&sized) }?;
         // SAFETY: as in `new`.
         let data = unsafe { shared(&self.data) }?;
         let layouts = &self.dialect.get().core;
         py.detach(|| self.core.decode(data, layouts, rows, threads));
         Ok(())
     }
-}
-
-fn overlap(rows: &[(usize, *mut u8, usize)]) -> bool {
-    let mut spans: Vec<_> = rows.iter().map(|&(_, start, length)| (start.addr(), length)).collect();
-    spans.sort_unstable();
-    spans.windows(2).any(|pair| pair[0].0 + pair[0].1 > pair[1].0)
 }
 
 impl Index {

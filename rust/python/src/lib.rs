@@ -13,6 +13,7 @@ mod errors;
 mod fields;
 mod freelist;
 mod index;
+mod memory;
 mod message;
 mod packet;
 mod parser;

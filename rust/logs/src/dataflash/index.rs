@@ -1,0 +1,361 @@
+//! The index of a log: which records are the rows of which table.
+//!
+//! The log is divided into segments of equal length. The index of a segment holds the positions of its records by
+//! definition, or, beyond a number of records, only how many there are; the segment is then walked again when its rows
+//! are needed. An index therefore takes little memory however large the log is.
+//!
+//! Several threads give exactly the result of one. Each walks a run of segments from a place that looks like the
+//! beginning of a record, with the types known at the end of what is certain. A run is valid if the one before it ends
+//! at exactly this place with these types. The first invalid run and all runs after it are divided anew.
+
+use super::format::{Definition, Formats, HEADER, Redefinition, Types};
+use super::row::Layout;
+use super::scan::{Damage, Place, Record, Walk};
+use crate::rows::run_jobs;
+use memchr::memmem;
+use std::borrow::Cow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
+/// Length of a segment in bytes; small in tests, so that their logs have many.
+pub const SEGMENT: usize = if cfg!(test) { 1 << 11 } else { 1 << 21 };
+/// Maximum number of records whose positions are kept.
+const MAX_KEPT: usize = if cfg!(test) { 2000 } else { 1 << 25 };
+/// Number of times that a log is divided among the threads; what is then left is for one.
+const MAX_ROUNDS: usize = 4;
+/// Number of bytes, and of headers in them, among which the first record of a run is searched.
+const MAX_SEARCH: usize = 1 << 16;
+const MAX_CANDIDATES: usize = 1 << 12;
+/// Number of consecutive records with which a run may begin.
+const RECORDS_TO_BEGIN: usize = 4;
+
+/// The records that begin in one segment.
+#[derive(Debug, PartialEq, Eq)]
+struct Segment {
+    number: usize,
+    begin: Place,
+    types: Arc<Types>,
+    /// For each slot the number of records of the slots before it, and the total.
+    sums: Box<[u32]>,
+    /// Offsets of the records from the beginning of the segment, ordered by slot.
+    offsets: Option<Box<[u32]>>,
+}
+
+impl Segment {
+    fn base(&self) -> usize {
+        self.number * SEGMENT
+    }
+
+    fn end(&self) -> usize {
+        self.base() + SEGMENT
+    }
+
+    fn range(&self, slot: usize) -> std::ops::Range<usize> {
+        match self.sums.get(slot..slot + 2) {
+            Some(sums) => sums[0] as usize..sums[1] as usize,
+            None => 0..0,
+        }
+    }
+
+    fn rows(&self, slot: usize) -> usize {
+        self.range(slot).len()
+    }
+
+    fn slots(&self) -> usize {
+        self.sums.len() - 1
+    }
+
+    /// The offsets by slot: those kept, or those of another walk over the segment.
+    fn offsets(&self, data: &[u8], formats: &Formats) -> Cow<'_, [u32]> {
+        if let Some(offsets) = &self.offsets {
+            return Cow::Borrowed(offsets);
+        }
+        let formats = formats.with_types(&self.types);
+        let mut records = Vec::new();
+        Walk::new(data, self.begin, formats).run(self.end(), |record| records.push(record));
+        Cow::Owned(by_slot(&records, &self.sums, self.base()))
+    }
+}
+
+/// Returns the offsets of records, ordered by slot. Records beyond the numbers that `sums` states are left out.
+fn by_slot(records: &[Record], sums: &[u32], base: usize) -> Vec<u32> {
+    let mut offsets = vec![0; sums.last().map_or(0, |&total| total as usize)];
+    let mut next = sums.to_vec();
+    for record in records {
+        let slot = usize::from(record.slot);
+        let (Some(place), Some(&limit)) = (next.get_mut(slot), sums.get(slot + 1)) else {
+            continue;
+        };
+        if *place < limit {
+            offsets[*place as usize] = (record.start - base) as u32;
+            *place += 1;
+        }
+    }
+    offsets
+}
+
+/// Counts the records of each slot, as sums.
+fn count(records: &[Record]) -> Box<[u32]> {
+    let slots = records.iter().map(|record| usize::from(record.slot) + 1).max().unwrap_or(0);
+    let mut sums = vec![0; slots + 1];
+    for record in records {
+        sums[usize::from(record.slot) + 1] += 1;
+    }
+    for slot in 0..slots {
+        sums[slot + 1] += sums[slot];
+    }
+    sums.into()
+}
+
+/// Consecutive segments that one thread has walked.
+struct Run {
+    begin: Place,
+    end: Place,
+    segments: Vec<Segment>,
+    formats: Formats,
+    damage: Damage,
+    redefinitions: Vec<Redefinition>,
+}
+
+/// The rows of one table that are to be decoded.
+pub struct Request<'a> {
+    pub slot: usize,
+    /// Number of the first row.
+    pub first: usize,
+    pub layout: &'a Layout,
+    /// The memory of the rows; its length is a multiple of the size of a row.
+    pub rows: &'a mut [u8],
+}
+
+/// Positions of all records of a log, by definition.
+#[derive(Debug, Default)]
+pub struct Index {
+    segments: Vec<Segment>,
+    formats: Formats,
+    rows: Vec<usize>,
+    damage: Damage,
+    redefinitions: Vec<Redefinition>,
+}
+
+impl Index {
+    /// Indexes `data` on up to `threads` threads.
+    #[must_use]
+    pub fn build(data: &[u8], threads: usize) -> Self {
+        let mut index = Self::default();
+        let mut place = Place::START;
+        for round in 1..=MAX_ROUNDS {
+            let assumed = index.formats.clone();
+            let begins = run_begins(data, place, &assumed.types, if round < MAX_ROUNDS { threads } else { 1 });
+            for run in walk_runs(data, &begins, &assumed, index.kept()) {
+                if run.begin != place || index.formats != assumed {
+                    break;
+                }
+                place = run.end;
+                index.append(run);
+            }
+            if place.position >= data.len() {
+                break;
+            }
+        }
+        index.count_rows();
+        index
+    }
+
+    /// Number of records whose positions are kept.
+    fn kept(&self) -> usize {
+        self.segments.iter().filter_map(|segment| segment.offsets.as_ref()).map(|offsets| offsets.len()).sum()
+    }
+
+    fn append(&mut self, run: Run) {
+        self.segments.extend(run.segments);
+        self.formats = run.formats;
+        self.damage.add(&run.damage);
+        self.redefinitions.extend(run.redefinitions);
+    }
+
+    fn count_rows(&mut self) {
+        self.rows = vec![0; self.formats.definitions().len()];
+        for segment in &self.segments {
+            for slot in 0..segment.slots() {
+                self.rows[slot] += segment.rows(slot);
+            }
+        }
+    }
+
+    /// The definitions; the number of one is its slot.
+    #[must_use]
+    pub fn definitions(&self) -> &[Definition] {
+        self.formats.definitions()
+    }
+
+    /// The places where type numbers got their definitions, in file order.
+    #[must_use]
+    pub fn redefinitions(&self) -> &[Redefinition] {
+        &self.redefinitions
+    }
+
+    #[must_use]
+    pub fn damage(&self) -> &Damage {
+        &self.damage
+    }
+
+    /// Number of records of the definition in `slot`.
+    #[must_use]
+    pub fn rows(&self, slot: usize) -> usize {
+        self.rows.get(slot).copied().unwrap_or(0)
+    }
+
+    /// Number of records of each slot that begin before `position`.
+    #[must_use]
+    pub fn rows_before(&self, data: &[u8], position: usize) -> Vec<usize> {
+        let mut rows = vec![0; self.rows.len()];
+        for segment in self.segments.iter().take_while(|segment| segment.base() < position) {
+            let offsets = (segment.end() > position).then(|| segment.offsets(data, &self.formats));
+            for (slot, sum) in rows.iter_mut().enumerate().take(segment.slots()) {
+                *sum += match &offsets {
+                    None => segment.rows(slot),
+                    Some(offsets) => offsets[segment.range(slot)]
+                        .partition_point(|&offset| segment.base() + (offset as usize) < position),
+                };
+            }
+        }
+        rows
+    }
+
+    /// Writes the positions of the records of `slot`, from number `first` on.
+    pub fn positions(&self, data: &[u8], slot: usize, first: usize, positions: &mut [u64]) {
+        let mut before = 0;
+        let mut positions = positions.iter_mut();
+        for segment in &self.segments {
+            let skipped = first.saturating_sub(before);
+            before += segment.rows(slot);
+            if before > first && positions.len() > 0 {
+                let offsets = segment.offsets(data, &self.formats);
+                for (&offset, position) in offsets[segment.range(slot)].iter().skip(skipped).zip(&mut positions) {
+                    *position = segment.base() as u64 + u64::from(offset);
+                }
+            }
+        }
+    }
+
+    /// Decodes rows of several tables on up to `threads` threads.
+    ///
+    /// `data` must be the indexed bytes; records that are no longer in it become rows of zeros.
+    pub fn decode(&self, data: &[u8], requests: Vec<Request<'_>>, threads: usize) {
+        run_jobs(self.jobs(requests), threads, |(segment, parts)| {
+            let offsets = segment.offsets(data, &self.formats);
+            let data = &data[segment.base().min(data.len())..];
+            for (layout, records, rows) in parts {
+                layout.decode(data, &offsets[records], rows);
+            }
+        });
+    }
+
+    /// Divides requests by segment.
+    fn jobs<'a>(&self, mut requests: Vec<Request<'a>>) -> Vec<Job<'_, 'a>> {
+        let mut jobs = Vec::new();
+        for segment in &self.segments {
+            let mut parts = Vec::new();
+            for request in &mut requests {
+                let records = segment.range(request.slot);
+                let skipped = request.first.min(records.len());
+                request.first -= skipped;
+                let size = request.layout.row_size();
+                let wanted = (records.len() - skipped).min(request.rows.len() / size);
+                if wanted > 0 {
+                    let begin = records.start + skipped;
+                    let rows = request.rows.split_off_mut(..wanted * size).unwrap_or_default();
+                    parts.push((request.layout, begin..begin + wanted, rows));
+                }
+            }
+            if !parts.is_empty() {
+                jobs.push((segment, parts));
+            }
+        }
+        jobs
+    }
+}
+
+/// A segment and parts of tables: the layout, the records by their place among the offsets, the rows.
+type Job<'index, 'rows> = (&'index Segment, Vec<(&'rows Layout, std::ops::Range<usize>, &'rows mut [u8])>);
+
+/// Number of the segment in which `position` is.
+fn segment_at(position: usize) -> usize {
+    position / SEGMENT
+}
+
+/// Divides the log from `place` on into runs; returns the places where they begin.
+fn run_begins(data: &[u8], place: Place, types: &Types, threads: usize) -> Vec<Place> {
+    let (first, last) = (segment_at(place.position), data.len().div_ceil(SEGMENT));
+    let segments = last.saturating_sub(first);
+    let runs = threads.clamp(1, segments.max(1));
+    let nominal = (1..runs).map(|run| (first + segments * run / runs) * SEGMENT);
+    [place].into_iter().chain(nominal.map(|position| first_record(data, position, types))).collect()
+}
+
+/// Walks runs that begin at the given places, each on its own thread.
+fn walk_runs(data: &[u8], begins: &[Place], formats: &Formats, kept: usize) -> Vec<Run> {
+    let kept = AtomicUsize::new(kept);
+    let ends = begins.iter().skip(1).map(|begin| segment_at(begin.position)).chain([data.len().div_ceil(SEGMENT)]);
+    thread::scope(|scope| {
+        let running: Vec<_> = begins
+            .iter()
+            .zip(ends)
+            .map(|(&begin, end)| {
+                scope.spawn({
+                    let kept = &kept;
+                    move || walk_run(data, begin, formats.clone(), end, kept)
+                })
+            })
+            .collect();
+        running.into_iter().map(|thread| thread.join().expect("walking does not panic")).collect()
+    })
+}
+
+/// Walks from `begin` to the beginning of the segment `end`.
+fn walk_run(data: &[u8], begin: Place, formats: Formats, end: usize, kept: &AtomicUsize) -> Run {
+    let mut walk = Walk::new(data, begin, formats);
+    let mut segments: Vec<Segment> = Vec::new();
+    let mut records = Vec::new();
+    for number in segment_at(begin.position)..end {
+        let begin = walk.place;
+        let types = match segments.last() {
+            Some(last) if *last.types == walk.formats.types => Arc::clone(&last.types),
+            _ => Arc::new(walk.formats.types.clone()),
+        };
+        records.clear();
+        walk.run((number + 1) * SEGMENT, |record| records.push(record));
+        let sums = count(&records);
+        let keep = kept.fetch_add(records.len(), Ordering::Relaxed) + records.len() <= MAX_KEPT;
+        let offsets = keep.then(|| by_slot(&records, &sums, number * SEGMENT).into());
+        segments.push(Segment { number, begin, types, sums, offsets });
+    }
+    let Walk { place, formats, damage, redefinitions, .. } = walk;
+    Run { begin, end: place, segments, formats, damage, redefinitions }
+}
+
+/// The place of the first record at or after `position`, as far as that can be told from there.
+fn first_record(data: &[u8], position: usize, types: &Types) -> Place {
+    let window = &data[position..data.len().min(position + MAX_SEARCH)];
+    let found = memmem::find_iter(window, &HEADER).map(|found| position + found);
+    let begin = found.take(MAX_CANDIDATES).find(|&begin| looks_like_records(data, begin, types));
+    begin.map_or(Place { position, aligned: false }, |position| Place { position, aligned: true })
+}
+
+/// Returns whether several records follow each other at `position`.
+fn looks_like_records(data: &[u8], mut position: usize, types: &Types) -> bool {
+    for _ in 0..RECORDS_TO_BEGIN {
+        match data.get(position..).and_then(|rest| rest.first_chunk()) {
+            Some(&[first, second, kind]) if [first, second] == HEADER && types.length(kind) > 0 => {
+                position += types.length(kind);
+            }
+            _ => return false,
+        }
+    }
+    true
+}
+
+#[cfg(test)]
+#[path = "index_tests.rs"]
+mod tests;
