@@ -70,7 +70,7 @@ fn until_nul(text: &[u8]) -> &[u8] {
     &text[..memchr::memchr(0, text).unwrap_or(text.len())]
 }
 
-/// What each type number means at some place of a log: the slot of its definition and the length of its records.
+/// The meaning of each type number at some place of a log: the slot of its definition and the length of its records.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Types {
     slots: [u16; 256],
@@ -116,7 +116,7 @@ pub struct Redefinition {
     pub slot: u16,
 }
 
-/// What an FMT record did.
+/// Outcome of applying an FMT record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     Defined(Redefinition),

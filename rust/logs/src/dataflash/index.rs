@@ -6,7 +6,7 @@
 //!
 //! Several threads give exactly the result of one. Each walks a run of segments from a place that looks like the
 //! beginning of a record, with the types known at the end of what is certain. A run is valid if the one before it ends
-//! at exactly this place with these types. The first invalid run and all runs after it are divided anew.
+//! at exactly this place with these types. The first invalid run and all runs after it are divided again.
 
 use super::format::{Definition, Formats, HEADER, Redefinition, Types};
 use super::row::Layout;
