@@ -6,19 +6,22 @@ import asyncio
 import sys
 from contextlib import asynccontextmanager
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from mavstack.links import BytesReceived, ChannelClosed, ChannelOpened, LinkDown
 from mavstack.node.link_settings import link_keys
 from mavstack.node.signing_states import SigningStates
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Sequence
+    from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Iterator, Sequence
 
     from mavstack.cli.watch.observer import Observer
-    from mavstack.links import Link
+    from mavstack.links import Link, LinkEvent
     from mavstack.security import SigningKey
     from mavstack.wire import Packet, Signing
+
+#: Seconds within which received bytes count as received together; of a replay, recorded together.
+JOIN_TIME: Final = 0.001
 
 
 class Follower:
@@ -62,7 +65,7 @@ class Follower:
             async with asyncio.timeout(seconds) as deadline:
                 async for events in link.batches():
                     now = monotonic()
-                    for event in events:
+                    for event in join_chunks(events):
                         self._event(event, now)
                     if self._shown:  # once per batch of events, not once per packet
                         self._shown = False
@@ -75,9 +78,10 @@ class Follower:
     def _event(self, event: object, now: float) -> None:
         if type(event) is BytesReceived:
             self.bytes += len(event.data)
-            self._print(
-                self.observer.receive(event.channel.name, event.data, now, time=event.time), event.time
-            )
+            packets = self.observer.receive(event.channel.name, event.data, now, time=event.time)
+            if packets:
+                event.channel.last_valid = event.time  # the link keeps this peer if many others send
+            self._print(packets, event.time)
         elif isinstance(event, ChannelOpened):
             self.note = ""
             self._open(event.channel.name)
@@ -107,6 +111,29 @@ class Follower:
         self.observer.close(name)
         signing = self.signings.pop(name, None)
         self._closed_refusals += signing.refusals.total if signing else 0
+
+
+def join_chunks(events: Sequence[LinkEvent]) -> Iterator[LinkEvent]:
+    """Join the bytes that a channel received within `JOIN_TIME`: parsing them together costs much less."""
+    chunks: list[bytes] = []
+    first: BytesReceived | None = None
+    for event in events:
+        if first is not None:
+            if (
+                type(event) is BytesReceived
+                and event.channel is first.channel
+                and event.time - first.time < JOIN_TIME
+            ):
+                chunks.append(event.data)
+                continue
+            yield first._replace(data=b"".join(chunks))
+            first = None
+        if type(event) is BytesReceived:
+            first, chunks = event, [event.data]
+        else:
+            yield event
+    if first is not None:
+        yield first._replace(data=b"".join(chunks))
 
 
 @asynccontextmanager
