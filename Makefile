@@ -5,6 +5,9 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 SOURCES := $(shell find rust/core rust/logs rust/python -name '*.rs' -o -name Cargo.toml) Cargo.toml pyproject.toml
 
+# Some tests wait for other programs: with a worker more than cores no core waits with them.
+FAST_WORKERS := $(or $(WORKERS),$(shell $(PYTHON) -c "import os; print((os.cpu_count() or 1) + 1)"))
+
 # Modules are compiled once, not by every worker and every `mav` that a test starts.
 unexport PYTHONDONTWRITEBYTECODE
 
@@ -15,16 +18,17 @@ demo: $(VENV)/package ## Fly seven simulated vehicles and show their live pictur
 
 test: $(VENV)/installed ## Run the fast tier: lint, types, unit and property tests, one smoke test per peer
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync lint-python rust-tests
-	$(BIN)/pytest -n auto --dist loadgroup --durations 10 -m "not nightly and not flight and (not interop or smoke)" --seeds $(or $(SEEDS),60)
+	$(BIN)/pytest -n $(FAST_WORKERS) --dist loadgroup --durations 10 -m "not nightly and not flight and (not interop or smoke)" --seeds $(or $(SEEDS),60)
 
 flights: $(VENV)/installed ## Run the tests that take seconds of processor time each, mostly simulated flights
-	$(BIN)/pytest -n auto --dist loadgroup --durations 10 -m "flight and not nightly and not interop" --seeds $(or $(SEEDS),60)
+	$(BIN)/pytest -n $(or $(WORKERS),auto) --dist loadgroup --durations 10 -m "flight and not nightly and not interop" --seeds $(or $(SEEDS),60)
 
 interop: $(VENV)/installed ## Run the other tests with programs that are not ours, several at a time: they mostly wait
 	$(BIN)/pytest -n $(or $(WORKERS),4) --dist loadgroup --durations 10 -m "interop and not smoke and not nightly"
 
 nightly: $(VENV)/installed ## Run the long tests, the randomised ones over SEEDS (10000) each
 	$(BIN)/pytest -n auto --dist loadgroup -m nightly --seeds 300 --timeout 1800
+	$(BIN)/pytest -n auto --dist loadgroup -m "properties and not interop" --hypothesis-profile thorough --timeout 7200
 	$(BIN)/pytest -n auto --dist loadgroup -m seeds --seeds $(or $(SEEDS),10000) --timeout 7200
 
 check: $(VENV)/installed ## Run the Python tests of the fast tier alone

@@ -69,6 +69,7 @@ def vehicle_url():
         yield f"udpout://127.0.0.1:{vehicle.port}"
 
 
+@pytest.mark.flight
 @pytest.mark.xdist_group("commands of the README, in their order")
 @pytest.mark.parametrize("command", COMMANDS, ids=str.strip)
 def test_the_commands_of_the_readme_run(command, vehicle_url):
@@ -83,6 +84,7 @@ def test_the_commands_of_the_readme_run(command, vehicle_url):
     assert done.stdout or words[1] in ("shell", "vehicle")
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("example", sorted((ROOT / "examples").glob("*.py")), ids=lambda path: path.stem)
 def test_examples_run(example):
     done = run(sys.executable, "-W", "error", str(example))

@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 from subprocess import run
 
+import pytest
+
 TESTS = """
 import pytest
 from mavstack.errors import CommandDenied
@@ -53,6 +55,7 @@ def test_a_slow_link(vehicle):
 """
 
 
+@pytest.mark.flight
 def test_the_fixtures_need_no_setup(tmp_path):
     (tmp_path / "test_fixtures.py").write_text(TESTS)
     plugin = ["-p", "mavstack.pytest_plugin"] if not _is_installed() else []

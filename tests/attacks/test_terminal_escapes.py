@@ -166,6 +166,7 @@ def run(mav, line: str, monkeypatch, *, terminal: bool) -> None:
     assert "\N{REPLACEMENT CHARACTER}" in result.out + result.err or line not in REACHED
 
 
+@pytest.mark.fast_cases(40)
 @pytest.mark.parametrize("terminal", [False, True], ids=["pipe", "terminal"])
 @pytest.mark.parametrize("line", WITH_VEHICLE)
 def test_texts_of_a_vehicle_do_not_control_the_terminal(

@@ -106,6 +106,7 @@ async def test_forged_radio_status_takes_no_route_and_receives_no_key():
             await vehicle.close()
 
 
+@pytest.mark.flight
 async def test_a_living_vehicle_is_not_kept_alive_by_forged_packets():
     async with connect("udpin://127.0.0.1:0", signing=OLD) as ground:
         port = ground.links[0].address[1]
@@ -189,6 +190,7 @@ async def test_a_first_key_needs_a_channel_that_the_program_names():
                 await vehicle.close()
 
 
+@pytest.mark.flight
 async def test_a_vehicle_that_returns_over_another_port_keeps_its_key():
     async with connect("udpin://127.0.0.1:0") as ground:
         port = ground.links[0].address[1]

@@ -84,6 +84,7 @@ WRONG = [
 ]
 
 
+@pytest.mark.flight
 def test_type_checkers_accept_valid_and_refuse_invalid_use(tmp_path):
     (tmp_path / "right.py").write_text(PROGRAM)
     for index, text in enumerate(WRONG):

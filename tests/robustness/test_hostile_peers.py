@@ -208,6 +208,7 @@ def scenario(seed: int) -> None:
     harness.settle()
 
 
+@pytest.mark.flight
 def test_every_service_against_a_random_peer(seeds: Seeds) -> None:
     seeds.check(scenario)
 
@@ -256,6 +257,7 @@ def test_a_mission_download_that_restarts_endlessly_fails() -> None:
     assert "restarted the transfer endlessly" in str(operation.error)
 
 
+@pytest.mark.flight
 def test_memory_is_bounded_under_a_flood_of_all_addresses() -> None:
     harness = EngineHarness(1)
     services = add_servers(harness.engine)

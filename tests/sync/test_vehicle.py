@@ -28,6 +28,7 @@ def node(simulated):
         yield node
 
 
+@pytest.mark.flight
 def test_a_script_flies_a_vehicle(node):
     vehicle = node.wait_for_vehicle(1)
     vehicle.wait_until_ready()

@@ -205,15 +205,8 @@ def _read_enum(made):
     assert isinstance(made["MINE"](250).kind, int)
 
 
-@pytest.mark.parametrize(
-    "use",
-    [
-        _nothing,
-        _make,
-        _parse,
-        _read_enum,
-    ],
-)
+@pytest.mark.fast_cases(1)
+@pytest.mark.parametrize("use", [_parse, _nothing, _make, _read_enum])
 def test_unreferenced_custom_dialects_are_freed(tmp_path, use):
     clear_caches()
     alive = []

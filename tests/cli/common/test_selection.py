@@ -34,6 +34,7 @@ def files(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.fast_cases(6)
 @pytest.mark.parametrize("line", CHANGES)
 def test_changes_need_a_selection_if_several_vehicles_are_heard(mav, simulate, files, line):
     import shlex
