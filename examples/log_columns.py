@@ -7,7 +7,7 @@ import numpy as np
 import mavstack
 
 log = mavstack.open_log(Path(__file__).parents[1] / "tests" / "recordings" / "flight.tlog")
-print(f"{log.statistics.packets} packets in {log.duration:.1f} s, {log.statistics.bad_bytes} bad bytes")
+print(f"{sum(log.counts.values())} rows in {log.duration:.1f} s, {log.skipped.describe()}")
 
 for name in log:
     table = log[name]

@@ -61,7 +61,7 @@ if TYPE_CHECKING:
         UnknownMessageError,
     )
     from mavstack.links import open_link
-    from mavstack.logs import LogFile, open_log
+    from mavstack.logs import Log, MessageTable, open_log
     from mavstack.node import Listener, Node, RemoteComponent, Subscription
     from mavstack.security import SigningKey
     from mavstack.services import Address
@@ -134,12 +134,13 @@ __all__ = [
     "Listener",
     "LocalPosition",
     "LocalProtocolError",
+    "Log",
     "LogError",
-    "LogFile",
     "LogTimeout",
     "MavstackError",
     "Message",
     "MessageStream",
+    "MessageTable",
     "MessageTimeout",
     "MetadataError",
     "MissingExtraError",
@@ -223,12 +224,13 @@ _LAZY_IMPORTS = {
     "Listener": "mavstack.node",
     "LocalPosition": "mavstack.vehicle.telemetry",
     "LocalProtocolError": "mavstack.errors",
+    "Log": "mavstack.logs",
     "LogError": "mavstack.errors",
-    "LogFile": "mavstack.logs",
     "LogTimeout": "mavstack.errors",
     "MavstackError": "mavstack.errors",
     "Message": "mavstack.dialects",
     "MessageStream": "mavstack.vehicle",
+    "MessageTable": "mavstack.logs",
     "MessageTimeout": "mavstack.errors",
     "MetadataError": "mavstack.errors",
     "MissingExtraError": "mavstack.errors",

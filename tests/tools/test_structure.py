@@ -44,7 +44,7 @@ SUBJECTS = {
     "files/parameter_metadata": {"formats"},
     "files/parameters": {"formats"},
     "files/plans": {"round_trips"},
-    "logs": {"recordings"},
+    "logs/packets": {"recordings"},
     "node": {"closing"},
     "services/ftp": {"interruptions", "radio"},
     "services/mission": {"autopilots", "goals"},

@@ -68,6 +68,28 @@ def scaled_value(message: Message, name: str) -> float | tuple[float | None, ...
     return results if isinstance(value, tuple | bytes) else results[0]
 
 
+def invalid_markers(
+    item: FieldDefinition, entries: Mapping[str, int]
+) -> tuple[tuple[float | None, ...], float | None]:
+    """Return the invalid values of a field, for programs that examine many values at once.
+
+    Args:
+        item: The definition of the field.
+        entries: The values of its enum by entry name; empty if it has none.
+
+    Returns:
+        The invalid value that holds for all elements as a tuple of one, or that of each element, or an empty
+        tuple; and the value of the first element that marks all elements as invalid, or None.
+    """
+    inside = item.invalid.strip("[]")
+    if item.invalid.startswith("[") and inside.endswith(":"):
+        return (), _number(inside[:-1], entries)
+    if item.invalid.startswith("[") and "," in inside:
+        return tuple(_number(part, entries) for part in inside.split(","))[: max(item.array_length, 1)], None
+    marker = _number(inside, entries)
+    return (() if marker is None else (marker,)), None
+
+
 def _item(message: Message, name: str) -> FieldDefinition:
     return message.definition.fields[message.__match_args__.index(name)]
 

@@ -1,9 +1,33 @@
-"""Log files: indexing, and decoding to columns of numpy arrays."""
+"""Log files of any format: indexing, and decoding to columns of numpy arrays."""
 
 from __future__ import annotations
 
+from mavstack.logs.damage import LogDamage
+from mavstack.logs.log import Log
 from mavstack.logs.message_table import MessageTable
-from mavstack.logs.packet_log import LogFile, open_log
-from mavstack.logs.tables import HEADER_COLUMNS, table_dtype
+from mavstack.logs.opening import open_log
+from mavstack.logs.packets import HEADER_COLUMNS, PacketLog, table_dtype
+from mavstack.logs.records import LogRecord, LogText, ParameterChange
+from mavstack.logs.registry import LogFormat
+from mavstack.logs.schema import EnumSchema, FieldSchema, TableSchema
+from mavstack.logs.time_base import TimeBase
+from mavstack.logs.vehicles import LogVehicle
 
-__all__ = ["HEADER_COLUMNS", "LogFile", "MessageTable", "open_log", "table_dtype"]
+__all__ = [
+    "HEADER_COLUMNS",
+    "EnumSchema",
+    "FieldSchema",
+    "Log",
+    "LogDamage",
+    "LogFormat",
+    "LogRecord",
+    "LogText",
+    "LogVehicle",
+    "MessageTable",
+    "PacketLog",
+    "ParameterChange",
+    "TableSchema",
+    "TimeBase",
+    "open_log",
+    "table_dtype",
+]

@@ -45,6 +45,7 @@ class LogBytes:
         path: Path of the file.
 
     Attributes:
+        path: Path of the file.
         size: Size of the file in bytes when it was opened.
 
     Raises:
@@ -52,7 +53,7 @@ class LogBytes:
     """
 
     def __init__(self, path: Path) -> None:
-        self._path = path
+        self.path = path
         self._lock = Lock()
         try:
             self._descriptor = os.open(path, _OPEN_FLAGS)
@@ -96,7 +97,7 @@ class LogBytes:
             try:
                 self._map = mmap.mmap(self._descriptor, self.size, access=mmap.ACCESS_READ)
             except (OSError, ValueError) as error:
-                raise LogError(f"cannot map {self._path}: {error}") from error
+                raise LogError(f"cannot map {self.path}: {error}") from error
         return self._map
 
     def _read(self) -> bytes:
@@ -111,10 +112,10 @@ class LogBytes:
                 raise self._truncated()
             return b"".join(pieces)
         except (OSError, MemoryError) as error:
-            raise LogError(f"cannot read {self._path}: {error or 'not enough memory'}") from error
+            raise LogError(f"cannot read {self.path}: {error or 'not enough memory'}") from error
 
     def _truncated(self) -> LogError:
-        return LogError(f"cannot read {self._path}: it was truncated since it was opened; open it again")
+        return LogError(f"cannot read {self.path}: it was truncated since it was opened; open it again")
 
 
 def _is_null_device(status: os.stat_result) -> bool:

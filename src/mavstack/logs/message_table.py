@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mavstack.errors import InvalidArgumentError, MissingExtraError
+from mavstack.logs.columns import element_of, named_column, scaled_column
+from mavstack.logs.schema import schema_of_dtype
 
 if TYPE_CHECKING:
     from typing import Any, Literal
@@ -20,22 +22,118 @@ if TYPE_CHECKING:
     import polars
     import pyarrow
 
+    from mavstack.logs.schema import SchemaSource, TableSchema
+
     Arrays = Literal["columns", "lists"]
 
 
 class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
-    """The packets of one message as a numpy structured array: a row per packet, a column per field.
+    """The records of one name as a numpy structured array: a row per record, a column per field.
 
-    A column (`table["roll"]`) is a plain numpy array; rows and several columns are a `MessageTable` again.
+    A column (`table["roll"]`) is a plain numpy array, a view without a copy; `table["q[0]"]` is one element
+    of an array field. Rows and several columns are a `MessageTable` again, with the same schema.
     """
+
+    _source: SchemaSource | None = None
 
     if not TYPE_CHECKING:
 
         def __getitem__(self, key: Any) -> Any:  # noqa: ANN401 (the types of numpy's own method)
+            if isinstance(key, str) and key not in (self.dtype.names or ()) and (element := element_of(key)):
+                return self._element(*element)
             return _plain_column(super().__getitem__(key))
 
         def __array_wrap__(self, array: Any, context: Any = None, return_scalar: bool = False) -> Any:  # noqa: ANN401
             return _plain_column(super().__array_wrap__(array, context, return_scalar))
+
+    def __array_finalize__(self, parent: object) -> None:
+        self._source = getattr(parent, "_source", None)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        make, arguments, state = super().__reduce__()[:3]
+        return make, arguments, (state, self._source)
+
+    def __setstate__(self, state: Any) -> None:  # noqa: ANN401 (numpy's own state inside)
+        super().__setstate__(state[0])
+        self._source = state[1]
+
+    @classmethod
+    def of(cls, rows: np.ndarray[Any, np.dtype[np.void]], source: SchemaSource | None = None) -> MessageTable:
+        """Return a structured array as a table, without a copy.
+
+        Args:
+            rows: The structured array.
+            source: Its schema; None takes the types alone.
+        """
+        table = rows.view(cls)
+        if source is not None:
+            table._source = source  # noqa: SLF001 (of this class)
+        return table
+
+    def where(self, rows: np.ndarray[Any, np.dtype[np.bool_]]) -> MessageTable:
+        """Return some rows as a table: `table[rows]`, with its type known to type checkers.
+
+        Args:
+            rows: True for each row to keep.
+        """
+        return MessageTable.of(np.asarray(self)[rows], self._source)
+
+    @property
+    def schema(self) -> TableSchema:
+        """The meaning of the columns: units, multipliers, enums, descriptions."""
+        names = self.dtype.names or ()
+        if self._source is None:
+            return schema_of_dtype("", self.dtype)
+        schema = self._source.schema
+        return schema if names == schema.names else schema.restricted_to(names)
+
+    def scaled(self, field: str) -> np.ndarray[Any, np.dtype[np.float64]]:
+        """Return a column in the unit of its schema.
+
+        Args:
+            field: Name of the column, or of an element such as `q[0]`.
+
+        Returns:
+            The values times the multiplier, as float64; values that the definition marks as invalid are NaN.
+
+        Raises:
+            InvalidArgumentError: The table has no such column, or it holds no numbers.
+        """
+        name, index = self._field(field)
+        values = scaled_column(self[name], self.schema[name])
+        return values if index is None else values[:, index]
+
+    def enum_names(self, field: str) -> np.ndarray[Any, np.dtype[np.object_]]:
+        """Return a column as the names of its values.
+
+        Args:
+            field: Name of the column, or of an element such as `q[0]`.
+
+        Returns:
+            An array of `str`, such as "QUADROTOR"; flags are joined by `|`, and a value without a name is its
+            number.
+
+        Raises:
+            InvalidArgumentError: The table has no such column, or its values have no names.
+        """
+        enum = self.schema[self._field(field)[0]].enum
+        if enum is None:
+            raise InvalidArgumentError(f"the values of {field} have no names")
+        return named_column(self[field], enum)
+
+    def _field(self, field: str) -> tuple[str, int | None]:
+        """Return the name of a column and the index of an element."""
+        names = self.dtype.names or ()
+        if field in names:
+            return field, None
+        name, index = element_of(field) or (field, 0)
+        if name not in names or index >= (self.dtype[name].shape or (0,))[0]:
+            label = self.schema.name or "the table"
+            raise InvalidArgumentError(f"{label} has no field {field}; it has {', '.join(names)}")
+        return name, index
+
+    def _element(self, name: str, index: int) -> np.ndarray[Any, np.dtype[Any]]:
+        return np.asarray(self[self._field(f"{name}[{index}]")[0]])[:, index]
 
     def frame(self, arrays: Arrays = "columns") -> dict[str, np.ndarray[Any, np.dtype[Any]]]:
         """Return the columns by name, as any library for data frames takes them.

@@ -9,9 +9,8 @@ import numpy as np
 
 from mavstack.dialects import Dialect
 from mavstack.logs import open_log
+from tests.logs.files import encoded, stamped
 from tests.wire.values import random_message
-
-from .files import encoded, stamped
 
 
 def test_pymavlink_finds_the_same_packets(tmp_path):

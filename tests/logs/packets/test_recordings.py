@@ -10,7 +10,7 @@ import pytest
 
 from mavstack.logs import open_log
 
-FOLDER = Path(__file__).parents[1] / "recordings"
+FOLDER = Path(__file__).parents[2] / "recordings"
 
 
 def test_recordings_equal_the_output_of_their_generator():

@@ -13,12 +13,11 @@ from hypothesis import strategies as st
 import mavstack
 from mavstack.dialects import Dialect, ardupilotmega, common
 from mavstack.errors import DialectError, LogError, UnknownMessageError
-from mavstack.logs import HEADER_COLUMNS, LogFile, open_log, table_dtype
+from mavstack.logs import HEADER_COLUMNS, Log, PacketLog, open_log, table_dtype
 from mavstack.wire.other_formats import other_format
+from tests.logs.files import START, assert_same, encoded, parsed, stamped
 from tests.wire import raw_packets
 from tests.wire.values import random_message
-
-from .files import START, assert_same, encoded, parsed, stamped
 
 ATTITUDES = [common.Attitude(number, number / 8) for number in range(10)]
 UNKNOWN = raw_packets.version_2(0x4A0000, b"opaque", 7)
@@ -40,7 +39,8 @@ def write(tmp_path):
 def test_a_log_is_a_mapping_from_names_to_tables(write):
     packets = encoded([common.Heartbeat(), *ATTITUDES, common.SysStatus()])
     log = open_log(write(stamped(packets) + UNKNOWN))
-    assert isinstance(log, LogFile)
+    assert isinstance(log, Log)
+    assert isinstance(log, PacketLog)
     assert set(log) == set(log.keys()) == {"HEARTBEAT", "ATTITUDE", "SYS_STATUS"}
     assert (len(log), "ATTITUDE" in log, "VFR_HUD" in log, 30 in log) == (3, True, False, False)
     assert log.counts == {"HEARTBEAT": 1, "ATTITUDE": 10, "SYS_STATUS": 1}

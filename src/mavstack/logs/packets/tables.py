@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from typing import Any
+
     from mavstack.dialects.model import FieldDefinition, MessageDefinition
 
 HEADER_COLUMNS: tuple[tuple[str, str, int], ...] = (
@@ -43,6 +45,15 @@ def _format(field: FieldDefinition) -> str | tuple[str, tuple[int]]:
         return f"S{field.array_length or 1}"
     scalar = _FORMATS[field.type]
     return (scalar, (field.array_length,)) if field.array_length else scalar
+
+
+def field_dtype(field: FieldDefinition) -> np.dtype[Any]:
+    """Return the type of a field's column, with the shape of an array field.
+
+    Args:
+        field: The definition of the field.
+    """
+    return np.dtype(_format(field))
 
 
 def table_dtype(message: MessageDefinition, row_size: int) -> np.dtype[np.void]:

@@ -1,0 +1,393 @@
+"""The interface of all logs, whatever their format: a mapping from names to tables.
+
+A format derives from `Log` and implements what differs: `counts`, `schema`, `decode_tables`, `skipped`, and
+the methods named `_read_…`, which take the log or a view of it. Everything else is here, so that a program,
+an exporter or a report works with any format.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from heapq import merge
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from mavstack.errors import InvalidArgumentError, LogError
+from mavstack.logs.log_tables import LogTables
+from mavstack.logs.records import RowRecord
+from mavstack.logs.select import Selection, parse_moment
+from mavstack.logs.time_base import CLOCKS, TimeBase, unix_seconds
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from mavstack.logs.damage import LogDamage
+    from mavstack.logs.message_table import MessageTable
+    from mavstack.logs.records import LogRecord, LogText, ParameterChange
+    from mavstack.logs.schema import TableSchema
+    from mavstack.logs.select import Moment
+    from mavstack.logs.time_base import ClockChoice
+    from mavstack.logs.vehicles import LogVehicle
+
+#: Bytes of a file that `windows` decodes at a time.
+DEFAULT_WINDOW: Final = 32 << 20
+
+
+class Log(LogTables):
+    """A log as a mapping from names to tables: `log["ATTITUDE"]["roll"]` is a column.
+
+    The names are those of MAVLink messages, of ULog topics, or of DataFlash record types. `log["GPS[1]"]` is
+    the table of one instance. A table is decoded on first access and kept until `clear_cache`.
+    """
+
+    # what a format implements, besides `counts`, `schema` and `decode_tables`; `log` is the log or a view of
+    # it
+
+    @property
+    @abstractmethod
+    def skipped(self) -> LogDamage:
+        """Counts of everything in the file that is in no table."""
+
+    @property
+    def time_span(self) -> tuple[float, float] | None:
+        """Earliest and latest time in seconds on the log's own time base, or None without times."""
+        return None
+
+    def boot_times(self, name: str, table: MessageTable) -> NDArray[np.float64] | None:
+        """Return the time since boot in seconds of each row of (a part of) a table.
+
+        Args:
+            name: Name of the table.
+            table: The rows.
+
+        Returns:
+            The times, NaN where they are not known; None if the table has none.
+        """
+        return None
+
+    def utc_times(self, name: str, table: MessageTable) -> NDArray[np.float64] | None:
+        """Return the UTC in seconds since 1970 of each row of (a part of) a table; see `boot_times`."""
+        return None if self.time_base.kind == "boot" else unix_seconds(table["_time"])
+
+    def read_time_base(self, log: Log) -> TimeBase:
+        """Return the clock of a view of this log."""
+        return TimeBase("boot")
+
+    def read_info(self, log: Log) -> dict[str, str]:
+        """Return the facts about the vehicle that a view of this log holds."""
+        return {}
+
+    def read_parameters(self, log: Log) -> tuple[dict[str, float], list[ParameterChange]]:
+        """Return the first value of each parameter in a view of this log, and the changes."""
+        return {}, []
+
+    def read_texts(self, log: Log) -> list[LogText]:
+        """Return the texts of the vehicle in a view of this log."""
+        return []
+
+    def read_vehicles(self, log: Log) -> dict[int, LogVehicle]:
+        """Return the vehicles in a view of this log by system id."""
+        return {}
+
+    # reading piece by piece
+
+    def windows(
+        self,
+        size: int = DEFAULT_WINDOW,
+        names: Sequence[str] | None = None,
+        *,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Iterator[dict[str, MessageTable]]:
+        """Yield the file piece by piece, in bounded memory.
+
+        The rows of all pieces of a name, one after the other, are the rows of its table. Nothing is kept in
+        the cache. A format that can only be read as a whole yields one piece.
+
+        Args:
+            size: Approximate size of a piece in bytes of the file.
+            names: Names of the tables to decode, which may be absent from the file; None for all.
+            progress: Called with the bytes of the file that were read, and with its size.
+
+        Yields:
+            The tables of a piece, those with rows only.
+
+        Raises:
+            LogError: The file was truncated or rewritten since it was opened.
+        """
+        wanted = [name for name in self if names is None or name in names]
+        tables = self.decode_tables(wanted)
+        yield {name: table for name, table in tables.items() if len(table)}
+        if progress is not None:
+            progress(self.size, self.size)
+
+    def records(self, *names: str) -> Iterator[LogRecord]:
+        """Iterate over the records one after the other, in the order of the file where the format keeps it.
+
+        Args:
+            names: Names of the tables, which may be absent from the file; without names all.
+
+        Yields:
+            The records; those of packet logs have the typed message in `message`.
+
+        Raises:
+            LogError: The file was truncated or rewritten since it was opened.
+        """
+        for tables in self.windows(names=names or None):
+            yield from merge(*map(_rows, tables.items()), key=_time_order)
+
+    def select(
+        self,
+        *names: str,
+        system: int | None = None,
+        component: int | None = None,
+        instance: int | None = None,
+        start: Moment | None = None,
+        end: Moment | None = None,
+    ) -> Log:
+        """Return a view with some of the tables and rows.
+
+        Args:
+            names: Names of the tables; without names all.
+            system: System id; None for all.
+            component: Component id; None for all.
+            instance: Instance of a sensor or topic; None for all.
+            start: First time that is kept: seconds from the beginning of the log, or UTC as datetime64,
+                datetime or ISO 8601 text; None for the beginning.
+            end: First time that is not kept any more, as `start`; None for the end.
+
+        Returns:
+            The view, a log with the same interface.
+
+        Raises:
+            UnknownMessageError: The log has no table of that name.
+            InvalidArgumentError: `start` or `end` is no time.
+        """
+        tables = tuple(self._require(names)) if names else ()
+        first, last = parse_moment(start, "start"), parse_moment(end, "end")
+        return LogView(self, Selection(tables, system, component, instance, first, last))
+
+    # time
+
+    @property
+    def time_base(self) -> TimeBase:
+        """The best clock of the log, and its offset to the time since boot."""
+        return self.read_time_base(self)
+
+    @property
+    def start(self) -> np.datetime64 | None:
+        """Earliest time in UTC, or None if it is not known."""
+        return self._utc(0)
+
+    @property
+    def end(self) -> np.datetime64 | None:
+        """Latest time in UTC, or None if it is not known."""
+        return self._utc(1)
+
+    def _utc(self, index: int) -> np.datetime64 | None:
+        span = self.time_span
+        if span is None or self.time_base.kind == "boot":
+            return None
+        return np.datetime64(round(span[index] * 1e6), "us")
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the earliest to the latest recorded time; 0 without times."""
+        span = self.time_span
+        return 0.0 if span is None else span[1] - span[0]
+
+    def times(self, name: str, base: ClockChoice = "auto") -> NDArray[np.float64]:
+        """Return the time of each row of a table in seconds.
+
+        Args:
+            name: Name of the table.
+            base: "utc" and "received" give seconds since 1970, "boot" seconds since the boot of the vehicle,
+                "auto" those of `time_base`.
+
+        Returns:
+            The times; NaN where the time is not known.
+
+        Raises:
+            UnknownMessageError: The log has no table of that name.
+            InvalidArgumentError: `base` is none of these.
+            LogError: The log does not hold that clock for the table.
+        """
+        return self._times_of(name, self[name], base)
+
+    def _times_of(self, name: str, table: MessageTable, base: ClockChoice) -> NDArray[np.float64]:
+        if base not in CLOCKS:
+            raise InvalidArgumentError(f"base must be one of {', '.join(CLOCKS)}, got {base!r}")
+        kind = self.time_base.kind
+        wanted = kind if base == "auto" else base
+        times = None
+        if wanted == "boot":
+            times = self.boot_times(name, table)
+        elif wanted == "utc":
+            times = self.utc_times(name, table)
+        elif kind == "received":
+            times = unix_seconds(table["_time"])
+        if times is None:
+            raise LogError(f"{self.path}: the {wanted} time of {name} is not known")
+        return times
+
+    def seconds_from_start(self, name: str, table: MessageTable) -> NDArray[np.float64]:
+        """Return the times of rows in seconds from the beginning of the log."""
+        span = self.time_span
+        return self._times_of(name, table, "auto") - (0.0 if span is None else span[0])
+
+    # the vehicle
+
+    @property
+    def info(self) -> dict[str, str]:
+        """Facts about the vehicle that the file holds: firmware, hardware and so on.
+
+        The keys are those that the file can fill of `system`, `vehicle_type`, `autopilot`,
+        `firmware_version`, `firmware_git`, `hardware`, `uid`, and others of the format.
+        """
+        return self.read_info(self)
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """First value of each parameter by name; integer parameters have integer values."""
+        return self.read_parameters(self)[0]
+
+    @property
+    def parameter_changes(self) -> list[ParameterChange]:
+        """Changes of parameters, in the order of the file."""
+        return self.read_parameters(self)[1]
+
+    @property
+    def texts(self) -> list[LogText]:
+        """Texts of the vehicle, in the order of the file."""
+        return self.read_texts(self)
+
+    @property
+    def vehicles(self) -> dict[int, LogVehicle]:
+        """Vehicles in the log by system id; `log.select(system=…)` is the log of one of them."""
+        return self.read_vehicles(self)
+
+    def __repr__(self) -> str:
+        return (
+            f"<{type(self).__name__} {self.path.name}: {sum(self.counts.values())} rows, {len(self)} tables>"
+        )
+
+
+class LogView(Log):
+    """Some tables and rows of another log.
+
+    Args:
+        log: The other log.
+        selection: The rows to keep.
+    """
+
+    def __init__(self, log: Log, selection: Selection) -> None:
+        super().__init__(log.path, log.size)
+        self.format = log.format
+        self._log = log
+        self._selection = selection
+        self._counts: dict[str, int] | None = None
+
+    @property
+    def counts(self) -> Mapping[str, int]:
+        """Number of selected rows by table name; tables without such rows are left out."""
+        if self._counts is None:
+            names = [name for name in self._log if self._selection.keeps_table(name, self._log.schema(name))]
+            self._counts = {name: rows for name in names if (rows := len(self._rows(name, self._log[name])))}
+        return self._counts
+
+    def schema(self, name: str) -> TableSchema:
+        """Return the meaning of the columns of a table; see `Log.schema`."""
+        return self._log.schema(name)
+
+    def _rows(self, name: str, table: MessageTable) -> MessageTable:
+        seconds = self._log.seconds_from_start(name, table) if self._selection.has_times else None
+        mask = self._selection.mask(table, seconds)
+        return table if mask is None else table.where(mask)
+
+    def decode_tables(self, names: Sequence[str]) -> Mapping[str, MessageTable]:
+        """Decode tables; see `Log.decode_tables`."""
+        self._log.load(*names)
+        return {name: self._rows(name, self._log[name]) for name in names}
+
+    def windows(
+        self,
+        size: int = DEFAULT_WINDOW,
+        names: Sequence[str] | None = None,
+        *,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Iterator[dict[str, MessageTable]]:
+        """Yield the file piece by piece; see `Log.windows`."""
+        wanted = self._selection.names or None
+        if names is not None:
+            wanted = tuple(name for name in names if wanted is None or name in wanted)
+        for tables in self._log.windows(size, wanted, progress=progress):
+            selected = {name: self._rows(name, table) for name, table in tables.items() if self._keeps(name)}
+            yield {name: table for name, table in selected.items() if len(table)}
+
+    def _keeps(self, name: str) -> bool:
+        return self._selection.keeps_table(name, self._log.schema(name))
+
+    def records(self, *names: str) -> Iterator[LogRecord]:
+        """Iterate over the selected records; see `Log.records`."""
+        selection, span = self._selection, self._log.time_span
+        if selection.has_times and self.time_base.kind == "boot":
+            yield from super().records(*names)
+            return
+        first = 0.0 if span is None else span[0]
+        fields: dict[str, str] = {}
+        for record in self._log.records(*(names or selection.names)):
+            if record.name not in fields:
+                schema = self._log.schema(record.name)
+                fields[record.name] = schema.instance_field
+            if selection.keeps_record(record, fields[record.name], first):
+                yield record
+
+    @property
+    def skipped(self) -> LogDamage:
+        """Counts of everything in the whole file that is in no table."""
+        return self._log.skipped
+
+    @property
+    def time_span(self) -> tuple[float, float] | None:
+        """Earliest and latest selected time; see `Log.time_span`."""
+        span = self._log.time_span
+        return None if span is None else self._selection.clip(span)
+
+    def boot_times(self, name: str, table: MessageTable) -> NDArray[np.float64] | None:
+        """Return the time since boot of each row; see `Log.boot_times`."""
+        return self._log.boot_times(name, table)
+
+    def utc_times(self, name: str, table: MessageTable) -> NDArray[np.float64] | None:
+        """Return the UTC of each row; see `Log.utc_times`."""
+        return self._log.utc_times(name, table)
+
+    def read_time_base(self, log: Log) -> TimeBase:
+        """Return the clock of a view; see `Log.read_time_base`."""
+        return self._log.read_time_base(log)
+
+    def read_info(self, log: Log) -> dict[str, str]:
+        """Return the facts of a view; see `Log.read_info`."""
+        return self._log.read_info(log)
+
+    def read_parameters(self, log: Log) -> tuple[dict[str, float], list[ParameterChange]]:
+        """Return the parameters of a view; see `Log.read_parameters`."""
+        return self._log.read_parameters(log)
+
+    def read_texts(self, log: Log) -> list[LogText]:
+        """Return the texts of a view; see `Log.read_texts`."""
+        return self._log.read_texts(log)
+
+    def read_vehicles(self, log: Log) -> dict[int, LogVehicle]:
+        """Return the vehicles of a view; see `Log.read_vehicles`."""
+        return self._log.read_vehicles(log)
+
+
+def _rows(item: tuple[str, MessageTable]) -> Iterator[RowRecord]:
+    name, table = item
+    return (RowRecord(name, row) for row in table.view(np.ndarray))
+
+
+def _time_order(record: RowRecord) -> int:
+    return int(record.time.astype(np.int64))

@@ -1,0 +1,163 @@
+"""Facts in a log of packets: the vehicles, their firmware, their parameters and their texts."""
+
+from __future__ import annotations
+
+from math import isfinite
+from struct import pack, unpack
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from mavstack.logs.records import LogText, ParameterChange
+from mavstack.logs.vehicles import LogVehicle
+
+if TYPE_CHECKING:
+    from mavstack.logs.log import Log
+    from mavstack.logs.message_table import MessageTable
+
+_AUTOPILOT_INVALID: Final = 8  # MAV_AUTOPILOT of components that are no autopilot
+_BYTEWISE_AUTOPILOT: Final = "PX4"  # where the capabilities do not tell
+_BYTEWISE_CAPABILITY: Final = 0x10  # MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE
+_C_CAST_CAPABILITY: Final = 0x20000  # MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_C_CAST
+#: Format of the bits of a value, by MAV_PARAM_TYPE; 9 (REAL32) and 10 (REAL64) stay as they are.
+_BIT_FORMATS: Final = {1: "<Bxxx", 2: "<bxxx", 3: "<Hxx", 4: "<hxx", 5: "<I", 6: "<i"}
+#: Names of FIRMWARE_VERSION_TYPE, from the lowest value of each.
+_VERSION_TYPES: Final = ((255, ""), (192, "-rc"), (128, "-beta"), (64, "-alpha"), (0, "-dev"))
+#: Length of the text of STATUSTEXT: a longer text comes in several messages.
+_TEXT_LENGTH: Final = 50
+
+
+def vehicles(log: Log) -> dict[int, LogVehicle]:
+    """Return the systems with an autopilot, by system id.
+
+    Args:
+        log: The log, or a view of it.
+    """
+    table = log.get("HEARTBEAT")
+    if table is None:
+        return {}
+    table = table.where(table["autopilot"] != _AUTOPILOT_INVALID)
+    found = {}
+    for system in np.unique(table["_system"]).tolist():
+        rows = table.where(table["_system"] == system)
+        component = int(rows["_component"].min())
+        rows = rows.where(rows["_component"] == component)
+        vehicle_type, autopilot = rows[-1:].enum_names("type")[0], rows[-1:].enum_names("autopilot")[0]
+        found[system] = LogVehicle(system, component, vehicle_type, autopilot, len(rows))
+    return found
+
+
+def info(log: Log) -> dict[str, str]:
+    """Return the firmware and the hardware of the first vehicle.
+
+    Args:
+        log: The log, or a view of it.
+    """
+    first = _first_vehicle(log)
+    if first is None:
+        return {}
+    facts = {
+        "system": str(first.system),
+        "vehicle_type": first.vehicle_type,
+        "autopilot": first.autopilot,
+    }
+    version = _last_row(log, "AUTOPILOT_VERSION", first.system)
+    if version is not None:
+        facts["firmware_version"] = _version_text(int(version["flight_sw_version"]))
+        facts["firmware_git"] = (
+            bytes(version["flight_custom_version"]).split(b"\0")[0].decode("ascii", "replace")
+        )
+        facts["hardware"] = f"board {int(version['board_version']) >> 16}"
+        facts["uid"] = f"{int(version['uid']):x}"
+    return {name: text for name, text in facts.items() if text}
+
+
+def parameters(log: Log) -> tuple[dict[str, float], list[ParameterChange]]:
+    """Return the first value of each parameter of the first vehicle, and the changes.
+
+    Args:
+        log: The log, or a view of it.
+    """
+    table, first = log.get("PARAM_VALUE"), _first_vehicle(log)
+    if table is None or not len(table):
+        return {}, []
+    system = int(table["_system"].min()) if first is None else first.system
+    table = table.where(table["_system"] == system)
+    bytewise = _is_bytewise(log, system, "" if first is None else first.autopilot)
+    initial: dict[str, float] = {}
+    latest: dict[str, float] = {}
+    changes = []
+    # As bits: a conversion to float could change those of an integer that looks like a NaN.
+    bits = np.ascontiguousarray(table["param_value"]).view(np.uint32).tolist()
+    columns = (table["_time"], table["param_id"].tolist(), bits, table["param_type"].tolist())
+    for time, name, raw, kind in zip(*columns, strict=True):
+        text, value = name.decode("ascii", "replace"), _decoded(raw, kind, bytewise)
+        initial.setdefault(text, value)
+        before = latest.setdefault(text, value)
+        if before != value and not (before != before and value != value):
+            changes.append(ParameterChange(time, text, before, value, system))
+            latest[text] = value
+    return initial, changes
+
+
+def texts(log: Log) -> list[LogText]:
+    """Return the texts of all systems, those of several messages joined.
+
+    Args:
+        log: The log, or a view of it.
+    """
+    table = log.get("STATUSTEXT")
+    if table is None:
+        return []
+    found: list[LogText] = []
+    open_texts: dict[tuple[int, int, int], tuple[int, bytes]] = {}  # place in `found` and bytes so far
+    for row in table.view(np.ndarray):
+        key = (int(row["_system"]), int(row["_component"]), int(row["id"]))
+        text, chunk = bytes(row["text"]), int(row["chunk_seq"])
+        place, before = open_texts.pop(key, (len(found), b"")) if key[2] and chunk else (len(found), b"")
+        entry = LogText(
+            row["_time"], int(row["severity"]), (before + text).decode("utf-8", "replace"), key[0]
+        )
+        found[place : place + 1] = [entry]
+        if key[2] and len(text) == _TEXT_LENGTH:
+            open_texts[key] = (place, before + text)
+    return found
+
+
+def _first_vehicle(log: Log) -> LogVehicle | None:
+    found = vehicles(log)
+    return found[min(found)] if found else None
+
+
+def _last_row(log: Log, name: str, system: int) -> np.void | None:
+    table: MessageTable | None = log.get(name)
+    if table is None:
+        return None
+    rows = table.where(table["_system"] == system)
+    return rows[-1] if len(rows) else None
+
+
+def _version_text(version: int) -> str:
+    major, minor, patch, kind = version.to_bytes(4, "big")
+    suffix = next(text for lowest, text in _VERSION_TYPES if kind >= lowest)
+    return f"{major}.{minor}.{patch}{suffix}" if version else ""
+
+
+def _is_bytewise(log: Log, system: int, autopilot: str) -> bool:
+    """Return whether a vehicle sends the bits of integer parameters instead of their values as floats."""
+    version = _last_row(log, "AUTOPILOT_VERSION", system)
+    capabilities = 0 if version is None else int(version["capabilities"])
+    if capabilities & (_BYTEWISE_CAPABILITY | _C_CAST_CAPABILITY):
+        return bool(capabilities & _BYTEWISE_CAPABILITY)
+    return autopilot == _BYTEWISE_AUTOPILOT
+
+
+def _decoded(bits: int, kind: int, bytewise: bool) -> float:
+    data = pack("<I", bits)
+    value: float = unpack("<f", data)[0]
+    if kind not in _BIT_FORMATS:
+        return value
+    if bytewise:
+        number: int = unpack(_BIT_FORMATS[kind], data)[0]
+        return number
+    return round(value) if isfinite(value) else value
