@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from mavstack.sim.background import BackgroundSimulator
     from mavstack.sim.faults import FaultScript
     from mavstack.sim.fleet import Fleet
+    from mavstack.sim.motion.obstacles import Obstacle
     from mavstack.sim.port import Port
+    from mavstack.sim.rangefinders import Rangefinder
     from mavstack.sim.runner import Runner
     from mavstack.sim.simulation import Simulation
     from mavstack.sim.vehicle import SimulatedVehicle
@@ -29,7 +31,9 @@ __all__ = [
     "Firmware",
     "Fleet",
     "Home",
+    "Obstacle",
     "Port",
+    "Rangefinder",
     "Runner",
     "SimulatedVehicle",
     "Simulation",
@@ -44,7 +48,9 @@ _LAZY_IMPORTS = {
     "Firmware": "vehicle_types",
     "Fleet": "fleet",
     "Home": "vehicle_types",
+    "Obstacle": "motion.obstacles",
     "Port": "port",
+    "Rangefinder": "rangefinders",
     "Runner": "runner",
     "Simulation": "simulation",
     "SimulatedVehicle": "vehicle",

@@ -19,6 +19,7 @@ from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from mavstack.sim.rangefinders import Rangefinder
     from mavstack.sim.simulation import Simulation
     from mavstack.sim.vehicle import SimulatedVehicle
 
@@ -37,6 +38,7 @@ class Fleet:
     first_system: int = 1
     camera: bool = False
     gimbal: bool = False
+    rangefinders: Sequence[Rangefinder] = ()
 
     def add_to(self, simulation: Simulation) -> list[SimulatedVehicle]:
         """Add the fleet to a simulation.
@@ -63,6 +65,7 @@ class Fleet:
                 system=self.first_system + number,
                 camera=self.camera,
                 gimbal=self.gimbal,
+                rangefinders=self.rangefinders,
             )
             for number, ((vehicle_type, firmware), home) in enumerate(zip(types, self.homes(), strict=True))
         ]

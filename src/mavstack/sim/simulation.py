@@ -20,14 +20,17 @@ from mavstack.services import Address
 from mavstack.sim.motion import World
 from mavstack.sim.parameters import Parameters
 from mavstack.sim.profiles import profile_of
+from mavstack.sim.rangefinders import MAX_RANGEFINDERS
 from mavstack.sim.vehicle import SimulatedVehicle
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
     from pathlib import Path
 
+    from mavstack.sim.motion.obstacles import Obstacle
     from mavstack.sim.port import Port
+    from mavstack.sim.rangefinders import Rangefinder
 
 _LOG = logging.getLogger("mavstack.sim")
 
@@ -36,6 +39,8 @@ RATE = 50.0
 #: Default Unix time of the start, constant so that runs are equal.
 EPOCH = 1_767_225_600.0
 MAX_SYSTEMS = 255
+#: Values of RNGFND_TYPE and PRX_TYPE: a simulated rangefinder, a proximity sensor that speaks MAVLink.
+_SIMULATED, _OVER_MAVLINK = 100, 2
 #: Tolerance of comparisons, above the resolution of Unix times in floats (0.25 µs).
 ROUNDING = 1e-6
 
@@ -84,6 +89,8 @@ class Simulation:
         system: int | None = None,
         camera: bool = False,
         gimbal: bool = False,
+        rangefinders: Sequence[Rangefinder] = (),
+        proximity: bool | None = None,
     ) -> SimulatedVehicle:
         """Add a vehicle to the world.
 
@@ -94,12 +101,15 @@ class Simulation:
             system: The system id; None for the next free one.
             camera: Give the vehicle a camera, a component of its own (component id 100).
             gimbal: Give the vehicle a gimbal, managed by the autopilot.
+            rangefinders: Its rangefinders, at most six; none for the firmware's default.
+            proximity: Give the vehicle a proximity sensor; None if there are obstacles.
 
         Returns:
             The vehicle, disarmed on the ground.
 
         Raises:
-            InvalidArgumentError: The system id is taken or out of range, or all are taken.
+            InvalidArgumentError: The system id is taken or out of range, all are taken, or more than six
+                rangefinders are given.
         """
         taken = {vehicle.address.system for vehicle in self.vehicles}
         system = system or next((free for free in range(1, MAX_SYSTEMS + 1) if free not in taken), 0)
@@ -109,6 +119,8 @@ class Simulation:
                 if system
                 else f"adding a vehicle failed: all {MAX_SYSTEMS} system ids are taken"
             )
+        if len(rangefinders) > MAX_RANGEFINDERS:
+            raise InvalidArgumentError(f"a vehicle has at most {MAX_RANGEFINDERS} rangefinders")
         vehicle_type, firmware = VehicleType(vehicle_type), Firmware(firmware)
         vehicle = SimulatedVehicle(
             self.world.add(vehicle_type, home),
@@ -121,11 +133,26 @@ class Simulation:
             folder=self.storage and self.storage / str(system),
             camera=camera,
             gimbal=gimbal,
+            rangefinders=rangefinders,
+            proximity=bool(self.world.obstacles) if proximity is None else proximity,
         )
         _enable_payloads(vehicle)
+        _enable_distance_sensors(vehicle)
         self.vehicles.append(vehicle)
         _LOG.info("vehicle %d added: %s %s", system, firmware, vehicle_type)
         return vehicle
+
+    def add_obstacle(self, obstacle: Obstacle, *, home: Home = DEFAULT_HOME) -> None:
+        """Add an obstacle to the world, before the vehicles that shall have a proximity sensor.
+
+        Args:
+            obstacle: The obstacle.
+            home: The position from which its metres north and east count.
+
+        Raises:
+            InvalidArgumentError: The numbers of the obstacle are not possible.
+        """
+        self.world.add_obstacle(obstacle, home)
 
     def step(self) -> None:
         """Advance by one step."""
@@ -157,3 +184,13 @@ def _enable_payloads(vehicle: SimulatedVehicle) -> None:
     for name, present in (("CAM1_TYPE", vehicle.camera), ("MNT1_TYPE", vehicle.gimbal)):
         if present is not None and name in vehicle.parameters:
             vehicle.parameters.set(name, 1)
+
+
+def _enable_distance_sensors(vehicle: SimulatedVehicle) -> None:
+    """Set ArduPilot's parameters of the distance sensors that the vehicle has."""
+    names = {f"RNGFND{number}_TYPE": _SIMULATED for number in range(1, len(vehicle.rangefinders) + 1)}
+    if vehicle.proximity:
+        names["PRX1_TYPE"] = _OVER_MAVLINK
+    for name, value in names.items():
+        if name in vehicle.parameters:
+            vehicle.parameters.set(name, value)

@@ -29,7 +29,7 @@ from mavstack.sim.services import Services
 from mavstack.sim.storage import Storage
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
     from pathlib import Path
 
     from mavstack.links.settings import Version
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.interfaces import FirmwareProfile, Mode
     from mavstack.sim.motion import Body
     from mavstack.sim.parameters import Parameters
+    from mavstack.sim.rangefinders import Rangefinder
     from mavstack.sim.vehicle_types import Firmware, VehicleType
     from mavstack.wire import Packet, Signing
 
@@ -61,6 +62,8 @@ class SimulatedVehicle:
         plans: The stored mission, fence and rally points.
         faults: The injected faults.
         body: The physical body: true motion, estimate, sensors.
+        rangefinders: The chosen rangefinders; empty for those of the firmware's default.
+        proximity: True if the vehicle has a proximity sensor.
     """
 
     def __init__(
@@ -76,9 +79,13 @@ class SimulatedVehicle:
         folder: Path | None = None,
         camera: bool = False,
         gimbal: bool = False,
+        rangefinders: Sequence[Rangefinder] = (),
+        proximity: bool = False,
     ) -> None:
         self.body, self.vehicle_type, self.firmware, self.address = body, vehicle_type, firmware, address
         self.profile = profile
+        self.rangefinders: Sequence[Rangefinder] = tuple(rangefinders)
+        self.proximity = proximity
         self.parameters = parameters
         self.plans = PlanStore()
         self.now = self.booted_at = now

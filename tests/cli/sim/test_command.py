@@ -36,6 +36,14 @@ def test_a_mixed_fleet(mav):
     assert shown[3] == f"on {NOWHERE}"
 
 
+def test_rangefinders_and_obstacles(mav):
+    words = ["--rangefinder", "downward:sonar", "--rangefinder", "forward", "--obstacle", "30,0,2,15"]
+    result = mav("sim", *words, "--out", NOWHERE, "--for", "1", "--speed", "max")
+    assert (result.code, result.err) == (0, "")
+    equipment = "rangefinder downward sonar, rangefinder forward laser, proximity sensor"
+    assert result.out.splitlines()[0] == f"system 1: ardupilot copter with {equipment}"
+
+
 def test_one_port_per_vehicle(mav):
     words = ["--count", "3", "--each", "--out", "udpout://127.0.0.1:9001"]
     result = mav("sim", *words, "--for", "0.5", "--speed", "max", "--json")
@@ -71,6 +79,8 @@ def test_faults_from_the_command_line_and_from_a_file(mav, tmp_path):
         ["--system", "300"],
         ["--out", "nonsense://1"],
         ["--bandwidth", "many"],
+        ["--rangefinder", "sideways"],
+        ["--obstacle", "30,0"],
     ],
 )
 def test_wrong_usage(mav, words):

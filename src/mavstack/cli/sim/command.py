@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
     from mavstack.links import Link
     from mavstack.sim.faults import FaultScript, TimedFault
+    from mavstack.sim.motion.obstacles import Obstacle
+    from mavstack.sim.rangefinders import Rangefinder
     from mavstack.sim.runner import Runner
     from mavstack.sim.simulation import Simulation
     from mavstack.sim.vehicle import SimulatedVehicle
@@ -46,6 +48,8 @@ examples:
   mav sim --speed 10                          # ten times as fast
   mav sim --storage flights                   # keep logs and files in a folder
   mav sim --camera --gimbal                   # with a camera and a gimbal
+  mav sim --rangefinder downward:sonar --rangefinder forward --obstacle 30,0,2,15
+                                              # two rangefinders, and a cylinder 30 m north of home
 
 Fly it from another terminal:
   mavproxy.py --master=udpin:0.0.0.0:14550
@@ -76,6 +80,14 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     add("--camera", action="store_true", help="give each vehicle a camera (component id 100)")
     add("--gimbal", action="store_true", help="give each vehicle a gimbal, managed by its autopilot")
+    add(
+        "--rangefinder",
+        action="append",
+        type=_rangefinder,
+        default=[],
+        metavar="ORIENTATION[:KIND]",
+        help="rangefinder of each vehicle, such as downward:sonar or forward; may be repeated",
+    )
     add("--seed", type=int, default=1, metavar="N", help="seed of all random numbers (default: 1)")
     add(
         "--speed",
@@ -117,6 +129,14 @@ def _add_disturbances(parser: ArgumentParser) -> None:
         help="m/s, degrees that it comes from, share of gusts (default: 0.1)",
     )
     add(
+        "--obstacle",
+        action="append",
+        type=_obstacle,
+        default=[],
+        metavar="NORTH,EAST,RADIUS[,HEIGHT]",
+        help="cylinder on the ground, metres from home; vehicles get a proximity sensor; may be repeated",
+    )
+    add(
         "--fault",
         action="append",
         default=[],
@@ -140,8 +160,18 @@ async def _simulate(arguments: Namespace) -> int:
     simulation = Simulation(seed=arguments.seed, start=_start_time(), storage=arguments.storage)
     types = _kinds(VehicleType, arguments.type, "--type")
     firmwares = _kinds(Firmware, arguments.firmware, "--firmware")
-    payloads = {"camera": arguments.camera, "gimbal": arguments.gimbal}
-    fleet = Fleet(types, firmwares, arguments.count, arguments.home, arguments.system, **payloads)
+    fleet = Fleet(
+        types,
+        firmwares,
+        arguments.count,
+        arguments.home,
+        arguments.system,
+        camera=arguments.camera,
+        gimbal=arguments.gimbal,
+        rangefinders=arguments.rangefinder,
+    )
+    for obstacle in arguments.obstacle:
+        simulation.add_obstacle(obstacle, home=arguments.home)
     if arguments.wind:
         speed, direction, turbulence = arguments.wind
         simulation.world.set_wind(speed=speed, direction=direction, turbulence=turbulence)
@@ -232,7 +262,9 @@ class EventPrinter:
             return
         for vehicle in vehicles:
             payloads = [name for name in ("camera", "gimbal") if getattr(vehicle, name) is not None]
-            equipment = f" with {' and '.join(payloads)}" if payloads else ""
+            payloads += [f"rangefinder {each.name}" for each in vehicle.rangefinders]
+            payloads += ["proximity sensor"] * vehicle.proximity
+            equipment = f" with {', '.join(payloads)}" if payloads else ""
             echo(f"system {vehicle.address.system}: {vehicle.firmware} {vehicle.vehicle_type}{equipment}")
         shown = [link.url.redacted for link in links]
         echo("on " + (", ".join(shown) if len(shown) <= 6 else f"{shown[0]} … {shown[-1]}"))
@@ -300,6 +332,24 @@ def _count(text: str) -> int:
 def _home(text: str) -> Home:
     try:
         return Home.parse(text)
+    except MavstackError as error:
+        raise ArgumentTypeError(str(error)) from None
+
+
+def _rangefinder(text: str) -> Rangefinder:
+    from mavstack.sim.rangefinders import Rangefinder
+
+    try:
+        return Rangefinder.parse(text)
+    except MavstackError as error:
+        raise ArgumentTypeError(str(error)) from None
+
+
+def _obstacle(text: str) -> Obstacle:
+    from mavstack.sim.motion.obstacles import Obstacle
+
+    try:
+        return Obstacle.parse(text)
     except MavstackError as error:
         raise ArgumentTypeError(str(error)) from None
 

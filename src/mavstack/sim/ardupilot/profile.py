@@ -8,6 +8,7 @@ from mavstack.dialects import common
 from mavstack.services.component_metadata import provide_component_metadata
 from mavstack.services.version import provide_versions
 from mavstack.sim.ardupilot.arming import PreArmReporter, arming_problems, prearm_problems
+from mavstack.sim.ardupilot.avoidance import enable_avoidance
 from mavstack.sim.ardupilot.behaviours import RegionOfInterestYaw, ReturnPath, return_path_of
 from mavstack.sim.ardupilot.commands import origin_of, register_commands
 from mavstack.sim.ardupilot.failsafes import ArdupilotFailsafes
@@ -77,6 +78,8 @@ class ArdupilotProfile(FirmwareProfile):
             autopilot.watches.append(RegionOfInterestYaw(autopilot))
         if self.vehicle_type is VehicleType.COPTER:
             autopilot.watches += [CompassMotorCalibration(autopilot), EscCalibration(autopilot)]
+            if vehicle.proximity:
+                enable_avoidance(autopilot)
         autopilot.watches.append(PreArmReporter(autopilot))
         autopilot.watches.append(BootTexts(autopilot))
         ArdupilotFailsafes(autopilot, self.mode_failure)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol, TypeVar
 from mavstack.dialects import common
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from mavstack.dialects import Message
     from mavstack.node.engine import Engine
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from mavstack.sim.motion import Body
     from mavstack.sim.parameters import Parameters
     from mavstack.sim.port import Port
+    from mavstack.sim.rangefinders import Rangefinder
     from mavstack.sim.vehicle_types import Firmware, Home, VehicleType
 
 AnyEvent = TypeVar("AnyEvent", bound="Event")
@@ -81,6 +82,9 @@ class VehicleState(Protocol):
     booted_at: float
     boots: int
     ports: list[Port]
+    #: The chosen rangefinders, and whether the vehicle has a proximity sensor.
+    rangefinders: Sequence[Rangefinder]
+    proximity: bool
 
     @property
     def uptime(self) -> float:

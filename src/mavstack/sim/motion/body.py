@@ -27,6 +27,8 @@ from mavstack.sim.motion.state import StateArray
 from mavstack.sim.vehicle_types import Home, VehicleType
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from mavstack.sim.motion.interfaces import BodyWorld
 
 _ROWS = {name: slice(first, first + count) for name, (first, count) in StateArray.ROWS.items()}
@@ -44,6 +46,8 @@ class Body(BodyReader):
         self._heading: float | None = None
         self._has_requested_speed = (False, False, False, False)
         self._failed_motors: set[int] = set()
+        #: Changes each demanded velocity (m/s north, east, down) before it is flown; None: no change.
+        self.velocity_filter: Callable[[float, float, float], tuple[float, float, float]] | None = None
 
     # --- limits
 
@@ -194,8 +198,10 @@ class Body(BodyReader):
         north, east = finite(north, 0.0, -1e3, 1e3), finite(east, 0.0, -1e3, 1e3)
         shrink = min(1.0, maximum / max(math.hypot(north, east), 1e-9))
         vertical = finite(down, 0.0, -airframe.top_climb, airframe.top_climb)
-        maxima = (airframe.top_speed, airframe.top_climb, airframe.top_climb, maximum)
         velocity = (north * shrink, east * shrink, vertical)
+        if self.velocity_filter is not None:
+            velocity = self.velocity_filter(*velocity)
+        maxima = (airframe.top_speed, airframe.top_climb, airframe.top_climb, maximum)
         demanded = self._yaw_demand(yaw, yaw_rate)
         self._apply(Demand(Mode.VELOCITY, target=velocity, speeds=maxima, yaw=demanded))
         self._has_requested_speed = (True, True, True, False)

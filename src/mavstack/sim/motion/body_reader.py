@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.sim.motion import estimate, servos
 from mavstack.sim.motion.geodesy import LocalFrame
+from mavstack.sim.motion.obstacles import Surroundings
 from mavstack.sim.motion.readings import (
     BatteryState,
     EstimateHealth,
@@ -45,6 +46,8 @@ class BodyReader:
         self.frame = LocalFrame(home.latitude, home.longitude, home.altitude)
         #: The body's column in the state array; the world changes it when bodies are added.
         self.column = 0
+        #: The ground and the obstacles around the body.
+        self.surroundings = Surroundings()
         self._world = world
         self._tick = -1
         self._values: list[float] = []

@@ -33,8 +33,10 @@ from mavstack.sim.motion import (
 from mavstack.sim.motion.airframes import AIRFRAMES
 from mavstack.sim.motion.arrays import Array, length
 from mavstack.sim.motion.body import Body
+from mavstack.sim.motion.geodesy import LocalFrame
 from mavstack.sim.motion.initial_state import initial_column
 from mavstack.sim.motion.noise import Noise
+from mavstack.sim.motion.obstacles import Cylinder, Obstacle
 from mavstack.sim.motion.sensors import Sensors, magnetic_field
 from mavstack.sim.motion.state import StateArray
 from mavstack.sim.motion.wind import WindModel
@@ -70,6 +72,7 @@ class World:
         self.step_length = 1.0 / rate
         self.tick = 0
         self.bodies: list[Body] = []
+        self._obstacles: list[tuple[Obstacle, LocalFrame]] = []
         self._noise = Noise(seed, self.step_length)
         self.sensors = Sensors(self._noise)
         self.wind = WindModel()
@@ -93,6 +96,7 @@ class World:
         for other in self.bodies:
             other.column += other.column >= body.column
         self.bodies.append(body)
+        body.surroundings.cylinders += [_cylinder(body, *each) for each in self._obstacles]
         wander = self._noise.insert(body.column, body.number)
         fresh = initial_column(
             AIRFRAMES[vehicle_type], home, wander, self.step_length, body.number % self._gps_period
@@ -104,6 +108,18 @@ class World:
         self.sensors.invalidate()
         attitude.update_axes(self._column(body.column))
         return body
+
+    @property
+    def obstacles(self) -> list[Obstacle]:
+        """The obstacles, each in metres from the home that it was added with."""
+        return [obstacle for obstacle, _ in self._obstacles]
+
+    def add_obstacle(self, obstacle: Obstacle, home: Home) -> None:
+        """Add an obstacle in metres from a home; it stands on the ground there."""
+        frame = LocalFrame(home.latitude, home.longitude, home.altitude)
+        self._obstacles.append((obstacle.checked(), frame))
+        for body in self.bodies:
+            body.surroundings.cylinders.append(_cylinder(body, obstacle, frame))
 
     def _bind(self, data: Array) -> None:
         """Create the views of the slices of all types and laws."""
@@ -245,6 +261,12 @@ class World:
         np.divide(state.rates, state.rate_limit, out=state.controls)
         np.divide(state.lift_thrust, np.maximum(state.lift, 1.0), out=state.lift_share)
         np.minimum(np.maximum(state.lift_share, np.abs(state.drive_thrust)), 1.0, out=state.throttle)
+
+
+def _cylinder(body: Body, obstacle: Obstacle, frame: LocalFrame) -> Cylinder:
+    """Return an obstacle in the local frame of a body."""
+    north, east, base = body.frame.to_local(*frame.to_global(obstacle.north, obstacle.east, 0.0))
+    return Cylinder(north, east, obstacle.radius, base - obstacle.height)
 
 
 def _store_command(part: StateArray, command: multirotor.AttitudeCommand) -> None:

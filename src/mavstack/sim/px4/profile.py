@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.services.component_metadata import provide_component_metadata
 from mavstack.services.modes import ModeChanged
 from mavstack.services.version import provide_versions
+from mavstack.sim.autopilot.avoidance import LimitedVelocity
 from mavstack.sim.autopilot.interfaces import FirmwareProfile
 from mavstack.sim.parameters import served_metadata
 from mavstack.sim.px4 import modes
 from mavstack.sim.px4.arming import LandDetector, PreflightReporter, preflight_problems
+from mavstack.sim.px4.collision_prevention import collision_margin
 from mavstack.sim.px4.commands import register_commands
 from mavstack.sim.px4.failsafes import Px4Failsafes, setpoints_lost
 from mavstack.sim.px4.flight_parameters import Px4FlightParameters, flight_parameters_of
@@ -20,12 +23,12 @@ from mavstack.sim.px4.mode_selection import mode_refusal_of
 from mavstack.sim.px4.shell import Console, MessageLog
 from mavstack.sim.px4.state import BY_COMMAND, BY_FAILSAFE, BY_LANDING, Px4State
 from mavstack.sim.telemetry import publish_px4
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.sim.autopilot.interfaces import Autopilot, Mode, Vehicle
-    from mavstack.sim.vehicle_types import VehicleType
 
 #: PX4's names of the shared autopilot's reasons of disarming.
 _REASONS = {"commanded": BY_COMMAND, "landed": BY_LANDING, "mission end": BY_LANDING}
@@ -78,6 +81,8 @@ class Px4Profile(FirmwareProfile):
         if self.vehicle_type.flies:
             autopilot.watches.append(LandDetector(autopilot, self.state))
         Px4Failsafes(autopilot)
+        if vehicle.proximity and self.vehicle_type is VehicleType.COPTER:
+            LimitedVelocity(autopilot, partial(collision_margin, autopilot))
         self.message_log.start(vehicle)
         Console(vehicle, self.state, self.message_log)
 

@@ -63,6 +63,7 @@ GROUPS: tuple[tuple[str, int, tuple[MessageType, ...]], ...] = (
         _GROUP.EXTRA3,
         (
             *(dialect.Ahrs, dialect.Wind, dialect.WaterDepth, dialect.DistanceSensor, dialect.Rangefinder),
+            dialect.ObstacleDistance,
             *(dialect.SystemTime, dialect.TerrainReport, dialect.BatteryStatus),
             *(dialect.EkfStatusReport, dialect.Vibration),
         ),
@@ -167,6 +168,7 @@ def _grouped_producers(producers: Producers) -> dict[MessageType, Producer]:
         dialect.NavControllerOutput: control.navigation,
         dialect.PositionTargetGlobalInt: control.global_target,
         dialect.EscTelemetry1To4: control.esc_telemetry,
+        **producers.distances.ardupilot_producers(),
     }
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.services.message_request.interval import message_id_of
 from mavstack.sim.telemetry.control_messages import ControlMessages
+from mavstack.sim.telemetry.distance_messages import DistanceMessages
 from mavstack.sim.telemetry.motion_messages import MotionMessages
 from mavstack.sim.telemetry.sensor_messages import SensorMessages
 from mavstack.sim.telemetry.status_messages import StatusMessages
@@ -35,6 +36,7 @@ class Producers:
         self.view = view = VehicleView(vehicle)
         self.motion = MotionMessages(view)
         self.sensors = SensorMessages(view)
+        self.distances = DistanceMessages(view)
         self.status = StatusMessages(view)
         self.control = ControlMessages(view)
 

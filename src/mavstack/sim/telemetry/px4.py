@@ -66,6 +66,7 @@ RATES: tuple[tuple[MessageType, float, float, float, float], ...] = (
     (common.LocalPositionNed, 50.0, 1.0, 30.0, 0.0),
     (common.MissionCurrent, 1.0, 1.0, 1.0, 1.0),
     (common.NavControllerOutput, 1.0, 1.0, 10.0, 0.0),
+    (common.ObstacleDistance, 1.0, 1.0, 10.0, 0.0),
     (common.Odometry, 0.0, 0.0, 30.0, 0.0),
     (common.OpenDroneIdLocation, 1.0, 1.0, 1.0, 0.0),
     (common.OpenDroneIdSystem, 1.0, 1.0, 1.0, 0.0),
@@ -125,6 +126,8 @@ def link_rates(vehicle: Vehicle, link: LinkMode) -> dict[MessageType, float]:
     rates = {message_type: each[column] for message_type, *each in RATES}
     if shared:
         rates |= SHARED_RATES
+    if not vehicle.proximity:
+        del rates[common.ObstacleDistance]
     wind = vehicle.vehicle_type in _ESTIMATES_WIND or vehicle.parameters.get(_DRAG_FUSION, 0) == 1
     return rates if wind else {**rates, common.WindCov: 0.0}
 
@@ -135,6 +138,7 @@ def px4_producers(producers: Producers) -> dict[MessageType, Producer]:
     return {
         **_motion_producers(producers),
         **_state_producers(producers),
+        **producers.distances.producers(),
         common.LinkNodeStatus: link.node_status,
         common.Ping: link.ping,
         common.Timesync: link.timesync,
