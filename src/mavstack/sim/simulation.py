@@ -108,8 +108,7 @@ class Simulation:
             The vehicle, disarmed on the ground.
 
         Raises:
-            InvalidArgumentError: The system id is taken or out of range, all are taken, or more than six
-                rangefinders are given.
+            InvalidArgumentError: The system id is taken or out of range, or there are too many rangefinders.
         """
         taken = {vehicle.address.system for vehicle in self.vehicles}
         system = system or next((free for free in range(1, MAX_SYSTEMS + 1) if free not in taken), 0)
