@@ -59,6 +59,7 @@ def test_avoidance_follows_the_parameters(parameters):
     assert gap(fly(copter(**parameters), 5.0)) < 0
 
 
+@pytest.mark.flight
 def test_the_way_past_or_over_an_obstacle_is_free():
     assert gap(fly(copter(height=10.0), 5.0)) < 0
     one = copter()

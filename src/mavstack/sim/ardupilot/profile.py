@@ -11,6 +11,7 @@ from mavstack.sim.ardupilot.arming import PreArmReporter, arming_problems, prear
 from mavstack.sim.ardupilot.avoidance import enable_avoidance
 from mavstack.sim.ardupilot.behaviours import RegionOfInterestYaw, ReturnPath, return_path_of
 from mavstack.sim.ardupilot.commands import origin_of, register_commands
+from mavstack.sim.ardupilot.external_gps import register_external_gps
 from mavstack.sim.ardupilot.failsafes import ArdupilotFailsafes
 from mavstack.sim.ardupilot.flight_parameters import flight_parameters_of
 from mavstack.sim.ardupilot.identity import version_of
@@ -85,6 +86,7 @@ class ArdupilotProfile(FirmwareProfile):
         ArdupilotFailsafes(autopilot, self.mode_failure)
         autopilot.watches.append(ModeSwitch(autopilot, self.mode_failure))
         SimulationParameters(vehicle)
+        register_external_gps(vehicle)
         if _QUADPLANE_TYPE in vehicle.parameters:
             vehicle.parameters.on_change(_QUADPLANE_TYPE, lambda _: vehicle.services.refresh_type())
 

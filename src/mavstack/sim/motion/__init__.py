@@ -5,6 +5,7 @@ from mavstack.sim.motion.geodesy import LocalFrame
 from mavstack.sim.motion.readings import (
     BatteryState,
     EstimateHealth,
+    GpsReport,
     Limits,
     Motion,
     SensorReadings,
@@ -16,6 +17,7 @@ __all__ = [
     "BatteryState",
     "Body",
     "EstimateHealth",
+    "GpsReport",
     "Limits",
     "LocalFrame",
     "Motion",

@@ -22,7 +22,7 @@ from mavstack.sim.motion.demands import (
     finite,
     line,
 )
-from mavstack.sim.motion.readings import Limits
+from mavstack.sim.motion.readings import FIX_3D, GpsReport, Limits
 from mavstack.sim.motion.state import StateArray
 from mavstack.sim.vehicle_types import Home, VehicleType
 
@@ -48,6 +48,8 @@ class Body(BodyReader):
         self._failed_motors: set[int] = set()
         #: Changes each demanded velocity (m/s north, east, down) before it is flown; None: no change.
         self.velocity_filter: Callable[[float, float, float], tuple[float, float, float]] | None = None
+        #: Faults of the body's own GPS receiver: failed, and metres of the spoofed offset.
+        self._gps_failed, self._gps_offset = False, (0.0, 0.0)
 
     # --- limits
 
@@ -291,12 +293,50 @@ class Body(BodyReader):
 
     def fail_gps(self, failed: bool = True) -> None:
         """Fail or restore the GPS receiver."""
-        self._fault("gps_lost", float(failed))
+        self._gps_failed = failed
+        self._apply_gps_faults()
 
     def spoof_gps(self, north: float, east: float) -> None:
         """Offset the GPS position by metres north and east."""
-        places = finite(north, 0.0, -1e5, 1e5), finite(east, 0.0, -1e5, 1e5)
-        self._fault("spoof", *places, 0.0)
+        self._gps_offset = finite(north, 0.0, -1e5, 1e5), finite(east, 0.0, -1e5, 1e5)
+        self._apply_gps_faults()
+
+    def _apply_gps_faults(self) -> None:
+        """Apply the faults of the body's own receiver while the estimate follows it."""
+        if self._gps_report is None:
+            self._fault("gps_lost", float(self._gps_failed))
+            self._fault("spoof", *self._gps_offset, 0.0)
+
+    def replace_gps(self, report: GpsReport | None) -> None:
+        """Let the estimate follow a receiver outside the simulation instead of the body's own.
+
+        Between two reports the estimate moves with the body, as inertial navigation does.
+
+        Args:
+            report: The report; without a 3D fix the position is lost. None returns to the own receiver.
+        """
+        was_lost = self._gps_report is None or self._gps_report.gps_fix < FIX_3D
+        self._gps_report = report
+        if report is None:
+            self._apply_gps_faults()
+            return
+        fixed = report.gps_fix >= FIX_3D
+        self._fault("gps_lost", float(not fixed))
+        if not fixed:
+            return
+        north, east, _ = self.frame.to_local(report.gps_latitude, report.gps_longitude, 0.0)
+        offset = self._offset_from_truth(north, east)
+        self._fault("spoof", *offset, 0.0)
+        if was_lost:  # the first position is taken at once, later ones are approached
+            self._world.state.position_error[:2, self.column] = offset
+
+    def _offset_from_truth(self, north: float, east: float) -> tuple[float, float]:
+        """Return the offset of a given position from the true one, in metres."""
+        truth = self.truth
+        return (
+            finite(north - truth.north, 0.0, -MAX_DISTANCE, MAX_DISTANCE),
+            finite(east - truth.east, 0.0, -MAX_DISTANCE, MAX_DISTANCE),
+        )
 
     def offset_compass(self, radians: float) -> None:
         """Offset the compass heading by an angle in radians."""

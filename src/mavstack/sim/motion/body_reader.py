@@ -14,6 +14,7 @@ from mavstack.sim.motion.obstacles import Surroundings
 from mavstack.sim.motion.readings import (
     BatteryState,
     EstimateHealth,
+    GpsReport,
     Limits,
     Motion,
     SensorReadings,
@@ -53,6 +54,7 @@ class BodyReader:
         self._values: list[float] = []
         self._truth: Motion | None = None
         self._estimate: Motion | None = None
+        self._gps_report: GpsReport | None = None
 
     def _read(self) -> list[float]:
         """Return the published part of the column, copied once per step."""
@@ -147,7 +149,8 @@ class BodyReader:
     def sensors(self) -> SensorReadings:
         """Sensor readings of this step."""
         world = self._world
-        return readings(world.sensor_values(self.column), self._read(), self.frame)
+        own = readings(world.sensor_values(self.column), self._read(), self.frame)
+        return own if self._gps_report is None else own._replace(**self._gps_report._asdict())
 
     @property
     def limits(self) -> Limits:

@@ -4,6 +4,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+#: GPS_FIX_TYPE of a receiver without and with a position.
+NO_FIX, FIX_3D = 1, 3
+#: Dilution of precision per metre of position error.
+DILUTION = 0.78
+#: Error of an unknown position, in metres.
+UNKNOWN_ERROR = 99.99
+
 
 class Motion(NamedTuple):
     """Position, velocity, acceleration, attitude and body rates: metres from the frame's origin, radians."""
@@ -72,6 +79,21 @@ class SensorReadings(NamedTuple):
     gps_satellites: int
     gps_eph: float
     gps_epv: float
+
+
+class GpsReport(NamedTuple):
+    """Report of a receiver outside the simulation, with the fields of `SensorReadings` that it replaces."""
+
+    gps_latitude: float = 0.0
+    gps_longitude: float = 0.0
+    gps_altitude: float = 0.0
+    gps_velocity_north: float = 0.0
+    gps_velocity_east: float = 0.0
+    gps_velocity_down: float = 0.0
+    gps_fix: int = NO_FIX
+    gps_satellites: int = 0
+    gps_eph: float = UNKNOWN_ERROR
+    gps_epv: float = UNKNOWN_ERROR
 
 
 class EstimateHealth(NamedTuple):

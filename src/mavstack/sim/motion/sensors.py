@@ -16,7 +16,7 @@ import numpy as np
 
 from mavstack.sim.motion.arrays import Array, clip
 from mavstack.sim.motion.battery import GRAVITY
-from mavstack.sim.motion.readings import SensorReadings
+from mavstack.sim.motion.readings import FIX_3D, NO_FIX, UNKNOWN_ERROR, SensorReadings
 from mavstack.sim.motion.state import StateArray
 
 if TYPE_CHECKING:
@@ -37,8 +37,6 @@ SEA_LEVEL, KELVIN, LAPSE, EXPONENT, DENSITY = 1013.25, 288.15, 0.0065, 5.2559, 1
 WATER = 98.0
 #: Magnetic field of the dipole at the equator, in gauss.
 EQUATOR_FIELD = 0.31
-NO_FIX, FIX_3D = 1, 3
-UNKNOWN_ERROR = 99.99
 #: GPS_FIX_TYPE, satellites, and expected horizontal and vertical errors in metres.
 GOOD_FIX = (FIX_3D, 14, 0.8, 1.3)
 _GPS, _LOST, _BARO = (

@@ -16,6 +16,7 @@ from mavstack.sim.px4 import modes
 from mavstack.sim.px4.arming import LandDetector, PreflightReporter, preflight_problems
 from mavstack.sim.px4.collision_prevention import collision_margin
 from mavstack.sim.px4.commands import register_commands
+from mavstack.sim.px4.external_gps import register_external_gps
 from mavstack.sim.px4.failsafes import Px4Failsafes, setpoints_lost
 from mavstack.sim.px4.flight_parameters import Px4FlightParameters, flight_parameters_of
 from mavstack.sim.px4.identity import version_of
@@ -83,6 +84,7 @@ class Px4Profile(FirmwareProfile):
         Px4Failsafes(autopilot)
         if vehicle.proximity and self.vehicle_type is VehicleType.COPTER:
             LimitedVelocity(autopilot, partial(collision_margin, autopilot))
+        register_external_gps(vehicle)
         self.message_log.start(vehicle)
         Console(vehicle, self.state, self.message_log)
 

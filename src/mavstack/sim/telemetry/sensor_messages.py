@@ -10,6 +10,7 @@ from math import atan2, hypot, isfinite, nan
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import ardupilotmega, common
+from mavstack.sim.motion.readings import DILUTION
 from mavstack.sim.telemetry.motion_messages import pressure_altitude
 from mavstack.sim.telemetry.scaling import (
     UINT16_MAX,
@@ -32,8 +33,6 @@ if TYPE_CHECKING:
 _MILLI_G, _MILLI = 1000.0 / 9.80665, 1000.0
 #: Range of the rangefinder in centimetres.
 _MIN_DISTANCE, _MAX_DISTANCE = 5, 5000
-#: Dilution of precision per metre of position error.
-_DILUTION = 0.78
 _ALL_FIELDS = 0x1FFF
 _WITHOUT_AIR = _ALL_FIELDS & ~int(common.HighresImuUpdatedFlags.DIFF_PRESSURE)
 _MIN_COURSE_SPEED = 0.1
@@ -159,8 +158,8 @@ class SensorMessages:
             lat=degrees_e7(readings.gps_latitude),
             lon=degrees_e7(readings.gps_longitude),
             alt=altitude,
-            eph=uint16(readings.gps_eph * _DILUTION * 100.0) if fixed else UINT16_MAX,
-            epv=uint16(readings.gps_epv * _DILUTION * 100.0) if fixed else UINT16_MAX,
+            eph=uint16(readings.gps_eph * DILUTION * 100.0) if fixed else UINT16_MAX,
+            epv=uint16(readings.gps_epv * DILUTION * 100.0) if fixed else UINT16_MAX,
             vel=uint16(speed * 100.0) if fixed else UINT16_MAX,
             cog=_course(readings) if fixed and speed > _MIN_COURSE_SPEED else 0 if fixed else UINT16_MAX,
             satellites_visible=min(max(readings.gps_satellites, 0), 254),
