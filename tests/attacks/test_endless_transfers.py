@@ -10,9 +10,9 @@ from mavstack.services.ftp import FtpClient, Opcode
 from mavstack.services.log import LogClient, LogEntry
 from mavstack.services.operation import SLOW_START
 from mavstack.services.parameters import ParameterClient
-from tests.services.drive import give, pass_time, sent
 from tests.services.ftp.test_pitfalls import asked, opened, reply
 from tests.services.network import GROUND, START, VEHICLE
+from tests.services.single_service import deliver, run_timers, sent_by
 
 
 def test_a_file_of_unknown_size_is_bounded() -> None:
@@ -49,13 +49,13 @@ def test_a_log_that_outgrows_its_entry_is_bounded() -> None:
     operation = client.download(listed, START, max_size=5000)
     now, offset = START, 0
     for _ in range(300):
-        for message in sent(client, now):
+        for message in sent_by(client, now):
             if isinstance(message, common.LogRequestList):
                 entry = common.LogEntry(id=1, num_logs=1, last_log_num=1, size=100)
-                give(client, entry, VEHICLE, now)
+                deliver(client, entry, VEHICLE, now)
             elif isinstance(message, common.LogRequestData):
                 for offset in range(message.ofs, message.ofs + message.count, 90):
-                    give(client, common.LogData(id=1, ofs=offset, count=90, data=bytes(90)), VEHICLE, now)
+                    deliver(client, common.LogData(id=1, ofs=offset, count=90, data=bytes(90)), VEHICLE, now)
         now += 0.1
         client.handle_timeout(now)
         if operation.done:
@@ -67,15 +67,15 @@ def test_a_log_that_outgrows_its_entry_is_bounded() -> None:
         operation.result()
 
 
-def drip(client, operation, message_at, interval=8.0) -> float:
+def answer_slowly(client, operation, message_at, interval=8.0) -> float:
     """Let a component send one message every few seconds; returns how long the operation takes it."""
     now = START
     for number in range(10_000):
         if operation.done:
             break
-        give(client, message_at(number), VEHICLE, now, number % 256)
-        sent(client, now)
-        pass_time(client, now + interval)
+        deliver(client, message_at(number), VEHICLE, now, number % 256)
+        sent_by(client, now)
+        run_timers(client, now + interval)
         now += interval
     return now - START
 
@@ -89,7 +89,7 @@ def test_parameters_that_arrive_one_by_one_for_ever() -> None:
             param_id=f"P{number}", param_count=5000, param_index=number, param_value=1.0, param_type=9
         )
 
-    took = drip(client, operation, value)
+    took = answer_slowly(client, operation, value)
     with pytest.raises(
         ParameterTimeout, match=r"too slow, only \d+ arrived in \d+ s; timeout= allows"
     ) as raised:
@@ -107,7 +107,7 @@ def test_a_timeout_replaces_the_minimum_rate() -> None:
             param_id=f"P{number}", param_count=5000, param_index=number, param_value=1.0, param_type=9
         )
 
-    took = drip(client, operation, value)
+    took = answer_slowly(client, operation, value)
     assert 1990 <= took <= 2010
     with pytest.raises(ParameterTimeout, match=r"only \d+ arrived in 2000 s; timeout= allows more time"):
         operation.result()

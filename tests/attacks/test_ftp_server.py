@@ -22,9 +22,9 @@ from mavstack.services.ftp import (
 from mavstack.services.ftp.overlay import MAX_UPLOADS
 from mavstack.services.ftp.sessions import MAX_SESSIONS, MAX_SESSIONS_PER_CLIENT, MIN_SESSION_DURATION
 from mavstack.sim.storage.roots import FOLDER_CAPACITY, file_store
-from tests.services.drive import give, sent
 from tests.services.ftp.test_pitfalls import ask
 from tests.services.network import GROUND, START, VEHICLE
+from tests.services.single_service import deliver, sent_by
 
 HUGE = (1 << 32) - 1
 
@@ -35,11 +35,11 @@ def client(number: int) -> Address:
 
 def request(server, opcode, data=b"", *, source=GROUND, now=START, sequence=1, **fields) -> None:
     payload = FtpPayload.request(opcode, data, **fields).numbered(sequence)
-    give(server, payload.to_message(*VEHICLE), source, now)
+    deliver(server, payload.to_message(*VEHICLE), source, now)
 
 
 def replies(server, now) -> list[tuple[int, FtpPayload]]:
-    return [(message.target_system, FtpPayload.read(message)) for message in sent(server, now)]
+    return [(message.target_system, FtpPayload.read(message)) for message in sent_by(server, now)]
 
 
 @pytest.fixture
@@ -242,8 +242,8 @@ def test_many_busy_clients_leave_others_a_session(serve) -> None:
             if not second:
                 ask(server, Opcode.OPENFILERO, b"f", source=source, now=now + number / 100)
             ask(server, Opcode.READFILE, size=1, source=source, sequence=second + 2, now=now + 0.7)
-        honest = client(240)
-        (reply,) = ask(server, Opcode.OPENFILERO, b"f", source=honest, sequence=second, now=now + 0.9)
+        other_client = client(240)
+        (reply,) = ask(server, Opcode.OPENFILERO, b"f", source=other_client, sequence=second, now=now + 0.9)
         if reply.error is None:
             opened_after = second
             break
@@ -262,7 +262,7 @@ def test_bursts_share_a_slow_link(serve) -> None:
     packets = dict.fromkeys((source.system for source in clients), 0)
     for step in range(160):
         room = iter([True])
-        for message in sent(server, START + 0.5 + step / 1000, lambda *_: next(room, False)):  # noqa: B023
+        for message in sent_by(server, START + 0.5 + step / 1000, lambda *_: next(room, False)):  # noqa: B023
             packets[message.target_system] += 1
     assert set(packets.values()) == {10}
 

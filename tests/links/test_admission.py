@@ -31,7 +31,7 @@ def table():
     return []
 
 
-def test_a_link_with_room_closes_nobody(table):
+def test_a_link_with_room_closes_no_peer(table):
     Peer(table, "a")
     assert Admission(2).admit("b", table, NOW)
     assert len(table) == 1

@@ -27,7 +27,7 @@ def descriptors():
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="leases are a service of Linux")
-def test_a_file_that_nobody_writes_is_mapped(path):
+def test_a_file_that_no_process_writes_is_mapped(path):
     source = LogBytes(path)
     with source.access() as data:
         assert isinstance(data, mmap.mmap)

@@ -9,11 +9,11 @@ from mavstack.services.camera import CameraInformation, CameraSettingsServer, re
 from mavstack.services.ftp import FtpServer, MemoryStore
 from mavstack.services.gimbal import GimbalInformation, GimbalMotion
 from mavstack.sim.virtual import run_virtually
-from tests.services.camera.pairs import EVERYTHING, Camera
+from tests.services.camera.harness import EVERYTHING, Camera
 from tests.services.camera.test_definition import FILE
 
 
-class Pair:
+class PayloadPair:
     """A ground station and the payload."""
 
     def __init__(self, uri: str = "mftp:///camera.xml") -> None:
@@ -47,7 +47,7 @@ class Pair:
 
 def with_pair(work, **options) -> None:
     async def run() -> None:
-        async with Pair(**options) as pair:
+        async with PayloadPair(**options) as pair:
             await work(pair)
 
     run_virtually(run())

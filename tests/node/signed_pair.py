@@ -17,7 +17,7 @@ START = 1_790_000_000.0
 CHANGES = [(None, NEW), (OLD, NEW), (OLD, None)]
 
 
-class Pair:
+class SignedPair:
     """A ground station, and a vehicle that accepts keys over trusted channels."""
 
     def __init__(self, key=None, *, vehicle_key=..., trusted=True, timestamps=None) -> None:
@@ -88,7 +88,7 @@ async def receive_packets(node: Node, seconds: float = 3.0):
         return packets.drain()
 
 
-async def assert_both_use(pair: Pair, key, seconds: float = 3.0) -> None:
+async def assert_both_use(pair: SignedPair, key, seconds: float = 3.0) -> None:
     """Assert that both nodes receive packets of each other, all signed with the key, and refuse none."""
     for packets in await asyncio.gather(
         receive_packets(pair.ground, seconds), receive_packets(pair.vehicle, seconds)

@@ -14,12 +14,12 @@ from mavstack.errors import (
     ParameterDenied,
     RemoteDenied,
 )
-from tests.node.payload import Pair, with_pair
+from tests.node.payload import PayloadPair, with_pair
 from tests.services.camera.test_definition import FILE
 
 
 def test_reports() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: PayloadPair) -> None:
         camera = pair.camera
         assert camera.information is None
         assert repr(camera) == "<Camera 1/100>"
@@ -38,7 +38,7 @@ def test_reports() -> None:
 
 
 def test_images() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: PayloadPair) -> None:
         camera = pair.camera
         async with camera.images() as images:
             image = await camera.take_photo()
@@ -56,7 +56,7 @@ def test_images() -> None:
 
 
 def test_video_mode_lens_and_tracking() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: PayloadPair) -> None:
         camera = pair.camera
         with pytest.raises(CommandDenied, match="VIDEO_START_CAPTURE on 1/100 failed: TEMPORARILY_REJECTED"):
             await camera.start_video()
@@ -83,7 +83,7 @@ def test_video_mode_lens_and_tracking() -> None:
 
 
 def test_settings() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: PayloadPair) -> None:
         settings = pair.camera.settings
         with pytest.raises(InvalidArgumentError, match="was not loaded"):
             settings.options("CAM_ISO")
@@ -105,7 +105,7 @@ def test_settings() -> None:
 
 
 def test_settings_without_a_definition_are_checked_by_the_camera() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: PayloadPair) -> None:
         settings = pair.camera.settings
         with pytest.raises(ParameterDenied):
             await settings.set("CAM_ISO", 3)
@@ -123,7 +123,7 @@ def test_settings_without_a_definition_are_checked_by_the_camera() -> None:
     ],
 )
 def test_definitions_that_cannot_be_loaded(uri: str, error: type, problem: str) -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: PayloadPair) -> None:
         with pytest.raises(error, match=problem):
             await pair.camera.settings.load()
         assert (await pair.camera.settings.load(FILE)).model == "T1"
@@ -132,7 +132,7 @@ def test_definitions_that_cannot_be_loaded(uri: str, error: type, problem: str) 
 
 
 def test_arguments_are_checked_before_anything_is_sent() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: PayloadPair) -> None:
         with pytest.raises(InvalidArgumentError, match="photo, video or survey, got 'night'"):
             await pair.camera.set_mode("night")
         with pytest.raises(InvalidArgumentError, match="positive interval"):

@@ -8,13 +8,13 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.sim.virtual import run_virtually
-from tests.node.vehicle import Pair
+from tests.node.vehicle import VehiclePair
 
 
 @pytest.mark.parametrize("autopilot", [common.MavAutopilot.PX4, common.MavAutopilot.ARDUPILOTMEGA])
 def test_cached_state_is_discarded_and_requested_again(autopilot):
     async def scenario():
-        async with Pair(autopilot=autopilot) as pair:
+        async with VehiclePair(autopilot=autopilot) as pair:
             remote = pair.remote
             assert remote.mission.progress is None
             remote._clients.modes.custom_mode = 7
@@ -45,7 +45,7 @@ def test_cached_state_is_discarded_and_requested_again(autopilot):
 
 def test_clearing_an_empty_cache():
     async def scenario():
-        async with Pair() as pair:
+        async with VehiclePair() as pair:
             pair.remote.clear_cache()
             assert not {"params", "modes", "mission"} & set(vars(pair.remote._clients))
 
@@ -55,7 +55,7 @@ def test_clearing_an_empty_cache():
 @pytest.mark.parametrize("part", ["params", "extended_params"])
 def test_a_running_download_restarts(part):
     async def scenario():
-        async with Pair() as pair:
+        async with VehiclePair() as pair:
             params_part = getattr(pair.remote, part)
             lists = pair.vehicle.stream(common.ParamRequestList, common.ParamExtRequestList)
             fetching = asyncio.create_task(params_part.download())

@@ -18,7 +18,7 @@ from mavstack.services.command import Command
 from mavstack.sim.background import BackgroundSimulator
 from mavstack.sim.virtual import run_virtually
 from mavstack.wire import Encoder
-from tests.node.vehicle import Pair
+from tests.node.vehicle import VehiclePair
 
 VEHICLES = 5
 
@@ -176,7 +176,7 @@ def test_a_call_of_several_requests_is_cancelled_between_two_of_them(autopilot) 
     """The node closes in the turn of the event loop in which an answer ends the first request."""
 
     async def main() -> None:
-        async with Pair(autopilot=autopilot) as pair:
+        async with VehiclePair(autopilot=autopilot) as pair:
             closing = []
             pair.ground.add_packet_listener(
                 common.AutopilotVersion, lambda _: closing.append(asyncio.create_task(pair.ground.close()))

@@ -18,7 +18,7 @@ from mavstack.services.mission import MissionItem, Plan
 from mavstack.services.modes import modes_of
 from mavstack.services.setpoints import LocalSetpoint
 from mavstack.sim.virtual import run_virtually
-from tests.node.vehicle import COPTER, Pair
+from tests.node.vehicle import COPTER, VehiclePair
 
 PX4 = common.MavAutopilot.PX4
 #: On channels 9 to 18 zero means no change, and this value releases a channel.
@@ -27,14 +27,14 @@ RELEASE_LATE = 65534
 
 def with_pair(work, **options) -> None:
     async def run() -> None:
-        async with Pair(**options) as pair:
+        async with VehiclePair(**options) as pair:
             await work(pair)
 
     run_virtually(run())
 
 
 def test_parameters() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: VehiclePair) -> None:
         parameters = pair.remote.params
         assert (await parameters.get("P_07")).value == 7
         async with parameters.changes() as changes:
@@ -54,7 +54,7 @@ def test_parameters() -> None:
 
 
 def test_logs() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: VehiclePair) -> None:
         listed = await pair.remote.logs.list()
         assert [entry.size for entry in listed] == [10240, 5]
         assert await pair.remote.logs.download(listed[0]) == pair.vehicle.logs.contents[1]
@@ -73,7 +73,7 @@ def test_logs() -> None:
     ],
 )
 def test_modes(autopilot: int, mode: str, name: str) -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: VehiclePair) -> None:
         modes = pair.remote.modes
         async with modes.changes() as changes:
             await modes.set(mode)
@@ -85,7 +85,7 @@ def test_modes(autopilot: int, mode: str, name: str) -> None:
 
 
 def test_standard_modes() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: VehiclePair) -> None:
         server, modes = pair.vehicle.modes, pair.remote.modes
         rtl, standard = 0x05040000, common.MavStandardMode
         server.offer(modes_of(PX4, COPTER, [0, 0x04040000, rtl], {rtl: standard.SAFE_RECOVERY}), 0.0)
@@ -107,7 +107,7 @@ def test_standard_modes() -> None:
 
 
 def test_an_accepted_standard_mode_that_is_not_entered_times_out() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: VehiclePair) -> None:
         command = common.MavCmd.DO_SET_STANDARD_MODE
         pair.vehicle.commands.server.support(command, lambda _: common.MavResult.ACCEPTED)
         with pytest.raises(
@@ -119,7 +119,7 @@ def test_an_accepted_standard_mode_that_is_not_entered_times_out() -> None:
 
 
 def test_a_shell() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: VehiclePair) -> None:
         async with pair.remote.shell() as shell:
             shell.write_line("ver all")
             received = ""
@@ -133,7 +133,7 @@ def test_a_shell() -> None:
 
 
 def test_setpoints_and_manual_control_end_with_their_block() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: VehiclePair) -> None:
         ground = pair.ground.address
         async with pair.remote.setpoints(rate=10) as stream:
             stream.set(LocalSetpoint(velocity=(1.0, 0.0, -0.5)))
@@ -156,7 +156,7 @@ def test_setpoints_and_manual_control_end_with_their_block() -> None:
 
 @pytest.mark.parametrize("raises", [False, True])
 def test_channels_are_overridden_in_a_block_and_then_released(raises: bool) -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: VehiclePair) -> None:
         async def steer() -> None:
             async with pair.remote.override_channels(rate=10) as channels:
                 channels.set(ChannelOverride({3: 1600, 9: 1200}))
@@ -187,7 +187,7 @@ def test_channels_are_overridden_in_a_block_and_then_released(raises: bool) -> N
 
 
 def test_send_fills_in_the_target() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: VehiclePair) -> None:
         async with pair.vehicle.stream(common.PlayTuneV2) as received:
             pair.remote.send(common.PlayTuneV2(tune="MFT200"))
             message = await anext(received)
@@ -197,7 +197,7 @@ def test_send_fills_in_the_target() -> None:
 
 
 def test_files() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: VehiclePair) -> None:
         files = pair.remote.ftp
         assert {entry.name for entry in await files.list("/")} >= {"logs", "hello.txt"}
         steps: list = []
@@ -220,7 +220,7 @@ def test_files() -> None:
 
 
 def test_a_cancelled_download_closes_its_session() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: VehiclePair) -> None:
         def stop(_done: int, _total: int) -> None:
             task.cancel()
 
@@ -234,7 +234,7 @@ def test_a_cancelled_download_closes_its_session() -> None:
 
 
 def test_ardupilot_parameters_are_downloaded_as_one_file() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: VehiclePair) -> None:
         async with pair.ground.packets(common.ParamValue) as values:
             fetched = await pair.remote.params.download()
             assert len(values.drain()) == 0
@@ -246,7 +246,7 @@ def test_ardupilot_parameters_are_downloaded_as_one_file() -> None:
 
 
 def test_extended_parameters() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: VehiclePair) -> None:
         extended = pair.remote.extended_params
         assert (await extended.get("CAM_MODE")).value == "photo"
         assert (await extended.set("CAM_MODE", "video")).value == "video"
@@ -256,7 +256,7 @@ def test_extended_parameters() -> None:
 
 
 def test_modes_that_are_not_reported_come_from_the_documentation() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: VehiclePair) -> None:
         pair.vehicle.commands.server.support(common.MavCmd.REQUEST_MESSAGE, lambda _: common.MavResult.FAILED)
         names = {mode.name.upper() for mode in await pair.remote.modes.list()}
         assert {"STABILIZE", "GUIDED", "RTL", "LOITER"} <= names
@@ -265,7 +265,7 @@ def test_modes_that_are_not_reported_come_from_the_documentation() -> None:
 
 
 def test_list_omits_the_directory_itself_and_its_parent() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: VehiclePair) -> None:
         listed = pair.vehicle.files.list_directory
         extra = [Entry(name, is_directory=True) for name in (".", "..")]
         pair.vehicle.files.list_directory = lambda path: [*extra, *listed(path)]
@@ -305,7 +305,7 @@ def test_errors_name_a_command_of_the_nodes_dialect(tmp_path) -> None:
 
 def test_received_parameters_are_read_by_name() -> None:
     async def work() -> None:
-        async with Pair() as pair:
+        async with VehiclePair() as pair:
             params = pair.remote.params
             with pytest.raises(KeyError, match=r"call get\('P_03'\), or download"):
                 _ = params["P_03"]

@@ -8,11 +8,11 @@ import pytest
 
 from mavstack.errors import ActionTimeout, CommandDenied, InvalidArgumentError
 from mavstack.services.gimbal import GimbalSetpoint, GimbalSticks
-from tests.node.payload import Pair, with_pair
+from tests.node.payload import PayloadPair, with_pair
 
 
 def test_discovery_and_control() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: PayloadPair) -> None:
         first, second = await pair.remote.list_gimbals()
         assert (first.device_id, second.device_id) == (1, 2)
         assert repr(second) == "<Gimbal 1/100 device 2>"
@@ -34,7 +34,7 @@ def test_discovery_and_control() -> None:
 
 
 def test_pointing() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: PayloadPair) -> None:
         gimbal = pair.gimbal
         await gimbal.take_control(force=True)
         await gimbal.turn(yaw_rate=20)
@@ -55,7 +55,7 @@ def test_pointing() -> None:
 
 
 def test_streams() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: PayloadPair) -> None:
         gimbal = pair.gimbal
         await gimbal.take_control()
         async with gimbal.control(rate=10) as control:
@@ -72,7 +72,7 @@ def test_streams() -> None:
 
 
 def test_arguments_are_checked_before_anything_is_sent() -> None:
-    async def work(pair: Pair) -> None:
+    async def work(pair: PayloadPair) -> None:
         gimbal = pair.gimbal
         with pytest.raises(InvalidArgumentError, match="needs a pitch or a yaw"):
             await gimbal.point()

@@ -20,7 +20,7 @@ from tests.node.signed_pair import (
     PX4,
     START,
     THIRD,
-    Pair,
+    SignedPair,
     assert_both_use,
     receive_packets,
     refusals,
@@ -32,7 +32,7 @@ pytestmark = pytest.mark.usefixtures("clock")
 @pytest.mark.parametrize(("old", "new"), CHANGES)
 def test_both_nodes_use_an_installed_key_also_after_reconnects(old, new) -> None:
     async def work() -> None:
-        async with Pair(old) as pair:
+        async with SignedPair(old) as pair:
             await assert_both_use(pair, old)
             async with pair.vehicle.events(KeySettled) as settled:
                 await pair.setup_signing(new)
@@ -50,7 +50,7 @@ def test_both_nodes_use_an_installed_key_also_after_reconnects(old, new) -> None
 @pytest.mark.parametrize("old", [None, OLD])
 def test_a_refused_key_changes_nothing(old) -> None:
     async def work() -> None:
-        async with Pair(old, trusted=False) as pair:
+        async with SignedPair(old, trusted=False) as pair:
             with pytest.raises(RemoteDenied, match="setting a signing key on 1/1 failed"):
                 await pair.setup_signing(NEW)
             await assert_both_use(pair, old)
@@ -65,7 +65,10 @@ def test_a_key_of_one_channel_is_not_used_on_others() -> None:
     """A key shared with one vehicle is not used with others."""
 
     async def work() -> None:
-        async with Pair() as pair, Node(pair.network.link(), system=2, component=1, autopilot=PX4) as other:
+        async with (
+            SignedPair() as pair,
+            Node(pair.network.link(), system=2, component=1, autopilot=PX4) as other,
+        ):
             await asyncio.sleep(1)
             pair.trust()
             await pair.setup_signing(NEW)
@@ -82,7 +85,7 @@ def test_a_key_installed_on_a_node_applies_to_all_its_channels() -> None:
     """A key installed over the cable applies to the radio too, and to channels that open later."""
 
     async def work() -> None:
-        async with Pair() as pair, Node(pair.network.link(), system=9) as other:
+        async with SignedPair() as pair, Node(pair.network.link(), system=9) as other:
             await asyncio.sleep(1)
             pair.trust()
             await pair.setup_signing(NEW)
@@ -104,7 +107,7 @@ def test_the_later_of_two_keys_applies() -> None:
     """The ground station installs a key on the vehicle, then the vehicle another on the ground station."""
 
     async def work() -> None:
-        async with Pair() as pair:
+        async with SignedPair() as pair:
             server = SigningSetupServer(pair.ground.address, may_set=lambda _: None)
             pair.ground.serve(server)
             await pair.setup_signing(NEW)
@@ -118,7 +121,7 @@ def test_the_later_of_two_keys_applies() -> None:
 
 def test_only_radio_status_is_accepted_unsigned() -> None:
     async def work() -> None:
-        async with Pair(OLD) as pair:
+        async with SignedPair(OLD) as pair:
             radio = Encoder(51, 68)
             (channel,) = pair.vehicle_link.channels
             async with pair.vehicle.packets(system=51) as packets:
@@ -134,7 +137,7 @@ def test_only_radio_status_is_accepted_unsigned() -> None:
 @pytest.mark.parametrize(("ground", "vehicle"), [(None, OLD), (NEW, OLD)])
 def test_packets_with_another_key_are_refused(ground, vehicle) -> None:
     async def work() -> None:
-        async with Pair(ground, vehicle_key=vehicle) as pair:
+        async with SignedPair(ground, vehicle_key=vehicle) as pair:
             with pytest.raises(RemoteTimeout):
                 await pair.setup_signing(None, timeout=5)
             assert await receive_packets(pair.vehicle) == []

@@ -11,12 +11,12 @@ from mavstack.links import MemoryNetwork
 from mavstack.services.signing_setup import ListenForKey, UseNewKey
 from mavstack.services.signing_setup.key_change import TRIAL_DURATION
 from mavstack.sim.virtual import run_virtually
-from tests.node.signed_pair import CHANGES, NEW, THIRD, Pair, assert_both_use, refusals
+from tests.node.signed_pair import CHANGES, NEW, THIRD, SignedPair, assert_both_use, refusals
 
 pytestmark = pytest.mark.usefixtures("clock")
 
 
-class InterruptedPair(Pair):
+class InterruptedPair(SignedPair):
     """A pair whose link is interrupted during a change of keys.
 
     `stage` is the event, at the vehicle or at the ground station, after which the ground station receives
@@ -97,7 +97,7 @@ def test_a_failed_change_ends_on_reopened_channels_too() -> None:
     """Nothing was received on the reopened channel, so only its name relates it to the change."""
 
     async def work() -> None:
-        async with Pair() as pair:
+        async with SignedPair() as pair:
             await asyncio.sleep(1.2)
             pair.send_key(setup(NEW))
             await asyncio.sleep(0.1)
@@ -118,7 +118,7 @@ def test_a_failed_change_ends_on_reopened_channels_too() -> None:
 
 def test_another_key_on_a_reopened_channel_ends_the_first_change_alone() -> None:
     async def work() -> None:
-        async with Pair() as pair:
+        async with SignedPair() as pair:
             await asyncio.sleep(1.2)
             pair.send_key(setup(NEW, 1))
             await asyncio.sleep(0.1)
@@ -187,7 +187,7 @@ def test_the_signing_state_of_the_change_is_kept_after_it(reconnects) -> None:
     """A new signing state would accept replayed packets."""
 
     async def work() -> None:
-        async with Pair() as pair:
+        async with SignedPair() as pair:
             await asyncio.sleep(1.2)
             pair.send_key(setup(NEW))
             await asyncio.sleep(0.1)

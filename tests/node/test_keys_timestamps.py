@@ -12,7 +12,7 @@ from mavstack.node.keys import STORE_INTERVAL
 from mavstack.security import TimestampStore
 from mavstack.security.timestamps import LastRun
 from mavstack.sim.virtual import run_virtually
-from tests.node.signed_pair import NEW, OLD, PX4, Pair, assert_both_use, receive_packets
+from tests.node.signed_pair import NEW, OLD, PX4, SignedPair, assert_both_use, receive_packets
 
 pytestmark = pytest.mark.usefixtures("clock")
 
@@ -38,7 +38,7 @@ class Store(TimestampStore):
 def test_the_timestamp_is_stored_periodically_and_on_close() -> None:
     async def work() -> None:
         store = Store()
-        async with Pair(OLD, timestamps=store) as pair:
+        async with SignedPair(OLD, timestamps=store) as pair:
             await asyncio.sleep(STORE_INTERVAL - 0.1)
             assert store.stored == []
             await asyncio.sleep(3 * STORE_INTERVAL)
@@ -59,7 +59,7 @@ def test_a_failing_store_is_reported_and_stops_nothing(error) -> None:
         asyncio.get_running_loop().set_exception_handler(lambda _, context: reported.append(context))
         store = Store()
         store.error = error
-        async with Pair(OLD, timestamps=store) as pair:
+        async with SignedPair(OLD, timestamps=store) as pair:
             await asyncio.sleep(2 * STORE_INTERVAL + 1)
             assert [context["exception"] for context in reported] == [error] * 2
             await assert_both_use(pair, OLD)
@@ -76,7 +76,7 @@ def test_a_failing_store_is_reported_and_stops_nothing(error) -> None:
 def test_the_timestamp_of_a_closed_channel_is_stored_too() -> None:
     async def work() -> None:
         store = Store()
-        async with Pair(OLD, timestamps=store) as pair:
+        async with SignedPair(OLD, timestamps=store) as pair:
             await asyncio.sleep(5)
             signing = pair.vehicle._host.engine.channels[0].signing
             await pair.ground.close()
@@ -91,7 +91,7 @@ def test_open_fails_with_a_damaged_store(tmp_path) -> None:
     (tmp_path / "clock").write_text("yesterday")
 
     async def work() -> None:
-        pair = Pair(OLD, timestamps=TimestampStore(tmp_path / "clock"))
+        pair = SignedPair(OLD, timestamps=TimestampStore(tmp_path / "clock"))
         with pytest.raises(SigningError, match="cannot read the signing timestamp"):
             await pair.vehicle.open()
         assert not pair.vehicle.is_open
@@ -106,7 +106,7 @@ def test_timestamps_rise_over_a_restart_of_a_node_without_a_clock(tmp_path, cloc
     newest = []
 
     async def work() -> None:
-        pair = Pair(OLD, timestamps=store)
+        pair = SignedPair(OLD, timestamps=store)
         async with pair.ground:
             clock(1000.0)
             async with pair.vehicle:
@@ -125,7 +125,7 @@ def test_timestamps_rise_over_a_restart_of_a_node_without_a_clock(tmp_path, cloc
 def test_timestamps_rise_over_a_reconnect_of_a_node_without_a_clock(clock) -> None:
     async def work() -> list[int]:
         clock(1000.0)
-        async with Pair(OLD) as pair:
+        async with SignedPair(OLD) as pair:
             for node in pair.nodes:
                 node._host.engine.channels[0].signing = OLD.signing(timestamp=10**12)
             first = await receive_packets(pair.ground)
@@ -140,7 +140,7 @@ def test_a_key_can_be_installed_on_a_node_without_a_clock(clock) -> None:
     """The node signs with the timestamp of SETUP_SIGNING; its own would be refused as stale."""
 
     async def work() -> None:
-        pair = Pair()
+        pair = SignedPair()
         await pair.ground.open()
         clock(1000.0)
         async with pair:

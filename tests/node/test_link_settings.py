@@ -84,7 +84,7 @@ def test_each_link_signs_with_the_key_of_its_url(tmp_path) -> None:
     run_virtually(work())
 
 
-def test_a_missing_key_is_told_when_the_node_is_made(tmp_path) -> None:
+def test_a_missing_key_raises_when_the_node_is_created(tmp_path) -> None:
     with pytest.raises(SigningError, match="cannot read the key file"):
         Node(f"udpin://127.0.0.1:0?signing_key={tmp_path}/none.key")
 

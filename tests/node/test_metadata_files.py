@@ -17,7 +17,7 @@ from mavstack.services import Address
 from mavstack.services.component_metadata import ServedMetadata
 from mavstack.services.ftp import FtpServer, MemoryStore, file_crc32
 from mavstack.sim.virtual import run_virtually
-from tests.node.vehicle import Pair, Vehicle
+from tests.node.vehicle import Vehicle, VehiclePair
 from tests.sim.running import impaired_link
 
 PARAMETER = common.CompMetadataType.PARAMETER
@@ -26,7 +26,9 @@ CONTENT = json.dumps({"version": 1, "parameters": PARAMETERS}).encode()
 WEB = "https://example.org/parameters.json"
 
 
-def serve(pair: Pair, files: dict[str, bytes], uri: str, crc: int, *, older: bool = False) -> list[str]:
+def serve(
+    pair: VehiclePair, files: dict[str, bytes], uri: str, crc: int, *, older: bool = False
+) -> list[str]:
     """Serve metadata from the vehicle; return the paths that are opened."""
     opened: list[str] = []
     open_file = pair.vehicle.files.open_file
@@ -49,12 +51,12 @@ def serve(pair: Pair, files: dict[str, bytes], uri: str, crc: int, *, older: boo
     return opened
 
 
-def serve_parameters(pair: Pair, content: bytes = CONTENT, *, older: bool = False) -> list[str]:
+def serve_parameters(pair: VehiclePair, content: bytes = CONTENT, *, older: bool = False) -> list[str]:
     served = ServedMetadata("etc/extras", {PARAMETER: ("parameters.json", content)})
     return serve(pair, served.files, served.uri, served.crc, older=older)
 
 
-def serve_file(pair: Pair, entry: dict) -> None:
+def serve_file(pair: VehiclePair, entry: dict) -> None:
     """Serve a general file with one entry."""
     general = json.dumps({"version": 1, "metadataTypes": [{"type": PARAMETER, **entry}]}).encode()
     serve(pair, {"general.json": general, "p.json": CONTENT}, "mftp:///general.json", file_crc32(general))
@@ -62,7 +64,7 @@ def serve_file(pair: Pair, entry: dict) -> None:
 
 def with_pair(work, **options) -> None:
     async def run() -> None:
-        async with Pair(**options) as pair:
+        async with VehiclePair(**options) as pair:
             await work(pair, pair.remote.params)
 
     run_virtually(run())
@@ -70,7 +72,7 @@ def with_pair(work, **options) -> None:
 
 @pytest.mark.parametrize("older", [False, True])
 def test_download_and_checks(tmp_path, older):
-    async def work(pair: Pair, params) -> None:
+    async def work(pair: VehiclePair, params) -> None:
         serve_parameters(pair, older=older)
         assert not params.metadata
         steps: list = []
@@ -94,20 +96,20 @@ def test_download_and_checks(tmp_path, older):
 def test_cached_files_are_not_downloaded(tmp_path):
     cache = MetadataCache(tmp_path)
 
-    async def first(pair: Pair, params) -> None:
+    async def first(pair: VehiclePair, params) -> None:
         serve_parameters(pair)
         with pytest.raises(RemoteDenied, match="it is not in the cache"):
             await params.download_metadata(cache=cache, cached_only=True)
         await params.download_metadata(cache=cache)
 
-    async def second(pair: Pair, params) -> None:
+    async def second(pair: VehiclePair, params) -> None:
         opened = serve_parameters(pair)
         assert "P_07" in await params.download_metadata(cache=cache, cached_only=True)
         assert opened == []
         await params.download_metadata(cache=None)
         assert set(opened) == {"etc/extras/parameters.json.xz"}  # the general file is known
 
-    async def changed(pair: Pair, params) -> None:
+    async def changed(pair: VehiclePair, params) -> None:
         serve_parameters(pair, CONTENT.replace(b"P_07", b"P_08"))
         assert "P_07" not in await params.download_metadata(cache=cache)
 
@@ -115,7 +117,7 @@ def test_cached_files_are_not_downloaded(tmp_path):
         with_pair(work)
 
 
-class LossyPair(Pair):
+class LossyPair(VehiclePair):
     """A ground station and a vehicle whose link loses, delays and reorders packets."""
 
     def __init__(self, seed: int) -> None:
@@ -137,7 +139,7 @@ def test_download_over_lossy_links(seeds):
 
 
 def test_a_component_without_metadata():
-    async def work(pair: Pair, params) -> None:
+    async def work(pair: VehiclePair, params) -> None:
         with pytest.raises(
             RemoteDenied,
             match=r"^downloading metadata from 1/1 failed: it has none \(COMPONENT_METADATA: UNSUPPORTED\)$",
@@ -163,7 +165,7 @@ def test_a_component_without_metadata():
     ],
 )
 def test_unusable_files(entry, error, text):
-    async def work(pair: Pair, params) -> None:
+    async def work(pair: VehiclePair, params) -> None:
         serve_file(pair, entry)
         with pytest.raises(error, match=text):
             await params.download_metadata(cache=None)
@@ -173,7 +175,7 @@ def test_unusable_files(entry, error, text):
 
 
 def test_the_fallback_is_used():
-    async def work(pair: Pair, params) -> None:
+    async def work(pair: VehiclePair, params) -> None:
         serve_file(pair, {"uri": WEB, "fileCrc": 5, "uriFallback": "mftp:///p.json"})
         assert "P_07" in await params.download_metadata(cache=None)
 
@@ -181,7 +183,7 @@ def test_the_fallback_is_used():
 
 
 def test_a_component_of_the_system_serves_the_file():
-    async def work(pair: Pair, params) -> None:
+    async def work(pair: VehiclePair, params) -> None:
         other = Address(1, 100)
         pair.vehicle.serve(FtpServer(other, MemoryStore({"far.json": CONTENT})))
         serve_file(pair, {"uri": "mftp://[;comp=1]p.json"})
@@ -191,7 +193,7 @@ def test_a_component_of_the_system_serves_the_file():
 
 
 def test_files_from_the_web_are_fetched_by_the_program():
-    async def work(pair: Pair, params) -> None:
+    async def work(pair: VehiclePair, params) -> None:
         serve_file(pair, {"uri": WEB, "fileCrc": file_crc32(lzma.compress(CONTENT))})
         urls: list[str] = []
 
@@ -214,16 +216,16 @@ def test_a_file_is_remembered_for_the_firmware(tmp_path):
     cache, file = MetadataCache(tmp_path / "cache"), tmp_path / "parameters.json"
     file.write_bytes(CONTENT)
 
-    async def load(pair: Pair, params) -> None:
+    async def load(pair: VehiclePair, params) -> None:
         assert (await params.load_metadata(file, cache=cache))["P_07"].maximum == 50
         with pytest.raises(RemoteDenied):
             await params.download_metadata(cache=cache)
         await params.load_metadata(file, remember=True, cache=cache)
 
-    async def later(pair: Pair, params) -> None:
+    async def later(pair: VehiclePair, params) -> None:
         assert "P_07" in await params.download_metadata(cache=cache)
 
-    async def other_firmware(pair: Pair, params) -> None:
+    async def other_firmware(pair: VehiclePair, params) -> None:
         with pytest.raises(RemoteDenied):
             await params.download_metadata(cache=cache)
 

@@ -26,7 +26,7 @@ from mavstack.sim.virtual import run_virtually
 QUADROTOR, PX4 = common.MavType.QUADROTOR, common.MavAutopilot.PX4
 
 
-class Pair:
+class NodePair:
     """A ground station and a vehicle on one memory network."""
 
     def __init__(self) -> None:
@@ -46,7 +46,7 @@ class Pair:
 
 def test_the_first_autopilot_is_found() -> None:
     async def work() -> None:
-        async with Pair() as pair:
+        async with NodePair() as pair:
             vehicle = await pair.ground.wait_for_autopilot()
             assert vehicle.address == (1, 1)
             assert vehicle.info is not None
@@ -69,7 +69,7 @@ def test_the_discovery_timeout_names_the_received_components() -> None:
 
 def test_plain_and_async_command_handlers() -> None:
     async def work() -> list[tuple[int, int]]:
-        async with Pair() as pair:
+        async with NodePair() as pair:
             progress: list[tuple[int, int]] = []
 
             @pair.vehicle.on_command(common.MavCmd.DO_SET_SERVO)
@@ -100,7 +100,7 @@ def test_plain_and_async_command_handlers() -> None:
 def test_a_cancelled_task_cancels_the_command_on_the_vehicle() -> None:
     async def work() -> list[str]:
         ended = []
-        async with Pair() as pair:
+        async with NodePair() as pair:
 
             @pair.vehicle.on_command(common.MavCmd.DO_WINCH)
             async def winch(_request) -> common.MavResult:
@@ -125,7 +125,7 @@ def test_a_cancelled_task_cancels_the_command_on_the_vehicle() -> None:
 
 def test_closing_the_node_ends_running_operations() -> None:
     async def work() -> None:
-        async with Pair() as pair:
+        async with NodePair() as pair:
             await pair.ground.wait_for_autopilot()
             silent = pair.ground.component(7)
             task = asyncio.ensure_future(silent.command(common.MavCmd.NAV_LAND))
@@ -143,7 +143,7 @@ def test_closing_the_node_ends_running_operations() -> None:
 
 def test_the_timeout_error_has_the_number_of_attempts() -> None:
     async def work() -> None:
-        async with Pair() as pair:
+        async with NodePair() as pair:
             with pytest.raises(CommandTimeout, match=r"NAV_LAND on 7/1 failed after 6 attempts: no answer"):
                 await pair.ground.component(7).command(common.MavCmd.NAV_LAND)
             with pytest.raises(TimeoutError):
@@ -154,7 +154,7 @@ def test_the_timeout_error_has_the_number_of_attempts() -> None:
 
 def test_a_slow_subscriber_loses_the_oldest_items_and_delays_no_other() -> None:
     async def work() -> None:
-        async with Pair() as pair:
+        async with NodePair() as pair:
             await pair.ground.wait_for_autopilot()
             slow = pair.ground.stream(common.Attitude, queue=10)
             quick = pair.ground.stream(common.Attitude, queue=1000)
@@ -203,7 +203,7 @@ def test_an_invalid_address_is_an_error() -> None:
 
 def test_message_requests_and_rates() -> None:
     async def work() -> None:
-        async with Pair() as pair:
+        async with NodePair() as pair:
             started = pair.vehicle.now()
             pair.vehicle.publish(
                 common.Attitude,
@@ -226,7 +226,7 @@ def test_message_requests_and_rates() -> None:
 
 def test_status_texts_ping_and_timesync() -> None:
     async def work() -> None:
-        async with Pair() as pair:
+        async with NodePair() as pair:
             vehicle = await pair.ground.wait_for_autopilot()
             async with pair.ground.events(StatusText) as texts:
                 pair.vehicle.send_statustext("propellers are on, " * 10, common.MavSeverity.WARNING)
@@ -242,7 +242,7 @@ def test_status_texts_ping_and_timesync() -> None:
 
 def test_plans_are_uploaded_and_downloaded() -> None:
     async def work() -> None:
-        async with Pair() as pair:
+        async with NodePair() as pair:
             pair.vehicle.serve(MissionServer(pair.vehicle.address))
             vehicle = await pair.ground.wait_for_autopilot()
             items = [
@@ -262,7 +262,7 @@ def test_plans_are_uploaded_and_downloaded() -> None:
 
 def test_a_command_cancelled_before_its_handler_started() -> None:
     async def work() -> None:
-        async with Pair() as pair:
+        async with NodePair() as pair:
 
             @pair.vehicle.on_command(common.MavCmd.DO_WINCH)
             async def winch(_request) -> common.MavResult:
@@ -283,7 +283,7 @@ def test_a_command_cancelled_before_its_handler_started() -> None:
 
 def test_listeners_get_messages_and_packets_until_they_close() -> None:
     async def work() -> None:
-        async with Pair() as pair:
+        async with NodePair() as pair:
             await pair.ground.wait_for_autopilot()
             messages, packets = [], []
             first = pair.ground.add_listener((common.Attitude, common.VfrHud), messages.append, system=1)
@@ -304,7 +304,7 @@ def test_listeners_get_messages_and_packets_until_they_close() -> None:
 
 def test_a_changed_heartbeat_is_sent_immediately() -> None:
     async def work() -> None:
-        async with Pair() as pair, pair.ground.stream(common.Heartbeat, system=1) as heartbeats:
+        async with NodePair() as pair, pair.ground.stream(common.Heartbeat, system=1) as heartbeats:
             await anext(heartbeats)
             heartbeats.drain()
             pair.vehicle.set_heartbeat(base_mode=129, custom_mode=7)
@@ -318,7 +318,7 @@ def test_a_changed_heartbeat_is_sent_immediately() -> None:
 
 def test_the_state_of_a_channel_ends_with_the_channel() -> None:
     async def work() -> None:
-        async with Pair() as pair:
+        async with NodePair() as pair:
             await pair.ground.wait_for_autopilot()
             (channel,) = pair.ground.links[0].channels
             state = pair.ground.channel_state(channel)
@@ -347,7 +347,7 @@ def test_closing_the_node_ends_a_wait_without_timeout() -> None:
 def test_the_timeout_of_a_ping_is_that_of_the_whole_call() -> None:
     async def work() -> float:
         loop = asyncio.get_running_loop()
-        async with Pair() as pair:
+        async with NodePair() as pair:
             start = loop.time()
             with pytest.raises(RemoteTimeout):
                 await pair.ground.component(9).ping(100, timeout=5)

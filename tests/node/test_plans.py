@@ -8,14 +8,14 @@ from mavstack.dialects import common
 from mavstack.errors import CommandDenied
 from mavstack.services.mission import MissionItem
 from mavstack.sim.virtual import run_virtually
-from tests.node.vehicle import Pair
+from tests.node.vehicle import VehiclePair
 
 ITEMS = [MissionItem(common.MavCmd.NAV_WAYPOINT, param7=height) for height in (10.0, 20.0, 30.0)]
 
 
 def test_set_current_falls_back_where_the_command_is_not_supported() -> None:
     async def work() -> None:
-        async with Pair() as pair:
+        async with VehiclePair() as pair:
             await pair.remote.mission.upload(ITEMS)
             await pair.remote.mission.set_current(2)
             assert pair.vehicle.mission.current == 2
@@ -27,7 +27,7 @@ def test_set_current_falls_back_where_the_command_is_not_supported() -> None:
 
 def test_set_current_falls_back_where_the_command_is_not_answered() -> None:
     async def work() -> None:
-        async with Pair() as pair:
+        async with VehiclePair() as pair:
             pair.vehicle._host.engine.remove(pair.vehicle.commands.server)
             await pair.remote.mission.upload(ITEMS)
             await pair.remote.mission.set_current(1)
@@ -38,7 +38,7 @@ def test_set_current_falls_back_where_the_command_is_not_answered() -> None:
 
 def test_set_current_does_not_fall_back_after_a_refusal() -> None:
     async def work() -> None:
-        async with Pair() as pair:
+        async with VehiclePair() as pair:
             pair.vehicle.mission.answer_commands(
                 pair.vehicle.commands.server, pair.vehicle._host.engine.touch
             )

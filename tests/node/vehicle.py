@@ -86,7 +86,7 @@ MODES = {
 }
 
 
-class Pair:
+class VehiclePair:
     """A ground station and a vehicle."""
 
     def __init__(self, **options) -> None:

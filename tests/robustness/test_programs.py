@@ -17,7 +17,7 @@ from mavstack.services import Service, message_ids
 from mavstack.services.manual_control import ManualInput
 from mavstack.services.mission import MissionItem, PlanType
 from mavstack.sim.virtual import run_virtually
-from tests.node.vehicle import Pair, Vehicle
+from tests.node.vehicle import Vehicle, VehiclePair
 
 if TYPE_CHECKING:
     from tests.seeds import Seeds
@@ -62,7 +62,7 @@ class FailingService(Service):
 def test_a_failing_service_stops_no_other_and_causes_no_busy_loop() -> None:
     async def work() -> int:
         reported = ReportedErrors()
-        async with Pair() as pair:
+        async with VehiclePair() as pair:
             pair.ground.serve(FailingService(pair.ground.address))
             await asyncio.sleep(30)
             assert (await pair.remote.ping()).received == 4
@@ -76,7 +76,7 @@ def test_a_failing_service_stops_no_other_and_causes_no_busy_loop() -> None:
 def test_a_failing_producer_is_reported_and_the_others_continue() -> None:
     async def work() -> None:
         reported = ReportedErrors()
-        async with Pair() as pair:
+        async with VehiclePair() as pair:
             pair.vehicle.publish(common.Attitude, fail, interval=0.1)
             pair.vehicle.publish(common.VfrHud, lambda _: common.VfrHud(), interval=0.1)
             async with pair.remote.stream(common.VfrHud) as messages:
@@ -92,7 +92,7 @@ def test_a_failing_producer_is_reported_and_the_others_continue() -> None:
 def test_a_failing_progress_callback_is_reported_and_the_transfer_succeeds() -> None:
     async def work() -> None:
         reported = ReportedErrors()
-        async with Pair() as pair:
+        async with VehiclePair() as pair:
             assert len(await pair.remote.params.download(progress=fail)) == 40
             await pair.remote.mission.upload(WAYPOINTS, progress=fail)
             assert list((await pair.remote.mission.download(progress=fail)).items) == WAYPOINTS
@@ -105,7 +105,7 @@ def test_a_failing_progress_callback_is_reported_and_the_transfer_succeeds() -> 
 def test_an_async_handler_with_an_invalid_result_fails(outcome: object) -> None:
     async def work() -> None:
         reported = ReportedErrors()
-        async with Pair() as pair:
+        async with VehiclePair() as pair:
 
             @pair.vehicle.on_command(common.MavCmd.DO_SET_SERVO)
             async def servo(_request) -> object:
@@ -122,7 +122,7 @@ def test_an_async_handler_with_an_invalid_result_fails(outcome: object) -> None:
 def test_a_plain_handler_that_raises_or_has_an_invalid_result_fails() -> None:
     async def work() -> None:
         reported = ReportedErrors()
-        async with Pair() as pair:
+        async with VehiclePair() as pair:
             pair.vehicle.on_command(common.MavCmd.DO_SET_SERVO)(fail)
             pair.vehicle.on_command(common.MavCmd.DO_SET_RELAY)(lambda _: "ok")
             for command in (common.MavCmd.DO_SET_SERVO, common.MavCmd.DO_SET_RELAY):
@@ -136,7 +136,7 @@ def test_a_plain_handler_that_raises_or_has_an_invalid_result_fails() -> None:
 def test_closing_the_node_cancels_its_long_commands() -> None:
     async def work() -> list[str]:
         ended: list[str] = []
-        async with Pair() as pair:
+        async with VehiclePair() as pair:
 
             @pair.vehicle.on_command(common.MavCmd.DO_WINCH)
             async def winch(request) -> common.MavResult:
@@ -162,7 +162,7 @@ def test_blocks_can_be_left_after_the_node_was_closed() -> None:
     async def work() -> None:
         async with (
             asyncio.timeout(100),
-            Pair() as pair,
+            VehiclePair() as pair,
             pair.remote.shell() as shell,
             pair.remote.manual_control() as sticks,
         ):
@@ -177,7 +177,7 @@ def test_blocks_can_be_left_after_the_node_was_closed() -> None:
 
 def test_the_node_may_close_while_a_block_is_left() -> None:
     async def work() -> None:
-        async with asyncio.timeout(100), Pair() as pair:
+        async with asyncio.timeout(100), VehiclePair() as pair:
             stream = pair.remote.manual_control()
             await stream.__aenter__()
             stream.set(ManualInput(x=1))
@@ -191,7 +191,7 @@ def test_the_node_may_close_while_a_block_is_left() -> None:
 
 def test_several_tasks_may_read_one_subscription() -> None:
     async def work() -> None:
-        async with Pair() as pair:
+        async with VehiclePair() as pair:
             messages = pair.remote.stream(common.Attitude)
             readers = [asyncio.ensure_future(anext(messages)) for _ in range(3)]
             await asyncio.sleep(1)
@@ -234,7 +234,7 @@ def all_operations(remote) -> list:
 async def cancel_at_random(seed: int) -> None:
     random = Random(seed)
     reported = ReportedErrors()
-    async with Pair() as pair:
+    async with VehiclePair() as pair:
 
         @pair.vehicle.on_command(common.MavCmd.DO_WINCH)
         async def winch(_request) -> common.MavResult:
@@ -263,7 +263,7 @@ async def cancel_at_random(seed: int) -> None:
     assert reported.errors == []
 
 
-def assert_clean(pair: Pair) -> None:
+def assert_clean(pair: VehiclePair) -> None:
     for service in pair.ground._host.engine._services:
         assert not getattr(service, "busy", False), service
     assert len(pair.vehicle.ftp.sessions) == 0
@@ -352,7 +352,7 @@ def test_a_link_that_closes_and_reopens() -> None:
 
 def test_open_is_idempotent() -> None:
     async def work() -> None:
-        async with Pair() as pair:
+        async with VehiclePair() as pair:
             driver = pair.ground._host.driver
             await asyncio.gather(pair.ground.open(), pair.ground.open())
             assert pair.ground._host.driver is driver
@@ -363,7 +363,7 @@ def test_open_is_idempotent() -> None:
 
 def test_closing_the_node_cancels_running_operations() -> None:
     async def work() -> None:
-        async with Pair() as pair:
+        async with VehiclePair() as pair:
             task = asyncio.ensure_future(pair.ground.component(9).get_version())
             await asyncio.sleep(0.1)
             await pair.ground.close()

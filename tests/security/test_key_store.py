@@ -39,7 +39,7 @@ def test_a_file_in_the_working_directory_comes_before_a_name(keys, tmp_path, mon
     assert find_key("fleet") == local
 
 
-def test_an_unknown_name_tells_the_known_ones(keys):
+def test_the_error_for_an_unknown_name_lists_the_known_names(keys):
     for name in ("alpha", "beta"):
         SigningKey.generate().save(keys / f"{name}.key")
     with pytest.raises(SigningError, match=r"no signing key 'gamma'.*keys there: alpha, beta"):

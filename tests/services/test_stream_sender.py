@@ -6,8 +6,8 @@ from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError
 from mavstack.services import Address, Priority
 from mavstack.services.stream_sender import StreamSender, Ticker
-from tests.services.drive import pass_time, sent
 from tests.services.network import GROUND, START, VEHICLE
+from tests.services.single_service import run_timers, sent_by
 
 
 class Counter(StreamSender):
@@ -22,8 +22,8 @@ class Counter(StreamSender):
 def test_the_rate_is_kept_without_drift(rate, start):
     sender = Counter(GROUND, VEHICLE, rate)
     sender.start(start)
-    sent(sender, start)
-    times = [time for time, _ in pass_time(sender, start + 100 / rate + 1e-4)]
+    sent_by(sender, start)
+    times = [time for time, _ in run_timers(sender, start + 100 / rate + 1e-4)]
     assert len(times) == 100
     assert times[-1] == pytest.approx(start + 100 / rate, abs=1e-6)
 
@@ -31,10 +31,10 @@ def test_the_rate_is_kept_without_drift(rate, start):
 def test_a_stall_is_not_made_up_for():
     sender = Counter(GROUND, VEHICLE, 10.0)
     sender.start(0.0)
-    assert len(sent(sender, 0.0)) == 1
+    assert len(sent_by(sender, 0.0)) == 1
     sender.handle_timeout(5.03)
-    assert len(sent(sender, 5.03)) == 1
-    assert sent(sender, 5.03) == []
+    assert len(sent_by(sender, 5.03)) == 1
+    assert sent_by(sender, 5.03) == []
     assert sender.next_timeout() == pytest.approx(5.1)
 
 
@@ -49,18 +49,18 @@ def test_what_finds_no_room_is_made_when_there_is_room_and_sent_once():
     sender.start(0.0)
     for now in (0.0, 0.1, 0.2):
         sender.handle_timeout(now)
-        assert sent(sender, now, no_room) == []
+        assert sent_by(sender, now, no_room) == []
     assert asked == [(VEHICLE, Priority.STREAM)] * 3
-    (message,) = sent(sender, 0.25)
+    (message,) = sent_by(sender, 0.25)
     assert message.time_unix_usec == 250_000
-    assert sent(sender, 0.25) == []
+    assert sent_by(sender, 0.25) == []
 
 
 def test_after_stop_nothing_is_sent_and_no_timer_runs():
     sender = Counter(GROUND, VEHICLE, 10.0)
     sender.start(0.0)
     sender.stop(0.05)
-    assert sent(sender, 1.0) == []
+    assert sent_by(sender, 1.0) == []
     assert sender.next_timeout() is None
     assert not sender.active
 

@@ -45,6 +45,6 @@ def test_it_must_run_to_be_called():
         target.call(lambda: None)
 
 
-def test_a_port_that_is_taken_is_told():
+def test_a_port_in_use_is_reported():
     with BackgroundSimulator(link="tcpin://127.0.0.1:0") as first, pytest.raises(LinkError):
         BackgroundSimulator(link=f"tcpin://127.0.0.1:{first.port}").start()

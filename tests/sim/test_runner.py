@@ -39,7 +39,7 @@ def test_a_command_is_answered_at_once():
 
 
 @pytest.mark.flight
-def test_time_runs_as_fast_as_it_is_told():
+def test_time_runs_at_the_given_speed():
     for speed, seconds in ((1, 10), (4, 40), (0.5, 5)):
         simulation = Simulation()
         simulation.add()
@@ -97,7 +97,7 @@ def test_as_fast_as_it_can():
     assert simulation.now - began == pytest.approx(30, abs=0.2)
 
 
-def test_a_machine_that_cannot_keep_up_loses_time_and_says_so():
+def test_a_slow_machine_loses_time_and_reports_it():
     simulation = Simulation()
     simulation.add()
 

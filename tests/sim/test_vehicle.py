@@ -32,7 +32,7 @@ def test_a_reboot_on_the_ground(firmware) -> None:
     one.send(Command.of(CMD.PREFLIGHT_REBOOT_SHUTDOWN, [1], None).to_long(one.vehicle.address))
     one.run(0.2)
     assert [ack.result for ack in one.received_of(common.CommandAck)] == [RESULT.ACCEPTED], (
-        "it is told before"
+        "acknowledged before the reboot"
     )
     one.received.clear()
     one.run(0.5)

@@ -1,4 +1,4 @@
-"""Scripted components on a memory network: they say who they are, and how long they have been up."""
+"""Scripted components on a memory network, which send HEARTBEAT and the time since their boot."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import connect
 
 TYPE, AUTOPILOT = common.MavType, common.MavAutopilot
-#: How often a peer says something, in seconds.
-EVERY = 0.5
+#: The interval at which a peer sends its messages, in seconds.
+SEND_INTERVAL = 0.5
 
 
 class Peer:
-    """A component that sends HEARTBEAT and, if it has an `uptime`, what tells it."""
+    """A component that sends HEARTBEAT and, if it has an `uptime`, ATTITUDE with its time since boot."""
 
     def __init__(
         self,
@@ -36,11 +36,11 @@ class Peer:
 
     async def start(self):
         await self.node.open()
-        self._task = asyncio.create_task(self._speak())
+        self._task = asyncio.create_task(self._send_periodically())
         return self
 
     async def stop(self):
-        """Go away; its links are closed."""
+        """Stop sending and close the links."""
         if self._task is not None:
             self._task.cancel()
         await self.node.close()
@@ -50,51 +50,52 @@ class Peer:
         await asyncio.sleep(silence)
         self.uptime, self.quiet = 1.0, False
 
-    async def _speak(self):
+    async def _send_periodically(self):
         while True:
             if not self.quiet:
                 self.node.send(common.Heartbeat(type=self.type, autopilot=self.autopilot, mavlink_version=3))
                 if self.uptime is not None:
                     self.node.send(common.Attitude(time_boot_ms=round(self.uptime * 1000)))
-            await asyncio.sleep(EVERY)
+            await asyncio.sleep(SEND_INTERVAL)
             if self.uptime is not None:
-                self.uptime += EVERY
+                self.uptime += SEND_INTERVAL
 
 
-class Stage:
-    """A connection, the peers that it meets, and what it told since it was asked last."""
+class ConnectionHarness:
+    """A connection, the peers on its network, and the events that it emitted."""
 
     def __init__(self, **options) -> None:
         self.network = MemoryNetwork()
-        self.node = connect(self.network.link(), **options)
+        self.connection = connect(self.network.link(), **options)
         self.peers = []
 
-    async def enter(self, *place, **options):
-        peer = Peer(self.network, *place, **options)
+    async def add_peer(self, *address, **options):
+        peer = Peer(self.network, *address, **options)
         self.peers.append(peer)
         return await peer.start()
 
-    def told(self, *kinds):
+    def new_events(self, *kinds):
+        """Return the events of these kinds since the last call, which drops the others."""
         return [event for event in self.events.drain() if isinstance(event, kinds)]
 
 
 @asynccontextmanager
-async def stage(**options):
-    made = Stage(**options)
-    async with made.node:
-        made.events = made.node.events()
+async def connection_harness(**options):
+    harness = ConnectionHarness(**options)
+    async with harness.connection:
+        harness.events = harness.connection.events()
         try:
-            yield made
+            yield harness
         finally:
-            for peer in made.peers:
+            for peer in harness.peers:
                 await peer.stop()
 
 
-def play(scenario, **options):
-    """Run a scenario on a stage in virtual time."""
+def run_scenario(scenario, **options):
+    """Run a scenario with a connection harness in virtual time."""
 
-    async def whole():
-        async with stage(**options) as made:
-            await scenario(made)
+    async def run():
+        async with connection_harness(**options) as harness:
+            await scenario(harness)
 
-    run_virtually(whole())
+    run_virtually(run())

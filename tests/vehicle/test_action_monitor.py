@@ -15,49 +15,51 @@ from mavstack.vehicle.action_monitor import (
     ActionGoal,
     ActionMonitor,
 )
-from tests.vehicle.failures.scripted import play
+from tests.vehicle.failures.scripted_autopilot import CMD, run_scenario
 
 
-async def monitored(made, goal, seconds=None):
+async def monitored(harness, goal, seconds=None):
     """Return how long an action was monitored, in seconds, and the error that it ended with."""
-    begun = made.node.now()
+    begun = harness.connection.now()
     try:
-        async with ActionMonitor(made.vehicle, "work on", seconds) as monitor:
+        async with ActionMonitor(harness.vehicle, "work on", seconds) as monitor:
             await monitor.wait_until_reached(goal)
     except (ActionInterrupted, ActionTimeout) as error:
-        return made.node.now() - begun, error
-    return made.node.now() - begun, None
+        return harness.connection.now() - begun, error
+    return harness.connection.now() - begun, None
 
 
 def test_a_goal_that_is_reached_needs_no_wait():
-    async def scenario(made):
-        assert await monitored(made, ActionGoal(lambda: True), seconds=1.0) == (0.0, None)
+    async def scenario(harness):
+        assert await monitored(harness, ActionGoal(lambda: True), seconds=1.0) == (0.0, None)
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_the_goal_is_checked_at_each_message():
-    async def scenario(made):
-        done_at = made.node.now() + 2.0
-        asyncio.get_running_loop().call_later(2.0, made.say, "a message")
-        took, error = await monitored(made, ActionGoal(lambda: made.node.now() >= done_at))
+    async def scenario(harness):
+        done_at = harness.connection.now() + 2.0
+        asyncio.get_running_loop().call_later(2.0, harness.send_statustext, "a message")
+        took, error = await monitored(harness, ActionGoal(lambda: harness.connection.now() >= done_at))
         assert error is None
         assert took == pytest.approx(2.0, abs=0.01)
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 @pytest.mark.parametrize(
     ("step", "every", "continues"), [(0.6, 20.0, True), (0.4, 60.0, False), (-1, 5, False)]
 )
 def test_progress_restarts_the_stall_timeout(step, every, continues):
-    async def scenario(made):
-        begun = made.node.now()
+    async def scenario(harness):
+        begun = harness.connection.now()
 
         def left():
-            return 1000.0 - step * ((made.node.now() - begun) // every)
+            return 1000.0 - step * ((harness.connection.now() - begun) // every)
 
-        took, error = await monitored(made, ActionGoal(lambda: made.node.now() > begun + 100, left))
+        took, error = await monitored(
+            harness, ActionGoal(lambda: harness.connection.now() > begun + 100, left)
+        )
         if continues:
             assert error is None
             assert took > 100
@@ -66,136 +68,138 @@ def test_progress_restarts_the_stall_timeout(step, every, continues):
             assert "work on 1/1 failed: no progress for 30 s, 1" in str(error)
             assert str(error).endswith("m to go")
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_without_a_measure_only_the_stall_timeout_counts():
-    async def scenario(made):
-        took, error = await monitored(made, ActionGoal(lambda: False, stall_timeout=7.0))
+    async def scenario(harness):
+        took, error = await monitored(harness, ActionGoal(lambda: False, stall_timeout=7.0))
         assert took == pytest.approx(7.0, abs=0.6)
         assert str(error) == "work on 1/1 failed: no progress for 7 s"
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_small_steps_add_up():
-    async def scenario(made):
-        begun = made.node.now()
+    async def scenario(harness):
+        begun = harness.connection.now()
         goal = ActionGoal(
-            lambda: made.node.now() > begun + 90, lambda: 100.0 - (made.node.now() - begun) / 20
+            lambda: harness.connection.now() > begun + 90,
+            lambda: 100.0 - (harness.connection.now() - begun) / 20,
         )
-        assert (await monitored(made, goal))[1] is None
+        assert (await monitored(harness, goal))[1] is None
 
-    play(scenario)
+    run_scenario(scenario)
 
 
-def test_a_timeout_counts_in_spite_of_progress():
-    async def scenario(made):
-        begun = made.node.now()
-        goal = ActionGoal(lambda: False, lambda: 1000 - 5 * (made.node.now() - begun), unit="items")
-        took, error = await monitored(made, goal, seconds=12.0)
+def test_the_timeout_also_ends_an_action_that_progresses():
+    async def scenario(harness):
+        begun = harness.connection.now()
+        goal = ActionGoal(lambda: False, lambda: 1000 - 5 * (harness.connection.now() - begun), unit="items")
+        took, error = await monitored(harness, goal, seconds=12.0)
         assert took == pytest.approx(12.0, abs=0.6)
         assert str(error) == "work on 1/1 failed: not done in 12 s, 940 items to go"
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 @pytest.mark.parametrize(
     ("for_long", "interrupted"), [(SETTLING_TIME + 0.5, False), (SETTLING_TIME + 4, True)]
 )
 def test_the_mode_may_settle(for_long, interrupted):
-    async def scenario(made):
-        asyncio.get_running_loop().call_later(for_long, made.script.enter, "LAND")
+    async def scenario(harness):
+        asyncio.get_running_loop().call_later(for_long, harness.autopilot.enter, "LAND")
         goal = ActionGoal(lambda: False, modes={"land"})
-        took, error = await monitored(made, goal, seconds=15.0)
+        took, error = await monitored(harness, goal, seconds=15.0)
         assert type(error) is (ActionInterrupted if interrupted else ActionTimeout)
         if interrupted:
             earliest = SETTLING_TIME + INTERRUPTION_DELAY
             assert earliest <= took < earliest + 0.6
             assert str(error) == "work on 1/1 failed: it changed to LOITER"
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_short_mode_changes_do_not_add_up():
-    async def scenario(made):
+    async def scenario(harness):
         async def flicker() -> None:
             for _ in range(8):
-                made.script.enter("ALTCTL")
+                harness.autopilot.enter("ALTCTL")
                 await asyncio.sleep(1.2)
-                made.script.enter("LOITER")
+                harness.autopilot.enter("LOITER")
                 await asyncio.sleep(0.6)
 
         flickering = asyncio.create_task(flicker())
-        _, error = await monitored(made, ActionGoal(lambda: False, modes={"loiter"}), seconds=13.0)
+        _, error = await monitored(harness, ActionGoal(lambda: False, modes={"loiter"}), seconds=13.0)
         assert type(error) is ActionTimeout
         await flickering
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 @pytest.mark.parametrize("wanted", [True, False])
 def test_armed_or_disarmed_instead(wanted):
-    async def scenario(made):
-        made.script.arm(wanted)
+    async def scenario(harness):
+        harness.autopilot.arm(wanted)
         await asyncio.sleep(1)
-        asyncio.get_running_loop().call_later(6.0, made.script.arm, not wanted)
-        _, error = await monitored(made, ActionGoal(lambda: False, armed=wanted), seconds=20)
+        asyncio.get_running_loop().call_later(6.0, harness.autopilot.arm, not wanted)
+        _, error = await monitored(harness, ActionGoal(lambda: False, armed=wanted), seconds=20)
         reason = "disarmed 20 m above home" if wanted else "armed"
         assert str(error) == f"work on 1/1 failed: it was {reason}"
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_earlier_status_texts_are_not_attached():
-    async def scenario(made):
-        made.say("before")
+    async def scenario(harness):
+        harness.send_statustext("before")
         await asyncio.sleep(0.5)
-        asyncio.get_running_loop().call_later(1.0, made.say, "meanwhile")
-        _, error = await monitored(made, ActionGoal(lambda: False), seconds=3.0)
+        asyncio.get_running_loop().call_later(1.0, harness.send_statustext, "meanwhile")
+        _, error = await monitored(harness, ActionGoal(lambda: False), seconds=3.0)
         assert error.status_texts == ("meanwhile",)
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_the_messages_that_report_progress_are_requested():
-    async def scenario(made):
+    async def scenario(harness):
         for kind in MONITORED_RATES:
-            made.script.message_server.set_interval(kind, 0.0, made.script.now())
+            harness.autopilot.message_server.set_interval(kind, 0.0, harness.autopilot.now())
         await asyncio.sleep(5)
-        age = made.vehicle.age(next(iter(MONITORED_RATES)))
+        age = harness.vehicle.age(next(iter(MONITORED_RATES)))
         assert age > 4
-        async with ActionMonitor(made.vehicle, "work on"):
+        async with ActionMonitor(harness.vehicle, "work on"):
             await asyncio.sleep(1)
-            assert all(made.vehicle.age(message) <= 0.51 for message in MONITORED_RATES)
+            assert all(harness.vehicle.age(message) <= 0.51 for message in MONITORED_RATES)
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_a_monitor_that_was_not_entered_leaves_nothing_registered():
-    async def scenario(made):
+    async def scenario(harness):
         async def watch() -> None:
-            async with ActionMonitor(made.vehicle, "work on"):
+            async with ActionMonitor(harness.vehicle, "work on"):
                 pytest.fail("the monitor must not be entered")
 
         for kind in MONITORED_RATES:
-            made.script.message_server.set_interval(kind, 0.0, made.script.now())
+            harness.autopilot.message_server.set_interval(kind, 0.0, harness.autopilot.now())
         await asyncio.sleep(5)
-        made.script.commands.server.support(511, lambda request: None)  # SET_MESSAGE_INTERVAL, never done
-        held = made.vehicle.telemetry.rates
+        # The command SET_MESSAGE_INTERVAL is never completed.
+        harness.autopilot.commands.server.support(CMD.SET_MESSAGE_INTERVAL, lambda request: None)
+        held = harness.vehicle.telemetry.rates
         for kind, rate in MONITORED_RATES.items():
             held.hold(kind, rate)
         await asyncio.sleep(0.1)
-        before = made.registers()
+        before = harness.open_resources()
         watching = asyncio.create_task(watch())
         await asyncio.sleep(0.5)
-        assert made.registers()["listening"] > before["listening"]
+        assert harness.open_resources()["packet listeners"] > before["packet listeners"]
         watching.cancel()
         with pytest.raises(asyncio.CancelledError):
             await watching
-        after = made.registers()
+        after = harness.open_resources()
         assert {key: after[key] for key in ("listening", "events")} == {
             key: before[key] for key in ("listening", "events")
         }
 
-    play(scenario)
+    run_scenario(scenario)

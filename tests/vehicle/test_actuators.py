@@ -8,8 +8,8 @@ import pytest
 
 from mavstack.errors import ActionInterrupted, ActionUnsupported, CommandDenied, InvalidArgumentError
 from mavstack.sim.vehicle_types import VehicleType
-from tests.vehicle.failures.scripted import play
-from tests.vehicle.firmware.asked import asked_of
+from tests.vehicle.failures.scripted_autopilot import run_scenario
+from tests.vehicle.firmware.received_requests import requests_of
 from tests.vehicle.world import ARDUPILOT, PX4, fly
 
 COPTER, PX4_COPTER = (VehicleType.COPTER, ARDUPILOT), (VehicleType.COPTER, PX4)
@@ -105,29 +105,29 @@ def test_a_motor_test_that_the_vehicle_refuses():
 
 
 def test_arming_interrupts_a_motor_test():
-    async def scenario(made):
-        made.script.arm(False)
+    async def scenario(harness):
+        harness.autopilot.arm(False)
         await asyncio.sleep(1.5)
-        asyncio.get_running_loop().call_later(4.0, made.script.arm)
+        asyncio.get_running_loop().call_later(4.0, harness.autopilot.arm)
         with pytest.raises(ActionInterrupted, match="test of motor 3 of 1/1 failed: it was armed"):
-            await made.vehicle.actuators.test_motor(3, duration=30)
+            await harness.vehicle.actuators.test_motor(3, duration=30)
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_the_number_of_an_actuator_selects_its_set():
-    async def scenario(made):
-        await made.vehicle.actuators.set_actuator(8, 0.25)
+    async def scenario(harness):
+        await harness.vehicle.actuators.set_actuator(8, 0.25)
         rest = ["nan"] * 4
-        assert asked_of(made) == [("long", "DO_SET_ACTUATOR", "nan", 0.25, *rest, 1)]
+        assert requests_of(harness) == [("long", "DO_SET_ACTUATOR", "nan", 0.25, *rest, 1)]
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_arguments_out_of_range_send_nothing():
-    async def scenario(made):
-        outputs = made.vehicle.actuators
-        made.script.arm(False)
+    async def scenario(harness):
+        outputs = harness.vehicle.actuators
+        harness.autopilot.arm(False)
         for wrong in (
             lambda: outputs.set_servo(0, 1500),
             lambda: outputs.set_servo(1, 2501),
@@ -140,10 +140,10 @@ def test_arguments_out_of_range_send_nothing():
             lambda: outputs.unwind(float("nan")),
             lambda: outputs.unwind(1, rate=-1),
             lambda: outputs.grip(0),
-            lambda: made.vehicle.set_ekf_source(4),
+            lambda: harness.vehicle.set_ekf_source(4),
         ):
             with pytest.raises(InvalidArgumentError):
                 await wrong()
-        assert asked_of(made) == []
+        assert requests_of(harness) == []
 
-    play(scenario)
+    run_scenario(scenario)

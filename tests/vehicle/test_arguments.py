@@ -10,8 +10,8 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError, InvalidTypeError
-from tests.vehicle.failures.scripted import ARDUPILOT, PX4, play
-from tests.vehicle.firmware.asked import HERE, INT, asked_of
+from tests.vehicle.failures.scripted_autopilot import ARDUPILOT, PX4, run_scenario
+from tests.vehicle.firmware.received_requests import HERE, INT, requests_of
 
 TEXT = [
     ("takeoff altitude", lambda v: v.takeoff("ten")),
@@ -40,12 +40,12 @@ TEXT = [
 
 @pytest.mark.parametrize(("name", "act"), TEXT, ids=[f"{n}-{i}" for i, (n, _) in enumerate(TEXT)])
 def test_a_wrong_type_names_the_argument(name, act):
-    async def scenario(made):
+    async def scenario(harness):
         with pytest.raises(InvalidTypeError, match=rf"^{name} must be "):
-            await act(made.vehicle)
-        assert asked_of(made) == []
+            await act(harness.vehicle)
+        assert requests_of(harness) == []
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 GUIDED = [
@@ -59,13 +59,13 @@ GUIDED = [
 
 
 def test_setpoints_name_the_argument():
-    async def scenario(made):
-        async with made.vehicle.guided() as guided:
+    async def scenario(harness):
+        async with harness.vehicle.guided() as guided:
             for name, act in GUIDED:
                 with pytest.raises(InvalidTypeError, match=f"^{name} must be a number"):
                     act(guided)
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 FAR = (-33.9, -151.2)
@@ -83,53 +83,53 @@ LIMITS = [
 @pytest.mark.parametrize(("text", "act"), LIMITS, ids=range(len(LIMITS)))
 @pytest.mark.parametrize("autopilot", [PX4, ARDUPILOT], ids=["px4", "ardupilot"])
 def test_an_implausible_target_is_sent_only_if_the_limits_are_overridden(autopilot, text, act):
-    async def scenario(made):
-        made.script.arm()
-        await made.vehicle.get_position()
+    async def scenario(harness):
+        harness.autopilot.arm()
+        await harness.vehicle.get_position()
         with pytest.raises(InvalidArgumentError, match=rf"{text}.* override_limits=True"):
-            await act(made.vehicle)
-        assert asked_of(made) == []
+            await act(harness.vehicle)
+        assert requests_of(harness) == []
         with suppress(TimeoutError):  # ArduPilot's orbit begins with the way to the centre
-            await asyncio.wait_for(act(made.vehicle, override_limits=True), 5)
-        assert asked_of(made) != []
+            await asyncio.wait_for(act(harness.vehicle, override_limits=True), 5)
+        assert requests_of(harness) != []
 
-    play(scenario, autopilot=autopilot)
+    run_scenario(scenario, autopilot=autopilot)
 
 
 def test_a_submarine_dives_below_home():
-    async def scenario(made):
-        await made.vehicle.goto(*HERE, -40, wait=False)
-        assert asked_of(made)[-1][-1] == -40
+    async def scenario(harness):
+        await harness.vehicle.goto(*HERE, -40, wait=False)
+        assert requests_of(harness)[-1][-1] == -40
 
-    play(scenario, autopilot=ARDUPILOT, kind=common.MavType.SUBMARINE)
+    run_scenario(scenario, autopilot=ARDUPILOT, kind=common.MavType.SUBMARINE)
 
 
 def test_a_heading_beyond_the_circle_is_normalised():
-    async def scenario(made):
-        made.script.arm()
-        turning = asyncio.create_task(made.vehicle.set_yaw(500))
+    async def scenario(harness):
+        harness.autopilot.arm()
+        turning = asyncio.create_task(harness.vehicle.set_yaw(500))
         await asyncio.sleep(2)
-        assert asked_of(made)[-1][:3] == (INT, "DO_REPOSITION", "GLOBAL")
+        assert requests_of(harness)[-1][:3] == (INT, "DO_REPOSITION", "GLOBAL")
         assert not turning.done()
-        made.script.heading = 141.0
+        harness.autopilot.heading = 141.0
         await asyncio.wait_for(turning, 2)
         with pytest.raises(InvalidArgumentError, match="heading must be finite, got nan"):
-            await made.vehicle.set_yaw(nan)
+            await harness.vehicle.set_yaw(nan)
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_a_turn_is_seen_by_attitude_if_the_position_has_no_heading():
-    async def scenario(made):
-        script = made.script
-        made.script.arm()
-        script._position = lambda now: None
-        script.publish(
+    async def scenario(harness):
+        autopilot = harness.autopilot
+        harness.autopilot.arm()
+        autopilot._position = lambda now: None
+        autopilot.publish(
             common.GlobalPositionInt, lambda now: common.GlobalPositionInt(hdg=65535), interval=0.25
         )
-        script.publish(common.Attitude, lambda now: common.Attitude(yaw=1.5707963), interval=0.25)
+        autopilot.publish(common.Attitude, lambda now: common.Attitude(yaw=1.5707963), interval=0.25)
         await asyncio.sleep(1)
-        await asyncio.wait_for(made.vehicle.set_yaw(450), 3)
-        assert made.vehicle.heading == pytest.approx(90, abs=0.1)
+        await asyncio.wait_for(harness.vehicle.set_yaw(450), 3)
+        assert harness.vehicle.heading == pytest.approx(90, abs=0.1)
 
-    play(scenario)
+    run_scenario(scenario)

@@ -7,7 +7,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.vehicle import CalibrationKind
-from tests.vehicle.peers import AUTOPILOT, TYPE, play
+from tests.vehicle.peers import AUTOPILOT, TYPE, run_scenario
 from tests.vehicle.world import ARDUPILOT, PX4, fly
 
 
@@ -43,21 +43,21 @@ def test_a_parameter_enables_equipment():
 
 
 def test_components_and_messages_of_an_unknown_firmware():
-    async def scenario(made):
-        await made.enter(1, 1, autopilot=AUTOPILOT.GENERIC)
-        await made.enter(1, 100, type=TYPE.CAMERA, autopilot=AUTOPILOT.INVALID)
-        await made.enter(1, 154, type=TYPE.GIMBAL, autopilot=AUTOPILOT.INVALID)
-        vehicle = await made.node.wait_for_vehicle(1)
+    async def scenario(harness):
+        await harness.add_peer(1, 1, autopilot=AUTOPILOT.GENERIC)
+        await harness.add_peer(1, 100, type=TYPE.CAMERA, autopilot=AUTOPILOT.INVALID)
+        await harness.add_peer(1, 154, type=TYPE.GIMBAL, autopilot=AUTOPILOT.INVALID)
+        vehicle = await harness.connection.wait_for_vehicle(1)
         await vehicle.wait_for_message(common.Heartbeat)
         found = vehicle.capabilities
         assert (found.cameras, found.gimbals, found.calibrations) == ((100,), (154,), ())
         assert found.extended_parameters is True
         assert (found.shell, found.logs, found.parameters, found.mission) == (None,) * 4
-        made.peers[0].node.send(common.LogEntry(id=1))
+        harness.peers[0].node.send(common.LogEntry(id=1))
         flags = common.MavProtocolCapability.PARAM_FLOAT | common.MavProtocolCapability.MISSION_RALLY
-        made.peers[0].node.send(common.AutopilotVersion(capabilities=flags))
+        harness.peers[0].node.send(common.AutopilotVersion(capabilities=flags))
         await vehicle.wait_for_message(common.Heartbeat)
         found = vehicle.capabilities
         assert (found.logs, found.parameters, found.rally, found.fence) == (True, True, True, False)
 
-    play(scenario)
+    run_scenario(scenario)

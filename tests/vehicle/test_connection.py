@@ -1,4 +1,4 @@
-"""Finding vehicles, and what a connection goes through with them: links that drop, reboots, silence."""
+"""Connections: finding vehicles, links that drop, reboots and silence."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from mavstack.sim.vehicle_types import VehicleType
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import NodeOptions, VehicleLost, VehicleRebooted, VehicleReturned, connect
 from tests.sim.running import reduce_telemetry
-from tests.vehicle.peers import AUTOPILOT, TYPE, play
-from tests.vehicle.world import ARDUPILOT, PX4, fly, named
+from tests.vehicle.peers import AUTOPILOT, TYPE, run_scenario
+from tests.vehicle.world import ARDUPILOT, PX4, fly, kind_name
 
 COPTERS = [(VehicleType.COPTER, ARDUPILOT), (VehicleType.COPTER, PX4)]
 STATION = {"type": TYPE.GCS, "autopilot": AUTOPILOT.INVALID, "uptime": None}
@@ -57,26 +57,26 @@ def test_it_is_awaitable():
 
 
 def test_without_a_vehicle_the_error_names_what_was_heard():
-    async def scenario(stage):
-        await stage.enter(1, 100, **CAMERA)
-        await stage.enter(254, 190, **STATION)
+    async def scenario(harness):
+        await harness.add_peer(1, 100, **CAMERA)
+        await harness.add_peer(254, 190, **STATION)
         with pytest.raises(RemoteTimeout) as caught:
-            await stage.node.wait_for_vehicle(timeout=5)
+            await harness.connection.wait_for_vehicle(timeout=5)
         assert str(caught.value) == (
             "waiting for a vehicle on memory://pair failed: "
             "none in 5 s; heard: 1/100 camera, 254/190 ground station"
         )
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_for_another_system_the_error_names_the_vehicles():
-    async def scenario(stage):
-        await stage.enter(3)
+    async def scenario(harness):
+        await harness.add_peer(3)
         with pytest.raises(RemoteTimeout, match=r"vehicle 7 on .*heard: 3/1 quadrotor with ArduPilot$"):
-            await stage.node.wait_for_vehicle(7, timeout=5)
+            await harness.connection.wait_for_vehicle(7, timeout=5)
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 @pytest.mark.parametrize(
@@ -90,9 +90,9 @@ def test_for_another_system_the_error_names_the_vehicles():
     ids=["no peer", "silence", "noise", "no heartbeat"],
 )
 def test_when_nothing_was_heard_the_error_names_what_to_check(sent, text):
-    async def scenario(stage):
+    async def scenario(harness):
         if sent is not None:
-            peer = Node(stage.network.link(), system=1, component=1, heartbeat=False)
+            peer = Node(harness.network.link(), system=1, component=1, heartbeat=False)
             await peer.open()
             await asyncio.sleep(0.1)
             for channel in peer._host.driver.channels:
@@ -101,75 +101,75 @@ def test_when_nothing_was_heard_the_error_names_what_to_check(sent, text):
             if not isinstance(sent, bytes):
                 peer.send(sent)
         with pytest.raises(RemoteTimeout) as caught:
-            await stage.node.wait_for_vehicle(timeout=5)
+            await harness.connection.wait_for_vehicle(timeout=5)
         if sent is not None:
             await peer.close()
         assert text in str(caught.value)
 
-    play(scenario, heartbeat=False)
+    run_scenario(scenario, heartbeat=False)
 
 
 def test_waiting_skips_a_lost_vehicle():
-    async def scenario(stage):
-        peer = await stage.enter()
-        first = await stage.node.wait_for_vehicle()
+    async def scenario(harness):
+        peer = await harness.add_peer()
+        first = await harness.connection.wait_for_vehicle()
         peer.quiet = True
         await asyncio.sleep(20)
         with pytest.raises(RemoteTimeout, match=r"1/1 quadrotor with ArduPilot \(silent now\)"):
-            await stage.node.wait_for_vehicle(timeout=3)
-        waiting = asyncio.create_task(stage.node.wait_for_vehicle())
+            await harness.connection.wait_for_vehicle(timeout=3)
+        waiting = asyncio.create_task(harness.connection.wait_for_vehicle())
         await asyncio.sleep(3)
         peer.quiet = False
         assert await waiting is first
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_vehicles_are_in_the_order_in_which_they_were_found():
-    async def scenario(stage):
+    async def scenario(harness):
         for system in (9, 2, 5):
-            await stage.enter(system)
+            await harness.add_peer(system)
             await asyncio.sleep(2)
-        assert list(stage.node.vehicles) == [9, 2, 5]
-        assert (await stage.node.wait_for_vehicle()).system == 9
+        assert list(harness.connection.vehicles) == [9, 2, 5]
+        assert (await harness.connection.wait_for_vehicle()).system == 9
         with pytest.raises(TypeError):
-            stage.node.vehicles[1] = None
+            harness.connection.vehicles[1] = None
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_waiting_for_several_vehicles():
-    async def scenario(stage):
+    async def scenario(harness):
         for system in (1, 2):
-            await stage.enter(system)
-        group = await stage.node.wait_for_vehicles(2)
+            await harness.add_peer(system)
+        group = await harness.connection.wait_for_vehicles(2)
         assert sorted(group.systems) == [1, 2]
         with pytest.raises(RemoteTimeout, match=r"for 3 vehicles on .* failed: 2 in 4 s; heard: 1/1 quad"):
-            await stage.node.wait_for_vehicles(3, timeout=4)
-        late = asyncio.create_task(stage.node.wait_for_vehicles(3))
+            await harness.connection.wait_for_vehicles(3, timeout=4)
+        late = asyncio.create_task(harness.connection.wait_for_vehicles(3))
         await asyncio.sleep(10)
-        await stage.enter(3)
+        await harness.add_peer(3)
         assert sorted((await late).systems) == [1, 2, 3]
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_a_group_of_unknown_system_ids():
-    async def scenario(stage):
-        await stage.enter(4)
-        await stage.node.wait_for_vehicle()
-        assert stage.node.group().systems == stage.node.group(4).systems == (4,)
+    async def scenario(harness):
+        await harness.add_peer(4)
+        await harness.connection.wait_for_vehicle()
+        assert harness.connection.group().systems == harness.connection.group(4).systems == (4,)
         with pytest.raises(MavstackError, match="no vehicle with system id 3 was heard; known: 4"):
-            stage.node.group(4, 3)
+            harness.connection.group(4, 3)
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 # Links that drop and return
 
 
 @pytest.mark.fast_cases(1)
-@pytest.mark.parametrize("kind", COPTERS, ids=named)
+@pytest.mark.parametrize("kind", COPTERS, ids=kind_name)
 def test_a_call_during_a_silence_ends_in_its_typed_timeout(kind):
     async def scenario(world, vehicle):
         events = world.node.events(VehicleLost, VehicleReturned)
@@ -215,18 +215,18 @@ def test_a_running_call_continues_after_a_short_silence():
 
 
 def test_a_link_that_is_closed_and_opened_again():
-    async def scenario(stage):
-        peer = await stage.enter()
-        vehicle = await stage.node.wait_for_vehicle()
+    async def scenario(harness):
+        peer = await harness.add_peer()
+        vehicle = await harness.connection.wait_for_vehicle()
         await peer.stop()
         with pytest.raises(RemoteTimeout):
             await vehicle.component.command(common.MavCmd.DO_SET_HOME, 1)
-        stage.told()
-        await stage.enter(uptime=300.0)
-        assert await stage.node.wait_for_vehicle() is vehicle
-        assert [type(event) for event in stage.told(VehicleReturned)] == [VehicleReturned]
+        harness.new_events()
+        await harness.add_peer(uptime=300.0)
+        assert await harness.connection.wait_for_vehicle() is vehicle
+        assert [type(event) for event in harness.new_events(VehicleReturned)] == [VehicleReturned]
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 # Reboots
@@ -241,7 +241,7 @@ async def outcome(work):
 
 
 @pytest.mark.fast_cases(1)
-@pytest.mark.parametrize("kind", COPTERS, ids=named)
+@pytest.mark.parametrize("kind", COPTERS, ids=kind_name)
 def test_the_cache_is_cleared_at_a_reboot(kind):
     async def scenario(world, vehicle):
         parameters = await vehicle.params.download()
@@ -253,7 +253,7 @@ def test_the_cache_is_cleared_at_a_reboot(kind):
         await anext(events)
         assert not vehicle.params.cached
         assert not vehicle.component._clients.params.complete
-        assert len(parameters) == whole  # who was given them keeps them
+        assert len(parameters) == whole  # a returned mapping is not changed
         assert len(await vehicle.params.download()) == whole
         await world.wait_until(lambda: vehicle.component.modes.current is not None)
         assert not events.drain()
@@ -262,7 +262,7 @@ def test_the_cache_is_cleared_at_a_reboot(kind):
 
 
 @pytest.mark.fast_cases(2)
-@pytest.mark.parametrize("kind", COPTERS, ids=named)
+@pytest.mark.parametrize("kind", COPTERS, ids=kind_name)
 @pytest.mark.parametrize("packed", [True, False])
 def test_a_download_across_a_reboot_is_complete_or_fails(kind, packed):
     async def scenario(world, vehicle):
@@ -283,7 +283,7 @@ def test_a_download_across_a_reboot_is_complete_or_fails(kind, packed):
 
 
 @pytest.mark.fast_cases(1)
-@pytest.mark.parametrize("kind", COPTERS, ids=named)
+@pytest.mark.parametrize("kind", COPTERS, ids=kind_name)
 def test_an_upload_across_a_reboot_is_complete_or_fails(kind):
     async def scenario(world, vehicle):
         before = await vehicle.mission.upload(plan(3))

@@ -10,9 +10,9 @@ import pytest
 from mavstack.dialects import common
 from mavstack.errors import ActionUnsupported, CommandDenied
 from mavstack.sim.vehicle_types import VehicleType
-from tests.vehicle.world import ALL, ARDUPILOT, FLYING, PX4, fly, named
+from tests.vehicle.world import ALL, ARDUPILOT, FLYING, PX4, fly, kind_name
 
-#: The type that circles home until it is told to land.
+#: The type that circles home until a command lets it land.
 CIRCLING = [(VehicleType.PLANE, ARDUPILOT), (VehicleType.VTOL, ARDUPILOT)]
 COPTERS = [(VehicleType.COPTER, ARDUPILOT), (VehicleType.COPTER, PX4)]
 
@@ -39,7 +39,7 @@ def height(world):
 
 @pytest.mark.flight
 @pytest.mark.flight_cases(2)
-@pytest.mark.parametrize("kind", FLYING, ids=named)
+@pytest.mark.parametrize("kind", FLYING, ids=kind_name)
 def test_up_there_and_back(kind):
     wing = kind[0] is not VehicleType.COPTER
     up, there = (60.0, (500.0, 200.0)) if wing else (12.0, (40.0, -25.0))
@@ -65,7 +65,7 @@ def test_up_there_and_back(kind):
 
 @pytest.mark.flight
 @pytest.mark.flight_cases(2)
-@pytest.mark.parametrize("kind", [kind for kind in ALL if kind not in FLYING], ids=named)
+@pytest.mark.parametrize("kind", [kind for kind in ALL if kind not in FLYING], ids=kind_name)
 def test_vehicles_that_do_not_fly_go_and_return(kind):
     async def scenario(world, vehicle):
         await vehicle.arm()
@@ -88,7 +88,7 @@ def test_vehicles_that_do_not_fly_go_and_return(kind):
 
 
 @pytest.mark.flight
-@pytest.mark.parametrize("kind", COPTERS, ids=named)
+@pytest.mark.parametrize("kind", COPTERS, ids=kind_name)
 def test_a_copter_lands_where_it_is(kind):
     async def scenario(world, vehicle):
         await vehicle.arm()
@@ -104,7 +104,7 @@ def test_a_copter_lands_where_it_is(kind):
 
 @pytest.mark.flight_cases(1)
 @pytest.mark.flight
-@pytest.mark.parametrize("kind", COPTERS, ids=named)
+@pytest.mark.parametrize("kind", COPTERS, ids=kind_name)
 @pytest.mark.parametrize("radius", [15.0, -15.0])
 def test_an_orbit(kind, radius):
     async def scenario(world, vehicle):

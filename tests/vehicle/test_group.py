@@ -1,4 +1,4 @@
-"""Many vehicles asked as one: what each came to is told, whatever became of the others."""
+"""Group calls: each vehicle has its own result, also if other vehicles fail."""
 
 from __future__ import annotations
 
@@ -20,32 +20,32 @@ from mavstack.errors import (
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.vehicle import Group, VehicleFound, VehicleLost
 from tests.sim.running import reduce_telemetry
-from tests.vehicle.peers import play
+from tests.vehicle.peers import run_scenario
 from tests.vehicle.world import ARDUPILOT, PX4, fly
 
 
 def with_group(count, scenario):
     """Run a scenario with a group of scripted vehicles, which answer nothing."""
 
-    async def whole(stage):
+    async def whole(harness):
         for system in range(1, count + 1):
-            await stage.enter(system)
-        await scenario(stage, await stage.node.wait_for_vehicles(count))
+            await harness.add_peer(system)
+        await scenario(harness, await harness.connection.wait_for_vehicles(count))
 
-    play(whole)
+    run_scenario(whole)
 
 
 def test_each_vehicle_has_its_own_outcome():
-    async def scenario(stage, group):
+    async def scenario(harness, group):
         async def work(vehicle):
             await asyncio.sleep(vehicle.system)
             if vehicle.system == 2:
                 raise CommandDenied("arming", "2/1", answer="DENIED", code=2)
             return vehicle.system * 10
 
-        begun = stage.node.now()
+        begun = harness.connection.now()
         results = await group.each(work)
-        assert stage.node.now() - begun == pytest.approx(3.0, abs=0.1)  # at the same time
+        assert harness.connection.now() - begun == pytest.approx(3.0, abs=0.1)  # at the same time
         first, second, third = group
         assert list(results) == [first, second, third]
         assert results[first] == 10
@@ -64,7 +64,7 @@ def test_each_vehicle_has_its_own_outcome():
 
 
 def test_all_succeed():
-    async def scenario(stage, group):
+    async def scenario(harness, group):
         results = await group.each(lambda vehicle: asyncio.sleep(0, vehicle.system))
         assert results.ok
         assert not results.failed
@@ -75,10 +75,10 @@ def test_all_succeed():
 
 
 def test_a_defect_of_the_function_is_an_outcome_and_the_cause():
-    async def scenario(stage, group):
+    async def scenario(harness, group):
         def work(vehicle):
             if vehicle.system == 2:
-                return {}["nothing"]  # before it is even awaited
+                return {}["nothing"]  # raised before there is an awaitable
             return asyncio.sleep(1, "done")
 
         results = await group.each(work)
@@ -92,7 +92,7 @@ def test_a_defect_of_the_function_is_an_outcome_and_the_cause():
 
 @pytest.mark.parametrize(("max_concurrency", "expected"), [(1, 1), (3, 3), (100, 8), (None, 8)])
 def test_max_concurrency(max_concurrency, expected):
-    async def scenario(stage, group):
+    async def scenario(harness, group):
         running = highest = 0
 
         async def work(vehicle):
@@ -109,7 +109,7 @@ def test_max_concurrency(max_concurrency, expected):
 
 
 def test_a_max_concurrency_below_one_is_misuse():
-    async def scenario(stage, group):
+    async def scenario(harness, group):
         with pytest.raises(LocalProtocolError, match="max_concurrency must be at least 1, got 0"):
             await group.each(lambda vehicle: asyncio.sleep(0), max_concurrency=0)
 
@@ -117,9 +117,9 @@ def test_a_max_concurrency_below_one_is_misuse():
 
 
 def test_cancelling_cancels_all_and_leaves_each_end_clean():
-    async def scenario(stage, group):
+    async def scenario(harness, group):
         cancelled = []
-        for peer in stage.peers:
+        for peer in harness.peers:
             peer.node.add_packet_listener(
                 common.CommandCancel, lambda packet, peer=peer: cancelled.append(peer.node.address.system)
             )
@@ -132,20 +132,20 @@ def test_cancelling_cancels_all_and_leaves_each_end_clean():
         with pytest.raises(asyncio.CancelledError):
             await asking
         await asyncio.sleep(1)
-        assert sorted(cancelled) == [1, 2]  # the third was not asked yet
+        assert sorted(cancelled) == [1, 2]  # the third call had not begun
         assert not any(vehicle.component._clients.command.busy for vehicle in group)
 
     with_group(3, scenario)
 
 
 def test_work_that_cancels_itself_is_an_outcome():
-    async def scenario(stage, group):
+    async def scenario(harness, group):
         async def work(vehicle):
             if vehicle.system == 1:
                 raise asyncio.CancelledError
 
         results = await group.each(work)
-        assert list(results.failed) == [stage.node.vehicles[1]]
+        assert list(results.failed) == [harness.connection.vehicles[1]]
         (error,) = results.errors.values()
         assert isinstance(error, RemoteCancelled)
 
@@ -171,8 +171,8 @@ def test_vehicles_that_fail_for_one_reason_share_a_line():
 
 
 def test_a_vehicle_is_in_a_group_once():
-    async def scenario(stage, group):
-        vehicle = stage.node.vehicles[1]
+    async def scenario(harness, group):
+        vehicle = harness.connection.vehicles[1]
         twice = Group([vehicle, *group, vehicle])
         assert twice.systems == (1, 2)
         assert vehicle in twice
@@ -191,7 +191,7 @@ def prepare(simulated):
 
 @pytest.mark.nightly
 def test_fifty_vehicles():
-    """Of fifty, one has no GPS and refuses to arm, one is cut off; all others do what they are asked."""
+    """One of fifty vehicles has no GPS and refuses to arm, one is disconnected; all others take off."""
     kinds = [(VehicleType.COPTER, ARDUPILOT if number % 2 else PX4) for number in range(50)]
 
     async def scenario(world, vehicle):

@@ -1,4 +1,4 @@
-"""Flying by setpoints: the stream, the mode, and how a block is left."""
+"""Guided sessions: the stream of setpoints, the mode, and the end of the block."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from mavstack.dialects import common
 from mavstack.errors import CommandDenied, ModeTimeout, SetpointError
 from mavstack.services.setpoints import LocalSetpoint
 from mavstack.vehicle.guided_session import STREAM_LEAD_TIME, quaternion
-from tests.vehicle.failures.scripted import ARDUPILOT, CMD, PX4, play
+from tests.vehicle.failures.scripted_autopilot import ARDUPILOT, CMD, PX4, run_scenario
 
 LOCAL, GLOBAL = common.SetPositionTargetLocalNed, common.SetPositionTargetGlobalInt
 ATTITUDE = common.SetAttitudeTarget
@@ -20,172 +20,172 @@ BOTH = pytest.mark.parametrize("autopilot", [PX4, ARDUPILOT], ids=["px4", "ardup
 MODES = {PX4: ("OFFBOARD", "LOITER"), ARDUPILOT: ("GUIDED", "BRAKE")}
 
 
-def setpoints(made):
-    return [message for message in made.script.heard if isinstance(message, (LOCAL, GLOBAL, ATTITUDE))]
+def setpoints(harness):
+    return [
+        message for message in harness.autopilot.received if isinstance(message, (LOCAL, GLOBAL, ATTITUDE))
+    ]
 
 
-def timed(made):
-    """When setpoints and changes of mode came, and which they were."""
+def timed(harness):
+    """Return a list that grows by the time and the name of each received setpoint and mode command."""
     times = []
 
     def note(packet):
         name = type(packet.message).__name__
         if name != "CommandLong" or packet.message.command == CMD.DO_SET_MODE:
-            times.append((made.node.now(), name))
+            times.append((harness.connection.now(), name))
 
-    made.script.add_packet_listener((LOCAL, GLOBAL, ATTITUDE, common.CommandLong), note)
+    harness.autopilot.add_packet_listener((LOCAL, GLOBAL, ATTITUDE, common.CommandLong), note)
     return times
 
 
 @BOTH
 def test_the_stream_begins_before_the_mode_and_keeps_its_rate(autopilot):
-    async def scenario(made):
-        times = timed(made)
+    async def scenario(harness):
+        times = timed(harness)
         entered, held = MODES[autopilot]
-        async with made.vehicle.guided(rate=20) as guided:
-            assert made.vehicle.mode == entered
+        async with harness.vehicle.guided(rate=20) as guided:
+            assert harness.vehicle.mode == entered
             guided.velocity(north=2.0, east=1.0, up=0.5, yaw=90)
             await asyncio.sleep(4)
-        assert made.vehicle.mode == held
+        assert harness.vehicle.mode == held
         mode_asked = next(time for time, name in times if name == "CommandLong")
         sent = [time for time, name in times if name != "CommandLong"]
         assert mode_asked - sent[0] >= STREAM_LEAD_TIME * 0.9
         gaps = [later - earlier for earlier, later in pairwise(sent)]
         assert max(gaps) < 0.075
         assert len(sent) / (sent[-1] - sent[0]) == pytest.approx(20, rel=0.1)
-        newest = [each for each in setpoints(made) if each.vx == 2.0]
+        newest = [each for each in setpoints(harness) if each.vx == 2.0]
         assert (newest[0].vy, newest[0].vz) == (1.0, -0.5)
         assert newest[0].yaw == pytest.approx(pi / 2, abs=1e-5)
-        standing = setpoints(made)
-        assert (standing[0].vx, standing[-1].vx) == (
-            0.0,
-            0.0,
-        )  # before it is told where to, and while it holds
+        standing = setpoints(harness)
+        # The stream begins before the first setpoint of the program, and ends while the vehicle holds.
+        assert (standing[0].vx, standing[-1].vx) == (0.0, 0.0)
 
-    play(scenario, autopilot=autopilot)
+    run_scenario(scenario, autopilot=autopilot)
 
 
 @BOTH
 def test_the_stream_ends_with_the_block(autopilot):
-    async def scenario(made):
-        await made.vehicle.set_mode("RTL")  # makes what is made when it is first used
-        before = made.registers()
-        async with made.vehicle.guided():
+    async def scenario(harness):
+        await harness.vehicle.set_mode("RTL")  # creates the objects that stay from the first use on
+        before = harness.open_resources()
+        async with harness.vehicle.guided():
             await asyncio.sleep(1)
-        made.script.heard.clear()
+        harness.autopilot.received.clear()
         await asyncio.sleep(5)
-        assert setpoints(made) == []
-        assert made.registers() == before
+        assert setpoints(harness) == []
+        assert harness.open_resources() == before
 
-    play(scenario, autopilot=autopilot)
+    run_scenario(scenario, autopilot=autopilot)
 
 
-async def fail_without_holding(made):
-    async with made.vehicle.guided():
-        made.script.refuse(CMD.DO_SET_MODE)
+async def fail_without_holding(harness):
+    async with harness.vehicle.guided():
+        harness.autopilot.refuse(CMD.DO_SET_MODE)
         raise ZeroDivisionError
 
 
-async def refuse_to_hold(made):
-    async with made.vehicle.guided():
-        made.script.refuse(CMD.DO_SET_MODE)
-        made.script.saying = lambda: made.say("no position")
+async def refuse_to_hold(harness):
+    async with harness.vehicle.guided():
+        harness.autopilot.refuse(CMD.DO_SET_MODE)
+        harness.autopilot.on_refusal = lambda: harness.send_statustext("no position")
 
 
 def test_an_error_in_the_block_is_raised():
-    async def scenario(made):
+    async def scenario(harness):
         with pytest.raises(ZeroDivisionError):
-            async with made.vehicle.guided():
+            async with harness.vehicle.guided():
                 raise ZeroDivisionError
-        assert made.vehicle.mode == "LOITER"  # it holds all the same
-        with pytest.raises(ZeroDivisionError):  # though it does not hold
-            await fail_without_holding(made)
-        made.script.heard.clear()
+        assert harness.vehicle.mode == "LOITER"  # the vehicle holds nevertheless
+        with pytest.raises(ZeroDivisionError):  # also if the vehicle refuses to hold
+            await fail_without_holding(harness)
+        harness.autopilot.received.clear()
         await asyncio.sleep(3)
-        assert setpoints(made) == []
+        assert setpoints(harness) == []
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_a_refused_hold_is_raised():
-    async def scenario(made):
+    async def scenario(harness):
         with pytest.raises(CommandDenied, match=r"DO_SET_MODE on 1/1 failed: DENIED \(no position\)"):
-            await refuse_to_hold(made)
-        made.script.heard.clear()
+            await refuse_to_hold(harness)
+        harness.autopilot.received.clear()
         await asyncio.sleep(3)
-        assert setpoints(made) == []
+        assert setpoints(harness) == []
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 @pytest.mark.parametrize("acts", [True, False], ids=["denied", "ignored"])
 def test_a_mode_that_is_not_entered_ends_the_stream(acts):
-    async def scenario(made):
-        await made.vehicle.set_mode("RTL")
-        before = made.registers()
-        made.script.acts = acts
+    async def scenario(harness):
+        await harness.vehicle.set_mode("RTL")
+        before = harness.open_resources()
+        harness.autopilot.executes = acts
         if acts:
-            made.script.refuse(CMD.DO_SET_MODE)
+            harness.autopilot.refuse(CMD.DO_SET_MODE)
         with pytest.raises(CommandDenied if acts else ModeTimeout):
-            async with made.vehicle.guided():
+            async with harness.vehicle.guided():
                 pytest.fail("it was not to be entered")
-        made.script.heard.clear()
+        harness.autopilot.received.clear()
         await asyncio.sleep(3)
-        assert setpoints(made) == []
-        assert made.registers() == before
+        assert setpoints(harness) == []
+        assert harness.open_resources() == before
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_a_session_that_was_not_entered_leaves_nothing():
-    async def scenario(made):
-        before = made.registers()
+    async def scenario(harness):
+        before = harness.open_resources()
         for _ in range(5):
-            made.vehicle.guided()
+            harness.vehicle.guided()
         await asyncio.sleep(1)
-        assert made.registers() == before
+        assert harness.open_resources() == before
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_each_kind_of_setpoint():
-    async def scenario(made):
-        async with made.vehicle.guided() as guided:
+    async def scenario(harness):
+        async with harness.vehicle.guided() as guided:
             guided.body_velocity(forward=3, right=1, up=1, yaw_rate=90)
             await asyncio.sleep(0.2)
-            body = setpoints(made)[-1]
+            body = setpoints(harness)[-1]
             assert body.coordinate_frame == common.MavFrame.BODY_NED
             assert (body.vx, body.vy, body.vz) == (3, 1, -1)
             assert body.yaw_rate == pytest.approx(pi / 2, abs=1e-5)
             guided.position(10, -5, 20, yaw=180)
             await asyncio.sleep(0.2)
-            place = setpoints(made)[-1]
+            place = setpoints(harness)[-1]
             assert (place.x, place.y, place.z) == (10, -5, -20)
             assert abs(place.yaw) == pytest.approx(pi, abs=1e-5)
             guided.goto(47.5, 8.25, 30)
             await asyncio.sleep(0.2)
-            far = setpoints(made)[-1]
+            far = setpoints(harness)[-1]
             assert (far.lat_int, far.lon_int, far.alt) == (475000000, 82500000, 30)
             guided.attitude(roll=0, pitch=0, yaw=90, thrust=0.5)
             await asyncio.sleep(0.2)
-            attitude = setpoints(made)[-1]
+            attitude = setpoints(harness)[-1]
             assert attitude.q == pytest.approx((0.70711, 0, 0, 0.70711), abs=1e-4)
             assert attitude.thrust == 0.5
             with pytest.raises(SetpointError):
                 guided.set(LocalSetpoint())
             await asyncio.sleep(0.2)
-            assert setpoints(made)[-1].thrust == 0.5  # what was wrong changed nothing
+            assert setpoints(harness)[-1].thrust == 0.5  # refused setpoints change nothing
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_it_begins_with_the_setpoint_that_it_was_given():
-    async def scenario(made):
+    async def scenario(harness):
         first = LocalSetpoint(velocity=(0.0, 0.0, -1.5))
-        async with made.vehicle.guided(rate=10, first=first):
-            assert {message.vz for message in setpoints(made)} == {-1.5}
+        async with harness.vehicle.guided(rate=10, first=first):
+            assert {message.vz for message in setpoints(harness)} == {-1.5}
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 @pytest.mark.parametrize(

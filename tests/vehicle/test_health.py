@@ -10,12 +10,12 @@ from mavstack.dialects import ardupilotmega, common
 from mavstack.errors import CommandDenied, HealthTimeout, RemoteTimeout
 from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.running import reduce_telemetry
-from tests.vehicle.failures.scripted import play as scripted_readiness
+from tests.vehicle.failures.scripted_autopilot import run_scenario as scripted_readiness
 from tests.vehicle.telemetry.harness import ARDUPILOT as AP
 from tests.vehicle.telemetry.harness import PX4 as PX
 from tests.vehicle.telemetry.harness import with_telemetry
 from tests.vehicle.telemetry.health_messages import BIT, EKF, NOT_READY, READY, status, texts_of
-from tests.vehicle.world import ALL, ARDUPILOT, PX4, fly, named
+from tests.vehicle.world import ALL, ARDUPILOT, PX4, fly, kind_name
 
 COPTERS = [(VehicleType.COPTER, ARDUPILOT), (VehicleType.COPTER, PX4)]
 
@@ -24,7 +24,7 @@ COPTERS = [(VehicleType.COPTER, ARDUPILOT), (VehicleType.COPTER, PX4)]
 
 
 @pytest.mark.fast_cases(4)
-@pytest.mark.parametrize("kind", ALL, ids=named)
+@pytest.mark.parametrize("kind", ALL, ids=kind_name)
 def test_every_vehicle_gets_ready_by_itself(kind):
     async def scenario(world, vehicle):
         before = vehicle.health
@@ -37,7 +37,7 @@ def test_every_vehicle_gets_ready_by_itself(kind):
     fly(kind, scenario, ready=False)
 
 
-@pytest.mark.parametrize("kind", COPTERS, ids=named)
+@pytest.mark.parametrize("kind", COPTERS, ids=kind_name)
 def test_a_starting_vehicle_reports_that_it_starts(kind):
     async def scenario(world, vehicle):
         with pytest.raises(HealthTimeout) as caught:
@@ -95,7 +95,7 @@ def test_a_fault_is_a_problem_until_it_ends(firmware, fault, reasons):
     fly((VehicleType.COPTER, firmware), scenario, prepare=quiet_with_battery_limits)
 
 
-@pytest.mark.parametrize("kind", COPTERS, ids=named)
+@pytest.mark.parametrize("kind", COPTERS, ids=kind_name)
 def test_it_becomes_ready_over_a_lossy_link(kind):
     async def scenario(world, vehicle):
         assert (await vehicle.wait_until_ready(timeout=60)).ready
@@ -130,7 +130,7 @@ def test_a_refused_arming_leaves_its_reason_as_a_problem():
     fly(COPTERS[1], scenario)
 
 
-# Scripted: each message by itself
+# ScriptedAutopilot: each message by itself
 
 
 @pytest.mark.parametrize(
@@ -172,18 +172,18 @@ def test_old_messages_do_not_count():
 
 @pytest.mark.parametrize("flag", [EKF.POS_HORIZ_ABS, EKF.PRED_POS_HORIZ_ABS, EKF.POS_HORIZ_REL])
 def test_ardupilot_is_ready_once_its_position_is_estimated(flag):
-    async def scenario(made):
+    async def scenario(harness):
         flags = [EKF.ATTITUDE]
-        made.script.publish(
+        harness.autopilot.publish(
             ardupilotmega.EkfStatusReport,
             lambda now: ardupilotmega.EkfStatusReport(flags=flags[0]),
             interval=1,
         )
-        waiting = asyncio.create_task(made.vehicle.wait_until_ready())
-        await made.vehicle.wait_until_ready(mode="ALT_HOLD", timeout=2)
+        waiting = asyncio.create_task(harness.vehicle.wait_until_ready())
+        await harness.vehicle.wait_until_ready(mode="ALT_HOLD", timeout=2)
         await asyncio.sleep(15)
         assert not waiting.done()
-        assert "horizontal position is not estimated" in texts_of(made.vehicle.health)
+        assert "horizontal position is not estimated" in texts_of(harness.vehicle.health)
         flags[0] |= flag
         await asyncio.wait_for(waiting, 3)
 
@@ -191,35 +191,35 @@ def test_ardupilot_is_ready_once_its_position_is_estimated(flag):
 
 
 def test_ardupilot_without_an_estimator_report_is_ready_by_its_pre_arm_bit():
-    async def scenario(made):
-        await made.vehicle.wait_until_ready(timeout=10)
+    async def scenario(harness):
+        await harness.vehicle.wait_until_ready(timeout=10)
 
     scripted_readiness(scenario, autopilot=AP)
 
 
 @pytest.mark.parametrize(("mode", "after"), [("POSCTL", "LOITER"), ("OFFBOARD", "OFFBOARD")])
 def test_px4_without_radio_control_leaves_a_mode_that_needs_sticks(mode, after):
-    async def scenario(made):
-        script = made.script
-        script.enter(mode)
-        script.arm(False)
+    async def scenario(harness):
+        autopilot = harness.autopilot
+        autopilot.enter(mode)
+        autopilot.arm(False)
 
         def report(now):
-            ready = made.vehicle.mode == "LOITER"
+            ready = harness.vehicle.mode == "LOITER"
             return common.SysStatus(
                 onboard_control_sensors_present=BIT.SENSOR_RC_RECEIVER,
                 onboard_control_sensors_enabled=BIT.SENSOR_RC_RECEIVER,
                 onboard_control_sensors_health=BIT.PREARM_CHECK if ready else 0,
             )
 
-        script._status = report
-        script.publish(common.SysStatus, report, interval=0.5)
+        autopilot._status = report
+        autopilot.publish(common.SysStatus, report, interval=0.5)
         await asyncio.sleep(2)
         if after == "LOITER":
-            await made.vehicle.wait_until_ready(timeout=30)
+            await harness.vehicle.wait_until_ready(timeout=30)
         else:
             with pytest.raises(HealthTimeout, match="radio control receiver is not healthy"):
-                await made.vehicle.wait_until_ready(timeout=12)
-        assert made.vehicle.mode == after
+                await harness.vehicle.wait_until_ready(timeout=12)
+        assert harness.vehicle.mode == after
 
     scripted_readiness(scenario, autopilot=PX)

@@ -12,8 +12,8 @@ from mavstack.services.message_request.interval import message_id_of
 from mavstack.services.mission import MissionItem
 from mavstack.vehicle.mission_completion import END_DELAY, MissionCompletion
 from mavstack.vehicle.vehicle_type import VehicleType
-from tests.vehicle.failures.scripted import ARDUPILOT, CMD, play
-from tests.vehicle.firmware.asked import HERE
+from tests.vehicle.failures.scripted_autopilot import ARDUPILOT, CMD, run_scenario
+from tests.vehicle.firmware.received_requests import HERE
 
 
 class Flight:
@@ -76,18 +76,18 @@ def test_a_last_item_in_the_air_ends_after_a_delay() -> None:
 def test_flying_a_mission_requests_its_progress() -> None:
     """ArduCopter streams nothing by default."""
 
-    async def scenario(made):
-        await made.vehicle.mission.upload([MissionItem.takeoff(*HERE, 10), MissionItem.return_to_launch()])
-        flying = asyncio.create_task(made.vehicle.mission.fly())
+    async def scenario(harness):
+        await harness.vehicle.mission.upload([MissionItem.takeoff(*HERE, 10), MissionItem.return_to_launch()])
+        flying = asyncio.create_task(harness.vehicle.mission.fly())
         await asyncio.sleep(20)  # after the upload its progress is fresh
         flying.cancel()
         rates = [
             message.param2
-            for message in made.script.heard
+            for message in harness.autopilot.received
             if isinstance(message, common.CommandLong)
             and message.command == CMD.SET_MESSAGE_INTERVAL
             and message.param1 == message_id_of(common.MissionCurrent)
         ]
         assert rates[0] == 1_000_000
 
-    play(scenario, autopilot=ARDUPILOT)
+    run_scenario(scenario, autopilot=ARDUPILOT)

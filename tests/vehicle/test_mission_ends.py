@@ -7,7 +7,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.services.mission import MissionItem, Plan
 from mavstack.sim.vehicle_types import VehicleType
-from tests.vehicle.world import ARDUPILOT, PX4, fly, named
+from tests.vehicle.world import ARDUPILOT, PX4, fly, kind_name
 
 CMD = common.MavCmd
 COPTERS = [(VehicleType.COPTER, ARDUPILOT), (VehicleType.COPTER, PX4)]
@@ -27,7 +27,7 @@ def there_and_back(world, firmware):
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("kind", COPTERS, ids=named)
+@pytest.mark.parametrize("kind", COPTERS, ids=kind_name)
 def test_it_ends_when_the_vehicle_returned_and_can_be_flown_again(kind):
     async def scenario(world, vehicle):
         await vehicle.mission.upload(there_and_back(world, kind[1]))

@@ -7,14 +7,14 @@ import pytest
 from mavstack.errors import RemoteDenied
 from mavstack.services.modes import AvailableMode
 from mavstack.sim.vehicle_types import VehicleType
-from tests.vehicle.failures.scripted import PX4 as SCRIPTED_PX4
-from tests.vehicle.failures.scripted import play
-from tests.vehicle.world import ARDUPILOT, PX4, fly, named
+from tests.vehicle.failures.scripted_autopilot import PX4 as SCRIPTED_PX4
+from tests.vehicle.failures.scripted_autopilot import run_scenario
+from tests.vehicle.world import ARDUPILOT, PX4, fly, kind_name
 
 COPTERS = [(VehicleType.COPTER, ARDUPILOT), (VehicleType.COPTER, PX4)]
 
 
-@pytest.mark.parametrize("kind", COPTERS, ids=named)
+@pytest.mark.parametrize("kind", COPTERS, ids=kind_name)
 def test_the_listed_name_is_the_current_one(kind):
     async def scenario(world, vehicle):
         listed = {mode.custom_mode: mode.name for mode in await vehicle.modes.list()}
@@ -34,15 +34,16 @@ def test_the_listed_name_is_the_current_one(kind):
 
 
 def test_a_mode_that_only_the_vehicle_knows_has_its_name():
-    async def scenario(made):
-        modes = made.script.modes
+    async def scenario(harness):
+        modes = harness.autopilot.modes
         own = AvailableMode(4 << 16 | 11 << 24, "Follow the Bees")
         modes.offer(
-            [*(mode for mode in modes.modes if mode.custom_mode != own.custom_mode), own], made.script.now()
+            [*(mode for mode in modes.modes if mode.custom_mode != own.custom_mode), own],
+            harness.autopilot.now(),
         )
-        made.script.wake(modes)
-        await made.vehicle.set_mode("follow the bees")
-        assert made.vehicle.mode == "Follow the Bees"
-        assert "Follow the Bees" in [mode.name for mode in await made.vehicle.modes.list()]
+        harness.autopilot.wake(modes)
+        await harness.vehicle.set_mode("follow the bees")
+        assert harness.vehicle.mode == "Follow the Bees"
+        assert "Follow the Bees" in [mode.name for mode in await harness.vehicle.modes.list()]
 
-    play(scenario, autopilot=SCRIPTED_PX4)
+    run_scenario(scenario, autopilot=SCRIPTED_PX4)

@@ -39,7 +39,7 @@ def test_first_action_lands_a_plane_by_its_mission() -> None:
 
 
 @pytest.mark.parametrize("state", ["unknown", "undefined"])
-def test_a_parameter_tells_a_quadplane_that_does_not_report_its_vtol_state(state) -> None:
+def test_a_parameter_identifies_a_quadplane_without_vtol_state(state) -> None:
     """ArduPlane 4.0.7 and 4.1 send EXTENDED_SYS_STATE with an undefined VTOL state."""
 
     def hide_vtol_state(simulated) -> None:

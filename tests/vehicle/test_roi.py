@@ -8,9 +8,9 @@ import pytest
 
 from mavstack.errors import ActionUnsupported, InvalidArgumentError
 from mavstack.sim.vehicle_types import VehicleType
-from tests.vehicle.failures.scripted import ARDUPILOT as ARDUPILOT_NUMBER
-from tests.vehicle.failures.scripted import CMD, RESULT, play
-from tests.vehicle.firmware.asked import INT, LONG, THERE, asked_of
+from tests.vehicle.failures.scripted_autopilot import ARDUPILOT as ARDUPILOT_NUMBER
+from tests.vehicle.failures.scripted_autopilot import CMD, RESULT, run_scenario
+from tests.vehicle.firmware.received_requests import INT, LONG, THERE, requests_of
 from tests.vehicle.world import ARDUPILOT, PX4, fly
 
 
@@ -29,47 +29,47 @@ def test_the_gimbal_keeps_pointing_at_a_location(firmware):
 
 
 def test_px4_counts_the_altitude_from_the_sea():
-    async def scenario(made):
-        await made.vehicle.get_home()
-        made.script.heard.clear()
-        await made.vehicle.roi.set_location(*THERE, 12)
-        await made.vehicle.roi.set_next_waypoint(pitch=-30, yaw=15)
-        assert asked_of(made) == [
+    async def scenario(harness):
+        await harness.vehicle.get_home()
+        harness.autopilot.received.clear()
+        await harness.vehicle.roi.set_location(*THERE, 12)
+        await harness.vehicle.roi.set_next_waypoint(pitch=-30, yaw=15)
+        assert requests_of(harness) == [
             (INT, "DO_SET_ROI_LOCATION", "GLOBAL", 0, 0, 0, 0, *THERE, 500),
             (LONG, "DO_SET_ROI_WPNEXT_OFFSET", 0, 0, 0, 0, -30, 0, 15),
         ]
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_ardupilot_counts_the_altitude_from_home():
-    async def scenario(made):
-        await made.vehicle.roi.set_location(*THERE, 12)
-        await made.vehicle.roi.clear()
-        assert asked_of(made) == [
+    async def scenario(harness):
+        await harness.vehicle.roi.set_location(*THERE, 12)
+        await harness.vehicle.roi.clear()
+        assert requests_of(harness) == [
             (INT, "DO_SET_ROI_LOCATION", "GLOBAL_RELATIVE_ALT", 0, 0, 0, 0, *THERE, 12),
             (LONG, "DO_SET_ROI_NONE", 0, 0, 0, 0, 0, 0, 0),
         ]
         with pytest.raises(ActionUnsupported, match="cannot look at its next waypoint"):
-            await made.vehicle.roi.set_next_waypoint()
+            await harness.vehicle.roi.set_next_waypoint()
 
-    play(scenario, autopilot=ARDUPILOT_NUMBER)
+    run_scenario(scenario, autopilot=ARDUPILOT_NUMBER)
 
 
 def test_older_versions_of_ardupilot_clear_it_by_a_location_of_zeros():
-    async def scenario(made):
-        made.script.refuse(CMD.DO_SET_ROI_NONE, result=RESULT.UNSUPPORTED)
-        await made.vehicle.roi.clear()
+    async def scenario(harness):
+        harness.autopilot.refuse(CMD.DO_SET_ROI_NONE, result=RESULT.UNSUPPORTED)
+        await harness.vehicle.roi.clear()
         zeros = [0] * 7
-        assert asked_of(made)[-1] == (INT, "DO_SET_ROI_LOCATION", "GLOBAL_RELATIVE_ALT", *zeros)
+        assert requests_of(harness)[-1] == (INT, "DO_SET_ROI_LOCATION", "GLOBAL_RELATIVE_ALT", *zeros)
 
-    play(scenario, autopilot=ARDUPILOT_NUMBER)
+    run_scenario(scenario, autopilot=ARDUPILOT_NUMBER)
 
 
 def test_a_place_that_is_not_on_earth():
-    async def scenario(made):
+    async def scenario(harness):
         with pytest.raises(InvalidArgumentError, match="latitude"):
-            await made.vehicle.roi.set_location(91, 8)
-        assert asked_of(made) == []
+            await harness.vehicle.roi.set_location(91, 8)
+        assert requests_of(harness) == []
 
-    play(scenario)
+    run_scenario(scenario)

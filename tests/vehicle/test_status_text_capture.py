@@ -18,7 +18,14 @@ from mavstack.vehicle.status_text_capture import (
     with_status_texts,
 )
 from mavstack.vehicle.telemetry import StatusText
-from tests.vehicle.failures.scripted import CMD, RESULT, SEVERITY, play, run_virtually, scene
+from tests.vehicle.failures.scripted_autopilot import (
+    CMD,
+    RESULT,
+    SEVERITY,
+    run_scenario,
+    run_virtually,
+    scripted_harness,
+)
 
 
 async def raises(error, after=0.0):
@@ -32,111 +39,111 @@ def denied():
 
 @pytest.mark.parametrize("severity", list(SEVERITY))
 def test_warnings_and_worse_are_reasons(severity):
-    async def scenario(made):
-        made.script.saying = lambda: made.say("because", severity)
-        made.script.refuse(CMD.COMPONENT_ARM_DISARM)
+    async def scenario(harness):
+        harness.autopilot.on_refusal = lambda: harness.send_statustext("because", severity)
+        harness.autopilot.refuse(CMD.COMPONENT_ARM_DISARM)
         with pytest.raises(CommandDenied) as error:
-            await made.vehicle.arm()
+            await harness.vehicle.arm()
         assert error.value.status_texts == (("because",) if severity <= SEVERITY.WARNING else ())
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_a_refusal_waits_for_its_reason_for_a_limited_time():
-    async def scenario(made):
-        begun = made.node.now()
-        made.say("because", after=0.4)
+    async def scenario(harness):
+        begun = harness.connection.now()
+        harness.send_statustext("because", after=0.4)
         with pytest.raises(CommandDenied, match=r"IT 1/1 failed: DENIED \(because\)"):
-            await with_status_texts(made.vehicle, raises(denied()))
-        assert 0.4 <= made.node.now() - begun < REASON_TIMEOUT
-        begun = made.node.now()
-        made.say("too late", after=REASON_TIMEOUT + 0.1)
+            await with_status_texts(harness.vehicle, raises(denied()))
+        assert 0.4 <= harness.connection.now() - begun < REASON_TIMEOUT
+        begun = harness.connection.now()
+        harness.send_statustext("too late", after=REASON_TIMEOUT + 0.1)
         with pytest.raises(CommandDenied) as error:
-            await with_status_texts(made.vehicle, raises(denied()))
+            await with_status_texts(harness.vehicle, raises(denied()))
         assert error.value.status_texts == ()
-        assert made.node.now() - begun == pytest.approx(REASON_TIMEOUT, abs=0.01)
+        assert harness.connection.now() - begun == pytest.approx(REASON_TIMEOUT, abs=0.01)
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_texts_before_the_refusal_are_reasons():
-    async def scenario(made):
-        made.say("because", after=0.1)
-        begun = made.node.now()
+    async def scenario(harness):
+        harness.send_statustext("because", after=0.1)
+        begun = harness.connection.now()
         with pytest.raises(CommandDenied) as error:
-            await with_status_texts(made.vehicle, raises(denied(), after=0.2))
+            await with_status_texts(harness.vehicle, raises(denied(), after=0.2))
         assert error.value.status_texts == ("because",)
-        assert made.node.now() - begun == pytest.approx(0.2, abs=0.01)
+        assert harness.connection.now() - begun == pytest.approx(0.2, abs=0.01)
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_a_timeout_carries_earlier_texts_and_does_not_wait():
-    async def scenario(made):
-        made.say("battery low", after=0.1)
-        made.say("later", after=0.6)
-        begun = made.node.now()
+    async def scenario(harness):
+        harness.send_statustext("battery low", after=0.1)
+        harness.send_statustext("later", after=0.6)
+        begun = harness.connection.now()
         with pytest.raises(CommandTimeout, match=r"IT 1/1 failed: no answer \(battery low\)"):
-            await with_status_texts(made.vehicle, raises(CommandTimeout("IT", "1/1"), after=0.5))
-        assert made.node.now() - begun == pytest.approx(0.5, abs=0.01)
+            await with_status_texts(harness.vehicle, raises(CommandTimeout("IT", "1/1"), after=0.5))
+        assert harness.connection.now() - begun == pytest.approx(0.5, abs=0.01)
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_status_texts_of_an_error_are_kept():
-    async def scenario(made):
+    async def scenario(harness):
         error = denied()
         error.status_texts = ("its own",)
-        made.say("another", after=0.1)
+        harness.send_statustext("another", after=0.1)
         with pytest.raises(CommandDenied) as raised:
-            await with_status_texts(made.vehicle, raises(error, after=0.2))
+            await with_status_texts(harness.vehicle, raises(error, after=0.2))
         assert raised.value.status_texts == ("its own",)
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_other_errors_and_results_pass_through():
-    async def scenario(made):
-        before = made.registers()
+    async def scenario(harness):
+        before = harness.open_resources()
         with pytest.raises(LocalProtocolError):
-            await with_status_texts(made.vehicle, raises(LocalProtocolError("wrong")))
-        assert await with_status_texts(made.vehicle, asyncio.sleep(0, "result")) == "result"
-        assert made.registers() == before
+            await with_status_texts(harness.vehicle, raises(LocalProtocolError("wrong")))
+        assert await with_status_texts(harness.vehicle, asyncio.sleep(0, "result")) == "result"
+        assert harness.open_resources() == before
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_several_texts_of_one_reason():
-    async def scenario(made):
-        made.say("first", after=0.30)
-        made.say("second", after=0.35)
+    async def scenario(harness):
+        harness.send_statustext("first", after=0.30)
+        harness.send_statustext("second", after=0.35)
         with pytest.raises(CommandDenied) as error:
-            await with_status_texts(made.vehicle, raises(denied()))
+            await with_status_texts(harness.vehicle, raises(denied()))
         assert error.value.status_texts == ("first", "second")
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_a_capture_keeps_the_last_texts():
-    async def scenario(made):
-        with StatusTextCapture(made.vehicle) as captured:
+    async def scenario(harness):
+        with StatusTextCapture(harness.vehicle) as captured:
             for number in range(50):
-                made.say(f"text {number}")
+                harness.send_statustext(f"text {number}")
                 await asyncio.sleep(0.01)
                 assert len(captured.warnings) <= MAX_TEXTS
             assert captured.warnings == tuple(f"text {number}" for number in range(44, 50))
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_texts_of_its_other_components_count_and_other_systems_do_not():
     async def whole() -> None:
         network = MemoryNetwork()
-        async with scene(network=network) as made:
+        async with scripted_harness(network=network) as harness:
             own = Node(network.link(), system=1, component=191)
             other = Node(network.link(), system=2, component=1)
             async with own, other:
-                with StatusTextCapture(made.vehicle) as captured:
+                with StatusTextCapture(harness.vehicle) as captured:
                     own.send_statustext("of its companion", SEVERITY.ERROR)
                     other.send_statustext("of another vehicle", SEVERITY.ERROR)
                     await asyncio.sleep(0.1)
@@ -146,16 +153,16 @@ def test_texts_of_its_other_components_count_and_other_systems_do_not():
 
 
 def test_a_parameter_timeout_carries_status_texts():
-    async def scenario(made):
-        await made.vehicle.params.get("P_00")
-        made.script._host.engine.remove(made.script.parameters)
-        made.say("storage failed", after=0.5)
-        made.say("by the way", SEVERITY.INFO, after=0.5)
+    async def scenario(harness):
+        await harness.vehicle.params.get("P_00")
+        harness.autopilot._host.engine.remove(harness.autopilot.parameters)
+        harness.send_statustext("storage failed", after=0.5)
+        harness.send_statustext("by the way", SEVERITY.INFO, after=0.5)
         with pytest.raises(ParameterTimeout, match="storage failed") as error:
-            await made.vehicle.params.get("P_01")
+            await harness.vehicle.params.get("P_01")
         assert error.value.status_texts == ("storage failed",)
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_attaching_status_texts():

@@ -7,9 +7,9 @@ import pytest
 from mavstack.dialects import ardupilotmega, common
 from mavstack.errors import ActionUnsupported, CommandDenied
 from mavstack.sim.vehicle_types import VehicleType
-from tests.vehicle.failures.scripted import ARDUPILOT as ARDUPILOT_NUMBER
-from tests.vehicle.failures.scripted import CMD, RESULT, play
-from tests.vehicle.firmware.asked import INT, LONG, asked_of
+from tests.vehicle.failures.scripted_autopilot import ARDUPILOT as ARDUPILOT_NUMBER
+from tests.vehicle.failures.scripted_autopilot import CMD, RESULT, run_scenario
+from tests.vehicle.firmware.received_requests import INT, LONG, requests_of
 from tests.vehicle.world import ARDUPILOT, PX4, fly
 
 COPTER = (VehicleType.COPTER, ARDUPILOT)
@@ -17,22 +17,22 @@ FIRMWARES = [ARDUPILOT, PX4]
 
 
 def test_any_command():
-    async def scenario(made):
-        result = await made.vehicle.command(CMD.DO_SET_HOME, 1)
+    async def scenario(harness):
+        result = await harness.vehicle.command(CMD.DO_SET_HOME, 1)
         assert result.result == RESULT.ACCEPTED
-        await made.vehicle.command(
+        await harness.vehicle.command(
             CMD.DO_REPOSITION, -1, 1, 0, 0, 47.4, 8.5, 20, frame=common.MavFrame.GLOBAL
         )
-        assert asked_of(made) == [
+        assert requests_of(harness) == [
             (LONG, "DO_SET_HOME", 1, 0, 0, 0, 0, 0, 0),
             (INT, "DO_REPOSITION", "GLOBAL", -1, 1, 0, 0, 47.4, 8.5, 20),
         ]
-        made.script.refuse(CMD.DO_SET_HOME)
-        made.script.saying = lambda: made.say("no position")
+        harness.autopilot.refuse(CMD.DO_SET_HOME)
+        harness.autopilot.on_refusal = lambda: harness.send_statustext("no position")
         with pytest.raises(CommandDenied, match=r"DO_SET_HOME on 1/1 failed: DENIED \(no position\)"):
-            await made.vehicle.command(CMD.DO_SET_HOME, 1)
+            await harness.vehicle.command(CMD.DO_SET_HOME, 1)
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 @pytest.mark.parametrize("firmware", FIRMWARES)
@@ -46,21 +46,21 @@ def test_the_version_is_kept(firmware):
 
 
 def test_estimator_sources():
-    async def scenario(made):
-        await made.vehicle.set_ekf_source(2)
-        (asked,) = asked_of(made)
+    async def scenario(harness):
+        await harness.vehicle.set_ekf_source(2)
+        (asked,) = requests_of(harness)
         assert asked[1:3] == (ardupilotmega.MavCmd.SET_EKF_SOURCE_SET.name, 2)
 
-    play(scenario, autopilot=ARDUPILOT_NUMBER)
+    run_scenario(scenario, autopilot=ARDUPILOT_NUMBER)
 
 
 def test_px4_has_no_estimator_sources():
-    async def scenario(made):
+    async def scenario(harness):
         with pytest.raises(ActionUnsupported, match="cannot change the sources of its estimator"):
-            await made.vehicle.set_ekf_source(1)
-        assert asked_of(made) == []
+            await harness.vehicle.set_ekf_source(1)
+        assert requests_of(harness) == []
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 @pytest.mark.fast_cases(1)
@@ -83,12 +83,12 @@ def test_transitions(firmware):
 
 
 def test_a_copter_has_no_transitions():
-    async def scenario(made):
+    async def scenario(harness):
         with pytest.raises(ActionUnsupported, match="cannot change to fixed-wing flight: it is a copter"):
-            await made.vehicle.transition_to_fixed_wing()
-        assert asked_of(made) == []
+            await harness.vehicle.transition_to_fixed_wing()
+        assert requests_of(harness) == []
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 @pytest.mark.parametrize("firmware", FIRMWARES)

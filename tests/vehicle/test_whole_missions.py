@@ -11,7 +11,7 @@ from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
 from tests.sim.running import reduce_telemetry
 from tests.sim.whole_flights.plans import triangle, whole_mission
-from tests.vehicle.world import ALL, named, world
+from tests.vehicle.world import ALL, kind_name, world
 
 pytestmark = pytest.mark.nightly
 
@@ -84,7 +84,7 @@ def check(flight):
 
 
 @pytest.mark.xdist_group("calm")
-@pytest.mark.parametrize("kind", ALL, ids=named)
+@pytest.mark.parametrize("kind", ALL, ids=kind_name)
 def test_a_whole_mission(calm, kind):
     flight = calm[kind]
     check(flight)
@@ -94,6 +94,6 @@ def test_a_whole_mission(calm, kind):
 
 
 @pytest.mark.xdist_group("bad link")
-@pytest.mark.parametrize("kind", ALL, ids=named)
+@pytest.mark.parametrize("kind", ALL, ids=kind_name)
 def test_over_a_lossy_slow_link(bad_link, kind):
     check(bad_link[kind])

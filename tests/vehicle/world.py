@@ -26,7 +26,7 @@ ALL: list[Kind] = [(kind, firmware) for kind in VehicleType for firmware in Firm
 FLYING = [(kind, firmware) for kind, firmware in ALL if kind.flies]
 
 
-def named(kind: Kind) -> str:
+def kind_name(kind: Kind) -> str:
     return "-".join(kind)
 
 

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 from mavstack.errors import InvalidArgumentError, RemoteDenied
 from mavstack.node.ftp import Ftp
 from mavstack.node.read_only import ReadOnly
-from mavstack.services.camera import ftp_place, read_definition
+from mavstack.services.camera import read_definition
+from mavstack.services.ftp import parse_ftp_uri
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Mapping
@@ -151,8 +152,8 @@ class CameraSettings(ReadOnly):
 
     async def _download(self, timeout: float | None) -> CameraDefinition:
         uri = (await self._get_information()).definition_uri
-        place = ftp_place(uri)
-        if place is None:
+        location = parse_ftp_uri(uri)
+        if location is None:
             answer = f"the definition is at {uri}; download it, and pass its content to load()" if uri else ""
             raise RemoteDenied(
                 "downloading the definition of",
@@ -161,6 +162,6 @@ class CameraSettings(ReadOnly):
             )
         address = self._clients.address
         clients = self._clients
-        if place.component is not None and place.component != address.component:
-            clients = self._clients.sibling(place.component)
-        return read_definition(await Ftp(clients).download(place.path, timeout=timeout), uri)
+        if location.component is not None and location.component != address.component:
+            clients = self._clients.sibling(location.component)
+        return read_definition(await Ftp(clients).download(location.path, timeout=timeout), uri)

@@ -1,6 +1,6 @@
 """The metadata files of a remote component: found by COMPONENT_METADATA, kept in a cache, else downloaded.
 
-Each file is tried in the cache first, at its first place next, at its fallback last. Files on web servers are
+Each file is looked up in the cache, then at its location, then at its fallback. Files on web servers are
 fetched only by a function of the program, since a URL from a vehicle can name any host of the network.
 """
 
@@ -24,14 +24,13 @@ from mavstack.errors import (
 from mavstack.services import Address
 from mavstack.services.component_metadata import (
     MAX_FILE,
-    FtpLocation,
     MetadataFile,
     has_crc,
     parse_general,
     parse_uri,
     unpack_content,
 )
-from mavstack.services.ftp import FtpClient
+from mavstack.services.ftp import FtpClient, FtpLocation
 from mavstack.services.message_request import RequestMessage
 
 if TYPE_CHECKING:
@@ -119,7 +118,7 @@ class MetadataFiles:
     async def _read(
         self, file: MetadataFile, access: MetadataAccess, parse: Callable[[bytes, str], Result]
     ) -> Result:
-        """Return a parsed file from the first place that has a valid one."""
+        """Return a parsed file from the first location that has a valid one."""
         for uri, crc in file.sources:
             data = None if crc is None or access.cache is None else access.cache.find_crc(file.type, crc)
             if data is not None:
@@ -140,33 +139,33 @@ class MetadataFiles:
             if crc is not None and access.cache is not None:
                 access.cache.store_crc(file.type, crc, data)
             return result
-        raise first if first is not None else self._denied("it names no place of the file")
+        raise first if first is not None else self._denied("it names no location of the file")
 
     async def _download(self, uri: str, crc: int | None, access: MetadataAccess) -> bytes:
         """Return the bytes of a file, verified by its CRC if it has one."""
         try:
-            place = parse_uri(uri)
-            if isinstance(place, FtpLocation):
-                data = await self._transfer(place, access)
+            location = parse_uri(uri)
+            if isinstance(location, FtpLocation):
+                data = await self._transfer(location, access)
             else:
-                data = await self._fetch(place, access)
+                data = await self._fetch(location, access)
             if crc is not None and not has_crc(data, crc):
                 raise MetadataError("its CRC is not the announced one", uri)
         except MetadataError as error:
             raise self._invalid(error) from None
         return data
 
-    async def _transfer(self, place: FtpLocation, access: MetadataAccess) -> bytes:
+    async def _transfer(self, location: FtpLocation, access: MetadataAccess) -> bytes:
         """Return a file over MAVLink FTP, from the component itself or another one of its system."""
         host, address = self._clients.host, self._clients.address
-        other = place.component is not None and place.component != address.component
+        other = location.component is not None and location.component != address.component
         if other:
-            client = host.serve(FtpClient(host.address, Address(address.system, place.component or 0)))
+            client = host.serve(FtpClient(host.address, Address(address.system, location.component or 0)))
         else:
             client = self._clients.ftp
         try:
             operation = client.download(
-                place.path, host.now(), max_size=MAX_FILE, timeout=access.budget.remaining()
+                location.path, host.now(), max_size=MAX_FILE, timeout=access.budget.remaining()
             )
             return await host.finish(client, operation, access.progress)
         finally:

@@ -77,7 +77,7 @@ def test_selected_vehicle_is_changed_and_named(mav, simulate, files):
 @pytest.mark.parametrize(
     "line", ["param get RTL_ALT", "vehicle info", "mission show", "log list", "ftp ls /"]
 )
-def test_reading_says_which_vehicle_it_was(mav, simulate, line):
+def test_the_output_names_the_vehicle_that_was_read(mav, simulate, line):
     simulate(COPTER, COPTER)
     result = mav(*line.split())
     assert result.code == 0

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
-from mavstack.cli.common.output import align_columns, coloured, shown_length
-from mavstack.cli.common.wrapping import UNLIMITED, table_that_fits, terminal_columns, wrapped
+from mavstack.cli.common.output import align_columns, coloured, shown_length, wrapped
+from mavstack.cli.common.wrapping import UNLIMITED, table_that_fits, terminal_columns
 
 
 def test_lines_break_between_words():

@@ -22,7 +22,7 @@ def harness(monkeypatch, tmp_path):
     return CliHarness(monkeypatch)
 
 
-def noise(size, seed=1):
+def random_bytes(size, seed=1):
     return random.Random(seed).randbytes(size)
 
 
@@ -31,14 +31,14 @@ def test_examples_of_the_help_run(mav, monkeypatch, tmp_path, firmware):
     monkeypatch.chdir(tmp_path)
     harness = CliHarness(monkeypatch, (VehicleType.COPTER, firmware))
     (tmp_path / "patrol.lua").write_text("return 1\n")
-    harness.put("/fs/microsd/log/2026-11-21/10_00_00.ulg", noise(100))
+    harness.put("/fs/microsd/log/2026-11-21/10_00_00.ulg", random_bytes(100))
     top = {"ardupilot": "/APM", "px4": "/fs/microsd"}[firmware]
-    harness.put(f"{top}/LOGS/00000001.BIN", noise(5000))
+    harness.put(f"{top}/LOGS/00000001.BIN", random_bytes(5000))
     harness.put(f"{top}/scripts/here.lua", b"return 2\n")
     for words in examples_of(EXAMPLES):
         result = mav(*(word.replace("/APM", top) for word in words))
         assert (result.code, result.err) == (0, ""), words
-    assert (tmp_path / "00000001.BIN").read_bytes() == noise(5000)
+    assert (tmp_path / "00000001.BIN").read_bytes() == random_bytes(5000)
     assert (tmp_path / "backup" / "here.lua").read_bytes() == b"return 2\n"
     assert harness.file(f"{top}/scripts/old.lua") is None
     assert not harness.has_directory(f"{top}/scripts/modules")
@@ -50,7 +50,7 @@ def test_help_shows_the_examples_of_each_action(mav):
 
 
 def test_ls(mav, harness):
-    harness.put(LOG, noise(1500))
+    harness.put(LOG, random_bytes(1500))
     assert mav("ftp", "ls", "/APM").out == "  LOGS/\n  TERRAIN/\n  scripts/\n"
     assert mav("ftp", "ls", "/APM/LOGS").out == "1.5 kB  00000001.BIN\n"
     assert mav("ftp", "ls", LOG).out == "1.5 kB  00000001.BIN\n"
@@ -92,15 +92,15 @@ def test_wrong_usage(mav, harness, words):
 
 
 def test_get_to_a_file_and_to_directories(mav, harness, tmp_path):
-    harness.put(LOG, noise(3000))
+    harness.put(LOG, random_bytes(3000))
     (tmp_path / "logs").mkdir()
     assert mav("ftp", "get", LOG).out == f"{LOG} -> 00000001.BIN (3.0 kB)\n"
     assert mav("ftp", "get", LOG, "logs").code == 0
     assert mav("ftp", "get", LOG, "new/").code == 0
-    told = json.loads(mav("ftp", "get", LOG, "flight.bin", "--json").out)
-    assert told == {"remote": LOG, "local": "flight.bin", "size": 3000}
+    printed = json.loads(mav("ftp", "get", LOG, "flight.bin", "--json").out)
+    assert printed == {"remote": LOG, "local": "flight.bin", "size": 3000}
     for path in ("00000001.BIN", "logs/00000001.BIN", "new/00000001.BIN", "flight.bin"):
-        assert (tmp_path / path).read_bytes() == noise(3000)
+        assert (tmp_path / path).read_bytes() == random_bytes(3000)
 
 
 def test_get_virtual_and_empty_files(mav, harness, tmp_path):
@@ -114,7 +114,11 @@ def test_get_virtual_and_empty_files(mav, harness, tmp_path):
 
 
 def test_get_a_directory_tree(mav, harness, tmp_path):
-    files = {"a.lua": noise(10), "modules/b.lua": noise(20), "modules/deep/c.lua": noise(30)}
+    files = {
+        "a.lua": random_bytes(10),
+        "modules/b.lua": random_bytes(20),
+        "modules/deep/c.lua": random_bytes(30),
+    }
     for path, data in files.items():
         harness.put(f"/APM/scripts/{path}", data)
     assert mav("ftp", "get", "-r", "/APM/scripts").code == 0
@@ -127,13 +131,13 @@ def test_get_a_directory_tree(mav, harness, tmp_path):
 
 
 def test_put_compares_checksums(mav, harness, tmp_path):
-    (tmp_path / "x.lua").write_bytes(noise(9000))
+    (tmp_path / "x.lua").write_bytes(random_bytes(9000))
     assert (
         mav("ftp", "put", "x.lua", "/APM/scripts").out == "vehicle 1: x.lua -> /APM/scripts/x.lua (9.0 kB)\n"
     )
-    assert harness.file("/APM/scripts/x.lua") == noise(9000)
+    assert harness.file("/APM/scripts/x.lua") == random_bytes(9000)
     crc = json.loads(mav("ftp", "crc", "/APM/scripts/x.lua", "--json").out)["crc"]
-    assert crc == file_crc32(noise(9000))
+    assert crc == file_crc32(random_bytes(9000))
     assert mav("ftp", "crc", "/APM/scripts/x.lua").out == f"{crc:08x}  /APM/scripts/x.lua\n"
 
 
@@ -158,7 +162,7 @@ def test_unsafe_names_are_refused(mav, harness, tmp_path, monkeypatch, name):
 
 @pytest.mark.flight
 def test_interrupted_download_keeps_the_old_file_and_resumes(mav, harness, tmp_path, monkeypatch):
-    data = noise(400_000)
+    data = random_bytes(400_000)
     harness.put(LOG, data)
     target = tmp_path / "00000001.BIN"
     target.write_bytes(b"old")
@@ -170,7 +174,7 @@ def test_interrupted_download_keeps_the_old_file_and_resumes(mav, harness, tmp_p
     assert target.read_bytes() == b"old"
     kept = (tmp_path / ".00000001.BIN.part").stat().st_size
     assert 0 < kept < len(data)
-    cut.mend()
+    cut.reconnect()
     assert mav("ftp", "get", LOG).code == 0
     assert target.read_bytes() == data
     assert cut.read_from >= kept
@@ -178,7 +182,7 @@ def test_interrupted_download_keeps_the_old_file_and_resumes(mav, harness, tmp_p
 
 
 class CutAfter:
-    """Cuts the vehicle's link when so much of a file was read from it."""
+    """Cuts the vehicle's link after `size` bytes of a file were read."""
 
     def __init__(self, harness, size):
         self.harness, self.left, self.read_from = harness, size, 1 << 40
@@ -200,20 +204,20 @@ class CutAfter:
         file.read = counted
         return file
 
-    def mend(self):
+    def reconnect(self):
         self.left, self.read_from = 1 << 40, 1 << 40
         self.harness.vehicle.cut(False)
 
 
 @pytest.mark.flight
 def test_partial_data_of_another_file_is_downloaded_again(mav, harness, tmp_path):
-    harness.put(LOG, noise(200_000, seed=2))
-    (tmp_path / ".00000001.BIN.part").write_bytes(noise(100_000, seed=3))
+    harness.put(LOG, random_bytes(200_000, seed=2))
+    (tmp_path / ".00000001.BIN.part").write_bytes(random_bytes(100_000, seed=3))
     assert mav("ftp", "get", LOG).code == 0
-    assert (tmp_path / "00000001.BIN").read_bytes() == noise(200_000, seed=2)
-    (tmp_path / ".00000001.BIN.part").write_bytes(noise(300_000, seed=3))
+    assert (tmp_path / "00000001.BIN").read_bytes() == random_bytes(200_000, seed=2)
+    (tmp_path / ".00000001.BIN.part").write_bytes(random_bytes(300_000, seed=3))
     assert mav("ftp", "get", LOG).code == 0
-    assert (tmp_path / "00000001.BIN").read_bytes() == noise(200_000, seed=2)
+    assert (tmp_path / "00000001.BIN").read_bytes() == random_bytes(200_000, seed=2)
 
 
 def test_refused_download_leaves_no_file(mav, harness, tmp_path):
@@ -240,8 +244,8 @@ def test_tree_without_end_makes_no_local_directories(mav, harness, tmp_path, mon
 
 
 def test_files_larger_than_the_limit_are_not_downloaded(mav, harness, tmp_path):
-    harness.put(LOG, noise(5000))
-    harness.put("/APM/LOGS/00000002.BIN", noise(5000))
+    harness.put(LOG, random_bytes(5000))
+    harness.put("/APM/LOGS/00000002.BIN", random_bytes(5000))
     result = mav("ftp", "get", LOG, "--max-size", "2k")
     assert result.code == 1
     assert result.err == f"mav ftp: {LOG} has 5.0 kB, more than the 2.0 kB allowed; --max-size allows more\n"
@@ -254,14 +258,14 @@ def test_files_larger_than_the_limit_are_not_downloaded(mav, harness, tmp_path):
 def test_a_file_that_outgrows_its_listed_size_ends_with_the_option_that_allows_it(
     mav, harness, tmp_path, monkeypatch
 ):
-    """Before: 334 MB of a file that was listed with 100 bytes."""
+    """The listed size of a file does not bound the download of a file that grows."""
     listed = MemoryStore.list_directory
 
-    def lying(store, path):
+    def list_small_sizes(store, path):
         return [replace(each, size=min(each.size, 100)) for each in listed(store, path)]
 
-    monkeypatch.setattr(MemoryStore, "list_directory", lying)
-    harness.put(LOG, noise(1_200_000))
+    monkeypatch.setattr(MemoryStore, "list_directory", list_small_sizes)
+    harness.put(LOG, random_bytes(1_200_000))
     result = mav("ftp", "get", LOG)
     assert result.code == 1
     assert result.err.endswith(
@@ -269,11 +273,11 @@ def test_a_file_that_outgrows_its_listed_size_ends_with_the_option_that_allows_i
     )
     assert list(tmp_path.iterdir()) == []
     assert mav("ftp", "get", LOG, "--max-size", "2M").code == 0
-    assert (tmp_path / "00000001.BIN").read_bytes() == noise(1_200_000)
+    assert (tmp_path / "00000001.BIN").read_bytes() == random_bytes(1_200_000)
 
 
 def test_a_download_that_takes_too_long_ends_with_the_option_that_allows_it(mav, harness):
-    harness.put(LOG, noise(60_000))
+    harness.put(LOG, random_bytes(60_000))
     result = mav("ftp", "get", LOG, "--action-timeout", 0.05)
     assert result.code == 1
     assert re.fullmatch(

@@ -22,7 +22,7 @@ PATHS = {
 }
 
 
-def noise(size, seed=1):
+def random_bytes(size, seed=1):
     return random.Random(seed).randbytes(size)
 
 
@@ -35,7 +35,7 @@ def filled(monkeypatch, tmp_path, firmware="ardupilot", sizes=(90_000, 2000)):
     monkeypatch.chdir(tmp_path)
     harness = CliHarness(monkeypatch, (VehicleType.COPTER, firmware))
     for path, size in zip(PATHS[firmware], sizes, strict=True):
-        harness.put(path, noise(size, size))
+        harness.put(path, random_bytes(size, size))
     return harness
 
 
@@ -52,10 +52,10 @@ def test_examples_of_the_help_run(mav, monkeypatch, tmp_path, firmware):
     }[firmware]
     assert sorted(path.name for path in (tmp_path / "logs").iterdir()) == names
     assert [(tmp_path / "logs" / name).read_bytes() for name in names] == [
-        noise(90_000, 90_000),
-        noise(2000, 2000),
+        random_bytes(90_000, 90_000),
+        random_bytes(2000, 2000),
     ]
-    assert (tmp_path / names[1]).read_bytes() == noise(2000, 2000)
+    assert (tmp_path / names[1]).read_bytes() == random_bytes(2000, 2000)
     assert mav("log", "list").err == "there are no logs\n"
 
 
@@ -76,9 +76,9 @@ def test_list(mav, monkeypatch, tmp_path):
 @pytest.mark.fast_cases(2)
 @pytest.mark.parametrize(("via", "way"), [("auto", "ftp"), ("ftp", "ftp"), ("log", "log")])
 def test_download_path_is_selected(mav, harness, tmp_path, via, way):
-    told = json.loads(mav("log", "get", "1", "-o", "x.BIN", "--via", via, "--json").out)
-    assert told == {"id": 1, "file": "x.BIN", "size": 90_000, "via": way}
-    assert (tmp_path / "x.BIN").read_bytes() == noise(90_000, 90_000)
+    printed = json.loads(mav("log", "get", "1", "-o", "x.BIN", "--via", via, "--json").out)
+    assert printed == {"id": 1, "file": "x.BIN", "size": 90_000, "via": way}
+    assert (tmp_path / "x.BIN").read_bytes() == random_bytes(90_000, 90_000)
 
 
 def test_logs_of_equal_size_are_downloaded_by_number(mav, monkeypatch, tmp_path):
@@ -112,7 +112,7 @@ def test_a_downloaded_log_is_kept(mav, harness, tmp_path):
     assert "log 2" in result.out
     assert (tmp_path / "00000001.BIN").read_bytes() == b"mine"
     assert mav("log", "get", "1", "--force").code == 0
-    assert (tmp_path / "00000001.BIN").read_bytes() == noise(90_000, 90_000)
+    assert (tmp_path / "00000001.BIN").read_bytes() == random_bytes(90_000, 90_000)
 
 
 @pytest.mark.parametrize(

@@ -26,7 +26,7 @@ _RESULT = common.MavMissionResult
 
 
 class RefusingVehicle:
-    """A vehicle of a scripted mission service: it refuses what it is told to, or says nothing at all."""
+    """A vehicle whose mission service refuses the plans that a test names, or does not answer."""
 
     def __init__(self, refused: int | None, result: int, *, silent: bool = False) -> None:
         self.refused, self.result, self.silent = refused, result, silent

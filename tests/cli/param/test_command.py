@@ -86,8 +86,8 @@ def test_set(mav, harness):
         mav("param", "set", "FRAME_CLASS=2").out
         == "vehicle 1: FRAME_CLASS: 1 -> 2; takes effect after a reboot\n"
     )
-    told = json.loads(mav("param", "set", "PSC_POSZ_P", "0.7", "--json").out)
-    assert (told["name"], told["value"], told["before"], told["needs_reboot"]) == (
+    printed = json.loads(mav("param", "set", "PSC_POSZ_P", "0.7", "--json").out)
+    assert (printed["name"], printed["value"], printed["before"], printed["needs_reboot"]) == (
         "PSC_POSZ_P",
         0.7,
         1,
@@ -159,8 +159,8 @@ def test_no_vehicle(mav, harness):
 def test_save(mav, harness, tmp_path):
     path = tmp_path / "a.params"
     assert mav("param", "save", path, "RTL*").out == f"vehicle 1: 8 parameters in {path}\n"
-    told = json.loads(mav("param", "save", path, "--json").out)
-    assert told == {
+    printed = json.loads(mav("param", "save", path, "--json").out)
+    assert printed == {
         "system": 1,
         "file": str(path),
         "format": "qgroundcontrol",
@@ -208,9 +208,9 @@ def test_load_reports_the_outcome_of_each_parameter(mav, harness, tmp_path):
     assert lines[-1] == f"vehicle 1: {counts}; --everything also sets the skipped ones; reboot the vehicle"
     assert harness.vehicle.parameters["RTL_ALT"] == 3000
     again = mav("param", "load", path, "RTL*", "--json")
-    told = json.loads(again.out)
+    printed = json.loads(again.out)
     assert again.code == 0
-    assert [(each["name"], each["outcome"]) for each in told["parameters"]] == [
+    assert [(each["name"], each["outcome"]) for each in printed["parameters"]] == [
         ("RTL_ALT", "unchanged"),
         ("RTL_SPEED", "unchanged"),
     ]
@@ -257,8 +257,8 @@ def test_diff_with_the_vehicle(mav, harness, tmp_path):
         [str(path), "vehicle", "1"],
         ["RTL_ALT", "1500", "1501"],
     ]
-    told = json.loads(mav("param", "diff", path, "--json").out)
-    assert told["different"] == [{"name": "RTL_ALT", "ours": 1500, "theirs": 1501}]
+    printed = json.loads(mav("param", "diff", path, "--json").out)
+    assert printed["different"] == [{"name": "RTL_ALT", "ours": 1500, "theirs": 1501}]
 
 
 @pytest.mark.flight
@@ -298,8 +298,8 @@ def test_watch_shows_changes_of_another_station(mav, harness):
     result = mav("param", "watch", "RTL*", "--for", "60")
     assert (result.code, result.out, result.err) == (0, "RTL_ALT: 1500 -> 2222\n", "")
     harness.vehicle.parameters.set("RTL_ALT", 1500)
-    told = json.loads(mav("param", "watch", "RTL*", "--for", "60", "--json").out)
-    assert told == {"system": 1, "name": "RTL_ALT", "value": 2222, "type": "INT32", "before": 1500}
+    printed = json.loads(mav("param", "watch", "RTL*", "--for", "60", "--json").out)
+    assert printed == {"system": 1, "name": "RTL_ALT", "value": 2222, "type": "INT32", "before": 1500}
 
 
 def cut_at(harness, name):

@@ -57,10 +57,10 @@ def test_get_describes_a_parameter_of_px4(mav, px4):
 
 
 def test_get_describes_as_json(mav, px4):
-    [told] = json.loads(mav("param", "get", "--describe", "SYS_AUTOSTART", "--json").out)
-    assert (told["name"], told["value"]) == ("SYS_AUTOSTART", 10040)
-    assert told["metadata"]["reboot_required"] is True
-    assert (told["metadata"]["minimum"], told["metadata"]["maximum"]) == (0, 9999999)
+    [printed] = json.loads(mav("param", "get", "--describe", "SYS_AUTOSTART", "--json").out)
+    assert (printed["name"], printed["value"]) == ("SYS_AUTOSTART", 10040)
+    assert printed["metadata"]["reboot_required"] is True
+    assert (printed["metadata"]["minimum"], printed["metadata"]["maximum"]) == (0, 9999999)
 
 
 def test_get_without_description(mav, simulate):

@@ -15,7 +15,7 @@ from mavstack.links import MemoryNetwork
 from mavstack.node import forwarding
 from mavstack.sim import Firmware, VehicleType
 from tests.cli.harness import COPTER, PX4_COPTER, CliHarness
-from tests.vehicle.world import named
+from tests.vehicle.world import kind_name
 
 
 @pytest.fixture
@@ -34,7 +34,7 @@ def pipe(monkeypatch):
 
 
 @pytest.mark.fast_cases(1)
-@pytest.mark.parametrize("kind", [COPTER, PX4_COPTER], ids=named)
+@pytest.mark.parametrize("kind", [COPTER, PX4_COPTER], ids=kind_name)
 def test_command_option(simulate, mav, kind):
     harness = simulate(kind)
     result = mav("shell", "--command", "arm throttle; takeoff 10")

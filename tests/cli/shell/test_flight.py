@@ -8,7 +8,7 @@ from mavstack.cli.common.errors import UsageError
 from mavstack.cli.shell.runner import run_line
 from mavstack.errors import ActionTimeout, CommandDenied, LocalProtocolError, MavstackError
 from tests.cli.shell.shell_session import COPTER, PX4_COPTER, alone, in_shell, type_lines
-from tests.vehicle.world import named
+from tests.vehicle.world import kind_name
 
 BOTH = [COPTER, PX4_COPTER]
 
@@ -18,7 +18,7 @@ def height(world):
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("kind", BOTH, ids=named)
+@pytest.mark.parametrize("kind", BOTH, ids=kind_name)
 def test_a_flight(kind, capsys):
     async def scenario(session, world):
         await run_line(session, "arm throttle")
@@ -39,7 +39,7 @@ def test_a_flight(kind, capsys):
 
 
 @pytest.mark.fast_cases(1)
-@pytest.mark.parametrize("kind", BOTH, ids=named)
+@pytest.mark.parametrize("kind", BOTH, ids=kind_name)
 def test_mode_names_are_commands(kind, capsys):
     name = "POSCTL" if kind == PX4_COPTER else "ALT_HOLD"
 
@@ -93,7 +93,7 @@ def test_home_is_shown_and_set(capsys):
 
 
 @pytest.mark.fast_cases(1)
-@pytest.mark.parametrize("kind", BOTH, ids=named)
+@pytest.mark.parametrize("kind", BOTH, ids=kind_name)
 def test_reboot(kind):
     async def scenario(session, world):
         await run_line(session, "reboot")

@@ -12,11 +12,11 @@ from mavstack.cli.shell.runner import run_line
 from mavstack.cli.shell.session import Session
 from mavstack.errors import HealthTimeout, MavstackError
 from tests.cli.shell.shell_session import COPTER, PX4_COPTER, alone, in_shell, type_lines
-from tests.vehicle.world import named
+from tests.vehicle.world import kind_name
 
 
 @pytest.mark.fast_cases(1)
-@pytest.mark.parametrize("kind", [COPTER, PX4_COPTER], ids=named)
+@pytest.mark.parametrize("kind", [COPTER, PX4_COPTER], ids=kind_name)
 def test_info_page(kind, capsys):
     type_lines("info", kind=kind)
     out = capsys.readouterr().out

@@ -93,10 +93,10 @@ def test_the_prompt(capsys):
 
     in_shell(COPTER, scenario)
 
-    async def nobody(session):
+    async def without_vehicle(session):
         assert prompt_parts(session)[0] == ("silent", "no vehicle")
 
-    alone(nobody)
+    alone(without_vehicle)
 
 
 def test_no_escape_sequences_in_a_pipe(capsys):

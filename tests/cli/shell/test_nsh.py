@@ -120,7 +120,7 @@ async def test_the_signal_of_ctrl_c_is_passed_on():
     assert shell.received == [b"\x03"]
 
 
-def test_a_vehicle_without_a_shell_is_told():
+def test_a_vehicle_without_a_shell_is_reported():
     with pytest.raises(CommandError, match="no shell answered; only PX4 has one"):
         in_session(FakeShell(silent=True), Keys())
 

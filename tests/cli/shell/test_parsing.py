@@ -1,4 +1,4 @@
-"""Lines become commands, or one told error, whatever is typed."""
+"""Any typed line becomes commands or one error message."""
 
 from __future__ import annotations
 

@@ -85,13 +85,13 @@ def test_the_example_is_a_command_of_the_shell(install, capsys):
         ("arm", f"{__name__}:TAKEN", "there is a command 'arm' already"),
     ],
 )
-def test_a_plugin_that_fails_is_told_in_one_line(install, name, value, problem):
+def test_a_plugin_that_fails_is_reported_in_one_line(install, name, value, problem):
     commands, problems = install(**{name: value})
     assert commands == dict(COMMANDS)
-    (told,) = problems
-    assert told.startswith(f"plug-in {name} was left out: ")
-    assert problem in told
-    assert "\n" not in told
+    (reported,) = problems
+    assert reported.startswith(f"plug-in {name} was left out: ")
+    assert problem in reported
+    assert "\n" not in reported
 
 
 def test_one_that_fails_does_not_keep_others_out(install):
@@ -105,8 +105,8 @@ def test_the_shell_starts_without_a_broken_plugin(mav, simulate, install):
     install(broken="no_such_module:X")
     result = mav("shell", "--command", "vehicle")
     assert result.code == 0
-    told = [line for line in result.err.splitlines() if "plug-in" in line]
-    assert told == ["plug-in broken was left out: ModuleNotFoundError: No module named 'no_such_module'"]
+    reported = [line for line in result.err.splitlines() if "plug-in" in line]
+    assert reported == ["plug-in broken was left out: ModuleNotFoundError: No module named 'no_such_module'"]
 
 
 TAKEN = Command("arm", "", "a name that is taken", nothing)

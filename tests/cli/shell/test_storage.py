@@ -9,7 +9,7 @@ from mavstack.cli.shell.console_command import AlreadyReported
 from mavstack.cli.shell.runner import run_line
 from mavstack.errors import MavstackError
 from tests.cli.shell.shell_session import COPTER, PX4_COPTER, alone, in_shell, type_lines
-from tests.vehicle.world import named
+from tests.vehicle.world import kind_name
 
 BOTH = [COPTER, PX4_COPTER]
 WAYPOINTS = """\
@@ -50,7 +50,7 @@ def test_param_fetch_counts_parameters(capsys):
 
 
 @pytest.mark.fast_cases(1)
-@pytest.mark.parametrize("kind", BOTH, ids=named)
+@pytest.mark.parametrize("kind", BOTH, ids=kind_name)
 def test_a_mission(kind, capsys, tmp_path):
     (given := tmp_path / "way.txt").write_text(WAYPOINTS)
     kept = tmp_path / "kept.waypoints"

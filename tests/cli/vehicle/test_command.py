@@ -9,7 +9,7 @@ import pytest
 
 from mavstack.cli.vehicle.command import EXAMPLES
 from tests.cli.harness import COPTER, PX4_COPTER
-from tests.vehicle.world import named
+from tests.vehicle.world import kind_name
 
 BOTH = [COPTER, PX4_COPTER]
 #: Actions of PX4, of VTOLs, of equipment that has to be set up, and of vehicles on the ground.
@@ -19,7 +19,7 @@ CONFIRMED = {"terminate"}
 
 
 @pytest.mark.fast_cases(1)
-@pytest.mark.parametrize("kind", BOTH, ids=named)
+@pytest.mark.parametrize("kind", BOTH, ids=kind_name)
 def test_a_flight(simulate, mav, kind):
     harness = simulate(kind)
     body = harness.vehicle.body
@@ -45,7 +45,7 @@ def test_a_flight(simulate, mav, kind):
 
 
 @pytest.mark.fast_cases(1)
-@pytest.mark.parametrize("kind", BOTH, ids=named)
+@pytest.mark.parametrize("kind", BOTH, ids=kind_name)
 def test_modes(simulate, mav, kind):
     harness = simulate(kind)
     name = "POSCTL" if kind == PX4_COPTER else "LOITER"
@@ -58,7 +58,7 @@ def test_modes(simulate, mav, kind):
 
 
 @pytest.mark.fast_cases(1)
-@pytest.mark.parametrize("kind", BOTH, ids=named)
+@pytest.mark.parametrize("kind", BOTH, ids=kind_name)
 def test_info(simulate, mav, kind):
     simulate(kind)
     facts = json.loads(mav("vehicle", "info", "--json").out)
@@ -101,7 +101,7 @@ def test_home(simulate, mav):
 
 
 @pytest.mark.fast_cases(1)
-@pytest.mark.parametrize("kind", BOTH, ids=named)
+@pytest.mark.parametrize("kind", BOTH, ids=kind_name)
 def test_reboot(simulate, mav, kind):
     simulate(kind)
     assert mav("vehicle", "reboot").out == "vehicle 1: rebooted\n"
@@ -115,11 +115,11 @@ def test_refusal_is_one_line_with_the_reason(simulate, mav):
     assert result.err.startswith("mav vehicle: COMPONENT_ARM_DISARM on 1/1 failed: ")
     assert "Arm" in result.err.split("(", 1)[1]
     assert result.err.count("\n") == 1
-    told = mav("vehicle", "arm", "--json", "--system", 1)
-    assert told.code == 1
-    outcome = json.loads(told.out)
+    result = mav("vehicle", "arm", "--json", "--system", 1)
+    assert result.code == 1
+    outcome = json.loads(result.out)
     assert (outcome["system"], outcome["action"], outcome["ok"]) == (1, "arm", False)
-    assert outcome["error"] == told.err.removeprefix("mav vehicle: ").rstrip()
+    assert outcome["error"] == result.err.removeprefix("mav vehicle: ").rstrip()
 
 
 def test_force(simulate, mav):

@@ -29,8 +29,8 @@ def test_lists_refusals_and_the_current_mode_have_the_same_names(mav, monkeypatc
         assert all(names)
         assert len(set(names)) == len(names)
         assert each["mode"] in names
-        told = refusals[each["system"]].partition("the vehicle has ")[2].split(", ")
-        assert set(selectable) <= set(told) <= set(names), KINDS[each["system"] - 1]
+        listed = refusals[each["system"]].partition("the vehicle has ")[2].split(", ")
+        assert set(selectable) <= set(listed) <= set(names), KINDS[each["system"] - 1]
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: f"{kind[1]}-{kind[0]}")

@@ -127,7 +127,7 @@ def test_custom_dialect(mav, tlog, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("content", "told"),
+    ("content", "message"),
     [
         (b"", "no MAVLink packet"),
         (b"nothing of interest" * 100, "no MAVLink packet"),
@@ -135,12 +135,12 @@ def test_custom_dialect(mav, tlog, tmp_path):
         (b"\xa3\x95\x80\x80", "an ArduPilot dataflash log"),
     ],
 )
-def test_file_without_packets_is_a_failure(mav, tmp_path, content, told):
+def test_file_without_packets_is_a_failure(mav, tmp_path, content, message):
     path = tmp_path / "other"
     path.write_bytes(content)
     result = mav("watch", path, "--once")
     assert result.code == 1
-    assert told in result.err
+    assert message in result.err
     assert result.err.count("\n") == 1
 
 
@@ -284,7 +284,7 @@ def test_with_a_key_only_packets_signed_with_it_are_shown(mav, tmp_path):
     assert "are unsigned or signed with another key" in result.err
 
 
-def test_an_unknown_key_is_told(mav):
+def test_an_unknown_key_is_reported(mav):
     result = mav("watch", "udpin://127.0.0.1:0", "--once", "--key", "nokey")
     assert result.code == 1
     assert "there is no signing key 'nokey'" in result.err

@@ -90,7 +90,7 @@ def test_empty_observer():
     assert lines(Observer(Dialect.load("all")), 80, 24)
 
 
-def test_without_rich_the_error_says_how_to_install_it(monkeypatch):
+def test_without_rich_the_error_names_the_extra_to_install(monkeypatch):
     real = builtins.__import__
 
     def without_rich(name, *rest):

@@ -28,7 +28,7 @@ def two_links():
     return sources
 
 
-def test_the_rows_of_two_links_are_told_apart():
+def test_the_rows_of_two_links_are_distinguished():
     picture = take_picture(two_links())
     rows = {(row.name, row.source): row.count for row in picture.messages}
     assert rows["ATTITUDE", "A 1/1"] == 20

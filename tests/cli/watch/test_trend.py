@@ -76,7 +76,7 @@ def test_silence_and_unknown_values_leave_gaps():
     assert watched.trends.rows()[0].samples == (1.0, None, None)
 
 
-def test_the_samples_are_bounded_and_sources_are_told_apart():
+def test_the_samples_are_bounded_and_sources_are_distinguished():
     watched = Watched("ATTITUDE.roll", "A", "B")
     for step in range(MAX_SAMPLES + 10):
         for label in "AB":

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from mavstack.files.parameters import Owner, needs_reboot, owner_of
-from mavstack.files.parameters.traits import turn_of
+from mavstack.files.parameters.traits import round_of
 from mavstack.sim.parameters.tables import rows
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 
@@ -41,7 +41,7 @@ def test_read_only_parameters_belong_to_one_vehicle(firmware):
 
 
 def test_turns():
-    assert turn_of("Q_ENABLE") < turn_of("Q_A_RAT_RLL_P") < turn_of("SYSID_THISMAV")
+    assert round_of("Q_ENABLE") < round_of("Q_A_RAT_RLL_P") < round_of("SYSID_THISMAV")
 
 
 @pytest.mark.parametrize(

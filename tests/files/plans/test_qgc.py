@@ -1,4 +1,4 @@
-"""QGroundControl's files: every version, every kind of item, and what is not taken is told."""
+"""QGroundControl's files: every version and every kind of item; parts that are not read are reported."""
 
 from __future__ import annotations
 

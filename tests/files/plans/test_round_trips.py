@@ -1,4 +1,4 @@
-"""Any plan that a format can hold comes back from it exactly, and what it cannot hold is told."""
+"""A written plan is read back exactly, or the writer reports what the format cannot hold."""
 
 from __future__ import annotations
 

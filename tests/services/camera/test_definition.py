@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from mavstack.dialects import common
 from mavstack.errors import DialectError, InvalidArgumentError, ParameterDenied
-from mavstack.services.camera import CameraSettingsServer, FtpPlace, ftp_place, read_definition
+from mavstack.services.camera import CameraSettingsServer, read_definition
 from mavstack.services.camera.definition_file import MAX_FILE_BYTES
 from mavstack.services.extended_parameters import ExtendedParameterClient
-from tests.services.camera.pairs import CAMERA
+from tests.services.camera.harness import CAMERA
 from tests.services.network import GROUND, Network
 
 KIND = common.MavParamExtType
@@ -175,23 +175,6 @@ def test_random_files_raise_one_error(junk: bytes, place: int) -> None:
     for data in (junk, FILE[:place] + junk + FILE[place:], lzma.compress(FILE)[: place // 4] + junk):
         with suppress(DialectError):
             read_definition(data)
-
-
-@pytest.mark.parametrize(
-    ("uri", "place"),
-    [
-        ("mftp://camera.xml", FtpPlace("/camera.xml", None)),
-        ("mftp:///info/camera%20one.xml.xz", FtpPlace("/info/camera one.xml.xz", None)),
-        ("mftp://[;comp=1]/camera.xml", FtpPlace("/camera.xml", 1)),
-        ("MAVLINKFTP://[;comp=100]camera.xml", FtpPlace("/camera.xml", 100)),
-        ("mftp://[;comp=999]/camera.xml", None),
-        ("mftp://", None),
-        ("http://camera/camera.xml", None),
-        ("", None),
-    ],
-)
-def test_places(uri: str, place: FtpPlace | None) -> None:
-    assert ftp_place(uri) == place
 
 
 def test_a_server_accepts_what_the_definition_allows() -> None:

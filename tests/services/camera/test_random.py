@@ -13,9 +13,9 @@ from mavstack.dialects import common
 from mavstack.errors import CommandDenied, RemoteTimeout
 from mavstack.services.camera import CameraDevice, CameraInformation, ListStreams, TakePhoto
 from mavstack.services.camera.sequence import CaptureSequence
-from tests.services.camera.pairs import Pair
-from tests.services.drive import garbage, give
+from tests.services.camera.harness import CameraHarness
 from tests.services.network import GROUND, random_impairment, with_cuts
+from tests.services.single_service import deliver, random_message
 
 if TYPE_CHECKING:
     from tests.seeds import Seeds
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 
 def scenario(seed: int) -> None:
     random = Random(seed)
-    pair = Pair(seed=seed, impairment=random_impairment(random))
-    with_cuts(pair.network, pair.pipes)
-    pair.press_button()
-    photos = [pair.run(TakePhoto(0, number)) for number in (1, 2)]
+    harness = CameraHarness(seed=seed, impairment=random_impairment(random))
+    with_cuts(harness.network, harness.pipes)
+    harness.press_button()
+    photos = [harness.run(TakePhoto(0, number)) for number in (1, 2)]
     taken = []
     for photo in photos:
         if photo.error is None:
@@ -34,15 +34,15 @@ def scenario(seed: int) -> None:
         else:
             assert isinstance(photo.error, RemoteTimeout | CommandDenied)
     assert len(set(taken)) == len(taken)
-    assert set(taken) <= set(pair.device.images)
-    streams = pair.run(ListStreams(0))
+    assert set(taken) <= set(harness.device.images)
+    streams = harness.run(ListStreams(0))
     if streams.error is not None:
         assert isinstance(streams.error, RemoteTimeout)
     else:
         assert {each.id for each in streams.result()} <= {1, 2}
-    pair.let_pass(60)
-    assert len(set(pair.reported)) == len(pair.reported)
-    assert set(taken) <= set(pair.reported)
+    harness.let_pass(60)
+    assert len(set(harness.reported)) == len(harness.reported)
+    assert set(taken) <= set(harness.reported)
 
 
 def test_cameras_over_bad_links(seeds: Seeds) -> None:
@@ -63,31 +63,31 @@ def test_cameras_over_bad_links(seeds: Seeds) -> None:
     ],
 )
 def test_garbage_does_no_harm(kind) -> None:
-    random, pair = Random(1), Pair()
+    random, harness = Random(1), CameraHarness()
     for _ in range(200):
-        give(pair.monitor, garbage(kind, random), pair.address, pair.network.now)
-    pair.let_pass(1)
-    assert len(pair.monitor.storages) <= 32
+        deliver(harness.monitor, random_message(kind, random), harness.address, harness.network.now)
+    harness.let_pass(1)
+    assert len(harness.monitor.storages) <= 32
     for number in range(8):
-        assert len(pair.monitor.reports(number).missing) <= 200
-        assert len(pair.monitor.reports(number).streams) <= 32
+        assert len(harness.monitor.reports(number).missing) <= 200
+        assert len(harness.monitor.reports(number).streams) <= 32
 
 
 @pytest.mark.parametrize("kind", [common.CommandLong, common.CommandInt])
 def test_random_commands_do_no_harm(kind) -> None:
-    random, pair = Random(1), Pair()
+    random, harness = Random(1), CameraHarness()
     numbers = (
         *(200, 520, 521, 526, 529, 530, 531, 532, 2000, 2001),
         *(2002, 2004, 2005, 2010, 2500, 2501, 2502, 2503, 512),
     )
     for _ in range(500):
-        message = garbage(kind, random).replace(
+        message = random_message(kind, random).replace(
             target_system=1, target_component=100, command=random.choice(numbers)
         )
-        pair.ground.engine.send(message, pair.network.now)
-        pair.let_pass(0.05)
-    pair.let_pass(1)
-    assert pair.ground.engine.local == GROUND
+        harness.ground.engine.send(message, harness.network.now)
+        harness.let_pass(0.05)
+    harness.let_pass(1)
+    assert harness.ground.engine.local == GROUND
 
 
 @settings(max_examples=60)

@@ -161,7 +161,7 @@ def test_two_commands_of_one_id_go_one_after_the_other(client) -> None:
     assert [message.param1 for message in sent(client)] == [2]
 
 
-def test_cancelling_tells_the_vehicle(client) -> None:
+def test_cancelling_is_sent_to_the_vehicle(client) -> None:
     operation = client.command(Command(WINCH), START)
     sent(client)
     client.cancel(operation, START)
@@ -224,7 +224,7 @@ def test_a_packet_that_the_network_doubled_is_not_carried_out_twice() -> None:
     assert len(done) == 2
 
 
-def test_what_is_not_supported_is_said_by_the_one_addressed(server) -> None:
+def test_only_the_addressed_component_answers_unsupported(server) -> None:
     takeoff = common.MavCmd.NAV_TAKEOFF
     assert answers(server, command_long(takeoff)) == [RESULT.UNSUPPORTED]
     assert answers(server, command_long(takeoff, target=Address(1, 0)), 1) == [RESULT.UNSUPPORTED]

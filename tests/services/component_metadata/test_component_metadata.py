@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 from mavstack.dialects import common
 from mavstack.errors import MetadataError
 from mavstack.services.component_metadata import (
-    FtpLocation,
     MetadataFile,
     ServedMetadata,
     has_crc,
@@ -23,13 +22,13 @@ from mavstack.services.component_metadata import (
     parse_uri,
     unpack_content,
 )
-from mavstack.services.ftp import file_crc32
+from mavstack.services.ftp import FtpLocation, file_crc32
 
 PARAMETER = common.CompMetadataType.PARAMETER
 
 
 @pytest.mark.parametrize(
-    ("uri", "place"),
+    ("uri", "location"),
     [
         ("mftp://etc/extras/general.json.xz", FtpLocation("etc/extras/general.json.xz")),
         ("mftp:///general.json", FtpLocation("/general.json")),
@@ -38,8 +37,8 @@ PARAMETER = common.CompMetadataType.PARAMETER
         ("https://host.org/x.json?y=1", "https://host.org/x.json?y=1"),
     ],
 )
-def test_uri(uri, place):
-    assert parse_uri(uri) == place
+def test_uri(uri, location):
+    assert parse_uri(uri) == location
 
 
 @pytest.mark.parametrize(
@@ -113,9 +112,9 @@ def test_general_file():
 
 def test_served_files_lead_to_each_other():
     served = ServedMetadata("etc/extras", {PARAMETER: ("parameters.json", b'{"parameters": []}')})
-    place = parse_uri(served.uri)
-    assert isinstance(place, FtpLocation)
-    general = unpack_content(served.files[place.path])
+    location = parse_uri(served.uri)
+    assert isinstance(location, FtpLocation)
+    general = unpack_content(served.files[location.path])
     assert file_crc32(general) == served.crc
     file = parse_general(general)[PARAMETER]
     assert file.uri == "mftp://etc/extras/parameters.json.xz"

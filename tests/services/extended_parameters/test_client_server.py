@@ -180,7 +180,7 @@ def test_a_repetition_is_not_carried_out_again() -> None:
     assert len(calls) == 2
 
 
-def test_in_progress_is_said_again_and_again() -> None:
+def test_in_progress_is_sent_periodically() -> None:
     server = ExtendedParameterServer(CAMERA)
     server.add("FORMAT", 0, handler=lambda _: None)
     server.receive(set_packet("FORMAT", 1, KIND.INT32, 1), 10.0)

@@ -16,21 +16,21 @@ from mavstack.errors import (
 from mavstack.services import Address, Progress
 from mavstack.services.ftp import FtpClient, FtpError, FtpPayload, FtpServer, MemoryStore, Opcode
 from mavstack.services.ftp.sessions import IDLE_TIMEOUT, MAX_SESSIONS_PER_CLIENT
-from tests.services.drive import give, sent
 from tests.services.ftp.harness import FtpHarness
 from tests.services.network import GROUND, START, VEHICLE
+from tests.services.single_service import deliver, sent_by
 
 DATA = Random(1).randbytes(5000)
 
 
 def ask(server, opcode, data=b"", *, sequence=1, source=GROUND, now=START, **fields) -> list[FtpPayload]:
     request = FtpPayload.request(opcode, data, **fields).numbered(sequence)
-    give(server, request.to_message(*VEHICLE), source, now)
-    return [FtpPayload.read(message) for message in sent(server, now)]
+    deliver(server, request.to_message(*VEHICLE), source, now)
+    return [FtpPayload.read(message) for message in sent_by(server, now)]
 
 
 def asked(client, now=START) -> list[FtpPayload]:
-    return [FtpPayload.read(message) for message in sent(client, now)]
+    return [FtpPayload.read(message) for message in sent_by(client, now)]
 
 
 def reply(client, request, data=b"", *, opcode=Opcode.ACK, now=START, **fields) -> None:
@@ -42,7 +42,7 @@ def reply(client, request, data=b"", *, opcode=Opcode.ACK, now=START, **fields) 
         data=data,
         **values,
     )
-    give(client, payload.to_message(*GROUND), VEHICLE, now)
+    deliver(client, payload.to_message(*GROUND), VEHICLE, now)
 
 
 def nak(client, request, *codes, **fields) -> None:
@@ -81,7 +81,7 @@ def test_a_retry_repeats_its_sequence_number(client) -> None:
         operation.result()
 
 
-def test_data_goes_where_its_offset_says_and_the_session_may_be_0(client) -> None:
+def test_data_is_written_at_its_offset_and_the_session_may_be_0(client) -> None:
     operation, (burst,) = opened(client)
     assert (burst.opcode, burst.session) == (Opcode.BURSTREADFILE, 0)
     pieces = [(offset, DATA[offset : min(offset + 239, 1000)]) for offset in range(0, 1000, 239)]
@@ -168,6 +168,46 @@ def test_a_repeated_removal_that_finds_nothing_has_worked(client) -> None:
     client.handle_timeout(client.next_timeout())
     nak(client, request, FtpError.FILENOTFOUND)
     assert operation.error is None
+
+
+def test_a_repeated_creation_of_a_directory_that_reports_eexist_has_worked(client) -> None:
+    operation = client.make_directory("d", START)
+    (request,) = asked(client)
+    client.handle_timeout(client.next_timeout())
+    nak(client, request, FtpError.FAILERRNO, 17)
+    assert operation.error is None
+
+
+@pytest.mark.parametrize(
+    ("listing", "renamed"), [(b"Dx\0Fnew\t5\0", True), (b"Fold\t5\0", False), (None, False)]
+)
+@pytest.mark.parametrize("error", [(FtpError.FILENOTFOUND,), (FtpError.FAILERRNO, 2)], ids=["code", "errno"])
+def test_a_repeated_rename_without_a_source_has_worked_if_its_target_exists(
+    client, listing, renamed, error
+) -> None:
+    operation = client.rename("old", "dir/new", START)
+    (request,) = asked(client)
+    client.handle_timeout(client.next_timeout())
+    asked(client)
+    nak(client, request, *error)
+    (listed,) = asked(client)
+    assert (listed.opcode, listed.data) == (Opcode.LISTDIRECTORY, b"dir")
+    if listing is None:
+        nak(client, listed, FtpError.FILENOTFOUND)
+    else:
+        reply(client, listed, listing)
+        nak(client, asked(client)[0], FtpError.EOF)
+    assert operation.done
+    assert (operation.error is None) is renamed
+    if not renamed:
+        assert str(operation.error).startswith("renaming old to dir/new on 1/1 failed after 2 attempts")
+
+
+def test_the_first_refusal_of_a_rename_is_final(client) -> None:
+    operation = client.rename("old", "new", START)
+    nak(client, asked(client)[0], FtpError.FILENOTFOUND)
+    assert operation.error is not None
+    assert asked(client) == []
 
 
 def test_a_reply_remembered_from_another_client_is_requested_again_under_a_new_number(client) -> None:
@@ -355,14 +395,14 @@ def test_a_session_belongs_to_its_client(server) -> None:
     assert len(server.sessions) == 1
 
 
-def test_a_burst_is_paced_and_says_when_it_is_complete() -> None:
+def test_a_burst_is_paced_and_marks_its_last_reply() -> None:
     server = FtpServer(VEHICLE, MemoryStore({"f": bytes(100_000)}))
     (session,) = ask(server, Opcode.OPENFILERO, b"f")
     request = FtpPayload.request(Opcode.BURSTREADFILE, session=session.session, size=239).numbered(5)
-    give(server, request.to_message(*VEHICLE), GROUND, START)
+    deliver(server, request.to_message(*VEHICLE), GROUND, START)
     rooms = iter([True, True, False])
-    first = sent(server, START, lambda *_: next(rooms))
-    rest = [FtpPayload.read(message) for _ in range(2) for message in sent(server, START)]
+    first = sent_by(server, START, lambda *_: next(rooms))
+    rest = [FtpPayload.read(message) for _ in range(2) for message in sent_by(server, START)]
     assert len(first) == 2
     assert [packet.sequence for packet in rest][:2] == [8, 9]
     assert [packet.burst_complete for packet in rest] == [False] * 147 + [True]
@@ -372,11 +412,11 @@ def test_a_burst_through_a_slow_link_ends_before_mavftp_gives_up() -> None:
     server = FtpServer(VEHICLE, MemoryStore({"f": bytes(100_000)}))
     (session,) = ask(server, Opcode.OPENFILERO, b"f")
     request = FtpPayload.request(Opcode.BURSTREADFILE, session=session.session, size=239).numbered(5)
-    give(server, request.to_message(*VEHICLE), GROUND, START)
+    deliver(server, request.to_message(*VEHICLE), GROUND, START)
     packets = []
     for step in range(100):
         rooms = iter([True, False])
-        messages = sent(server, START + step * 0.05, lambda *_: next(rooms, False))  # noqa: B023
+        messages = sent_by(server, START + step * 0.05, lambda *_: next(rooms, False))  # noqa: B023
         packets += [FtpPayload.read(message) for message in messages]
     assert [packet.burst_complete for packet in packets] == [False] * 60 + [True]
 

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from mavstack.dialects import common
 from mavstack.services.ftp import FtpClient, FtpPayload, FtpServer, MemoryStore, Opcode
-from tests.services.drive import garbage, give, sent
 from tests.services.ftp.test_pitfalls import DATA, asked, reply
 from tests.services.network import GROUND, START, VEHICLE
+from tests.services.single_service import deliver, random_message, sent_by
 
 
 @given(st.integers(0, 2**32), st.integers(0, 20))
@@ -22,7 +22,7 @@ def test_garbage_never_raises(seed, opcode) -> None:
     client.download("f", START, timeout=5)
     client.list_directory("d", START, timeout=5)
     for _ in range(10):
-        message = garbage(common.FileTransferProtocol, random)
+        message = random_message(common.FileTransferProtocol, random)
         payload = bytearray(message.payload)
         payload[3] = random.choice([opcode, 128, 129])
         payload[5] = random.choice([3, 4, 5, 15])
@@ -32,8 +32,8 @@ def test_garbage_never_raises(seed, opcode) -> None:
             .to_bytes()[:2]
         )
         for service, source in ((server, VEHICLE), (client, VEHICLE)):
-            give(service, common.FileTransferProtocol(payload=bytes(payload)), source, START)
-            sent(service, START)
+            deliver(service, common.FileTransferProtocol(payload=bytes(payload)), source, START)
+            sent_by(service, START)
 
 
 @given(st.data())

@@ -10,9 +10,9 @@ import pytest
 from mavstack.dialects import common
 from mavstack.errors import ActionTimeout, CommandDenied, RemoteError, RemoteTimeout
 from mavstack.services.gimbal import GimbalSetpoint, ListGimbals, PointGimbal, TakeControl
-from tests.services.drive import garbage, give
-from tests.services.gimbal.pairs import MANAGER, Pair
+from tests.services.gimbal.harness import MANAGER, GimbalHarness
 from tests.services.network import GROUND, random_impairment, with_cuts
+from tests.services.single_service import deliver, random_message
 
 if TYPE_CHECKING:
     from tests.seeds import Seeds
@@ -20,22 +20,22 @@ if TYPE_CHECKING:
 
 def scenario(seed: int) -> None:
     random = Random(seed)
-    pair = Pair(*random.choice([(1,), (1, 2)]), seed=seed, impairment=random_impairment(random))
-    with_cuts(pair.network, pair.pipes)
+    harness = GimbalHarness(*random.choice([(1,), (1, 2)]), seed=seed, impairment=random_impairment(random))
+    with_cuts(harness.network, harness.pipes)
     if random.random() < 0.2:
-        pair.network.at(random.uniform(0, 5), pair.manager.restart)
-    listing = pair.run(ListGimbals())
+        harness.network.at(random.uniform(0, 5), harness.manager.restart)
+    listing = harness.run(ListGimbals())
     if listing.error is None:
         numbers = [each.device_id for each in listing.result()]
-        assert set(numbers) <= set(pair.device_ids)
+        assert set(numbers) <= set(harness.device_ids)
     else:
         assert isinstance(listing.error, RemoteTimeout)
-    taken = pair.run(TakeControl(GROUND))
+    taken = harness.run(TakeControl(GROUND))
     pitch = random.uniform(-80, 20)
-    pointing = PointGimbal(GimbalSetpoint(pitch=pitch), 1, lambda: pair.monitor.attitude(1))
-    pointed = pair.run(pointing)
+    pointing = PointGimbal(GimbalSetpoint(pitch=pitch), 1, lambda: harness.monitor.attitude(1))
+    pointed = harness.run(pointing)
     if pointed.error is None:
-        assert taken.error is None or pair.server.status(1).primary == GROUND
+        assert taken.error is None or harness.server.status(1).primary == GROUND
         assert pointed.result().pitch == pytest.approx(pitch, abs=2.0)
     else:
         assert isinstance(pointed.error, CommandDenied | ActionTimeout | RemoteTimeout)
@@ -61,15 +61,15 @@ def test_gimbals_over_bad_links(seeds: Seeds) -> None:
 )
 def test_garbage_does_no_harm(kind) -> None:
     random = Random(1)
-    pair = Pair()
-    pair.run(TakeControl(GROUND)).result()
+    harness = GimbalHarness()
+    harness.run(TakeControl(GROUND)).result()
     for _ in range(200):
-        message = garbage(kind, random)
-        give(pair.server, message, GROUND, pair.network.now)
-        give(pair.server, message, MANAGER._replace(component=1), pair.network.now)
-        give(pair.monitor, message, MANAGER, pair.network.now)
-    pair.let_pass(1)
-    assert len(pair.monitor.informations) <= 16
-    assert pair.monitor.attitude() is None or isinstance(pair.monitor.attitude().pitch, float)
-    operation = pair.run(PointGimbal(GimbalSetpoint(pitch=-5), 1, lambda: None, wait=False))
+        message = random_message(kind, random)
+        deliver(harness.server, message, GROUND, harness.network.now)
+        deliver(harness.server, message, MANAGER._replace(component=1), harness.network.now)
+        deliver(harness.monitor, message, MANAGER, harness.network.now)
+    harness.let_pass(1)
+    assert len(harness.monitor.informations) <= 16
+    assert harness.monitor.attitude() is None or isinstance(harness.monitor.attitude().pitch, float)
+    operation = harness.run(PointGimbal(GimbalSetpoint(pitch=-5), 1, lambda: None, wait=False))
     assert operation.error is None or isinstance(operation.error, RemoteError)

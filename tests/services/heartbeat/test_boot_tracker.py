@@ -1,4 +1,4 @@
-"""Boot tracker: a reboot, two vehicles, and one vehicle over two links are told apart."""
+"""Boot tracker: it distinguishes a reboot, two vehicles, and one vehicle over two links."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from mavstack.services.log import LogClient, LogEntry, LogServer
 from tests.services.log.autopilots import ArduPilotLogs, PX4Logs
 from tests.services.log.store import MemoryStore
 from tests.services.network import GROUND, START, VEHICLE, HalfDuplexRadio, Network
-from tests.services.telemetry_helpers import feed_garbage, packet_of, sent_by
+from tests.services.single_service import feed_random_messages, packet_of, sent_by
 
 SIZES = [0, 1, 89, 90, 91, 900, 30_000]
 LOSSY = Impairment(loss=0.1, latency=0.02, seed=1)
@@ -282,7 +282,7 @@ def test_garbage_never_raises(seed: int) -> None:
     ):
         client = LogClient(GROUND, VEHICLE)
         begin(client)
-        feed_garbage(client, [common.LogEntry, common.LogData], seed)
+        feed_random_messages(client, [common.LogEntry, common.LogData], seed)
 
 
 def growing(harness: LogHarness, replace: bool) -> None:

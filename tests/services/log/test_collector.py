@@ -35,7 +35,7 @@ def test_chunks_in_any_order_and_twice_make_the_log(size: int, random: Random) -
 
 
 @pytest.mark.parametrize("size", [90, 900])
-def test_a_log_of_whole_chunks_is_not_at_its_end_until_that_is_said(size: int) -> None:
+def test_a_log_of_whole_chunks_ends_only_with_a_reported_end(size: int) -> None:
     collector = Collector(size)
     for number in range(size // CHUNK):
         collector.add(number, FULL, requested=True)
@@ -55,7 +55,7 @@ def test_a_log_may_be_longer_than_it_was_listed() -> None:
     assert collector.data() == FULL + FULL + b"end"
 
 
-def test_a_log_that_ends_before_its_size_must_say_so_several_times() -> None:
+def test_an_early_end_of_a_log_must_be_reported_several_times() -> None:
     collector = Collector(1000)
     collector.add(0, FULL, requested=True)
     for times in range(3):
@@ -90,7 +90,7 @@ def test_an_end_before_what_is_there_is_not_believed() -> None:
 
 
 @pytest.mark.parametrize("other", [FULL[::-1], b"short"])
-def test_what_comes_twice_must_say_the_same(other: bytes) -> None:
+def test_data_received_twice_must_be_equal(other: bytes) -> None:
     collector = Collector(1000)
     collector.add(3, FULL, requested=True)
     collector.add(3, other, requested=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from mavstack.dialects import common
 from mavstack.services.log import LogClient
 from tests.services.network import GROUND, START, VEHICLE
-from tests.services.telemetry_helpers import packet_of, sent_by
+from tests.services.single_service import packet_of, sent_by
 
 
 def listed(*entries: tuple[int, int], last: int = 9) -> tuple:

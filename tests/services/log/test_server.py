@@ -7,7 +7,7 @@ from mavstack.services import Address, Priority
 from mavstack.services.log import LogsErased, LogServer
 from tests.services.log.store import MemoryStore
 from tests.services.network import GROUND, START, VEHICLE
-from tests.services.telemetry_helpers import feed_garbage, packet_of, sent_by
+from tests.services.single_service import feed_random_messages, packet_of, sent_by
 
 OTHER = Address(254, 1)
 
@@ -155,4 +155,4 @@ def test_the_table_of_clients_is_bounded() -> None:
 @pytest.mark.parametrize("seed", range(30))
 def test_garbage_never_raises(seed: int) -> None:
     kinds = [common.LogRequestList, common.LogRequestData, common.LogRequestEnd, common.LogErase]
-    feed_garbage(server_of(b"x" * 900, b"y"), kinds, seed)
+    feed_random_messages(server_of(b"x" * 900, b"y"), kinds, seed)

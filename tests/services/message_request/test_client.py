@@ -8,7 +8,7 @@ from mavstack.services.command import Command, CommandClient, CommandOperation
 from mavstack.services.message_request import RequestMessage
 from tests.services.message_request.harness import RequestHarness
 from tests.services.network import GROUND, START, VEHICLE
-from tests.services.telemetry_helpers import feed_garbage, packet_of, sent_by
+from tests.services.single_service import feed_random_messages, packet_of, sent_by
 
 REQUEST = common.MavCmd.REQUEST_MESSAGE
 
@@ -89,7 +89,7 @@ def test_the_older_command_is_the_second_choice(result: int) -> None:
     assert operation.error is None
 
 
-def test_if_both_are_refused_the_error_tells_the_better_refusal() -> None:
+def test_if_both_are_refused_the_error_has_the_more_specific_result() -> None:
     client, operation = asked()
     client.receive(packet_of(ack(common.MavResult.FAILED)), START + 0.1)
     client.receive(packet_of(ack(common.MavResult.UNSUPPORTED, common.MavCmd.GET_HOME_POSITION)), START + 0.2)
@@ -182,4 +182,4 @@ def test_too_many_params_are_our_own_mistake() -> None:
 @pytest.mark.parametrize("seed", range(20))
 def test_garbage_never_raises(seed: int) -> None:
     client, _ = asked((1.0,))
-    feed_garbage(client, [common.CommandAck, common.HomePosition], seed)
+    feed_random_messages(client, [common.CommandAck, common.HomePosition], seed)

@@ -109,7 +109,7 @@ def test_a_group_is_turned_off_more_than_once() -> None:
 
 
 @pytest.mark.parametrize(("kind", "interval"), [(common.Attitude, DEFAULT), (common.Ping, Interval(9))])
-def test_what_streams_cannot_say_stays_refused(kind: type, interval: Interval) -> None:
+def test_rates_that_streams_cannot_express_stay_refused(kind: type, interval: Interval) -> None:
     harness = RequestHarness(old=True)
     operation = harness.run(SetMessageInterval(kind, interval))
     assert operation.error.code == common.MavResult.UNSUPPORTED

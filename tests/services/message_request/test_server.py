@@ -8,7 +8,7 @@ from mavstack.services.command import Command, CommandOperation, CommandServer
 from mavstack.services.message_request import MessageServer, RequestMessage
 from tests.services.message_request.harness import RequestHarness
 from tests.services.network import GROUND, START, VEHICLE, HalfDuplexRadio
-from tests.services.telemetry_helpers import feed_garbage, packet_of, sent_by
+from tests.services.single_service import feed_random_messages, packet_of, sent_by
 
 
 def stream_request(group: int, rate: int = 10, on: int = 1) -> common.RequestDataStream:
@@ -46,7 +46,7 @@ def test_no_rate_floods() -> None:
     assert harness.messages.interval_of(common.Attitude) == 1_000
 
 
-def test_a_producer_with_nothing_to_tell() -> None:
+def test_a_producer_without_a_message() -> None:
     harness = RequestHarness()
     operation = harness.run(RequestMessage(common.VfrHud))
     assert operation.error.code == common.MavResult.FAILED
@@ -82,7 +82,7 @@ def test_data_streams_of_the_older_way() -> None:
     assert server.interval_of(common.HomePosition) == -1, "what is sent only on request stays so"
 
 
-def test_groups_are_those_that_the_component_says() -> None:
+def test_stream_groups_come_from_the_component() -> None:
     harness = RequestHarness()
     client, server = harness.ground.engine, harness.messages
     attitude, home = (kind.__mavlink_row__[0] for kind in (common.Attitude, common.HomePosition))
@@ -184,7 +184,7 @@ def test_garbage_never_raises(seed: int) -> None:
     commands = CommandServer(VEHICLE)
     server = MessageServer(VEHICLE, commands)
     server.provide(common.Attitude, lambda _: common.Attitude(), interval=1, now=START)
-    feed_garbage(server, [common.RequestDataStream, common.CommandLong, common.CommandInt], seed)
+    feed_random_messages(server, [common.RequestDataStream, common.CommandLong, common.CommandInt], seed)
     for command in (511, 512, 510):
         for value in (-1.0, 0.0, 30.0, 1e30, float("nan"), float("inf"), 30.5):
             for other in (-1.0, float("nan"), float("-inf"), 1e30, 0.4):

@@ -181,7 +181,7 @@ def test_cancelled_by_either_side(vehicle, client) -> None:
             operation.result()
 
 
-def test_last_acknowledgement_is_said_again(vehicle) -> None:
+def test_the_last_acknowledgement_is_repeated(vehicle) -> None:
     plan = plan_of(1)
     begin(vehicle)
     vehicle.count(1)
@@ -270,7 +270,7 @@ def test_progress_is_reported_when_it_changes(vehicle, client) -> None:
     assert client.events() == [MissionProgress(1, 5, 3, 7, 0, 8), ItemReached(1)]
 
 
-def test_plan_ids_tell_whether_a_plan_is_still_held(vehicle, client) -> None:
+def test_plan_ids_show_whether_a_plan_is_unchanged(vehicle, client) -> None:
     """0 means that there is no plan or that the vehicle makes no ids: nothing is known."""
     plan = plan_of(2)
     assert client.still_held(plan.with_id(7)) is None

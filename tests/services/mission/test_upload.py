@@ -133,7 +133,7 @@ def test_early_acceptance_is_not_believed(vehicle) -> None:
     assert not upload.done
 
 
-def test_denial_tells_code_and_item(vehicle) -> None:
+def test_a_refusal_has_its_code_and_item(vehicle) -> None:
     upload, _ = begin(vehicle, plan_of(3))
     vehicle.request(0)
     vehicle.request(1)
@@ -282,7 +282,7 @@ def test_when_nothing_can_be_learned_nothing_is_claimed(vehicle) -> None:
         upload.result()
 
 
-def test_cancelling_tells_the_vehicle(vehicle, client) -> None:
+def test_cancelling_is_sent_to_the_vehicle(vehicle, client) -> None:
     upload, _ = begin(vehicle, plan_of(3))
     vehicle.request(0)
     client.cancel(upload, vehicle.now)
@@ -290,14 +290,14 @@ def test_cancelling_tells_the_vehicle(vehicle, client) -> None:
     assert (type(ack), ack.type) == (common.MissionAck, Result.OPERATION_CANCELLED)
     with pytest.raises(RemoteCancelled):
         upload.result()
-    # If that was lost, the vehicle asks again, and is told again.
+    # If that acknowledgement was lost, the vehicle requests again and receives it again.
     (ack,) = vehicle.request(1)
     assert ack.type == Result.OPERATION_CANCELLED
     vehicle.now += 60
     assert vehicle.request(1) == []
 
 
-def test_timeout_tells_the_vehicle(vehicle) -> None:
+def test_a_timeout_is_sent_to_the_vehicle(vehicle) -> None:
     begin(vehicle, plan_of(3))
     vehicle.request(0)
     received = vehicle.wait_for_all(30)

@@ -23,8 +23,8 @@ from mavstack.services.modes import (
     SetStandardMode,
     modes_of,
 )
-from tests.services.drive import garbage, give
 from tests.services.network import GROUND, VEHICLE, Network
+from tests.services.single_service import deliver, random_message
 
 PX4, ARDUPILOT = common.MavAutopilot.PX4, common.MavAutopilot.ARDUPILOTMEGA
 ARDUPILOT_MODES = modes_of(ARDUPILOT, 2, [0, 4, 5, 6], {6: 5})
@@ -184,15 +184,15 @@ def test_an_unknown_name_is_refused_soon_by_a_vehicle_that_lists_its_modes_slowl
 def test_the_monitor_names_a_mode_that_the_tables_do_not_have():
     monitor = ModeMonitor(GROUND, VEHICLE)
     script = AvailableMode(77, "My Script")
-    give(monitor, common.Heartbeat(type=2, autopilot=3, custom_mode=77), VEHICLE, 0)
+    deliver(monitor, common.Heartbeat(type=2, autopilot=3, custom_mode=77), VEHICLE, 0)
     assert monitor.name is None
-    give(monitor, script.to_message(1, 2), VEHICLE, 0)
-    give(monitor, AvailableMode(5, "Loiter!").to_message(2, 2), VEHICLE, 0)
+    deliver(monitor, script.to_message(1, 2), VEHICLE, 0)
+    deliver(monitor, AvailableMode(5, "Loiter!").to_message(2, 2), VEHICLE, 0)
     assert monitor.name == "My Script"
-    give(monitor, common.Heartbeat(type=2, autopilot=3, custom_mode=5), VEHICLE, 0)
+    deliver(monitor, common.Heartbeat(type=2, autopilot=3, custom_mode=5), VEHICLE, 0)
     assert monitor.name == "LOITER"
     assert not monitor.changed
-    give(monitor, common.AvailableModesMonitor(seq=1), VEHICLE, 0)
+    deliver(monitor, common.AvailableModesMonitor(seq=1), VEHICLE, 0)
     assert monitor.changed
     assert not monitor.reported
 
@@ -260,14 +260,14 @@ def test_modes_of_two_sets_are_not_put_together():
     operation = client.begin(ListModes(), 0.0)
     old, new = modes_of(ARDUPILOT, 2, [0, 1]), modes_of(ARDUPILOT, 2, [4, 5, 6])
     for mode, index, total in ((old[1], 2, 2), (new[0], 1, 3), (new[2], 3, 3)):
-        give(client, mode.to_message(index, total), VEHICLE, 0.1)
-    give(client, common.CommandAck(command=512, result=0), VEHICLE, 0.1)
+        deliver(client, mode.to_message(index, total), VEHICLE, 0.1)
+    deliver(client, common.CommandAck(command=512, result=0), VEHICLE, 0.1)
     assert not operation.done
-    give(client, new[1].to_message(2, 3), VEHICLE, 0.2)
+    deliver(client, new[1].to_message(2, 3), VEHICLE, 0.2)
     assert list(operation.result()) == new
 
 
-def test_the_monitor_tells_modes_and_changed_sets_once():
+def test_the_monitor_reports_modes_and_changed_sets_once():
     monitor = ModeMonitor(GROUND, VEHICLE)
     heartbeat = common.Heartbeat(type=2, autopilot=3, base_mode=1, custom_mode=5)
     for message in (
@@ -279,7 +279,7 @@ def test_the_monitor_tells_modes_and_changed_sets_once():
         common.AvailableModesMonitor(seq=1),
         common.AvailableModesMonitor(seq=1),
     ):
-        give(monitor, message, VEHICLE, 0)
+        deliver(monitor, message, VEHICLE, 0)
     assert monitor.events() == [ModeSeen(5, "LOITER"), ModeSeen(6, "RTL"), ModesOutdated(1)]
     assert (monitor.standard_mode, monitor.intended, monitor.name) == (5, 5, "RTL")
 
@@ -294,9 +294,9 @@ def test_garbage_from_the_wire_never_raises():
     for number in range(200):
         client.begin(random.choice([SetMode("GUIDED"), SetMode(3), SetStandardMode(6), ListModes()]), number)
         for _ in range(5):
-            message = garbage(random.choice(kinds), random)
-            give(client, message, VEHICLE, number)
-            give(monitor, message, VEHICLE, number)
+            message = random_message(random.choice(kinds), random)
+            deliver(client, message, VEHICLE, number)
+            deliver(monitor, message, VEHICLE, number)
         client.handle_timeout(number + 0.9)
     client.handle_timeout(1000.0)
     while client.busy:

@@ -153,7 +153,7 @@ def test_a_parameter_that_cannot_be_read_is_reported() -> None:
     assert listing.error.code == error
 
 
-def test_silence_ends_in_a_timeout_that_says_how_many_came() -> None:
+def test_a_timeout_names_the_number_of_received_parameters() -> None:
     vehicle = ScriptedVehicle()
     listing = vehicle.client.download(vehicle.network.now, idle_timeout=5.0)
     asked = vehicle.run(4.0)
@@ -318,7 +318,7 @@ def test_a_vehicle_that_does_not_pace_itself_is_survived() -> None:
     assert seconds < 1.6 * PX4_COUNT * 37 / 5760.0
 
 
-def test_a_radio_that_tells_its_queue_is_used_well() -> None:
+def test_a_radio_that_reports_its_queue_is_used_fully() -> None:
     radio = HalfDuplexRadio(5760.0)
     harness = ParameterHarness(PX4_COUNT, radio=radio)
 

@@ -107,7 +107,7 @@ def test_other_types_become_wider() -> None:
     assert [parameter.value for parameter in packed.parameters] == [255, 65535, float(1 << 31), 5, 0.5]
 
 
-def test_an_upload_tells_its_length_and_is_read() -> None:
+def test_an_upload_begins_with_its_length_and_is_read() -> None:
     wanted = parameters(["ABC", "ABD", "B"], 2)
     data = write_upload(wanted)
     assert data[4:6] == pack("<H", len(data))
@@ -116,6 +116,6 @@ def test_an_upload_tells_its_length_and_is_read() -> None:
     assert list(packed.parameters) == wanted
 
 
-def test_a_name_that_is_too_long_is_ours_to_mend() -> None:
+def test_a_name_that_is_too_long_raises() -> None:
     with pytest.raises(InvalidArgumentError, match="16 bytes"):
         write([Parameter("A" * 17, 1.0)])

@@ -64,6 +64,6 @@ def test_names_are_names_of_parameters():
     assert renaming_of("RTL_SPEED_X") is None
 
 
-def test_the_hint_tells_both_names():
+def test_the_hint_contains_both_names():
     assert RENAMED["RTL_ALT"].hint == "RTL_ALT is RTL_ALT_M since ArduPilot 4.7, 0.01 times the value"
     assert RENAMED["SYSID_THISMAV"].hint == "SYSID_THISMAV is MAV_SYSID since ArduPilot 4.7"

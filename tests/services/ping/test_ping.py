@@ -8,7 +8,7 @@ from mavstack.links import Impairment
 from mavstack.services import BROADCAST, Address
 from mavstack.services.ping import PingClient, PingServer, PingStatistics
 from tests.services.network import GROUND, START, VEHICLE, Network
-from tests.services.telemetry_helpers import feed_garbage, packet_of, sent_by
+from tests.services.single_service import feed_random_messages, packet_of, sent_by
 
 
 def answer_to(ping: common.Ping, target: Address = GROUND) -> common.Ping:
@@ -123,4 +123,4 @@ def test_garbage_never_raises(seed: int) -> None:
     client = PingClient(GROUND, VEHICLE)
     client.ping(START)
     for service in (client, PingServer(VEHICLE)):
-        feed_garbage(service, [common.Ping], seed)
+        feed_random_messages(service, [common.Ping], seed)

@@ -10,8 +10,8 @@ from mavstack.services import Address
 from mavstack.services.serial_control import ShellClient, ShellOutput, ShellReleased
 from mavstack.services.serial_control.client import MAX_PENDING, OPEN_ATTEMPTS
 from mavstack.services.serial_control.messages import EXCLUSIVE, MULTI, REPLY, RESPOND
-from tests.services.drive import garbage, give, pass_time, sent
 from tests.services.network import GROUND, VEHICLE
+from tests.services.single_service import deliver, random_message, run_timers, sent_by
 
 OPEN = RESPOND | EXCLUSIVE | MULTI
 
@@ -25,8 +25,8 @@ def reply(data: bytes, count: int | None = None, **fields) -> common.SerialContr
 def opened() -> ShellClient:
     client = ShellClient(GROUND, VEHICLE)
     client.open(0.0)
-    sent(client, 0.0)
-    give(client, reply(b"nsh> "), VEHICLE, 0.1)
+    sent_by(client, 0.0)
+    deliver(client, reply(b"nsh> "), VEHICLE, 0.1)
     client.events()
     return client
 
@@ -34,26 +34,26 @@ def opened() -> ShellClient:
 def test_opening_asks_for_a_prompt_until_something_comes_back():
     client = ShellClient(GROUND, VEHICLE)
     client.open(0.0)
-    (message,) = sent(client, 0.0)
+    (message,) = sent_by(client, 0.0)
     assert (message.device, message.flags, message.count) == (10, OPEN, 0)
     assert (message.target_system, message.target_component) == VEHICLE
-    assert [time for time, _ in pass_time(client, 2.5)] == [1.0, 2.0]
-    give(client, reply(b"nsh> "), VEHICLE, 2.6)
+    assert [time for time, _ in run_timers(client, 2.5)] == [1.0, 2.0]
+    deliver(client, reply(b"nsh> "), VEHICLE, 2.6)
     assert client.events() == [ShellOutput(b"nsh> ")]
-    assert pass_time(client, 60.0) == []
+    assert run_timers(client, 60.0) == []
 
 
 def test_opening_ends_after_some_attempts():
     client = ShellClient(GROUND, VEHICLE)
     client.open(0.0)
-    assert len([*sent(client, 0.0), *pass_time(client, 60.0)]) == OPEN_ATTEMPTS
+    assert len([*sent_by(client, 0.0), *run_timers(client, 60.0)]) == OPEN_ATTEMPTS
 
 
 def test_lines_are_cut_at_their_ends_and_every_byte_is_sent_in_order():
     client = opened()
     text = b"help\nver all\n" + b"x" * 200 + b"\nls\n"
     client.write(text, 1.0)
-    chunks = [message.data[: message.count] for message in sent(client, 1.0)]
+    chunks = [message.data[: message.count] for message in sent_by(client, 1.0)]
     assert b"".join(chunks) == text
     assert chunks[0] == b"help\nver all\n"
     assert max(map(len, chunks)) == 70
@@ -63,7 +63,7 @@ def test_lines_are_cut_at_their_ends_and_every_byte_is_sent_in_order():
 def test_a_line_ends_with_a_newline():
     client = opened()
     client.write_line("ver all", 1.0)
-    (message,) = sent(client, 1.0)
+    (message,) = sent_by(client, 1.0)
     assert message.data[: message.count] == b"ver all\n"
     assert message.flags == OPEN
 
@@ -72,59 +72,59 @@ def test_closing_sends_what_waits_then_lets_go_several_times():
     client = opened()
     client.write_line("reboot", 1.0)
     client.close(1.0)
-    first = sent(client, 1.0)
-    out = [*first, *(message for _, message in pass_time(client, 60.0))]
+    first = sent_by(client, 1.0)
+    out = [*first, *(message for _, message in run_timers(client, 60.0))]
     assert [message.flags for message in out] == [OPEN, 0, 0, 0]
     assert client.events() == [ShellReleased()]
     assert client.next_timeout() is None
     client.close(70.0)
-    assert sent(client, 70.0) == []
+    assert sent_by(client, 70.0) == []
 
 
 def test_closing_waits_for_room_and_does_not_spin():
     client = opened()
     client.write_line("reboot", 1.0)
     client.close(1.0)
-    assert sent(client, 1.0, lambda target, priority=2: False) == []
+    assert sent_by(client, 1.0, lambda target, priority=2: False) == []
     assert client.next_timeout() is None
-    assert [message.flags for message in sent(client, 2.0)] == [OPEN, 0]
+    assert [message.flags for message in sent_by(client, 2.0)] == [OPEN, 0]
 
 
 def test_a_packet_that_comes_twice_is_reported_once_but_the_same_text_twice():
     client = opened()
     for sequence in (5, 5, 6):
-        give(client, reply(b"tick\n"), VEHICLE, 1.0, sequence)
+        deliver(client, reply(b"tick\n"), VEHICLE, 1.0, sequence)
     assert client.events() == [ShellOutput(b"tick\n")] * 2
 
 
 def test_what_was_reordered_is_marked():
     client = opened()
     for sequence in (5, 7, 6):
-        give(client, reply(b"%d" % sequence), VEHICLE, 1.0, sequence)
+        deliver(client, reply(b"%d" % sequence), VEHICLE, 1.0, sequence)
     assert client.events() == [ShellOutput(b"5"), ShellOutput(b"7"), ShellOutput(b"6", late=True)]
 
 
 def test_other_devices_other_sources_and_requests_are_not_output():
     client = opened()
-    give(client, reply(b"x").replace(device=0), VEHICLE, 1.0, 1)
-    give(client, reply(b"x").replace(flags=RESPOND), VEHICLE, 1.0, 2)
-    give(client, reply(b"x"), Address(9, 1), 1.0, 3)
-    give(ShellClient(GROUND, VEHICLE), reply(b"x"), VEHICLE, 1.0, 4)
+    deliver(client, reply(b"x").replace(device=0), VEHICLE, 1.0, 1)
+    deliver(client, reply(b"x").replace(flags=RESPOND), VEHICLE, 1.0, 2)
+    deliver(client, reply(b"x"), Address(9, 1), 1.0, 3)
+    deliver(ShellClient(GROUND, VEHICLE), reply(b"x"), VEHICLE, 1.0, 4)
     assert client.events() == []
 
 
 def test_a_count_that_exceeds_the_field_is_clamped():
     client = opened()
-    give(client, reply(b"y" * 70, count=255), VEHICLE, 1.0, 1)
+    deliver(client, reply(b"y" * 70, count=255), VEHICLE, 1.0, 1)
     assert client.events() == [ShellOutput(b"y" * 70)]
 
 
 def test_a_port_that_answers_only_when_requested_is_polled():
     client = ShellClient(GROUND, VEHICLE, 2, baudrate=57600, poll=0.5)
     client.open(0.0)
-    sent(client, 0.0)
-    give(client, reply(b"x").replace(device=2), VEHICLE, 0.1)
-    out = pass_time(client, 3.0)
+    sent_by(client, 0.0)
+    deliver(client, reply(b"x").replace(device=2), VEHICLE, 0.1)
+    out = run_timers(client, 3.0)
     assert [time for time, _ in out] == [1.0, 1.5, 2.0, 2.5, 3.0]
     assert {(message.baudrate, message.device) for _, message in out} == {(57600, 2)}
 
@@ -139,8 +139,8 @@ def test_writing_without_bound_is_our_own_misuse():
 def test_garbage_from_the_wire_never_raises():
     client, random = opened(), Random(5)
     for number in range(3000):
-        message = garbage(common.SerialControl, random)
-        give(
+        message = random_message(common.SerialControl, random)
+        deliver(
             client,
             message.replace(device=random.choice([10, message.device])),
             VEHICLE,

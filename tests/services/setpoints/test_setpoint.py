@@ -35,7 +35,7 @@ axes = st.tuples(*[st.none() | number] * 3)
         (AttitudeSetpoint(thrust_body=(0.1, 0, 0)), 0b11100111),
     ],
 )
-def test_the_type_mask_says_what_is_left_to_the_vehicle(setpoint, mask):
+def test_the_type_mask_names_the_fields_to_ignore(setpoint, mask):
     assert setpoint.to_message(VEHICLE).type_mask == mask
 
 

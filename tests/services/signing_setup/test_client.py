@@ -13,8 +13,8 @@ from mavstack.services.signing_setup import (
     UseOldKey,
 )
 from mavstack.wire import Encoder, Packet
-from tests.services.drive import give, pass_time, sent
 from tests.services.network import GROUND, START, VEHICLE
+from tests.services.single_service import deliver, run_timers, sent_by
 
 NEW = SigningKey.from_passphrase("new")
 
@@ -28,13 +28,13 @@ class SettingClient:
         self.encoder = Encoder(1, 1, signing=NEW.signing())
 
     def unsigned(self, message, now):
-        give(self.client, message, VEHICLE, now)
+        deliver(self.client, message, VEHICLE, now)
 
     def signed(self, message, now):
         self.client.receive(Packet(self.encoder.encode(message, now), common), now)
 
     def sent(self, until, kind):
-        return [message for _, message in pass_time(self.client, until) if isinstance(message, kind)]
+        return [message for _, message in run_timers(self.client, until) if isinstance(message, kind)]
 
 
 def test_requests_are_repeated_until_the_new_way_is_received():
@@ -55,7 +55,7 @@ def test_once_the_new_way_is_received_it_asks_no_more_and_wants_an_answer():
     setting.sent(START, common.SetupSigning)
     setting.signed(common.Heartbeat(), START + 0.1)
     assert setting.client.events() == [ListenForKey(VEHICLE, NEW), UseNewKey(VEHICLE)]
-    messages = [message for _, message in pass_time(setting.client, START + 0.6)]
+    messages = [message for _, message in run_timers(setting.client, START + 0.6)]
     (proof,) = messages
     assert isinstance(proof, common.Timesync)
     assert not setting.operation.done
@@ -107,4 +107,4 @@ def test_a_request_is_addressed_to_the_one_component():
     for outgoing in setting.client.messages_to_send(START):
         assert outgoing.target == VEHICLE
         assert (outgoing.message.target_system, outgoing.message.target_component) == VEHICLE
-    assert sent(setting.client, START) == []
+    assert sent_by(setting.client, START) == []

@@ -10,7 +10,7 @@ from mavstack.errors import InvalidArgumentError
 from mavstack.services.statustext import StatusText, StatustextReceiver, chunks_of
 from mavstack.services.statustext.chunks import MAX_LENGTH, next_number
 from tests.services.network import GROUND, START, VEHICLE
-from tests.services.telemetry_helpers import packet_of
+from tests.services.single_service import packet_of
 
 if TYPE_CHECKING:
     from mavstack.dialects import common

@@ -7,7 +7,7 @@ from mavstack.services import Address
 from mavstack.services.statustext import GAP, StatusText, StatustextReceiver, chunks_of
 from mavstack.wire import Parser, encode
 from tests.services.network import GROUND, START, VEHICLE
-from tests.services.telemetry_helpers import feed_garbage, packet_of
+from tests.services.single_service import feed_random_messages, packet_of
 
 A, B, C = "a" * 50, "b" * 50, "c" * 20
 
@@ -97,7 +97,7 @@ def test_duplicates_are_reported_once() -> None:
     assert harness.received_texts() == ["hello"]
 
 
-def test_the_same_text_said_twice_is_reported_twice() -> None:
+def test_a_text_sent_twice_is_reported_twice() -> None:
     harness = ReceiverHarness()
     for number in (5, 6):
         harness.receive(common.Statustext(severity=6, text="hello"), *long(number))
@@ -141,4 +141,4 @@ def test_the_table_is_bounded_and_nothing_is_lost_silently() -> None:
 
 @pytest.mark.parametrize("seed", range(50))
 def test_garbage_never_raises(seed: int) -> None:
-    feed_garbage(StatustextReceiver(GROUND), [common.Statustext], seed)
+    feed_random_messages(StatustextReceiver(GROUND), [common.Statustext], seed)

@@ -4,7 +4,7 @@ from mavstack.dialects import common
 from mavstack.services import BROADCAST, Priority
 from mavstack.services.statustext import StatustextSender
 from tests.services.network import START, VEHICLE
-from tests.services.telemetry_helpers import sent_by
+from tests.services.single_service import sent_by
 
 
 def test_texts_go_to_all_in_order_with_ids_of_their_own() -> None:

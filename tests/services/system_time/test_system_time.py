@@ -7,7 +7,7 @@ from mavstack.errors import InvalidArgumentError
 from mavstack.services import Address
 from mavstack.services.system_time import Rebooted, SystemTimeBroadcaster, SystemTimeObserver, UnixTimeKnown
 from tests.services.network import GROUND, START, VEHICLE, Network
-from tests.services.telemetry_helpers import feed_garbage, packet_of, sent_by
+from tests.services.single_service import feed_random_messages, packet_of, sent_by
 
 
 def system_time(unix: float, boot: float) -> common.SystemTime:
@@ -28,7 +28,7 @@ def test_the_time_is_broadcast_at_its_interval() -> None:
     assert clock.offset == pytest.approx(0.0, abs=1e-5)
 
 
-def test_a_clock_that_is_not_set_says_0() -> None:
+def test_a_clock_that_is_not_set_sends_0() -> None:
     broadcaster = SystemTimeBroadcaster(VEHICLE, START, unix_time=lambda _: None)
     assert sent_by(broadcaster, START + 2) == [common.SystemTime(time_unix_usec=0, time_boot_ms=2000)]
 
@@ -83,4 +83,4 @@ def test_systems_are_reported_apart_and_the_table_is_bounded() -> None:
 
 @pytest.mark.parametrize("seed", range(20))
 def test_garbage_never_raises(seed: int) -> None:
-    feed_garbage(SystemTimeObserver(GROUND), [common.SystemTime], seed)
+    feed_random_messages(SystemTimeObserver(GROUND), [common.SystemTime], seed)

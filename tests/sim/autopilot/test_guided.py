@@ -78,7 +78,9 @@ def test_frames_that_the_firmware_ignores_change_nothing() -> None:
     ("frame", "altitude"),
     [(F.GLOBAL, 488.0 + 22.0), (F.GLOBAL_RELATIVE_ALT, 22.0), (F.GLOBAL_TERRAIN_ALT, 22.0)],
 )
-def test_a_global_position_counts_its_altitude_as_its_frame_says(frame: int, altitude: float) -> None:
+def test_the_altitude_of_a_global_position_is_relative_to_the_origin_of_its_frame(
+    frame: int, altitude: float
+) -> None:
     flight = guided()
     latitude, longitude, _ = flight.body.frame.to_global(15.0, 20.0, 0.0)
     send_setpoint(flight, GlobalSetpoint(latitude, longitude, altitude, frame=frame))

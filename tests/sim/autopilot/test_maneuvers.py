@@ -52,7 +52,7 @@ def test_a_vtol_circles_when_it_is_to_fly_forward() -> None:
 
 
 @pytest.mark.flight
-def test_its_height_is_what_the_rangefinder_says_near_the_ground() -> None:
+def test_near_the_ground_its_height_is_that_of_the_rangefinder() -> None:
     flight = AutopilotHarness().in_the_air(12.0)
     flight.body.drift_barometer(4.0)
     flight.run(2.0)

@@ -8,7 +8,7 @@ import pytest
 
 from mavstack.dialects import ardupilotmega, common
 from mavstack.errors import HealthTimeout
-from tests.vehicle.failures.scripted import ARDUPILOT, play
+from tests.vehicle.failures.scripted_autopilot import ARDUPILOT, run_scenario
 
 EKF = ardupilotmega.EkfStatusFlags
 #: The flags that ArduCopter 4.0.5 reports until its estimator uses GPS, and from then on.
@@ -32,39 +32,39 @@ def report_like_4_0(script, flags):
 
 
 def test_a_vehicle_without_a_pre_arm_bit_is_ready_once_it_reports_no_problem():
-    async def scenario(made):
+    async def scenario(harness):
         flags = [WAITING_FOR_GPS]
-        report_like_4_0(made.script, flags)
+        report_like_4_0(harness.autopilot, flags)
         await asyncio.sleep(2)
-        waiting = asyncio.create_task(made.vehicle.wait_until_ready(timeout=120))
+        waiting = asyncio.create_task(harness.vehicle.wait_until_ready(timeout=120))
         await asyncio.sleep(20)
         assert not waiting.done()
         flags.append(USING_GPS)
-        made.say("PreArm: Compass not calibrated")
+        harness.send_statustext("PreArm: Compass not calibrated")
         await asyncio.sleep(30)
         assert not waiting.done()
-        assert "Compass not calibrated" in str(made.vehicle.health)
+        assert "Compass not calibrated" in str(harness.vehicle.health)
         health = await asyncio.wait_for(waiting, 20)
         assert health.ready is None
         assert str(health) == "readiness not reported"
 
-    play(scenario, autopilot=ARDUPILOT)
+    run_scenario(scenario, autopilot=ARDUPILOT)
 
 
-def test_its_timeout_tells_the_problem():
-    async def scenario(made):
-        report_like_4_0(made.script, [WAITING_FOR_GPS])
+def test_its_timeout_contains_the_problem():
+    async def scenario(harness):
+        report_like_4_0(harness.autopilot, [WAITING_FOR_GPS])
         await asyncio.sleep(2)
         with pytest.raises(HealthTimeout, match="horizontal position is not estimated"):
-            await made.vehicle.wait_until_ready(timeout=15)
+            await harness.vehicle.wait_until_ready(timeout=15)
 
-    play(scenario, autopilot=ARDUPILOT)
+    run_scenario(scenario, autopilot=ARDUPILOT)
 
 
 def test_a_mode_without_a_position_does_not_wait_for_the_estimator():
-    async def scenario(made):
-        report_like_4_0(made.script, [WAITING_FOR_GPS])
+    async def scenario(harness):
+        report_like_4_0(harness.autopilot, [WAITING_FOR_GPS])
         await asyncio.sleep(2)
-        assert (await made.vehicle.wait_until_ready(mode="STABILIZE", timeout=15)).ready is None
+        assert (await harness.vehicle.wait_until_ready(mode="STABILIZE", timeout=15)).ready is None
 
-    play(scenario, autopilot=ARDUPILOT)
+    run_scenario(scenario, autopilot=ARDUPILOT)

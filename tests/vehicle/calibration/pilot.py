@@ -1,4 +1,4 @@
-"""A person who does what the steps of a calibration ask for."""
+"""A simulated pilot that performs the steps of a calibration."""
 
 from __future__ import annotations
 

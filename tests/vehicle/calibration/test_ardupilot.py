@@ -13,8 +13,8 @@ from mavstack.sim.ardupilot.sensor_calibration import calibrations_of
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.vehicle import CalibrationKind, CalibrationTask, Pose
 from tests.vehicle.calibration.pilot import calibrate
-from tests.vehicle.failures.scripted import ARDUPILOT as ARDUPILOT_NUMBER
-from tests.vehicle.failures.scripted import CMD, RESULT, play
+from tests.vehicle.failures.scripted_autopilot import ARDUPILOT as ARDUPILOT_NUMBER
+from tests.vehicle.failures.scripted_autopilot import CMD, RESULT, run_scenario
 from tests.vehicle.world import ARDUPILOT, fly
 
 COPTER, PLANE = (VehicleType.COPTER, ARDUPILOT), (VehicleType.PLANE, ARDUPILOT)
@@ -25,12 +25,12 @@ POSES = [Pose.LEVEL, Pose.LEFT, Pose.RIGHT, Pose.NOSE_DOWN, Pose.NOSE_UP, Pose.B
 @pytest.mark.parametrize("kind", ["gyroscope", "level", "barometer"])
 def test_sensors_at_rest(kind):
     async def scenario(world, vehicle):
-        told = []
-        result = await vehicle.calibration.run(kind, on_step=told.append)
+        steps = []
+        result = await vehicle.calibration.run(kind, on_step=steps.append)
         assert result.kind == kind
         assert not result.reboot_needed
-        assert {step.task for step in told} == {TASK.HOLD_STILL}
-        assert max(step.progress or 0 for step in told) > 40
+        assert {step.task for step in steps} == {TASK.HOLD_STILL}
+        assert max(step.progress or 0 for step in steps) > 40
 
     fly(COPTER, scenario)
 
@@ -48,7 +48,7 @@ def test_the_airspeed_of_a_plane():
 
 def test_the_accelerometer_in_six_poses():
     async def scenario(world, vehicle):
-        for _ in range(2):  # the second one hears the result of the first one again
+        for _ in range(2):  # during the second calibration the result of the first arrives again
             steps, result = await calibrate(vehicle, "accelerometer")
             placed = [step for step in steps if step.task is TASK.PLACE]
             assert [step.pose for step in placed] == POSES
@@ -158,65 +158,67 @@ def test_an_armed_vehicle_refuses():
 
 
 def test_a_failed_compass():
-    async def scenario(made):
-        made.script.arm(False)
-        made.script.commands.server.support(
+    async def scenario(harness):
+        harness.autopilot.arm(False)
+        harness.autopilot.commands.server.support(
             ardupilotmega.MavCmd.DO_START_MAG_CAL, lambda request: RESULT.ACCEPTED
         )
         report = common.MagCalReport(compass_id=0, cal_mask=3, cal_status=common.MagCalStatus.SUCCESS)
 
-        async def tell() -> None:
+        async def report_calibration() -> None:
             await asyncio.sleep(2)
-            made.script.send(report)  # of an earlier calibration
+            harness.autopilot.send(report)  # of an earlier calibration
             for compass in (0, 1):
-                made.script.send(
+                harness.autopilot.send(
                     ardupilotmega.MagCalProgress(compass_id=compass, cal_mask=3, completion_pct=50)
                 )
             await asyncio.sleep(1)
-            made.script.send(report)
+            harness.autopilot.send(report)
             await asyncio.sleep(2)
-            made.script.send(report.replace(compass_id=1, cal_status=common.MagCalStatus.FAILED_ORIENTATION))
+            harness.autopilot.send(
+                report.replace(compass_id=1, cal_status=common.MagCalStatus.FAILED_ORIENTATION)
+            )
 
-        telling = asyncio.create_task(tell())
+        reporting = asyncio.create_task(report_calibration())
         with pytest.raises(ActionInterrupted) as failed:
-            await made.vehicle.calibration.run("compass")
+            await harness.vehicle.calibration.run("compass")
         assert str(failed.value) == "compass calibration of 1/1 failed: compass 1: FAILED_ORIENTATION"
-        await telling
+        await reporting
 
-    play(scenario, autopilot=ARDUPILOT_NUMBER)
+    run_scenario(scenario, autopilot=ARDUPILOT_NUMBER)
 
 
 def test_a_failed_accelerometer():
-    async def scenario(made):
-        made.script.arm(False)
-        made.script.commands.server.support(CMD.PREFLIGHT_CALIBRATION, lambda request: RESULT.ACCEPTED)
+    async def scenario(harness):
+        harness.autopilot.arm(False)
+        harness.autopilot.commands.server.support(CMD.PREFLIGHT_CALIBRATION, lambda request: RESULT.ACCEPTED)
 
-        async def tell() -> None:
+        async def report_calibration() -> None:
             position = common.CommandLong(command=ardupilotmega.MavCmd.ACCELCAL_VEHICLE_POS)
             for number in (ardupilotmega.AccelcalVehiclePos.SUCCESS, 1):  # the first is an earlier result
                 await asyncio.sleep(1)
-                made.script.send(position.replace(param1=float(number)))
+                harness.autopilot.send(position.replace(param1=float(number)))
             await asyncio.sleep(4)
-            made.script.send(position.replace(param1=float(ardupilotmega.AccelcalVehiclePos.FAILED)))
+            harness.autopilot.send(position.replace(param1=float(ardupilotmega.AccelcalVehiclePos.FAILED)))
 
-        made.script.commands.server.support(
+        harness.autopilot.commands.server.support(
             ardupilotmega.MavCmd.ACCELCAL_VEHICLE_POS, lambda request: RESULT.ACCEPTED
         )
-        telling = asyncio.create_task(tell())
+        reporting = asyncio.create_task(report_calibration())
         with pytest.raises(ActionInterrupted, match="could not calibrate from these poses"):
-            await calibrate(made.vehicle, "accelerometer")
-        await telling
+            await calibrate(harness.vehicle, "accelerometer")
+        await reporting
 
-    play(scenario, autopilot=ARDUPILOT_NUMBER)
+    run_scenario(scenario, autopilot=ARDUPILOT_NUMBER)
 
 
 def test_run_cannot_confirm():
-    async def scenario(made):
-        made.script.heard.clear()
+    async def scenario(harness):
+        harness.autopilot.received.clear()
         with pytest.raises(InvalidArgumentError, match="use start"):
-            await made.vehicle.calibration.run("accelerometer")
+            await harness.vehicle.calibration.run("accelerometer")
         with pytest.raises(InvalidArgumentError, match="there is no calibration 'nose'; there are accelero"):
-            made.vehicle.calibration.start("nose")
-        assert made.script.asked() == []
+            harness.vehicle.calibration.start("nose")
+        assert harness.autopilot.requests() == []
 
-    play(scenario, autopilot=ARDUPILOT_NUMBER)
+    run_scenario(scenario, autopilot=ARDUPILOT_NUMBER)

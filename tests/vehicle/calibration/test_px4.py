@@ -13,7 +13,7 @@ from mavstack.sim.px4.calibration import SIDES
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.vehicle import CalibrationTask, Pose
 from tests.vehicle.calibration.pilot import calibrate
-from tests.vehicle.failures.scripted import CMD, RESULT, play
+from tests.vehicle.failures.scripted_autopilot import CMD, RESULT, run_scenario
 from tests.vehicle.world import PX4, fly
 
 COPTER, PLANE = (VehicleType.COPTER, PX4), (VehicleType.PLANE, PX4)
@@ -24,11 +24,11 @@ POSES = [Pose.NOSE_UP, Pose.NOSE_DOWN, Pose.LEFT, Pose.RIGHT, Pose.BACK, Pose.LE
 @pytest.mark.parametrize("kind", ["gyroscope", "level", "barometer"])
 def test_sensors_at_rest(kind):
     async def scenario(world, vehicle):
-        told = []
-        await vehicle.calibration.run(kind, on_step=told.append)
-        assert {step.task for step in told} == {TASK.HOLD_STILL}
+        steps = []
+        await vehicle.calibration.run(kind, on_step=steps.append)
+        assert {step.task for step in steps} == {TASK.HOLD_STILL}
         if kind != "barometer":
-            assert [step.progress for step in told] == [None, *range(0, 101, 10)]
+            assert [step.progress for step in steps] == [None, *range(0, 101, 10)]
 
     fly(COPTER, scenario)
 
@@ -36,23 +36,23 @@ def test_sensors_at_rest(kind):
 @pytest.mark.parametrize(("kind", "task"), [("accelerometer", TASK.HOLD_STILL), ("compass", TASK.ROTATE)])
 def test_the_vehicle_detects_the_side_that_is_down(kind, task):
     async def scenario(world, vehicle):
-        told = []
-        await vehicle.calibration.run(kind, on_step=told.append)
-        detected = list(dict.fromkeys(step.pose for step in told if step.pose is not None))
+        steps = []
+        await vehicle.calibration.run(kind, on_step=steps.append)
+        detected = list(dict.fromkeys(step.pose for step in steps if step.pose is not None))
         assert detected == POSES
-        assert {step.task for step in told if step.pose is not None} == {task}
-        placed = [step.pending for step in told if step.task is TASK.PLACE]
+        assert {step.task for step in steps if step.pose is not None} == {task}
+        placed = [step.pending for step in steps if step.task is TASK.PLACE]
         assert set(placed) == {tuple(POSES[index:]) for index in range(6)}
-        assert told[-1].progress == 100
+        assert steps[-1].progress == 100
 
     fly(COPTER, scenario)
 
 
 def test_the_airspeed_of_a_plane():
     async def scenario(world, vehicle):
-        told = []
-        await vehicle.calibration.run("airspeed", on_step=told.append)
-        tasks = list(dict.fromkeys(step.task for step in told))
+        steps = []
+        await vehicle.calibration.run("airspeed", on_step=steps.append)
+        tasks = list(dict.fromkeys(step.task for step in steps))
         assert tasks == [TASK.HOLD_STILL, TASK.SHIELD_PITOT, TASK.BLOW_PITOT]
 
     fly(PLANE, scenario)
@@ -104,33 +104,33 @@ def test_one_at_a_time():
     fly(COPTER, scenario)
 
 
-def texts_of(made, texts, gap=0.5):
+def texts_of(harness, texts, gap=0.5):
     """Accept a calibration, and send status texts."""
-    made.script.arm(False)
+    harness.autopilot.arm(False)
 
     async def send() -> None:
         for text in texts:
             await asyncio.sleep(gap)
-            made.say(f"[cal] {text}", 6)
+            harness.send_statustext(f"[cal] {text}", 6)
 
     def accept(request):
         asyncio.get_running_loop().create_task(send())
         return RESULT.ACCEPTED
 
-    made.script.commands.server.support(CMD.PREFLIGHT_CALIBRATION, accept)
+    harness.autopilot.commands.server.support(CMD.PREFLIGHT_CALIBRATION, accept)
 
 
 def test_a_reported_failure():
-    async def scenario(made):
+    async def scenario(harness):
         texts_of(
-            made,
+            harness,
             ["calibration cancelled", "calibration started: 2 gyro", "calibration failed: reading sensor"],
         )
         with pytest.raises(ActionInterrupted) as failed:
-            await made.vehicle.calibration.run("gyroscope")
+            await harness.vehicle.calibration.run("gyroscope")
         assert str(failed.value) == "gyroscope calibration of 1/1 failed: reading sensor"
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 #: The texts of real vehicles: they were not turned, so that both calibrations failed.
@@ -176,48 +176,48 @@ COMPASS = [
     ],
 )
 def test_recorded_conversations(kind, texts, tasks, reason):
-    async def scenario(made):
-        texts_of(made, texts)
-        told = []
+    async def scenario(harness):
+        texts_of(harness, texts)
+        steps = []
         with pytest.raises(ActionInterrupted, match=f"{kind} calibration of 1/1 failed: {reason}"):
-            await made.vehicle.calibration.run(kind, on_step=told.append)
-        assert [task for task, _ in groupby(step.task for step in told)] == tasks
+            await harness.vehicle.calibration.run(kind, on_step=steps.append)
+        assert [task for task, _ in groupby(step.task for step in steps)] == tasks
         if kind == "accelerometer":
-            assert (told[-1].pending, told[-1].progress) == (tuple(POSES[:5]), 17)
+            assert (steps[-1].pending, steps[-1].progress) == (tuple(POSES[:5]), 17)
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_no_sign_of_progress():
-    async def scenario(made):
-        texts_of(made, ["calibration started: 2 gyro", "progress <10>"])
-        begun = made.node.now()
+    async def scenario(harness):
+        texts_of(harness, ["calibration started: 2 gyro", "progress <10>"])
+        begun = harness.connection.now()
         with pytest.raises(ActionTimeout, match="gyroscope calibration of 1/1 failed: no progress for 30 s"):
-            await made.vehicle.calibration.run("gyroscope")
-        assert 30 <= made.node.now() - begun < 40
+            await harness.vehicle.calibration.run("gyroscope")
+        assert 30 <= harness.connection.now() - begun < 40
         cancels = [
             message
-            for message in made.script.heard
+            for message in harness.autopilot.received
             if isinstance(message, common.CommandLong)
             and (message.command, message.param1) == (CMD.PREFLIGHT_CALIBRATION, 0)
         ]
         assert cancels
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_remarks_of_the_vehicle_are_not_steps():
-    async def scenario(made):
-        told = []
+    async def scenario(harness):
+        steps = []
         side = ["detected motion, hold still...", "left orientation detected", "left orientation detected"]
         rest = ["left side already completed", "sensor 0: 12 samples", "calibration done: mag"]
-        texts_of(made, ["calibration started: 2 mag", f"pending: {' '.join(SIDES)}", *side, *rest])
-        await made.vehicle.calibration.run("compass", on_step=told.append)
-        assert [(step.task, step.pose) for step in told] == [
+        texts_of(harness, ["calibration started: 2 mag", f"pending: {' '.join(SIDES)}", *side, *rest])
+        await harness.vehicle.calibration.run("compass", on_step=steps.append)
+        assert [(step.task, step.pose) for step in steps] == [
             (TASK.PLACE, None),
             (TASK.ROTATE, Pose.LEFT),
             (TASK.PLACE, None),
         ]
-        assert str(told[1]) == "Detected on its left side: rotate it around that axis."
+        assert str(steps[1]) == "Detected on its left side: rotate it around that axis."
 
-    play(scenario)
+    run_scenario(scenario)

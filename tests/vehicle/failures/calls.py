@@ -35,62 +35,62 @@ from tests.vehicle.failures.rows import (
     rate,
     read_only,
 )
-from tests.vehicle.failures.scripted import CMD, Scene
+from tests.vehicle.failures.scripted_autopilot import CMD, ScriptedHarness
 
 
-async def up(scene: Scene) -> None:
-    scene.script.altitude = 0.0
+async def on_ground(harness: ScriptedHarness) -> None:
+    harness.autopilot.altitude = 0.0
 
 
-async def disarmed(scene: Scene) -> None:
-    scene.script.arm(False)
+async def disarmed(harness: ScriptedHarness) -> None:
+    harness.autopilot.arm(False)
 
 
-async def with_mission(scene: Scene) -> None:
-    await scene.vehicle.mission.upload(ITEMS)
+async def with_mission(harness: ScriptedHarness) -> None:
+    await harness.vehicle.mission.upload(ITEMS)
 
 
-async def in_mission(scene: Scene) -> None:
-    await with_mission(scene)
-    scene.script.enter("MISSION")
+async def in_mission(harness: ScriptedHarness) -> None:
+    await with_mission(harness)
+    harness.autopilot.enter("MISSION")
 
 
-async def not_ready(scene: Scene) -> None:
-    scene.script.ready = False
+async def not_ready(harness: ScriptedHarness) -> None:
+    harness.autopilot.ready = False
 
 
-async def guided(scene: Scene) -> None:
-    async with scene.vehicle.guided():
+async def guided(harness: ScriptedHarness) -> None:
+    async with harness.vehicle.guided():
         pass
 
 
-async def leave_guided(scene: Scene) -> None:
-    guided = scene.guided
+async def leave_guided(harness: ScriptedHarness) -> None:
+    guided = harness.guided
     await guided.__aexit__(None, None, None)
 
 
-async def enter_guided(scene: Scene) -> None:
-    scene.guided = scene.vehicle.guided()
-    await scene.guided.__aenter__()
+async def enter_guided(harness: ScriptedHarness) -> None:
+    harness.guided = harness.vehicle.guided()
+    await harness.guided.__aenter__()
 
 
-async def first(scene: Scene) -> None:
-    async with scene.vehicle.stream(common.Attitude) as messages:
+async def first_of_stream(harness: ScriptedHarness) -> None:
+    async with harness.vehicle.stream(common.Attitude) as messages:
         await anext(messages)
 
 
-async def stream_at_rate(scene: Scene) -> None:
-    async with scene.vehicle.stream(common.Attitude, rate=5.0):
+async def stream_at_rate(harness: ScriptedHarness) -> None:
+    async with harness.vehicle.stream(common.Attitude, rate=5.0):
         pass
 
 
-async def speak(scene: Scene) -> None:
-    async with scene.vehicle.shell() as shell:
+async def iterate_shell(harness: ScriptedHarness) -> None:
+    async with harness.vehicle.shell() as shell:
         await anext(shell)
 
 
-async def open_shell(scene: Scene) -> None:
-    async with scene.vehicle.shell():
+async def open_shell(harness: ScriptedHarness) -> None:
+    async with harness.vehicle.shell():
         pass
 
 
@@ -99,81 +99,81 @@ NOT_WAITED = "it does not wait for the effect"
 VEHICLE = [
     command(
         "Vehicle.arm",
-        lambda s: s.vehicle.arm(),
+        lambda h: h.vehicle.arm(),
         CMD.COMPONENT_ARM_DISARM,
         stuck=(ActionTimeout, "arming 1/1 failed: no progress for 10 s"),
         armed=False,
     ),
     command(
         "Vehicle.disarm",
-        lambda s: s.vehicle.disarm(),
+        lambda h: h.vehicle.disarm(),
         CMD.COMPONENT_ARM_DISARM,
         stuck=(ActionTimeout, "disarming 1/1 failed: no progress for 10 s"),
     ),
-    mode("Vehicle.set_mode", lambda s: s.vehicle.set_mode("RTL")),
+    mode("Vehicle.set_mode", lambda h: h.vehicle.set_mode("RTL")),
     command(
         "Vehicle.takeoff",
-        lambda s: s.vehicle.takeoff(30),
+        lambda h: h.vehicle.takeoff(30),
         CMD.NAV_TAKEOFF,
         stuck=(ActionTimeout, "takeoff to 30 m of 1/1 failed: no progress for 30 s, 30 m to go"),
         interrupted=True,
-        before=up,
+        before=on_ground,
     ),
     command(
         "Vehicle.land",
-        lambda s: s.vehicle.land(),
+        lambda h: h.vehicle.land(),
         CMD.NAV_LAND,
         stuck=(ActionTimeout, "landing 1/1 failed: no progress for 30 s, 20 m to go"),
         interrupted=True,
     ),
     command(
         "Vehicle.rtl",
-        lambda s: s.vehicle.rtl(),
+        lambda h: h.vehicle.rtl(),
         CMD.NAV_RETURN_TO_LAUNCH,
         stuck=(ActionTimeout, "return to launch of 1/1 failed: no progress for 90 s, 20 m to go"),
         interrupted=True,
     ),
-    mode("Vehicle.hold", lambda s: s.vehicle.hold(), before=in_mission),
+    mode("Vehicle.hold", lambda h: h.vehicle.hold(), before=in_mission),
     command(
         "Vehicle.goto",
-        lambda s: s.vehicle.goto(*PLACE),
+        lambda h: h.vehicle.goto(*PLACE),
         CMD.DO_REPOSITION,
         stuck=(ActionTimeout, "going to 47.399000, 8.547000 with 1/1 failed: no progress for 30 s, 18"),
         interrupted=True,
     ),
     command(
         "Vehicle.move",
-        lambda s: s.vehicle.move(north=100),
+        lambda h: h.vehicle.move(north=100),
         CMD.DO_REPOSITION,
         stuck=(ActionTimeout, "1/1 failed: no progress for 30 s, 100 m to go"),
         interrupted=True,
     ),
     command(
         "Vehicle.orbit",
-        lambda s: s.vehicle.orbit(*PLACE),
+        lambda h: h.vehicle.orbit(*PLACE),
         CMD.DO_ORBIT,
         stuck=(ActionTimeout, "orbit of 20 m radius with 1/1 failed: no progress for 30 s"),
         interrupted=True,
     ),
-    command("Vehicle.set_speed", lambda s: s.vehicle.set_speed(5), CMD.DO_CHANGE_SPEED, why_not=NOT_WAITED),
+    command("Vehicle.set_speed", lambda h: h.vehicle.set_speed(5), CMD.DO_CHANGE_SPEED, why_not=NOT_WAITED),
     command(
         "Vehicle.set_yaw",
-        lambda s: s.vehicle.set_yaw(90),
+        lambda h: h.vehicle.set_yaw(90),
         CMD.DO_REPOSITION,
         stuck=(ActionTimeout, "turn to 90 degrees of 1/1 failed: no progress for 30 s, 90 degrees"),
         interrupted=True,
     ),
-    command("Vehicle.set_home", lambda s: s.vehicle.set_home(), CMD.DO_SET_HOME, why_not=NOT_WAITED),
+    command("Vehicle.set_home", lambda h: h.vehicle.set_home(), CMD.DO_SET_HOME, why_not=NOT_WAITED),
     command(
         "Vehicle.reboot",
-        lambda s: s.vehicle.reboot(),
+        lambda h: h.vehicle.reboot(),
         CMD.PREFLIGHT_REBOOT_SHUTDOWN,
         silent=ActionTimeout,
         stuck=(ActionTimeout, "rebooting 1/1 failed: did not come back in 60 s"),
     ),
     Call(
         "Vehicle.wait_until_ready",
-        lambda s: s.vehicle.wait_until_ready(),
+        lambda h: h.vehicle.wait_until_ready(),
         silent=HealthTimeout,
         stuck=(HealthTimeout, "waiting for the readiness of 1/1 failed: not in 60 s: not ready"),
         before=not_ready,
@@ -181,33 +181,33 @@ VEHICLE = [
     ),
     rate(
         "Vehicle.wait_for_message",
-        lambda s: s.vehicle.wait_for_message(common.Attitude),
+        lambda h: h.vehicle.wait_for_message(common.Attitude),
         4,
         silent=MessageTimeout,
     ),
     rate(
         "Vehicle.wait_for_telemetry",
-        lambda s: s.vehicle.wait_for_telemetry("attitude"),
+        lambda h: h.vehicle.wait_for_telemetry("attitude"),
         4,
         silent=MessageTimeout,
     ),
     rate(
         "Vehicle.set_message_rate",
-        lambda s: s.vehicle.set_message_rate(common.Attitude, 5.0),
+        lambda h: h.vehicle.set_message_rate(common.Attitude, 5.0),
         5,
         why_not=NOT_WAITED,
     ),
-    Call("Vehicle.get_home", lambda s: s.vehicle.get_home(), silent=None, why_not=PART_OF_ACTIONS),
+    Call("Vehicle.get_home", lambda h: h.vehicle.get_home(), silent=None, why_not=PART_OF_ACTIONS),
     Call(
         "Vehicle.get_home_altitude",
-        lambda s: s.vehicle.get_home_altitude(),
+        lambda h: h.vehicle.get_home_altitude(),
         silent=None,
         why_not=PART_OF_ACTIONS,
     ),
-    Call("Vehicle.get_position", lambda s: s.vehicle.get_position(), silent=None, why_not=PART_OF_ACTIONS),
+    Call("Vehicle.get_position", lambda h: h.vehicle.get_position(), silent=None, why_not=PART_OF_ACTIONS),
     Call(
         "Vehicle.get_relative_altitude",
-        lambda s: s.vehicle.get_relative_altitude(),
+        lambda h: h.vehicle.get_relative_altitude(),
         silent=None,
         why_not=PART_OF_ACTIONS,
     ),
@@ -215,73 +215,73 @@ VEHICLE = [
 TELEMETRY = [
     rate(
         "Telemetry.wait_for_message",
-        lambda s: s.vehicle.telemetry.wait_for_message(common.Attitude),
+        lambda h: h.vehicle.telemetry.wait_for_message(common.Attitude),
         4,
         silent=MessageTimeout,
     ),
     rate(
         "Telemetry.set_message_rate",
-        lambda s: s.vehicle.telemetry.set_message_rate(common.Attitude, 5.0),
+        lambda h: h.vehicle.telemetry.set_message_rate(common.Attitude, 5.0),
         5,
         why_not=NOT_WAITED,
     ),
     Call(
         "Telemetry.ensure",
-        lambda s: s.vehicle.telemetry.ensure(common.Attitude, 5.0),
+        lambda h: h.vehicle.telemetry.ensure(common.Attitude, 5.0),
         silent=None,
         why_not="it returns False if the vehicle refuses or is silent",
     ),
     Call(
         "Telemetry.request_home",
-        lambda s: s.vehicle.telemetry.request_home(),
+        lambda h: h.vehicle.telemetry.request_home(),
         silent=None,
         why_not="it stores that the vehicle has no home",
     ),
     Call(
-        "Telemetry.close", lambda s: s.vehicle.telemetry.close(), silent=None, why_not="it sends no request"
+        "Telemetry.close", lambda h: h.vehicle.telemetry.close(), silent=None, why_not="it sends no request"
     ),
-    rate("MessageStream.__anext__", first, 4, silent=None, why_not="it waits for messages"),
+    rate("MessageStream.__anext__", first_of_stream, 4, silent=None, why_not="it waits for messages"),
     Call("MessageStream.__aenter__", stream_at_rate, silent=None, why_not="it requests in the background"),
     Call("MessageStream.__aexit__", stream_at_rate, silent=None, why_not="it does not wait for the vehicle"),
 ]
 MISSION = [
-    plan("Mission.upload", lambda s: s.vehicle.mission.upload(ITEMS), "uploading the mission"),
+    plan("Mission.upload", lambda h: h.vehicle.mission.upload(ITEMS), "uploading the mission"),
     plan(
         "Mission.download",
-        lambda s: s.vehicle.mission.download(),
+        lambda h: h.vehicle.mission.download(),
         "downloading the mission",
         refuse=no_plan,
         codes=(MISSION_RESULT.UNSUPPORTED,),
         before=with_mission,
     ),
-    plan("Mission.clear", lambda s: s.vehicle.mission.clear(), "clearing the mission", before=with_mission),
+    plan("Mission.clear", lambda h: h.vehicle.mission.clear(), "clearing the mission", before=with_mission),
     command(
         "Mission.set_current",
-        lambda s: s.vehicle.mission.set_current(3),
+        lambda h: h.vehicle.mission.set_current(3),
         CMD.DO_SET_MISSION_CURRENT,
         codes=FALLING_BACK,
         silent=MissionTimeout,
         before=with_mission,
         why_not=NOT_WAITED,
     ),
-    mode("Mission.start", lambda s: s.vehicle.mission.start(), before=with_mission),
-    mode("Mission.pause", lambda s: s.vehicle.mission.pause(), before=in_mission),
+    mode("Mission.start", lambda h: h.vehicle.mission.start(), before=with_mission),
+    mode("Mission.pause", lambda h: h.vehicle.mission.pause(), before=in_mission),
     mode(
         "Mission.fly",
-        lambda s: s.vehicle.mission.fly(timeout=50),
+        lambda h: h.vehicle.mission.fly(timeout=50),
         before=with_mission,
         stuck=(ModeTimeout, "accepted, but not entered"),
         interrupted=True,
     ),
-    plan("VehiclePlan.upload", lambda s: s.vehicle.fence.upload(ITEMS), "uploading the fence"),
+    plan("VehiclePlan.upload", lambda h: h.vehicle.fence.upload(ITEMS), "uploading the fence"),
     plan(
         "VehiclePlan.download",
-        lambda s: s.vehicle.rally.download(),
+        lambda h: h.vehicle.rally.download(),
         "downloading the rally points",
         refuse=no_plan,
         codes=(MISSION_RESULT.UNSUPPORTED,),
     ),
-    plan("VehiclePlan.clear", lambda s: s.vehicle.fence.clear(), "clearing the fence"),
+    plan("VehiclePlan.clear", lambda h: h.vehicle.fence.clear(), "clearing the fence"),
 ]
 GUIDANCE = [
     mode("GuidedSession.__aenter__", guided),
@@ -290,7 +290,7 @@ GUIDANCE = [
 PARAMETERS = [
     Call(
         "Params.get",
-        lambda s: s.vehicle.params.get("NO_SUCH"),
+        lambda h: h.vehicle.params.get("NO_SUCH"),
         "parameter NO_SUCH",
         nothing,
         ParameterDenied,
@@ -300,7 +300,7 @@ PARAMETERS = [
     ),
     Call(
         "Params.set",
-        lambda s: s.vehicle.params.set("P_00", 7),
+        lambda h: h.vehicle.params.set("P_00", 7),
         "P_00",
         read_only,
         ParameterDenied,
@@ -310,38 +310,38 @@ PARAMETERS = [
     ),
     Call(
         "Params.download",
-        lambda s: s.vehicle.params.download(),
+        lambda h: h.vehicle.params.download(),
         silent=ParameterTimeout,
         why_not="only requests for single parameters are refused",
     ),
     Call(
         "Params.download_metadata",
-        lambda s: s.vehicle.params.download_metadata(cache=None),
+        lambda h: h.vehicle.params.download_metadata(cache=None),
         silent=MessageTimeout,
         why_not="a vehicle that refuses has no metadata",
     ),
 ]
 FILES = [
-    file("Ftp.list", lambda s: s.vehicle.ftp.list("/none"), "/none"),
-    file("Ftp.download", lambda s: s.vehicle.ftp.download("/none"), "/none"),
-    file("Ftp.upload", lambda s: s.vehicle.ftp.upload("/logs", b"x" * 900), "/logs", FTP.FAILERRNO),
-    file("Ftp.checksum", lambda s: s.vehicle.ftp.checksum("/none"), "/none"),
-    file("Ftp.remove", lambda s: s.vehicle.ftp.remove("/none"), "/none"),
-    file("Ftp.rename", lambda s: s.vehicle.ftp.rename("/none", "/some"), "/none"),
-    file("Ftp.truncate", lambda s: s.vehicle.ftp.truncate("/none", 4), "/none"),
-    file("Ftp.make_directory", lambda s: s.vehicle.ftp.make_directory("/logs"), "/logs", FTP.FILEEXISTS),
-    file("Ftp.remove_directory", lambda s: s.vehicle.ftp.remove_directory("/none"), "/none"),
+    file("Ftp.list", lambda h: h.vehicle.ftp.list("/none"), "/none"),
+    file("Ftp.download", lambda h: h.vehicle.ftp.download("/none"), "/none"),
+    file("Ftp.upload", lambda h: h.vehicle.ftp.upload("/logs", b"x" * 900), "/logs", FTP.FAILERRNO),
+    file("Ftp.checksum", lambda h: h.vehicle.ftp.checksum("/none"), "/none"),
+    file("Ftp.remove", lambda h: h.vehicle.ftp.remove("/none"), "/none"),
+    file("Ftp.rename", lambda h: h.vehicle.ftp.rename("/none", "/some"), "/none"),
+    file("Ftp.truncate", lambda h: h.vehicle.ftp.truncate("/none", 4), "/none"),
+    file("Ftp.make_directory", lambda h: h.vehicle.ftp.make_directory("/logs"), "/logs", FTP.FILEEXISTS),
+    file("Ftp.remove_directory", lambda h: h.vehicle.ftp.remove_directory("/none"), "/none"),
 ]
 LOGS = [
     Call(
         "Logs.list",
-        lambda s: s.vehicle.logs.list(),
+        lambda h: h.vehicle.logs.list(),
         silent=LogTimeout,
         why_not="a vehicle that refuses to list its logs does not answer",
     ),
     Call(
         "Logs.download",
-        lambda s: s.vehicle.logs.download(9),
+        lambda h: h.vehicle.logs.download(9),
         "log 9",
         nothing,
         RemoteDenied,
@@ -351,7 +351,7 @@ LOGS = [
     ),
     Call(
         "Logs.erase",
-        lambda s: s.vehicle.logs.erase(),
+        lambda h: h.vehicle.logs.erase(),
         "erasing all logs",
         keeps_logs,
         RemoteDenied,
@@ -361,22 +361,22 @@ LOGS = [
     ),
 ]
 MODES = [
-    mode("Modes.set", lambda s: s.vehicle.modes.set("RTL"), waits=False),
+    mode("Modes.set", lambda h: h.vehicle.modes.set("RTL"), waits=False),
     command(
         "Modes.set_standard",
-        lambda s: s.vehicle.modes.set_standard(common.MavStandardMode.MISSION),
+        lambda h: h.vehicle.modes.set_standard(common.MavStandardMode.MISSION),
         CMD.DO_SET_STANDARD_MODE,
         waits=False,
     ),
     Call(
         "Modes.list",
-        lambda s: s.vehicle.modes.list(),
+        lambda h: h.vehicle.modes.list(),
         silent=CommandTimeout,
         why_not="the modes of PX4 and ArduPilot are known",
     ),
 ]
 SHELL = [
-    Call("Shell.__anext__", speak, silent=None, why_not="it waits for the output of the shell"),
+    Call("Shell.__anext__", iterate_shell, silent=None, why_not="it waits for the output of the shell"),
     Call("Shell.__aenter__", open_shell, silent=None, why_not="opening a shell has no acknowledgement"),
     Call("Shell.__aexit__", open_shell, silent=None, why_not="closing a shell has no acknowledgement"),
 ]

@@ -22,9 +22,9 @@ from mavstack.errors import (
     RemoteError,
 )
 from mavstack.services.mission import MissionItem
-from tests.vehicle.failures.scripted import CMD, RESULT, Scene
+from tests.vehicle.failures.scripted_autopilot import CMD, RESULT, ScriptedHarness
 
-Do = Callable[[Scene], Awaitable[Any]]
+Do = Callable[[ScriptedHarness], Awaitable[Any]]
 
 MISSION_RESULT, FTP, PARAM = common.MavMissionResult, common.MavFtpErr, common.MavParamError
 #: The answers of a firmware that knows a command and refuses it.
@@ -42,8 +42,8 @@ class Call:
     name: str
     do: Do
     #: The operation in the error.
-    asked: str = ""
-    refuse: Callable[[Scene, int], None] | None = None
+    operation: str = ""
+    refuse: Callable[[ScriptedHarness, int], None] | None = None
     denied: type[RemoteDenied] = CommandDenied
     codes: tuple[int, ...] = CODES
     #: True if a refusal waits for a reason that follows it.
@@ -57,7 +57,7 @@ class Call:
     #: The preparation before the call.
     before: Do | None = None
     armed: bool = True
-    #: The scripted autopilot, if it is not a PX4 quadrotor: its `autopilot` and its `kind`.
+    #: `autopilot` and `kind` of the scripted autopilot, if it is not a PX4 quadrotor.
     options: Mapping[str, int] = field(default_factory=dict)
     #: The reason for each kind of failure that is missing.
     why_not: str = ""
@@ -65,22 +65,22 @@ class Call:
 
 def command(name: str, do: Do, number: int, *, codes: tuple[int, ...] = CODES, **more: Any) -> Call:
     """Return the row of a call that sends a command."""
-    asked = ardupilotmega.MavCmd(number).official_name.removeprefix("MAV_CMD_")
+    operation = ardupilotmega.MavCmd(number).official_name.removeprefix("MAV_CMD_")
 
-    def refuse(scene: Scene, code: int) -> None:
-        scene.script.refuse(number, result=code)
+    def refuse(harness: ScriptedHarness, code: int) -> None:
+        harness.autopilot.refuse(number, result=code)
 
-    return Call(name, do, asked, refuse, codes=codes, **more)
+    return Call(name, do, operation, refuse, codes=codes, **more)
 
 
 def rate(name: str, do: Do, hertz: int, **more: Any) -> Call:
     """Return the row of a call that requests a message rate."""
 
-    def refuse(scene: Scene, code: int) -> None:
-        scene.script.refuse(CMD.SET_MESSAGE_INTERVAL, result=code)
+    def refuse(harness: ScriptedHarness, code: int) -> None:
+        harness.autopilot.refuse(CMD.SET_MESSAGE_INTERVAL, result=code)
 
-    asked = f"ATTITUDE at {hertz} Hz"
-    return Call(name, do, asked, refuse, codes=FALLING_BACK, waits=False, **more)
+    operation = f"ATTITUDE at {hertz} Hz"
+    return Call(name, do, operation, refuse, codes=FALLING_BACK, waits=False, **more)
 
 
 def mode(name: str, do: Do, **more: Any) -> Call:
@@ -89,12 +89,12 @@ def mode(name: str, do: Do, **more: Any) -> Call:
     return command(name, do, CMD.DO_SET_MODE, codes=FALLING_BACK, **more)
 
 
-def plan(name: str, do: Do, asked: str, **more: Any) -> Call:
+def plan(name: str, do: Do, operation: str, **more: Any) -> Call:
     """Return the row of a call that transfers a plan."""
     codes = (MISSION_RESULT.DENIED, MISSION_RESULT.UNSUPPORTED_FRAME, MISSION_RESULT.INVALID_PARAM5_X)
 
-    def refuse(scene: Scene, code: int) -> None:
-        scene.script.refuse_plans(code)
+    def refuse(harness: ScriptedHarness, code: int) -> None:
+        harness.autopilot.refuse_plans(code)
 
     base: dict[str, Any] = {
         "refuse": refuse,
@@ -102,31 +102,31 @@ def plan(name: str, do: Do, asked: str, **more: Any) -> Call:
         "codes": codes,
         "silent": MissionTimeout,
     }
-    return Call(name, do, asked, **base | more)
+    return Call(name, do, operation, **base | more)
 
 
-def no_plan(scene: Scene, code: int) -> None:
-    scene.script.mission.limits.clear()
+def no_plan(harness: ScriptedHarness, code: int) -> None:
+    harness.autopilot.mission.limits.clear()
 
 
-def file(name: str, do: Do, asked: str, code: int | None = FTP.FILENOTFOUND, **more: Any) -> Call:
-    """Return the row of a call on a file that does not exist, or is not allowed."""
+def file(name: str, do: Do, operation: str, code: int | None = FTP.FILENOTFOUND, **more: Any) -> Call:
+    """Return the row of a call on a file that does not exist or must not be changed."""
     if code is None:
-        return Call(name, do, asked, silent=FileTimeout, **more)
-    return Call(name, do, asked, nothing, FileDenied, (code,), waits=False, silent=FileTimeout, **more)
+        return Call(name, do, operation, silent=FileTimeout, **more)
+    return Call(name, do, operation, nothing, FileDenied, (code,), waits=False, silent=FileTimeout, **more)
 
 
-def nothing(scene: Scene, code: int) -> None:
-    """Do nothing: the request is refused by itself."""
+def nothing(harness: ScriptedHarness, code: int) -> None:
+    """Change nothing: the vehicle refuses the request anyway."""
 
 
-def read_only(scene: Scene, code: int) -> None:
-    scene.script.parameters.table["P_00"].read_only = True
+def read_only(harness: ScriptedHarness, code: int) -> None:
+    harness.autopilot.parameters.table["P_00"].read_only = True
 
 
-def keeps_logs(scene: Scene, code: int) -> None:
-    scene.script.logs.erase = lambda: None
+def keeps_logs(harness: ScriptedHarness, code: int) -> None:
+    harness.autopilot.logs.erase = lambda: None
 
 
-def named(call: Call) -> str:
+def call_name(call: Call) -> str:
     return call.name

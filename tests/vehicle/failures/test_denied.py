@@ -11,16 +11,17 @@ from mavstack.errors import CommandDenied, RemoteDenied
 from mavstack.links import MemoryNetwork
 from mavstack.node import Node
 from tests.vehicle.failures.calls import CALLS
-from tests.vehicle.failures.rows import Call, named
-from tests.vehicle.failures.scripted import (
+from tests.vehicle.failures.rows import Call, call_name
+from tests.vehicle.failures.scripted_autopilot import (
     ARDUPILOT,
     CMD,
+    REQUEST_MESSAGES,
     RESULT,
     SEVERITY,
-    Scene,
-    play,
+    ScriptedHarness,
+    run_scenario,
     run_virtually,
-    scene,
+    scripted_harness,
 )
 
 REASON = "Refused: high drop over the fence"
@@ -29,72 +30,72 @@ REFUSED = [call for call in CALLS if call.refuse]
 WAITING = [call for call in REFUSED if call.waits]
 
 
-async def make(made: Scene, call: Call, code: int) -> None:
-    """Have a call refused for its code."""
-    made.script.arm(call.armed)
+async def prepare_refusal(harness: ScriptedHarness, call: Call, code: int) -> None:
+    """Make the vehicle refuse the call with this result."""
+    harness.autopilot.arm(call.armed)
     if call.before:
-        await call.before(made)
+        await call.before(harness)
     await asyncio.sleep(0.1)
-    call.refuse(made, code)
+    call.refuse(harness, code)
 
 
-async def denial(made: Scene, call: Call) -> RemoteDenied:
+async def denial(harness: ScriptedHarness, call: Call) -> RemoteDenied:
     with pytest.raises(RemoteDenied) as denied:
         async with asyncio.timeout(60):
-            await call.do(made)
+            await call.do(harness)
     return denied.value
 
 
-def check(call: Call, error: RemoteDenied, code: int, said: tuple[str, ...]) -> None:
+def check(call: Call, error: RemoteDenied, code: int, status_texts: tuple[str, ...]) -> None:
     assert type(error) is call.denied
     assert error.code == code
-    assert error.status_texts == said
+    assert error.status_texts == status_texts
     text = str(error)
-    assert call.asked in text
+    assert call.operation in text
     assert "1/1 failed" in text
-    assert all(part in text for part in said)
+    assert all(part in text for part in status_texts)
     again = pickle.loads(pickle.dumps(error))
-    assert (str(again), again.code, again.status_texts) == (text, code, said)
+    assert (str(again), again.code, again.status_texts) == (text, code, status_texts)
 
 
-def says_before(made: Scene, text: str) -> None:
-    made.script.saying = lambda: made.say(text)
-    made.script.sayer.text = text
+def send_text_before_refusal(harness: ScriptedHarness, text: str) -> None:
+    harness.autopilot.on_refusal = lambda: harness.send_statustext(text)
+    harness.autopilot.status_text_on_request.text = text
 
 
 @pytest.mark.fast_cases(55)
-@pytest.mark.parametrize("call", REFUSED, ids=named)
+@pytest.mark.parametrize("call", REFUSED, ids=call_name)
 @pytest.mark.parametrize("text", [REASON, LONG], ids=["short", "long"])
 def test_a_reason_before_the_refusal(call, text):
-    async def scenario(made):
+    async def scenario(harness):
         code = call.codes[0]
-        await make(made, call, code)
-        says_before(made, text)
-        error = await denial(made, call)
+        await prepare_refusal(harness, call, code)
+        send_text_before_refusal(harness, text)
+        error = await denial(harness, call)
         check(call, error, code, (text,))
         if call.denied is CommandDenied:
             assert RESULT(code).name in str(error)
 
-    play(scenario, **call.options)
+    run_scenario(scenario, **call.options)
 
 
-@pytest.mark.parametrize("call", WAITING, ids=named)
+@pytest.mark.parametrize("call", WAITING, ids=call_name)
 def test_a_reason_after_the_refusal(call):
-    async def scenario(made):
+    async def scenario(harness):
         code = call.codes[-1]
-        await make(made, call, code)
+        await prepare_refusal(harness, call, code)
         texts = [REASON, LONG]
 
         def later() -> None:
             while texts:
-                made.say(texts[0], after=0.3 if texts.pop(0) == REASON else 0.35)
+                harness.send_statustext(texts[0], after=0.3 if texts.pop(0) == REASON else 0.35)
 
-        made.script.saying = later
+        harness.autopilot.on_refusal = later
         if call.denied is not CommandDenied:
-            made.script.add_packet_listener(tuple(made.script.requests), lambda packet: later())
-        check(call, await denial(made, call), code, (REASON, LONG))
+            harness.autopilot.add_packet_listener(REQUEST_MESSAGES, lambda packet: later())
+        check(call, await denial(harness, call), code, (REASON, LONG))
 
-    play(scenario, **call.options)
+    run_scenario(scenario, **call.options)
 
 
 @pytest.mark.fast_cases(95)
@@ -104,89 +105,89 @@ def test_a_reason_after_the_refusal(call):
     ids=lambda value: value.name if isinstance(value, Call) else str(int(value)),
 )
 def test_each_code_without_a_reason(call, code):
-    async def scenario(made):
-        await make(made, call, code)
-        begun = made.node.now()
-        check(call, await denial(made, call), code, ())
-        assert made.node.now() - begun < 20
+    async def scenario(harness):
+        await prepare_refusal(harness, call, code)
+        begun = harness.connection.now()
+        check(call, await denial(harness, call), code, ())
+        assert harness.connection.now() - begun < 20
 
-    play(scenario, **call.options)
+    run_scenario(scenario, **call.options)
 
 
-@pytest.mark.parametrize("call", REFUSED, ids=named)
+@pytest.mark.parametrize("call", REFUSED, ids=call_name)
 def test_texts_that_are_no_reasons(call):
-    """An older text, another system's, and what is said by the way."""
+    """An older text, the text of another system, and texts of low severity are no reasons."""
 
-    async def whole() -> None:
+    async def run() -> None:
         network = MemoryNetwork()
         async with (
-            scene(network=network, **call.options) as made,
+            scripted_harness(network=network, **call.options) as harness,
             Node(network.link(), system=9, component=1) as other,
         ):
-            await make(made, call, call.codes[0])
-            made.say("long ago")
+            await prepare_refusal(harness, call, call.codes[0])
+            harness.send_statustext("long ago")
             await asyncio.sleep(2)
 
-            def chatter() -> None:
-                made.say("by the way", SEVERITY.INFO)
-                made.say("noticed", SEVERITY.NOTICE)
+            def send_unrelated_texts() -> None:
+                harness.send_statustext("information", SEVERITY.INFO)
+                harness.send_statustext("notice", SEVERITY.NOTICE)
                 other.send_statustext("of another", SEVERITY.CRITICAL)
 
-            made.script.saying = chatter
-            made.script.add_packet_listener(tuple(made.script.requests), lambda packet: chatter())
-            check(call, await denial(made, call), call.codes[0], ())
+            harness.autopilot.on_refusal = send_unrelated_texts
+            harness.autopilot.add_packet_listener(REQUEST_MESSAGES, lambda packet: send_unrelated_texts())
+            check(call, await denial(harness, call), call.codes[0], ())
 
-    run_virtually(whole())
+    run_virtually(run())
 
 
 def test_each_text_once_and_the_last_ones():
-    async def scenario(made):
+    async def scenario(harness):
         def talk() -> None:
             for number in range(9):
-                made.say(f"warning {number}")
-            made.say("warning 4")
+                harness.send_statustext(f"warning {number}")
+            harness.send_statustext("warning 4")
 
-        made.script.refuse(CMD.COMPONENT_ARM_DISARM)
-        made.script.saying = talk
+        harness.autopilot.refuse(CMD.COMPONENT_ARM_DISARM)
+        harness.autopilot.on_refusal = talk
         with pytest.raises(CommandDenied) as denied:
-            await made.vehicle.arm()
+            await harness.vehicle.arm()
         assert denied.value.status_texts == tuple(f"warning {number}" for number in (3, 5, 6, 7, 8, 4))
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_ardupilots_text_for_a_refused_mode():
-    async def scenario(made):
-        made.script.modes._may_enter = lambda mode, source: "requires position"
+    async def scenario(harness):
+        harness.autopilot.modes._may_enter = lambda mode, source: "requires position"
         with pytest.raises(CommandDenied) as denied:
-            await made.vehicle.takeoff(10)
+            await harness.vehicle.takeoff(10)
         assert denied.value.code == RESULT.FAILED
         assert str(denied.value) == "DO_SET_MODE on 1/1 failed: FAILED (Mode refused: requires position)"
 
-    play(scenario, autopilot=ARDUPILOT)
+    run_scenario(scenario, autopilot=ARDUPILOT)
 
 
 def test_an_unknown_mode():
-    async def scenario(made):
+    async def scenario(harness):
         with pytest.raises(
             RemoteDenied,
             match=r"setting mode SIDEWAYS on 1/1 failed: there is no such mode; the vehicle has .*RTL",
         ):
-            await made.vehicle.set_mode("SIDEWAYS")
+            await harness.vehicle.set_mode("SIDEWAYS")
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_closing_ends_the_wait_for_a_reason():
-    async def scenario(made):
-        made.script.refuse(CMD.COMPONENT_ARM_DISARM)
+    async def scenario(harness):
+        harness.autopilot.refuse(CMD.COMPONENT_ARM_DISARM)
         begun = asyncio.get_running_loop().time()
-        arming = asyncio.create_task(made.vehicle.arm())
+        arming = asyncio.create_task(harness.vehicle.arm())
         await asyncio.sleep(0.2)
         assert not arming.done()
-        await made.node.close()
+        await harness.connection.close()
         with pytest.raises(CommandDenied):
             await arming
         assert asyncio.get_running_loop().time() - begun < 0.5
 
-    play(scenario)
+    run_scenario(scenario)

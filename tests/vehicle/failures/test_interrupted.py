@@ -1,4 +1,4 @@
-"""A vehicle that does something else in the middle of an action: a failsafe, a pilot, another station."""
+"""Actions that a failsafe, a pilot or another ground station interrupts."""
 
 from __future__ import annotations
 
@@ -11,10 +11,17 @@ from mavstack.errors import ActionInterrupted
 from mavstack.links import MemoryNetwork
 from mavstack.node import Node
 from tests.vehicle.failures.calls import CALLS, enter_guided
-from tests.vehicle.failures.rows import named
-from tests.vehicle.failures.scripted import ARDUPILOT, PX4, Scene, play, run_virtually, scene
+from tests.vehicle.failures.rows import call_name
+from tests.vehicle.failures.scripted_autopilot import (
+    ARDUPILOT,
+    PX4,
+    ScriptedHarness,
+    run_scenario,
+    run_virtually,
+    scripted_harness,
+)
 
-WATCHED = [call for call in CALLS if call.interrupted]
+MONITORED = [call for call in CALLS if call.interrupted]
 #: Landing and returning end with the motors off; a turn needs no motors.
 MAY_DISARM = {"Vehicle.land", "Vehicle.rtl", "Vehicle.set_yaw"}
 OPERATIONS = {
@@ -28,120 +35,120 @@ OPERATIONS = {
     "Mission.fly": "flying the mission of",
 }
 #: The calls that are one step with ArduPilot; an orbit begins with a goto.
-ARDUPILOT_CALLS = [call for call in WATCHED if call.name != "Mission.fly"]
+ARDUPILOT_CALLS = [call for call in MONITORED if call.name != "Mission.fly"]
 
 
-async def interrupted(made: Scene, call, happens) -> ActionInterrupted:
-    made.script.arm()
+async def interrupted(harness: ScriptedHarness, call, interrupt) -> ActionInterrupted:
+    harness.autopilot.arm()
     if call.before:
-        await call.before(made)
+        await call.before(harness)
     await asyncio.sleep(1.5)
     loop = asyncio.get_running_loop()
-    loop.call_later(5.0, made.script.send_statustext, "Failsafe: battery", 2)
-    loop.call_later(5.2, happens)
-    begun = made.node.now()
+    loop.call_later(5.0, harness.autopilot.send_statustext, "Failsafe: battery", 2)
+    loop.call_later(5.2, interrupt)
+    begun = harness.connection.now()
     with pytest.raises(ActionInterrupted) as error:
-        await call.do(made)
-    assert 6 < made.node.now() - begun < 10
+        await call.do(harness)
+    assert 6 < harness.connection.now() - begun < 10
     return error.value
 
 
-@pytest.mark.parametrize("call", WATCHED, ids=named)
+@pytest.mark.parametrize("call", MONITORED, ids=call_name)
 def test_another_mode(call):
-    async def scenario(made):
-        error = await interrupted(made, call, lambda: made.script.enter("ALTCTL"))
+    async def scenario(harness):
+        error = await interrupted(harness, call, lambda: harness.autopilot.enter("ALTCTL"))
         assert str(error) == f"{OPERATIONS[call.name]} 1/1 failed: it changed to ALTCTL (Failsafe: battery)"
         assert error.status_texts == ("Failsafe: battery",)
 
-    play(scenario, autopilot=PX4)
+    run_scenario(scenario, autopilot=PX4)
 
 
-@pytest.mark.parametrize("call", ARDUPILOT_CALLS, ids=named)
-def test_another_mode_of_ardupilots(call):
-    async def scenario(made):
-        made.script.parameters.add("CIRCLE_OPTIONS", 1)
-        error = await interrupted(made, call, lambda: made.script.enter("STABILIZE"))
+@pytest.mark.parametrize("call", ARDUPILOT_CALLS, ids=call_name)
+def test_another_mode_of_ardupilot(call):
+    async def scenario(harness):
+        harness.autopilot.parameters.add("CIRCLE_OPTIONS", 1)
+        error = await interrupted(harness, call, lambda: harness.autopilot.enter("STABILIZE"))
         operation = OPERATIONS["Vehicle.goto"] if call.name == "Vehicle.orbit" else OPERATIONS[call.name]
         assert str(error) == f"{operation} 1/1 failed: it changed to STABILIZE (Failsafe: battery)"
 
-    play(scenario, autopilot=ARDUPILOT)
+    run_scenario(scenario, autopilot=ARDUPILOT)
 
 
-@pytest.mark.parametrize("call", [call for call in WATCHED if call.name not in MAY_DISARM], ids=named)
+@pytest.mark.parametrize("call", [call for call in MONITORED if call.name not in MAY_DISARM], ids=call_name)
 def test_disarmed_in_the_air(call):
-    async def scenario(made):
-        error = await interrupted(made, call, lambda: made.script.arm(False))
+    async def scenario(harness):
+        error = await interrupted(harness, call, lambda: harness.autopilot.arm(False))
         assert str(error).startswith(f"{OPERATIONS[call.name]} 1/1 failed: it was disarmed ")
         assert str(error).endswith(" m above home (Failsafe: battery)")
 
-    play(scenario)
+    run_scenario(scenario)
 
 
-@pytest.mark.parametrize("call", [call for call in WATCHED if call.name in MAY_DISARM], ids=named)
+@pytest.mark.parametrize("call", [call for call in MONITORED if call.name in MAY_DISARM], ids=call_name)
 def test_disarming_ends_a_landing(call):
-    async def scenario(made):
-        made.script.arm()
+    async def scenario(harness):
+        harness.autopilot.arm()
         await asyncio.sleep(1.5)
         loop = asyncio.get_running_loop()
-        loop.call_later(5.0, made.script.arm, False)
-        loop.call_later(9.0, setattr, made.script, "heading", 90.0)
-        begun = made.node.now()
-        await call.do(made)
-        assert 5 <= made.node.now() - begun < 10
+        loop.call_later(5.0, harness.autopilot.arm, False)
+        loop.call_later(9.0, setattr, harness.autopilot, "heading", 90.0)
+        begun = harness.connection.now()
+        await call.do(harness)
+        assert 5 <= harness.connection.now() - begun < 10
 
-    play(scenario)
+    run_scenario(scenario)
 
 
-@pytest.mark.parametrize("call", WATCHED, ids=named)
+@pytest.mark.parametrize("call", MONITORED, ids=call_name)
 def test_a_mode_for_a_moment_is_no_interruption(call):
-    """Some change their mode before they tell that an action has ended."""
+    """Some firmwares change the mode shortly before they report that an action has ended."""
 
-    async def scenario(made):
-        made.script.arm()
+    async def scenario(harness):
+        harness.autopilot.arm()
         if call.before:
-            await call.before(made)
+            await call.before(harness)
         await asyncio.sleep(1.5)
-        doing = asyncio.create_task(call.do(made))
+        doing = asyncio.create_task(call.do(harness))
         await asyncio.sleep(6)
-        mode = made.vehicle.mode
-        made.script.enter("ALTCTL")
+        mode = harness.vehicle.mode
+        harness.autopilot.enter("ALTCTL")
         await asyncio.sleep(1.0)
-        made.script.enter(mode)
+        harness.autopilot.enter(mode)
         await asyncio.sleep(6)
         assert not doing.done()
         doing.cancel()
         await asyncio.gather(doing, return_exceptions=True)
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_another_station_takes_over():
-    async def whole() -> None:
+    async def run() -> None:
         network = MemoryNetwork()
-        async with scene(network=network) as made, Node(network.link(), system=254) as other:
-            made.script.arm()
+        async with scripted_harness(network=network) as harness, Node(network.link(), system=254) as other:
+            harness.autopilot.arm()
             await asyncio.sleep(1.5)
-            going = asyncio.create_task(made.vehicle.goto(47.5, 8.5, 30))
+            going = asyncio.create_task(harness.vehicle.goto(47.5, 8.5, 30))
             await asyncio.sleep(6)
-            theirs = await other.wait_for_autopilot()
-            await theirs.modes.set("RTL")
+            autopilot = await other.wait_for_autopilot()
+            await autopilot.modes.set("RTL")
             with pytest.raises(ActionInterrupted, match="it changed to RTL"):
                 await going
 
-    run_virtually(whole())
+    run_virtually(run())
 
 
 def test_the_next_setpoint_raises_after_an_interruption():
-    async def scenario(made):
-        made.script.arm()
-        await enter_guided(made)
-        guided = made.guided
+    async def scenario(harness):
+        harness.autopilot.arm()
+        await enter_guided(harness)
+        guided = harness.guided
         guided.velocity(north=1)
-        made.say("Failsafe: no RC")
-        made.script.enter("RTL")
+        harness.send_statustext("Failsafe: no RC")
+        harness.autopilot.enter("RTL")
         await asyncio.sleep(0.5)
         assert guided.interrupted
-        for order in (
+        for set_setpoint in (
             lambda: guided.velocity(1),
             lambda: guided.body_velocity(1),
             lambda: guided.position(1, 2, 3),
@@ -150,12 +157,12 @@ def test_the_next_setpoint_raises_after_an_interruption():
             guided.check,
         ):
             with pytest.raises(ActionInterrupted) as error:
-                order()
+                set_setpoint()
             text = "following setpoints with 1/1 failed: it changed to RTL (Failsafe: no RC)"
             assert str(error.value) == text
-        made.script.heard.clear()
+        harness.autopilot.received.clear()
         await guided.__aexit__(None, None, None)
-        assert not [each for each in made.script.heard if isinstance(each, common.CommandLong)]
-        assert made.vehicle.mode == "RTL"
+        assert not [each for each in harness.autopilot.received if isinstance(each, common.CommandLong)]
+        assert harness.vehicle.mode == "RTL"
 
-    play(scenario)
+    run_scenario(scenario)

@@ -18,25 +18,25 @@ from mavstack.vehicle.mission import Mission, VehiclePlan
 from mavstack.vehicle.telemetry import MessageStream, Telemetry
 from tests.vehicle.failures.calls import CALLS
 
-FACES = (
+API_CLASSES = (
     *(Vehicle, Actuators, RegionOfInterest, Calibration, CalibrationSession),
     *(Telemetry, MessageStream, Mission, VehiclePlan, GuidedSession),
     *(Params, Ftp, Logs, Modes, Shell, Camera, CameraSettings, Gimbal),
 )
 
 
-#: Reads a file; only to remember it, it asks for the version of the firmware.
-NO_CALLS_OF_VEHICLES = {"Params.load_metadata"}
+#: Reads a file; the version of the firmware is requested only to store the metadata in the cache.
+WITHOUT_ROW = {"Params.load_metadata"}
 
 
-def calls_of(face):
+def calls_of(api_class):
     special = {"__aenter__", "__aexit__", "__anext__"}
-    names = [name for name in dir(face) if name in special or not name.startswith("_")]
-    return {f"{face.__name__}.{name}" for name in names if iscoroutinefunction(getattr(face, name))}
+    names = [name for name in dir(api_class) if name in special or not name.startswith("_")]
+    return {f"{api_class.__name__}.{name}" for name in names if iscoroutinefunction(getattr(api_class, name))}
 
 
 def test_every_call_has_a_row():
-    wanted = set().union(*map(calls_of, FACES)) - NO_CALLS_OF_VEHICLES
+    wanted = set().union(*map(calls_of, API_CLASSES)) - WITHOUT_ROW
     rows = [call.name for call in CALLS]
     assert len(wanted) > 50
     assert set(rows) == wanted

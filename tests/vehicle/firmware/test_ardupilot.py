@@ -11,8 +11,8 @@ from mavstack.dialects import common
 from mavstack.errors import ActionUnsupported, CommandDenied, RemoteError
 from mavstack.vehicle.firmware.ardupilot import ArduPilot
 from mavstack.vehicle.geography import offset_location
-from tests.vehicle.failures.scripted import ARDUPILOT, CMD, RESULT, play
-from tests.vehicle.firmware.asked import HERE, INT, LONG, NAN, THERE, asked_of, mode
+from tests.vehicle.failures.scripted_autopilot import ARDUPILOT, CMD, RESULT, run_scenario
+from tests.vehicle.firmware.received_requests import HERE, INT, LONG, NAN, THERE, mode, requests_of
 
 TYPE = common.MavType
 COPTER, PLANE, VTOL = TYPE.QUADROTOR, TYPE.FIXED_WING, TYPE.VTOL_FIXEDROTOR
@@ -93,12 +93,12 @@ ASKED = [
     ids=[f"{kind.name} {action}" for kind, action, *_ in ASKED],
 )
 def test_each_vehicle_type(kind, act, wanted):
-    async def scenario(made):
-        await act(made.vehicle)
-        assert asked_of(made) == wanted
-        assert type(made.vehicle.firmware) is ArduPilot
+    async def scenario(harness):
+        await act(harness.vehicle)
+        assert requests_of(harness) == wanted
+        assert type(harness.vehicle.firmware) is ArduPilot
 
-    play(scenario, autopilot=ARDUPILOT, kind=kind)
+    run_scenario(scenario, autopilot=ARDUPILOT, kind=kind)
 
 
 UNSUPPORTED = [
@@ -112,42 +112,42 @@ UNSUPPORTED = [
 
 @pytest.mark.parametrize(("kind", "what", "act"), UNSUPPORTED)
 def test_unsupported_actions_send_nothing(kind, what, act):
-    async def scenario(made):
+    async def scenario(harness):
         with pytest.raises(ActionUnsupported, match=rf"1/1 cannot {what}: it is a"):
-            await act(made.vehicle)
-        assert asked_of(made) == []
+            await act(harness.vehicle)
+        assert requests_of(harness) == []
 
-    play(scenario, autopilot=ARDUPILOT, kind=kind)
+    run_scenario(scenario, autopilot=ARDUPILOT, kind=kind)
 
 
 def test_a_plane_takes_off_by_its_mode():
-    async def scenario(made):
-        made.script.parameters.add("TKOFF_ALT", 50.0)
-        await made.vehicle.takeoff(80, wait=False)
-        asked = [each for each in asked_of(made) if each[1] != "REQUEST_MESSAGE"]
+    async def scenario(harness):
+        harness.autopilot.parameters.add("TKOFF_ALT", 50.0)
+        await harness.vehicle.takeoff(80, wait=False)
+        asked = [each for each in requests_of(harness) if each[1] != "REQUEST_MESSAGE"]
         assert asked == [("set", "TKOFF_ALT", 80), mode(13)]
 
-    play(scenario, autopilot=ARDUPILOT, kind=PLANE)
+    run_scenario(scenario, autopilot=ARDUPILOT, kind=PLANE)
 
 
 def test_an_older_version_goes_by_a_setpoint():
-    async def scenario(made):
-        made.script.refuse(CMD.DO_REPOSITION, result=RESULT.UNSUPPORTED)
-        await made.vehicle.goto(*THERE, 30, wait=False)
+    async def scenario(harness):
+        harness.autopilot.refuse(CMD.DO_REPOSITION, result=RESULT.UNSUPPORTED)
+        await harness.vehicle.goto(*THERE, 30, wait=False)
         await asyncio.sleep(0.1)
-        assert asked_of(made)[-1] == ("setpoint", "GLOBAL_RELATIVE_ALT_INT", *THERE, 30)
+        assert requests_of(harness)[-1] == ("setpoint", "GLOBAL_RELATIVE_ALT_INT", *THERE, 30)
 
-    play(scenario, autopilot=ARDUPILOT)
+    run_scenario(scenario, autopilot=ARDUPILOT)
 
 
 def test_a_denied_goto_sends_no_setpoint():
-    async def scenario(made):
-        made.script.refuse(CMD.DO_REPOSITION, result=RESULT.DENIED)
+    async def scenario(harness):
+        harness.autopilot.refuse(CMD.DO_REPOSITION, result=RESULT.DENIED)
         with pytest.raises(CommandDenied):
-            await made.vehicle.goto(*THERE, 30, wait=False)
-        assert not [each for each in asked_of(made) if each[0] == "setpoint"]
+            await harness.vehicle.goto(*THERE, 30, wait=False)
+        assert not [each for each in requests_of(harness) if each[0] == "setpoint"]
 
-    play(scenario, autopilot=ARDUPILOT)
+    run_scenario(scenario, autopilot=ARDUPILOT)
 
 
 CIRCLES = [
@@ -161,109 +161,111 @@ CIRCLES = [
 @pytest.mark.parametrize(("radius", "speed", "rate"), CIRCLES)
 @pytest.mark.parametrize("older", [False, True], ids=["newer", "older"])
 def test_a_copter_circles_in_a_mode_of_its_own(radius, speed, rate, older):
-    async def scenario(made):
-        parameters = made.script.parameters
+    async def scenario(harness):
+        parameters = harness.autopilot.parameters
         for name, value in (("CIRCLE_RADIUS", 1000.0), ("CIRCLE_RATE", 20.0)):
             parameters.add(name, value)
         if not older:
             parameters.add("CIRCLE_OPTIONS", 1)
         # It is there already; an older version circles a position that lies ahead of it by the radius.
-        made.script.latitude, made.script.longitude = offset_location(*THERE, 0, -15 if older else 0)
-        made.script.heading = 90.0
-        made.script.arm()
+        harness.autopilot.latitude, harness.autopilot.longitude = offset_location(
+            *THERE, 0, -15 if older else 0
+        )
+        harness.autopilot.heading = 90.0
+        harness.autopilot.arm()
         await asyncio.sleep(1)
-        await made.vehicle.orbit(*THERE, 20, radius=radius, speed=speed, wait=False)
+        await harness.vehicle.orbit(*THERE, 20, radius=radius, speed=speed, wait=False)
         assert parameters["CIRCLE_RADIUS"] == 1500
         assert parameters["CIRCLE_RATE"] == pytest.approx(rate, abs=0.01)
         if not older:
             assert parameters["CIRCLE_OPTIONS"] == 5
         else:
-            assert (LONG, "CONDITION_YAW", 90, 0, 0, 0, 0, 0, 0) in asked_of(made)
-        assert asked_of(made)[-1][1::2][:2] == ("DO_SET_MODE", 7)
+            assert (LONG, "CONDITION_YAW", 90, 0, 0, 0, 0, 0, 0) in requests_of(harness)
+        assert requests_of(harness)[-1][1::2][:2] == ("DO_SET_MODE", 7)
 
-    play(scenario, autopilot=ARDUPILOT)
+    run_scenario(scenario, autopilot=ARDUPILOT)
 
 
 @pytest.mark.parametrize("cached", [False, True])
 def test_the_circle_of_copter_4_7_is_set_in_metres(cached):
-    async def scenario(made):
-        parameters = made.script.parameters
+    async def scenario(harness):
+        parameters = harness.autopilot.parameters
         for name, value in (("CIRCLE_RADIUS_M", 10.0), ("CIRCLE_RATE", 20.0), ("CIRCLE_OPTIONS", 1)):
             parameters.add(name, value)
-        made.script.latitude, made.script.longitude = THERE
-        made.script.arm()
+        harness.autopilot.latitude, harness.autopilot.longitude = THERE
+        harness.autopilot.arm()
         await asyncio.sleep(1)
         if cached:
-            await made.vehicle.params.download()
-        await made.vehicle.orbit(*THERE, 20, radius=-15, wait=False)
+            await harness.vehicle.params.download()
+        await harness.vehicle.orbit(*THERE, 20, radius=-15, wait=False)
         assert parameters["CIRCLE_RADIUS_M"] == 15
         assert parameters["CIRCLE_RATE"] == -20
-        asked = {each[1] for each in asked_of(made) if each[0] == "set"}
+        asked = {each[1] for each in requests_of(harness) if each[0] == "set"}
         assert asked == {"CIRCLE_RADIUS_M", "CIRCLE_RATE", "CIRCLE_OPTIONS"}
 
-    play(scenario, autopilot=ARDUPILOT)
+    run_scenario(scenario, autopilot=ARDUPILOT)
 
 
 @pytest.mark.parametrize("name", ["RTL_ALT", "RTL_ALT_M"])
-def test_the_error_for_a_renamed_parameter_tells_the_other_name(name):
-    async def scenario(made):
-        for call in (made.vehicle.params.get(name), made.vehicle.params.set(name, 30)):
+def test_the_error_for_a_renamed_parameter_contains_the_other_name(name):
+    async def scenario(harness):
+        for call in (harness.vehicle.params.get(name), harness.vehicle.params.set(name, 30)):
             with pytest.raises(RemoteError, match=r"\(RTL_ALT is RTL_ALT_M since ArduPilot 4\.7"):
                 await call
 
-    play(scenario, autopilot=ARDUPILOT)
+    run_scenario(scenario, autopilot=ARDUPILOT)
 
 
 def test_it_turns_in_guided_as_it_is():
-    async def scenario(made):
-        await made.vehicle.set_mode("GUIDED")
-        made.script.heard.clear()
-        await made.vehicle.set_yaw(450, wait=False)
-        assert asked_of(made) == [(LONG, "CONDITION_YAW", 90, 0, 0, 0, 0, 0, 0)]
+    async def scenario(harness):
+        await harness.vehicle.set_mode("GUIDED")
+        harness.autopilot.received.clear()
+        await harness.vehicle.set_yaw(450, wait=False)
+        assert requests_of(harness) == [(LONG, "CONDITION_YAW", 90, 0, 0, 0, 0, 0, 0)]
 
-    play(scenario, autopilot=ARDUPILOT)
+    run_scenario(scenario, autopilot=ARDUPILOT)
 
 
 def test_a_plane_without_a_landing_sequence_lands_in_its_own_mode():
-    async def scenario(made):
-        made.script.refuse(CMD.DO_LAND_START, result=RESULT.FAILED)
-        await made.vehicle.land(wait=False)
-        assert made.vehicle.mode == "AUTOLAND"
+    async def scenario(harness):
+        harness.autopilot.refuse(CMD.DO_LAND_START, result=RESULT.FAILED)
+        await harness.vehicle.land(wait=False)
+        assert harness.vehicle.mode == "AUTOLAND"
 
-    play(scenario, autopilot=ARDUPILOT, kind=PLANE)
+    run_scenario(scenario, autopilot=ARDUPILOT, kind=PLANE)
 
 
-def test_a_plane_that_cannot_land_says_what_to_do():
-    async def scenario(made):
-        made.script.refuse(CMD.DO_LAND_START, CMD.DO_SET_MODE, result=RESULT.FAILED)
+def test_the_error_of_a_plane_that_cannot_land_has_advice():
+    async def scenario(harness):
+        harness.autopilot.refuse(CMD.DO_LAND_START, CMD.DO_SET_MODE, result=RESULT.FAILED)
         with pytest.raises(CommandDenied, match=r"DO_LAND_START .* no landing sequence .* rtl\(\)"):
-            await made.vehicle.land(wait=False)
+            await harness.vehicle.land(wait=False)
 
-    play(scenario, autopilot=ARDUPILOT, kind=PLANE)
+    run_scenario(scenario, autopilot=ARDUPILOT, kind=PLANE)
 
 
 def test_a_plane_has_taken_off_a_little_below_the_altitude():
-    async def scenario(made):
-        made.script.parameters.add("TKOFF_ALT", 50.0)
-        made.script.arm()
-        made.script.altitude = 0.0
-        rising = asyncio.create_task(made.vehicle.takeoff(60))
+    async def scenario(harness):
+        harness.autopilot.parameters.add("TKOFF_ALT", 50.0)
+        harness.autopilot.arm()
+        harness.autopilot.altitude = 0.0
+        rising = asyncio.create_task(harness.vehicle.takeoff(60))
         await asyncio.sleep(10)
         assert not rising.done()
-        made.script.altitude = 56.5
+        harness.autopilot.altitude = 56.5
         await asyncio.wait_for(rising, 3)
 
-    play(scenario, autopilot=ARDUPILOT, kind=PLANE)
+    run_scenario(scenario, autopilot=ARDUPILOT, kind=PLANE)
 
 
 @pytest.mark.parametrize("act", [lambda v: v.goto(*THERE, 80), lambda v: v.orbit(*THERE, 80)])
 def test_a_plane_on_the_ground_is_not_sent_anywhere(act):
-    async def scenario(made):
-        made.script.arm()
-        made.script.landed = common.MavLandedState.ON_GROUND
+    async def scenario(harness):
+        harness.autopilot.arm()
+        harness.autopilot.landed = common.MavLandedState.ON_GROUND
         await asyncio.sleep(1.5)
         with pytest.raises(ActionUnsupported, match="it is on the ground; take off first"):
-            await act(made.vehicle)
-        assert asked_of(made) == []
+            await act(harness.vehicle)
+        assert requests_of(harness) == []
 
-    play(scenario, autopilot=ARDUPILOT, kind=PLANE)
+    run_scenario(scenario, autopilot=ARDUPILOT, kind=PLANE)

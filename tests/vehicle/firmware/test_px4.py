@@ -10,8 +10,8 @@ import pytest
 from mavstack.dialects import common
 from mavstack.errors import ActionUnsupported
 from mavstack.vehicle.firmware.px4 import Px4
-from tests.vehicle.failures.scripted import play
-from tests.vehicle.firmware.asked import HERE, INT, LONG, NAN, THERE, asked_of, mode
+from tests.vehicle.failures.scripted_autopilot import run_scenario
+from tests.vehicle.firmware.received_requests import HERE, INT, LONG, NAN, THERE, mode, requests_of
 
 TYPE = common.MavType
 COPTER, PLANE, ROVER, BOAT, SUB = (
@@ -76,67 +76,69 @@ ASKED = {
 def test_a_copter(action):
     act, wanted = ASKED[action]
 
-    async def scenario(made):
-        made.script.altitude = 10.0
-        await act(made.vehicle)
-        assert asked_of(made) == wanted
-        assert type(made.vehicle.firmware) is Px4
+    async def scenario(harness):
+        harness.autopilot.altitude = 10.0
+        await act(harness.vehicle)
+        assert requests_of(harness) == wanted
+        assert type(harness.vehicle.firmware) is Px4
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_turning_leaves_it_where_it_is():
-    async def scenario(made):
-        await made.vehicle.set_yaw(45, wait=False)
-        (asked,) = asked_of(made)
+    async def scenario(harness):
+        await harness.vehicle.set_yaw(45, wait=False)
+        (asked,) = requests_of(harness)
         assert asked[:6] == ("int", "DO_REPOSITION", "GLOBAL", -1, 1, 0)
         assert asked[6] == pytest.approx(pi / 4, abs=1e-4)
-        raw = next(message for message in made.script.heard if isinstance(message, common.CommandInt))
-        assert (raw.x, raw.y) == (0x7FFFFFFF, 0x7FFFFFFF)  # the integers that stand for none
+        raw = next(
+            message for message in harness.autopilot.received if isinstance(message, common.CommandInt)
+        )
+        assert (raw.x, raw.y) == (0x7FFFFFFF, 0x7FFFFFFF)  # INT32_MAX stands for no position
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 @pytest.mark.parametrize("kind", [ROVER, BOAT, SUB])
 def test_rovers_and_submarines(kind):
-    async def scenario(made):
-        vehicle = made.vehicle
+    async def scenario(harness):
+        vehicle = harness.vehicle
         for action in (vehicle.takeoff(10), vehicle.land(), vehicle.orbit(*HERE)):
             with pytest.raises(ActionUnsupported, match=r"1/1 cannot (take off|land|orbit): it is a"):
                 await action
-        assert asked_of(made) == []
+        assert requests_of(harness) == []
         await vehicle.goto(*THERE, wait=False)
-        assert asked_of(made) == [reposition(-1, 1, 0, NAN, *THERE, NAN)]
+        assert requests_of(harness) == [reposition(-1, 1, 0, NAN, *THERE, NAN)]
 
-    play(scenario, kind=kind)
+    run_scenario(scenario, kind=kind)
 
 
 def test_a_plane_does_not_turn_on_the_spot():
-    async def scenario(made):
+    async def scenario(harness):
         with pytest.raises(ActionUnsupported, match="cannot turn on the spot: it is a plane"):
-            await made.vehicle.set_yaw(90)
-        assert asked_of(made) == []
+            await harness.vehicle.set_yaw(90)
+        assert requests_of(harness) == []
 
-    play(scenario, kind=PLANE)
+    run_scenario(scenario, kind=PLANE)
 
 
 def test_without_home_its_altitude_follows_from_the_position():
-    async def scenario(made):
-        made.script.told_home = False
-        await made.vehicle.takeoff(12, wait=False)
-        assert asked_of(made)[-1][-1] == pytest.approx(HOME_ALTITUDE + 12, abs=0.01)
+    async def scenario(harness):
+        harness.autopilot.reports_home = False
+        await harness.vehicle.takeoff(12, wait=False)
+        assert requests_of(harness)[-1][-1] == pytest.approx(HOME_ALTITUDE + 12, abs=0.01)
 
-    play(scenario)
+    run_scenario(scenario)
 
 
 def test_it_returns_though_home_is_not_known():
-    async def scenario(made):
-        made.script.told_home = False
-        made.script.arm()
-        asyncio.get_running_loop().call_later(100, made.script.arm, False)
-        begun = made.node.now()
-        await made.vehicle.rtl()
-        assert made.node.now() - begun == pytest.approx(100, abs=30)
-        assert asked_of(made)[0][:2] == (LONG, "NAV_RETURN_TO_LAUNCH")
+    async def scenario(harness):
+        harness.autopilot.reports_home = False
+        harness.autopilot.arm()
+        asyncio.get_running_loop().call_later(100, harness.autopilot.arm, False)
+        begun = harness.connection.now()
+        await harness.vehicle.rtl()
+        assert harness.connection.now() - begun == pytest.approx(100, abs=30)
+        assert requests_of(harness)[0][:2] == (LONG, "NAV_RETURN_TO_LAUNCH")
 
-    play(scenario)
+    run_scenario(scenario)

@@ -1,4 +1,4 @@
-"""Every value: known, told as unknown, and never heard."""
+"""Every telemetry value: known, reported as unknown, and never received."""
 
 from __future__ import annotations
 

@@ -12,13 +12,13 @@ from mavstack.sim.vehicle_types import VehicleType
 from mavstack.vehicle.telemetry.values import Battery, HomePosition
 from tests.sim.running import reduce_telemetry
 from tests.vehicle.telemetry.harness import RESULT, with_peer
-from tests.vehicle.world import ARDUPILOT, PX4, fly, named
+from tests.vehicle.world import ARDUPILOT, PX4, fly, kind_name
 
 COPTERS = [(VehicleType.COPTER, ARDUPILOT), (VehicleType.COPTER, PX4)]
 ATTITUDE, QUATERNION = 30, 31
 
 
-@pytest.mark.parametrize("kind", COPTERS, ids=named)
+@pytest.mark.parametrize("kind", COPTERS, ids=kind_name)
 def test_the_first_values_are_waited_for(kind):
     async def scenario(world, vehicle):
         assert vehicle.battery is None
@@ -32,7 +32,7 @@ def test_the_first_values_are_waited_for(kind):
     fly(kind, scenario, prepare=reduce_telemetry)
 
 
-@pytest.mark.parametrize("kind", COPTERS, ids=named)
+@pytest.mark.parametrize("kind", COPTERS, ids=kind_name)
 def test_a_stream_of_values_at_a_rate(kind):
     async def scenario(world, vehicle):
         async with vehicle.stream_battery(rate=2) as batteries:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import sys
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
@@ -31,6 +32,9 @@ _SEQUENCES: Final[Mapping[str, str]] = MappingProxyType(
     {**{_MARKS[colour]: f"\x1b[{code}m" for colour, code in _CODES.items()}, _END_MARK: "\x1b[0m"}
 )
 _ERASE: Final = "\r\x1b[K"
+#: Narrower terminals break lines themselves.
+MIN_COLUMNS: Final = 40
+_INDENT: Final = "  "
 
 
 def echo(*lines: str, error: bool = False, flush: bool = True) -> None:
@@ -38,10 +42,13 @@ def echo(*lines: str, error: bool = False, flush: bool = True) -> None:
 
     Args:
         *lines: Lines; a line break inside one of them is replaced like any other control character.
-        error: Print on stderr instead of stdout.
+        error: Print on stderr instead of stdout; a terminal gets long lines broken between words.
         flush: Flush the stream.
     """
     stream = sys.stderr if error else sys.stdout
+    if error and stream.isatty():
+        columns = _columns_of(stream)
+        lines = tuple(part for line in lines for part in _broken(line, columns))
     stream.write("".join(f"{_rendered(line, stream)}\n" for line in lines))
     if flush:
         stream.flush()
@@ -81,6 +88,36 @@ def coloured(text: str, colour: str) -> str:
 def shown_length(text: str) -> int:
     """Return the number of letters of a text without the marks of its colours."""
     return sum(letter not in _SEQUENCES for letter in text)
+
+
+def wrapped(text: str, columns: int, indent: str = "") -> list[str]:
+    """Return a text as lines of at most `columns`, broken at blanks; further lines are indented."""
+    lines: list[str] = []
+    line = ""
+    for word in text.split(" "):
+        longer = f"{line} {word}" if line else word
+        if line.strip() and shown_length(longer) > columns:
+            lines.append(line)
+            line = indent + word
+        else:
+            line = longer
+    return [*lines, line]
+
+
+def _columns_of(stream: TextIO) -> int:
+    try:
+        return max(os.get_terminal_size(stream.fileno()).columns, MIN_COLUMNS)
+    except (OSError, ValueError):  # a prompt has replaced the stream
+        return max(shutil.get_terminal_size().columns, MIN_COLUMNS)
+
+
+def _broken(line: str, columns: int) -> list[str]:
+    """Return a line as lines that fit; the indentation stays, and further lines have more of it."""
+    if shown_length(line) <= columns:
+        return [line]
+    text = line.lstrip(" ")
+    indent = line[: len(line) - len(text)]
+    return [indent + part for part in wrapped(text, columns - len(indent), _INDENT)]
 
 
 def _rendered(line: str, stream: TextIO) -> str:

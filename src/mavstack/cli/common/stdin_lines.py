@@ -3,21 +3,28 @@
 A thread reads them: a terminal that is made non-blocking for the event loop becomes non-blocking for every
 program that prints to it, and an event loop cannot wait for a regular file. The thread reads the descriptor
 itself and ends with the process.
+
+A process in the background of a shell that reads the terminal is stopped by SIGTTIN. The thread blocks this
+signal, so that the read fails instead, and tries again until the process is in the foreground.
 """
 
 from __future__ import annotations
 
 import asyncio
 import os
+import signal
 import sys
 from contextlib import suppress
 from threading import Thread
+from time import sleep
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
 _MAX_CHUNK: Final = 4096
+#: The interval at which a process in the background looks whether it is in the foreground, in seconds.
+_FOREGROUND_INTERVAL: Final = 0.2
 
 
 async def stdin_lines() -> AsyncIterator[str]:
@@ -30,12 +37,11 @@ async def stdin_lines() -> AsyncIterator[str]:
     chunks: asyncio.Queue[bytes] = asyncio.Queue()
 
     def read() -> None:
+        if sys.platform != "win32":
+            signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTTIN})
         with suppress(RuntimeError):  # the loop is closed
             while True:
-                try:
-                    data = os.read(descriptor, _MAX_CHUNK)
-                except OSError:
-                    data = b""
+                data = _read(descriptor)
                 loop.call_soon_threadsafe(chunks.put_nowait, data)
                 if not data:
                     return
@@ -48,3 +54,30 @@ async def stdin_lines() -> AsyncIterator[str]:
             yield line.decode(errors="replace")
     if rest:
         yield rest.decode(errors="replace")
+
+
+def is_in_background() -> bool:
+    """Return whether standard input is a terminal that belongs to another process group now."""
+    try:
+        return _is_in_background(sys.stdin.fileno())
+    except (AttributeError, ValueError, OSError):
+        return False
+
+
+def _read(descriptor: int) -> bytes:
+    while True:
+        try:
+            return os.read(descriptor, _MAX_CHUNK)
+        except OSError:
+            if not _is_in_background(descriptor):
+                return b""
+        sleep(_FOREGROUND_INTERVAL)
+
+
+def _is_in_background(descriptor: int) -> bool:
+    if sys.platform == "win32":
+        return False
+    try:
+        return os.tcgetpgrp(descriptor) != os.getpgrp()
+    except OSError:  # no terminal, or not the one of this session
+        return False

@@ -1,4 +1,4 @@
-"""Lines that fit the terminal, broken between words; a pipe gets texts of 80 columns, and whole tables."""
+"""Tables and widths of the terminal; a pipe gets texts of 80 columns, and whole tables."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import shutil
 import sys
 from typing import TYPE_CHECKING, Final
 
-from mavstack.cli.common.output import align_columns, shown_length
+from mavstack.cli.common.output import MIN_COLUMNS, align_columns, shown_length, wrapped
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 DEFAULT_COLUMNS: Final = 80
 #: The width of a table in a pipe, where programs read it.
 UNLIMITED: Final = 1 << 20
-#: Narrower terminals break lines themselves.
-MIN_COLUMNS: Final = 40
 #: Columns that the last column of a table needs to be wrapped.
 _MIN_LAST_COLUMN: Final = 20
 
@@ -25,20 +23,6 @@ def terminal_columns(in_pipe: int = DEFAULT_COLUMNS) -> int:
     if not sys.stdout.isatty():
         return in_pipe
     return max(shutil.get_terminal_size().columns, MIN_COLUMNS)
-
-
-def wrapped(text: str, columns: int, indent: str = "") -> list[str]:
-    """Return a text as lines of at most `columns`, broken at blanks; further lines are indented."""
-    lines: list[str] = []
-    line = ""
-    for word in text.split(" "):
-        longer = f"{line} {word}" if line else word
-        if line.strip() and shown_length(longer) > columns:
-            lines.append(line)
-            line = indent + word
-        else:
-            line = longer
-    return [*lines, line]
 
 
 def table_that_fits(

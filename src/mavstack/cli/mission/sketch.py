@@ -6,7 +6,7 @@ import itertools
 from typing import TYPE_CHECKING
 
 from mavstack.cli.common.character_map import MapObject, draw_map
-from mavstack.cli.mission.text import goes_there
+from mavstack.cli.mission.text import flies_to_position
 from mavstack.files.plans import fence_areas
 from mavstack.files.plans.model import CMD
 
@@ -74,7 +74,7 @@ def flown_path(plan: PlanFile) -> list[tuple[int | None, Place]]:
     path: list[tuple[int | None, Place]] = [] if home is None else [(None, home)]
     for number, item in enumerate(plan.mission.items, plan.first):
         place = (item.param5, item.param6)
-        if goes_there(item) and _is_place(place):
+        if flies_to_position(item) and _is_place(place):
             path.append((number, place))
         elif item.command == CMD.NAV_RETURN_TO_LAUNCH and home is not None:
             path.append((number, home))

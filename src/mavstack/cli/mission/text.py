@@ -41,7 +41,7 @@ def has_place(item: MissionItem) -> bool:
     return located and all(map(isfinite, (item.param5, item.param6))) and bool(item.param5 or item.param6)
 
 
-def goes_there(item: MissionItem) -> bool:
+def flies_to_position(item: MissionItem) -> bool:
     """Return whether the vehicle flies to the place of an item."""
     entry = entry_of(item.command)
     return has_place(item) and entry is not None and entry.is_destination

@@ -94,15 +94,18 @@ async def ready(session: Session, words: list[str]) -> None:
 async def version(session: Session, words: list[str]) -> None:
     """Run `version`."""
     expect_words(words, 0, 0, "version")
-    told = await session.vehicle.component.get_version()
+    reported = await session.vehicle.component.get_version()
     firmware = session.vehicle.component.info
     rows = [
         ("vehicle", firmware.description if firmware else ""),
-        ("firmware", f"{told.flight}{f' ({told.git_hash})' if told.git_hash else ''}"),
-        ("middleware", str(told.middleware) if any(told.middleware) else ""),
-        ("system", str(told.operating_system) if any(told.operating_system) else ""),
-        ("board", f"vendor {told.vendor_id}, product {told.product_id}, version {told.board_version}"),
-        ("id", told.unique_id),
+        ("firmware", f"{reported.flight}{f' ({reported.git_hash})' if reported.git_hash else ''}"),
+        ("middleware", str(reported.middleware) if any(reported.middleware) else ""),
+        ("system", str(reported.operating_system) if any(reported.operating_system) else ""),
+        (
+            "board",
+            f"vendor {reported.vendor_id}, product {reported.product_id}, version {reported.board_version}",
+        ),
+        ("id", reported.unique_id),
     ]
     session.print(*align_columns([row for row in rows if row[1]]))
 
@@ -122,9 +125,9 @@ async def link(session: Session, words: list[str]) -> None:
         for channel in each.channels:
             state = session.connection.channel_state(channel)
             if state is not None:
-                told = state.parser.statistics
+                total = state.parser.statistics
                 session.print(
-                    f"  {channel.name}: {told.packets} packets, {told.bad_bytes} bytes that are not MAVLink"
+                    f"  {channel.name}: {total.packets} packets, {total.bad_bytes} bytes that are not MAVLink"
                 )
         if not each.channels:
             session.print("  no peer")

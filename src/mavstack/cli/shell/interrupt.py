@@ -17,14 +17,14 @@ def on_interrupt(act: Callable[[], object]) -> Iterator[None]:
     loop = asyncio.get_running_loop()
     previous = signal.getsignal(signal.SIGINT)
 
-    def act_soon(*_: object) -> None:
+    def schedule_act(*_: object) -> None:
         loop.call_soon_threadsafe(act)
 
     try:
         loop.add_signal_handler(signal.SIGINT, act)
     except (NotImplementedError, RuntimeError, ValueError):  # Windows
         try:
-            signal.signal(signal.SIGINT, act_soon)
+            signal.signal(signal.SIGINT, schedule_act)
         except ValueError:  # only the main thread receives signals
             yield
             return

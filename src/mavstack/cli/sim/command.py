@@ -268,7 +268,7 @@ class EventPrinter:
             echo(f"system {vehicle.address.system}: {vehicle.firmware} {vehicle.vehicle_type}{equipment}")
         shown = [link.url.redacted for link in links]
         echo("on " + (", ".join(shown) if len(shown) <= 6 else f"{shown[0]} … {shown[-1]}"))
-        echo("type a fault (gps off, battery 15, link off, reboot …), or Ctrl-C to end")
+        echo(_input_hint())
 
     def event(self, vehicle: SimulatedVehicle, kind: str, text: str) -> None:
         """Print an event of a vehicle."""
@@ -293,6 +293,15 @@ class EventPrinter:
 
     def _print(self, event: str, **fields: object) -> None:
         echo_json({"event": event, **fields})
+
+
+def _input_hint() -> str:
+    from mavstack.cli.common.stdin_lines import is_in_background
+
+    fault = "a fault (gps off, battery 15, link off, reboot …)"
+    if is_in_background():
+        return f"running in the background; to type {fault} or Ctrl-C, bring it to the foreground (fg)"
+    return f"type {fault}, or Ctrl-C to end"
 
 
 def _impaired(url: str, arguments: Namespace) -> str:

@@ -10,9 +10,9 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.cli.common.identity import entry_words
-from mavstack.cli.common.output import coloured
+from mavstack.cli.common.output import coloured, wrapped
 from mavstack.cli.common.text import printable
-from mavstack.cli.common.wrapping import DEFAULT_COLUMNS, wrapped
+from mavstack.cli.common.wrapping import DEFAULT_COLUMNS
 from mavstack.cli.vehicle.flight_progress import distance_to_home
 from mavstack.dialects import common
 from mavstack.errors import MavstackError

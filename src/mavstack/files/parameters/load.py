@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from mavstack.errors import MavstackError, RemoteError, RemoteTimeout
 from mavstack.files.parameters.compare import is_same, matched
-from mavstack.files.parameters.traits import needs_reboot, owner_of, turn_of
+from mavstack.files.parameters.traits import needs_reboot, owner_of, round_of
 from mavstack.services.parameters.value import fitted, type_name
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ MAX_CONCURRENCY = 8
 MAX_ROUNDS = 5
 #: After so many unanswered requests in a row no more parameters are tried.
 MAX_UNANSWERED = 3
-_LAST_TURN = 2
+_LAST_ROUND = 2
 
 
 class ParameterStore(Protocol):
@@ -156,9 +156,11 @@ class ParameterLoad:
             ParameterTimeout: The vehicle's parameters could not be downloaded.
         """
         await self._parameters.download(timeout=timeout, progress=progress)
-        unknown = await self._rounds([each.name for each in self.results if turn_of(each.name) < _LAST_TURN])
+        unknown = await self._rounds(
+            [each.name for each in self.results if round_of(each.name) < _LAST_ROUND]
+        )
         unknown += await self._set_known(
-            [each.name for each in self.results if turn_of(each.name) == _LAST_TURN]
+            [each.name for each in self.results if round_of(each.name) == _LAST_ROUND]
         )
         for name in unknown:
             self._ended(name, Outcome.UNKNOWN, "the vehicle has no such parameter")
@@ -181,10 +183,10 @@ class ParameterLoad:
     async def _set_known(self, names: list[str]) -> list[str]:
         """Set the parameters that the vehicle knows, in their turns; return the others."""
         pairs = matched(names, self._parameters.cached)
-        for turn in sorted({turn_of(name) for name in pairs}):
+        for number in sorted({round_of(name) for name in pairs}):
             async with asyncio.TaskGroup() as group:
                 for name, theirs in pairs.items():
-                    if turn_of(name) == turn:
+                    if round_of(name) == number:
                         group.create_task(self._apply(name, self._parameters.cached[theirs]))
         return [name for name in names if name not in pairs]
 

@@ -65,8 +65,8 @@ def owner_of(name: str) -> Owner | None:
     return next((owner for owner, patterns in _OWNERS if _matches(patterns, name)), None)
 
 
-def turn_of(name: str) -> int:
-    """Return the turn in which a parameter is set: those that reveal others first, the system id last."""
+def round_of(name: str) -> int:
+    """Return the round in which a parameter is set: those that reveal others first, the system id last."""
     if owner_of(name) is Owner.IDENTITY:
         return 2
     return 0 if _matches(_FIRST, name) else 1

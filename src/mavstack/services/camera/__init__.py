@@ -8,7 +8,6 @@ from mavstack.services.camera.definition import (
     SettingValue,
 )
 from mavstack.services.camera.definition_file import read_definition
-from mavstack.services.camera.definition_uri import FtpPlace, ftp_place
 from mavstack.services.camera.device import CameraDevice
 from mavstack.services.camera.media import CapturedImage, TrackedTarget, VideoStream
 from mavstack.services.camera.monitor import (
@@ -46,7 +45,6 @@ __all__ = [
     "CaptureStatus",
     "CaptureStatusChanged",
     "CapturedImage",
-    "FtpPlace",
     "ImageCaptured",
     "ImageTaken",
     "ListCameras",
@@ -61,7 +59,6 @@ __all__ = [
     "TakePhoto",
     "TrackedTarget",
     "VideoStream",
-    "ftp_place",
     "mode_name",
     "read_definition",
 ]

@@ -21,13 +21,12 @@ from mavstack.services.component_metadata.served import (
     ServedMetadata,
     provide_component_metadata,
 )
-from mavstack.services.component_metadata.uri import FtpLocation, parse_uri
+from mavstack.services.component_metadata.uri import parse_uri
 
 __all__ = [
     "GENERAL_NAME",
     "MAX_CONTENT",
     "MAX_FILE",
-    "FtpLocation",
     "MetadataFile",
     "ServedMetadata",
     "has_crc",

@@ -171,7 +171,7 @@ class ExtendedParameterServer(Service):
             self._next_burst, self._left_in_burst = None, BURST
         for request in self._running.values():
             if now >= request.progress_due:
-                self._say_progress(request, now)
+                self._send_progress(request, now)
 
     # Lists and reads
 
@@ -217,7 +217,7 @@ class ExtendedParameterServer(Service):
         lately = self._ended.get((request.source, name))
         if running is not None:
             if running.source == request.source and _data(running.parameter) == wanted:
-                self._say_progress(running, now)
+                self._send_progress(running, now)
             else:
                 self.send(_ack(self._parameters[name], common.ParamAck.FAILED), request.source)
         elif wanted == _data(self._parameters[name]):
@@ -234,7 +234,7 @@ class ExtendedParameterServer(Service):
             self._answer(request, result)
             return
         self._running[request.parameter.name] = request
-        self._say_progress(request, now)
+        self._send_progress(request, now)
         self.emit(ExtendedSetStarted(request))
 
     def _end(self, request: ExtendedSetRequest, result: int, now: float) -> None:
@@ -259,7 +259,7 @@ class ExtendedParameterServer(Service):
         old = self._parameters[name]
         self._parameters[name] = ExtendedParameter(name, decode(data, old.type), old.type, old.index)
 
-    def _say_progress(self, request: ExtendedSetRequest, now: float) -> None:
+    def _send_progress(self, request: ExtendedSetRequest, now: float) -> None:
         request.progress_due = now + PROGRESS_INTERVAL
         self.send(_ack(request.parameter, common.ParamAck.IN_PROGRESS), request.source)
 

@@ -15,6 +15,7 @@ from mavstack.services.ftp.overlay import OverlayStore, VirtualFile
 from mavstack.services.ftp.payload import FtpError, FtpPayload, Opcode, file_crc32
 from mavstack.services.ftp.server import FtpServer
 from mavstack.services.ftp.stores import FileStore, MemoryStore, OpenFile
+from mavstack.services.ftp.uri import FtpLocation, parse_ftp_uri
 
 __all__ = [
     "ComputeChecksum",
@@ -25,6 +26,7 @@ __all__ = [
     "FileStore",
     "FtpClient",
     "FtpError",
+    "FtpLocation",
     "FtpPayload",
     "FtpServer",
     "ListDirectory",
@@ -36,4 +38,5 @@ __all__ = [
     "UploadFile",
     "VirtualFile",
     "file_crc32",
+    "parse_ftp_uri",
 ]

@@ -14,6 +14,7 @@ from mavstack.services.ftp.operations import (
     UploadFile,
 )
 from mavstack.services.ftp.payload import Opcode
+from mavstack.services.ftp.rename import RenamePath
 
 
 class FtpClient(FtpSessionClient):
@@ -86,11 +87,9 @@ class FtpClient(FtpSessionClient):
             f"removing {path} on", Opcode.REMOVEFILE, path, now, timeout=timeout
         )
 
-    def rename(self, path: str, to: str, now: float, *, timeout: float | None = None) -> PathOperation:
+    def rename(self, path: str, to: str, now: float, *, timeout: float | None = None) -> RenamePath:
         """Rename or move a file or directory."""
-        return self._begin_path_operation(
-            f"renaming {path} to {to} on", Opcode.RENAME, path, now, other=to, timeout=timeout
-        )
+        return self.begin(RenamePath(path, to, timeout=timeout), now)
 
     def truncate(self, path: str, size: int, now: float, *, timeout: float | None = None) -> PathOperation:
         """Set the size of a file, bytes."""
@@ -122,9 +121,6 @@ class FtpClient(FtpSessionClient):
         now: float,
         *,
         offset: int = 0,
-        other: str | None = None,
         timeout: float | None = None,
     ) -> PathOperation:
-        return self.begin(
-            PathOperation(description, opcode, path, offset=offset, other=other, timeout=timeout), now
-        )
+        return self.begin(PathOperation(description, opcode, path, offset=offset, timeout=timeout), now)

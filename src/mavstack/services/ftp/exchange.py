@@ -8,7 +8,8 @@ number.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.errors import FileDenied, FileTimeout
 from mavstack.services.ftp.payload import SEQUENCES, FtpError, FtpPayload, Opcode, error_text
@@ -28,6 +29,8 @@ _ALREADY_DONE = (
     (Opcode.REMOVEDIRECTORY, FtpError.FILENOTFOUND),
     (Opcode.CREATEDIRECTORY, FtpError.FILEEXISTS),
 )
+#: The error codes of the errnos ENOENT and EEXIST, which some servers send as they are.
+_CODES_OF_ERRNOS: Final = MappingProxyType({2: FtpError.FILENOTFOUND, 17: FtpError.FILEEXISTS})
 
 
 class ServerState:
@@ -102,10 +105,18 @@ class Exchange(Operation[FtpPayload]):
 
     def _answered(self, reply: FtpPayload) -> None:
         code = reply.error
-        if code is None or (self.attempts > 1 and (self._payload.opcode, code) in _ALREADY_DONE):
+        done = code is None
+        if code is not None and self.attempts > 1:
+            done = (self._payload.opcode, error_kind(code, reply.errno)) in _ALREADY_DONE
+        if done:
             self.finish(reply)
         else:
             self.fail(denied(self, reply))
+
+
+def error_kind(code: int, errno: int | None) -> int:
+    """Return the code of an error, also if it was sent as the errno of the file system."""
+    return _CODES_OF_ERRNOS.get(errno or 0, code) if code == FtpError.FAILERRNO else code
 
 
 def denied(operation: Operation[Any], reply: FtpPayload) -> FileDenied:

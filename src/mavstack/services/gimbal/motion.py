@@ -26,7 +26,7 @@ _HORIZON = int(_FLAGS.ROLL_LOCK | _FLAGS.PITCH_LOCK)
 
 
 class _Axis:
-    """One axis: its angle, and the angle or the rate that it shall have; degrees and degrees per second."""
+    """One axis: its angle and the commanded angle or rate, in degrees and degrees per second."""
 
     def __init__(self, limits: tuple[float, float], *, endless: bool = False) -> None:
         self.limits = limits

@@ -109,7 +109,7 @@ class _Transfer(LogOperation[bytes]):
         self._log = log
         self._collector = Collector(log.size)
         self._window = INITIAL_WINDOW
-        self._careful = False  # True after a window was too large
+        self._slow_growth = False  # True after a window was too large
         self._good_windows = 0
         self._first = self._until = 0  # the requested range, in chunks
         self._frontier = 0  # the end of all requested ranges
@@ -224,15 +224,15 @@ class _Transfer(LogOperation[bytes]):
         reached = self._last_new + 1 - self._first
         if reached <= requested - 2:
             self._window, self._good_windows = max(reached, MIN_WINDOW), 0
-            self._careful = self._careful or reached < requested * 7 // 8
+            self._slow_growth = self._slow_growth or reached < requested * 7 // 8
         elif arrived < FAIR and head >= GOOD:
-            self._window, self._careful = max(self._window // 2, MIN_WINDOW), True
+            self._window, self._slow_growth = max(self._window // 2, MIN_WINDOW), True
         elif arrived >= GOOD * head and requested >= self._window:
             self._grow()
 
     def _grow(self) -> None:
         self._good_windows += 1
-        if not self._careful:
+        if not self._slow_growth:
             self._window = min(self._window * 2, MAX_WINDOW)
         elif self._good_windows % WINDOWS_BEFORE_GROWTH == 0:
             self._window = min(self._window + self._window // 8, MAX_WINDOW)

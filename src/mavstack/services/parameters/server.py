@@ -230,7 +230,7 @@ class ParameterServer(Service):
         elif which == HASH_NAME and self._hash_check:
             self._queue_read(client, HASH_NAME)
         else:
-            self._say_error(packet, which, common.MavParamError.DOES_NOT_EXIST)
+            self._send_error(packet, which, common.MavParamError.DOES_NOT_EXIST)
 
     def _queue_read(self, client: Address, name: str) -> None:
         if len(self._reads) < MAX_READS:  # else the client asks again
@@ -243,9 +243,9 @@ class ParameterServer(Service):
         definition = self.table.find(name)
         if name == HASH_NAME and self._hash_check:
             self._lists.pop(source, None)
-            self._say_error(packet, name, common.MavParamError.READ_ONLY)
+            self._send_error(packet, name, common.MavParamError.READ_ONLY)
         elif definition is None:
-            self._say_error(packet, name, common.MavParamError.DOES_NOT_EXIST)
+            self._send_error(packet, name, common.MavParamError.DOES_NOT_EXIST)
         elif not self._was_overtaken(source, name, packet, now):
             self._set_or_refuse(definition, message, packet, source)
 
@@ -259,7 +259,7 @@ class ParameterServer(Service):
         if error is None:
             self._write(definition, value, source)
         else:
-            self._say_error(packet, definition.name, error)
+            self._send_error(packet, definition.name, error)
             self.send(self._value_message(definition.name), source)
 
     def _write(self, definition: ParameterDefinition, value: Value, source: Address) -> None:
@@ -324,7 +324,7 @@ class ParameterServer(Service):
         )
         return with_field(message, self.table.hash().to_bytes(4, "little"))
 
-    def _say_error(self, packet: Packet, which: str | int, error: common.MavParamError) -> None:
+    def _send_error(self, packet: Packet, which: str | int, error: common.MavParamError) -> None:
         if packet.version < 2:
             return
         client = Address(packet.system, packet.component)

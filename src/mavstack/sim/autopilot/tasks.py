@@ -30,7 +30,7 @@ class Tasks:
     def __init__(self, vehicle: VehicleState) -> None:
         self._vehicle = vehicle
         self._scripts: dict[CommandRequest, Script] = {}
-        self._told_at: dict[CommandRequest, float] = {}
+        self._reported_at: dict[CommandRequest, float] = {}
         self._unanswered: list[Script] = []
         self._afterwards: Callable[[], None] | None = None
         vehicle.on_event(CommandCancelRequested, self._cancelled)
@@ -60,9 +60,9 @@ class Tasks:
             except StopIteration as ended:
                 self._end(request, ended.value)
                 continue
-            told_at = self._told_at.get(request, -inf)
-            if percent not in (None, request.percent) and now - told_at >= PROGRESS_INTERVAL:
-                self._told_at[request] = now
+            reported_at = self._reported_at.get(request, -inf)
+            if percent not in (None, request.percent) and now - reported_at >= PROGRESS_INTERVAL:
+                self._reported_at[request] = now
                 self._vehicle.commands.progress(request, percent, now)
                 self._vehicle.touch(self._vehicle.commands)
 
@@ -74,7 +74,7 @@ class Tasks:
 
     def _end(self, request: CommandRequest, result: common.MavResult) -> None:
         del self._scripts[request]
-        self._told_at.pop(request, None)
+        self._reported_at.pop(request, None)
         self._vehicle.commands.complete(request, result)
         self._vehicle.touch(self._vehicle.commands)
 

@@ -37,20 +37,20 @@ _DEVIATIONS = np.array([TILT_DEVIATION, TILT_DEVIATION, YAW_DEVIATION])[:, None]
 
 def update(state: StateArray, step: float) -> None:
     """Update the estimate for one step."""
-    wander, lost, error = state.wander, state.gps_lost, state.position_error
+    slow_noise, lost, error = state.slow_noise, state.gps_lost, state.position_error
     drift = state.drift_velocity
     good = 1.0 - lost
     drift += step * (state.drift_bias * lost - drift * good)
-    command = state.spoof + GPS_DEVIATION * wander[3:6]
-    command[2] = state.baro_drift + BARO_DEVIATION * wander[12]
+    command = state.spoof + GPS_DEVIATION * slow_noise[3:6]
+    command[2] = state.baro_drift + BARO_DEVIATION * slow_noise[12]
     follow = np.minimum(step / POSITION_LAG, 1.0)
     error[:2] += (command[:2] - error[:2]) * (follow * good) + drift[:2] * lost * step
     error[2] += (command[2] - error[2]) * follow
     state.gps_lost_time[:] = (state.gps_lost_time + step) * lost
     state.yaw_error += (state.compass_offset - state.yaw_error) * (step / HEADING_LAG)
     np.add(state.position, error, out=state.position_estimate)
-    np.add(state.velocity, drift + VELOCITY_DEVIATION * wander[6:9], out=state.velocity_estimate)
-    np.add(state.attitude, _DEVIATIONS * wander[9:12], out=state.attitude_estimate)
+    np.add(state.velocity, drift + VELOCITY_DEVIATION * slow_noise[6:9], out=state.velocity_estimate)
+    np.add(state.attitude, _DEVIATIONS * slow_noise[9:12], out=state.attitude_estimate)
     state.attitude_estimate[2] = wrap_angle(state.attitude_estimate[2] + state.yaw_error)
 
 
@@ -61,8 +61,8 @@ def update_gps(state: StateArray, tick: int, period: int) -> None:
         return
     np.copyto(state.gps, state.gps_pending, where=ready)
     fresh = np.empty_like(state.gps)
-    fresh[:3] = state.position + state.spoof + GPS_DEVIATION * state.wander[3:6]
-    fresh[3:] = state.velocity + VELOCITY_DEVIATION * state.wander[6:9]
+    fresh[:3] = state.position + state.spoof + GPS_DEVIATION * state.slow_noise[3:6]
+    fresh[3:] = state.velocity + VELOCITY_DEVIATION * state.slow_noise[6:9]
     np.copyto(state.gps_pending, fresh, where=ready)
 
 

@@ -93,9 +93,9 @@ def _demanded_velocity(state: StateArray) -> Array:
 
 def _circle_velocity(state: StateArray) -> Array:
     """Return the velocity that follows the circle around the target."""
-    spoke = state.position_estimate - state.target
-    distance = horizontal_length(spoke)
-    outward = spoke[:2] / np.maximum(distance, 1e-6)
+    from_centre = state.position_estimate - state.target
+    distance = horizontal_length(from_centre)
+    outward = from_centre[:2] / np.maximum(distance, 1e-6)
     deceleration = state.acceleration_limit * PLANNED_SHARE
     radius = np.abs(state.radius)
     error = radius - distance
@@ -107,7 +107,7 @@ def _circle_velocity(state: StateArray) -> Array:
     # tangentially only as fast as the circle can be held, and slower while the circle is still far away
     tangential = np.minimum(state.speeds[0], np.sqrt(deceleration * radius)) / (1.0 + np.abs(error) * 0.2)
     tangential = np.copysign(tangential, state.radius)
-    setpoint = _correction(-spoke, state, deceleration)
+    setpoint = _correction(-from_centre, state, deceleration)
     setpoint[0] = outward[0] * inward - outward[1] * tangential
     setpoint[1] = outward[1] * inward + outward[0] * tangential
     return _limit_speed(setpoint, state)

@@ -52,7 +52,7 @@ COPIED = (
 )
 
 
-def initial_column(airframe: Airframe, home: Home, wander: Array, step: float, phase: int) -> Array:
+def initial_column(airframe: Airframe, home: Home, slow_noise: Array, step: float, phase: int) -> Array:
     """Return all numbers of a new body."""
     one = StateArray(np.zeros((StateArray.ROW_COUNT, 1)))
     for name in COPIED:
@@ -70,18 +70,18 @@ def initial_column(airframe: Airframe, home: Home, wander: Array, step: float, p
     one.voltage[:] = CELL_VOLTAGE[-1] * airframe.cells
     one.temperature[:] = AMBIENT
     one.gps_phase[:] = phase
-    _initialize_estimate(one, home, wander)
+    _initialize_estimate(one, home, slow_noise)
     return one.data[:, 0]
 
 
-def _initialize_estimate(one: StateArray, home: Home, wander: Array) -> None:
+def _initialize_estimate(one: StateArray, home: Home, slow_noise: Array) -> None:
     """Set attitude and estimate, and the direction in which dead reckoning will drift."""
-    one.wander[:, 0] = wander
+    one.slow_noise[:, 0] = slow_noise
     yaw = math.remainder(math.radians(home.heading), math.tau)
     one.attitude[2] = one.attitude_estimate[2] = one.yaw_demand[:] = yaw
-    one.position_error[:2, 0] = GPS_DEVIATION * wander[3:5]
-    one.position_error[2] = BARO_DEVIATION * wander[12]
+    one.position_error[:2, 0] = GPS_DEVIATION * slow_noise[3:5]
+    one.position_error[2] = BARO_DEVIATION * slow_noise[12]
     one.position_estimate[:] = one.position_error
     one.gps[:3] = one.gps_pending[:3] = one.position_error
-    direction = math.atan2(wander[3], wander[4])
+    direction = math.atan2(slow_noise[3], slow_noise[4])
     one.drift_bias[:2, 0] = DRIFT_BIAS * math.cos(direction), DRIFT_BIAS * math.sin(direction)

@@ -5,7 +5,7 @@ its own offset, drawn from the seed and the body's number, one entry per step. A
 body's noise is a function of seed, body and time, and adding or reading bodies does not change the noise of
 others.
 
-`wander` holds slow noises of variance one, each white noise filtered by a first-order lag of its time
+`slow_noise` holds slow noises of variance one, each white noise filtered by a first-order lag of its time
 constant: w' = a w + sqrt(1 - a^2) n with a = exp(-dt / T).
 """
 
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 #: Entries of the table: 45 minutes at 50 Hz; a power of two, so that a mask wraps an index.
 TABLE = 1 << 17
 
-#: Time constants in seconds of the slow noises, in the order of the rows of `StateArray.wander`:
+#: Time constants in seconds of the slow noises, in the order of the rows of `StateArray.slow_noise`:
 #: gusts, GPS position, estimated velocity, estimated attitude, barometer.
 TIME_CONSTANTS = (3.0, 3.0, 2.0, 40.0, 40.0, 60.0, 3.0, 3.0, 3.0, 8.0, 8.0, 20.0, 60.0)
-WANDERS = len(TIME_CONSTANTS)
+SLOW_NOISES = len(TIME_CONSTANTS)
 #: Number of the sensors' white noises, in the order in which `sensors` uses them.
 WHITES = 15
 
@@ -35,7 +35,7 @@ class Noise:
     def __init__(self, seed: int, step: float) -> None:
         self._seed = seed
         self._table = np.random.default_rng(seed).standard_normal(TABLE)
-        self._offsets = np.zeros((WANDERS + WHITES, 0), np.int64)
+        self._offsets = np.zeros((SLOW_NOISES + WHITES, 0), np.int64)
         decay = np.exp(-step / np.array(TIME_CONSTANTS))
         self._decay = decay[:, None]
         self._gain = np.sqrt(1.0 - decay * decay)[:, None]
@@ -43,17 +43,17 @@ class Noise:
     def insert(self, column: int, number: int) -> Array:
         """Insert a body at `column`, and return the initial values of its slow noises."""
         own = np.random.default_rng([self._seed, number])
-        offsets = own.integers(0, TABLE, WANDERS + WHITES)
+        offsets = own.integers(0, TABLE, SLOW_NOISES + WHITES)
         self._offsets = np.insert(self._offsets, column, offsets, axis=1)
-        return own.standard_normal(WANDERS)
+        return own.standard_normal(SLOW_NOISES)
 
-    def wander(self, wander: Array, tick: int) -> None:
+    def update_slow_noise(self, slow_noise: Array, tick: int) -> None:
         """Advance the slow noises by one step."""
-        fresh = self._table.take((self._offsets[:WANDERS] + tick) & (TABLE - 1))
-        wander *= self._decay
+        fresh = self._table.take((self._offsets[:SLOW_NOISES] + tick) & (TABLE - 1))
+        slow_noise *= self._decay
         fresh *= self._gain
-        wander += fresh
+        slow_noise += fresh
 
     def white(self, tick: int) -> Array:
         """Return the white noises of a step, one row each."""
-        return self._table.take((self._offsets[WANDERS:] + tick) & (TABLE - 1))
+        return self._table.take((self._offsets[SLOW_NOISES:] + tick) & (TABLE - 1))

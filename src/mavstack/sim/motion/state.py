@@ -11,10 +11,10 @@ from __future__ import annotations
 from typing import Annotated
 
 from mavstack.sim.motion.arrays import Array, Quad, Rows, Scalar, Vector
-from mavstack.sim.motion.noise import WANDERS
+from mavstack.sim.motion.noise import SLOW_NOISES
 
 Gps = Annotated[Array, 6]
-Wanders = Annotated[Array, WANDERS]
+SlowNoises = Annotated[Array, SLOW_NOISES]
 
 
 class StateArray(Rows):
@@ -79,7 +79,7 @@ class StateArray(Rows):
     # --- internal to the step
     gps_pending: Gps
     gps_phase: Scalar
-    wander: Wanders
+    slow_noise: SlowNoises
     drift_bias: Vector
     sines: Vector
     cosines: Vector

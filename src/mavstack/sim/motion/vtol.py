@@ -38,8 +38,8 @@ def update_transition(state: StateArray, step: float) -> None:
     full = state.airspeed_min * AIRSPEED_MARGIN
     carried = clip((state.airspeed - MIN_LIFT_AIRSPEED) / (full - MIN_LIFT_AIRSPEED), 0.0, 1.0)
     forward = state.forward_requested > 0.0
-    borne = forward & (state.transition >= 1.0) & (state.airspeed > ASSIST_SHARE * state.airspeed_min)
-    goal = np.where(borne, 1.0, carried)
+    wing_borne = forward & (state.transition >= 1.0) & (state.airspeed > ASSIST_SHARE * state.airspeed_min)
+    goal = np.where(wing_borne, 1.0, carried)
     goal = np.where(forward, goal, np.minimum(carried, state.transition) * 0.98)
     maximum = step / TRANSITION_TIME
     moved = state.transition + clip(goal - state.transition, -maximum, maximum)

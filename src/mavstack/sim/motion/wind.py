@@ -53,7 +53,7 @@ class WindModel:
             state.air.fill(0.0)
             return
         share = 0.5 + 0.5 * np.minimum(np.maximum(state.position[2] * -0.1, 0.0), 1.0)
-        gusts = state.wander[:3]
+        gusts = state.slow_noise[:3]
         air = state.air
         np.multiply(self.gusts * gusts[0] + self.north, share, out=air[0])
         np.multiply(self.gusts * gusts[1] + self.east, share, out=air[1])

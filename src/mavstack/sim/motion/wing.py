@@ -99,12 +99,12 @@ def _path_targets(state: StateArray, ground_speed: Array) -> tuple[Array, Array,
 
 def _circle_course(state: StateArray, ground_speed: Array, joining: Array) -> tuple[Array, Array]:
     """Return the course that joins and follows the circle, and the lateral acceleration on it."""
-    spoke = state.position_estimate[:2] - state.target[:2]
-    distance = np.maximum(np.sqrt(spoke[0] * spoke[0] + spoke[1] * spoke[1]), 1.0)
+    from_centre = state.position_estimate[:2] - state.target[:2]
+    distance = np.maximum(np.sqrt(from_centre[0] * from_centre[0] + from_centre[1] * from_centre[1]), 1.0)
     direction = np.copysign(1.0, state.radius)
     radius = np.abs(state.radius)
     inward = np.arctan((distance - radius) / joining)
-    course = np.arctan2(spoke[1], spoke[0]) + direction * (0.5 * np.pi + inward)
+    course = np.arctan2(from_centre[1], from_centre[0]) + direction * (0.5 * np.pi + inward)
     near = clip(1.5 - np.abs(distance - radius) / joining, 0.0, 1.0)
     return course, direction * near * ground_speed * ground_speed / np.maximum(distance, radius)
 

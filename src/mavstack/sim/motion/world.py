@@ -97,9 +97,9 @@ class World:
             other.column += other.column >= body.column
         self.bodies.append(body)
         body.surroundings.cylinders += [_cylinder(body, *each) for each in self._obstacles]
-        wander = self._noise.insert(body.column, body.number)
+        slow_noise = self._noise.insert(body.column, body.number)
         fresh = initial_column(
-            AIRFRAMES[vehicle_type], home, wander, self.step_length, body.number % self._gps_period
+            AIRFRAMES[vehicle_type], home, slow_noise, self.step_length, body.number % self._gps_period
         )
         self._origins = np.insert(
             self._origins, body.column, (*magnetic_field(home.latitude), home.altitude), axis=1
@@ -180,7 +180,7 @@ class World:
         if not self.bodies:
             return
         state, step = self.state, self.step_length
-        self._noise.wander(state.wander, self.tick)
+        self._noise.update_slow_noise(state.slow_noise, self.tick)
         self.wind.update(state)
         if not (self._at_rest and self.wind.is_calm) or rest.has_demand(state):
             self._move(step)

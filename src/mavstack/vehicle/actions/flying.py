@@ -21,7 +21,7 @@ from mavstack.errors import CommandDenied, InvalidArgumentError, RemoteError
 from mavstack.services.arguments import check_number, check_numbers
 from mavstack.vehicle.action_monitor import STALL_TIMEOUT, ActionGoal, ActionMonitor
 from mavstack.vehicle.actions.conditions import LandingDetector, SustainedCondition
-from mavstack.vehicle.actions.limits import check_takeoff, check_target
+from mavstack.vehicle.actions.limits import check_takeoff, check_target, explain_far_target
 from mavstack.vehicle.actions.quadplane import detect_quadplane
 from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import firmware_of
@@ -172,9 +172,9 @@ async def move(
         position = await vehicle.get_position()
     altitude = None if not up else (position.relative_altitude or 0.0) + up
     location = Location(*offset_location(position.latitude, position.longitude, north, east), altitude)
-    left = None if timeout is None else max(timeout - (vehicle.connection.now() - started), 0.0)
+    timeout = _remaining_timeout(vehicle, timeout, started)
     await goto(
-        vehicle, location, yaw=None, radius=None, override_limits=override_limits, wait=wait, timeout=left
+        vehicle, location, yaw=None, radius=None, override_limits=override_limits, wait=wait, timeout=timeout
     )
 
 
@@ -190,7 +190,9 @@ async def goto(
 ) -> None:
     """Go to a location and stay there."""
     check_numbers(yaw=yaw, radius=radius)
-    check_target(vehicle, location, override_limits=override_limits)
+    started = vehicle.connection.now()
+    await check_target(vehicle, location, override_limits=override_limits, timeout=timeout)
+    timeout = _remaining_timeout(vehicle, timeout, started)
     await detect_quadplane(vehicle)
     _check_airborne(vehicle, "go to a location")
     firmware = firmware_of(vehicle)
@@ -217,7 +219,8 @@ async def goto(
     )
     operation = f"going to {location.latitude:.6f}, {location.longitude:.6f} with"
     request = firmware.goto(location, yaw=yaw, radius=radius)
-    await _run(vehicle, operation, request, lambda: goal, wait=wait, timeout=timeout)
+    with explain_far_target(vehicle, location):
+        await _run(vehicle, operation, request, lambda: goal, wait=wait, timeout=timeout)
 
 
 async def orbit(
@@ -231,14 +234,16 @@ async def orbit(
     timeout: float | None,
 ) -> None:
     """Circle a location."""
-    check_target(vehicle, center, override_limits=override_limits)
-    _check_airborne(vehicle, "orbit")
     check_numbers(speed=speed)
     check_number("radius", radius, finite=False)
     if not (isfinite(radius) and radius):
         raise InvalidArgumentError(
             f"orbit radius must be finite and not 0 (negative: counter-clockwise), got {radius}"
         )
+    started = vehicle.connection.now()
+    await check_target(vehicle, center, override_limits=override_limits, timeout=timeout)
+    timeout = _remaining_timeout(vehicle, timeout, started)
+    _check_airborne(vehicle, "orbit")
     await detect_quadplane(vehicle)
     firmware = firmware_of(vehicle)
     tolerance = max(ORBIT_TOLERANCE, abs(radius) / 4)
@@ -265,7 +270,8 @@ async def orbit(
         armed=True,
     )
     operation = f"orbit of {abs(radius):g} m radius with"
-    await _run(vehicle, operation, request(), lambda: goal, wait=wait, timeout=timeout)
+    with explain_far_target(vehicle, center):
+        await _run(vehicle, operation, request(), lambda: goal, wait=wait, timeout=timeout)
 
 
 async def turn(vehicle: VehicleState, heading: float, *, wait: bool, timeout: float | None) -> None:
@@ -307,6 +313,10 @@ def _check_airborne(vehicle: VehicleState, action: str) -> None:
     """Raise if a plane stands on the ground: it would run along it at full throttle."""
     if vehicle.vehicle_type is VehicleType.PLANE and vehicle.armed and vehicle.in_air is False:
         raise firmware_of(vehicle).unsupported(action, "it is on the ground; take off first")
+
+
+def _remaining_timeout(vehicle: VehicleState, timeout: float | None, started: float) -> float | None:
+    return None if timeout is None else max(timeout - (vehicle.connection.now() - started), 0.0)
 
 
 def _relative_altitude(vehicle: VehicleState) -> float | None:

@@ -1,14 +1,22 @@
-"""The limits of plausible flights: a target beyond them is more likely a mistake than an intention."""
+"""The limits of plausible flights: a target beyond them is more likely a mistake than an intention.
+
+The distance of a target needs the position of the vehicle; the check waits shortly for the first one. A
+vehicle without a position decides itself. If it refuses a far target without a status text, the error names
+the distance as the likely reason.
+"""
 
 from __future__ import annotations
 
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Final
 
-from mavstack.errors import InvalidArgumentError
+from mavstack.errors import CommandDenied, InvalidArgumentError, RemoteDenied, RemoteTimeout
 from mavstack.services.arguments import check_number, check_numbers
 from mavstack.vehicle.geography import distance
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from mavstack.vehicle.geography import Location
     from mavstack.vehicle.vehicle_state import VehicleState
 
@@ -16,6 +24,10 @@ if TYPE_CHECKING:
 MAX_ALTITUDE: Final = 10_000.0
 #: The longest way to a target, in metres.
 MAX_DISTANCE: Final = 100_000.0
+#: The time in which a check waits for the first position of the vehicle, in seconds.
+POSITION_CHECK_TIMEOUT: Final = 2.0
+#: A target this far away, in metres, that a vehicle refuses without a status text is probably too far for it.
+_FAR_DISTANCE: Final = 10_000.0
 _REMEDY: Final = "override_limits=True sends it all the same"
 
 
@@ -43,7 +55,9 @@ def check_location(location: Location) -> None:
         )
 
 
-def check_target(vehicle: VehicleState, location: Location, *, override_limits: bool) -> None:
+async def check_target(
+    vehicle: VehicleState, location: Location, *, override_limits: bool, timeout: float | None
+) -> None:
     """Raise unless a location is a plausible target of a vehicle where it is now."""
     check_location(location)
     if override_limits:
@@ -53,12 +67,32 @@ def check_target(vehicle: VehicleState, location: Location, *, override_limits: 
         raise InvalidArgumentError(
             f"altitude must be {lowest:g} to {MAX_ALTITUDE:g} m above home, got {altitude:g} m; {_REMEDY}"
         )
-    position = vehicle.position
-    if position is None:
-        return
-    away = distance(position.latitude, position.longitude, location.latitude, location.longitude)
-    if away > MAX_DISTANCE:
+    if vehicle.position is None:
+        seconds = POSITION_CHECK_TIMEOUT if timeout is None else min(timeout, POSITION_CHECK_TIMEOUT)
+        with suppress(RemoteTimeout, RemoteDenied):
+            await vehicle.get_position(timeout=seconds)
+    away = _distance_to(vehicle, location)
+    if away is not None and away > MAX_DISTANCE:
         raise InvalidArgumentError(
             f"the target must be within {MAX_DISTANCE / 1000:g} km of the vehicle, "
             f"got {location.latitude}, {location.longitude}, {away / 1000:,.0f} km away; {_REMEDY}"
         )
+
+
+@contextmanager
+def explain_far_target(vehicle: VehicleState, location: Location) -> Iterator[None]:
+    """Add the distance of a far target to a refusal for which the vehicle sent no status text."""
+    try:
+        yield
+    except CommandDenied as error:
+        away = _distance_to(vehicle, location)
+        if away is not None and away >= _FAR_DISTANCE:
+            error.status_texts = error.status_texts or (f"the target is {away / 1000:,.0f} km away",)
+        raise
+
+
+def _distance_to(vehicle: VehicleState, location: Location) -> float | None:
+    position = vehicle.position
+    if position is None:
+        return None
+    return distance(position.latitude, position.longitude, location.latitude, location.longitude)

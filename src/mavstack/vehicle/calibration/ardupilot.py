@@ -76,10 +76,10 @@ async def _simple(conversation: Conversation) -> None:
     kind = conversation.kind
     if kind is CalibrationKind.AIRSPEED:
         text = "Keep the wind off the pitot tube."
-        conversation.tell(CalibrationTask.SHIELD_PITOT, text)
+        conversation.emit_step(CalibrationTask.SHIELD_PITOT, text)
     else:
         text = "Keep the vehicle level and still." if kind is CalibrationKind.LEVEL else _HOLD_STILL
-        conversation.tell(CalibrationTask.HOLD_STILL, text)
+        conversation.emit_step(CalibrationTask.HOLD_STILL, text)
     await conversation.start(*_ARGUMENTS[kind], progress=text)
     conversation.running = False
 
@@ -105,9 +105,11 @@ async def _accelerometer(conversation: Conversation) -> None:
             break
         pose, share = _POSES[latest], 100 * (latest - 1) // len(_POSES)
         text = f"Place the vehicle {pose}, hold it still, and confirm."
-        conversation.tell(CalibrationTask.PLACE, text, pose=pose, progress=share, needs_confirmation=True)
+        conversation.emit_step(
+            CalibrationTask.PLACE, text, pose=pose, progress=share, needs_confirmation=True
+        )
         await conversation.wait_for_confirmation()
-        conversation.tell(CalibrationTask.HOLD_STILL, _HOLD_STILL, pose=pose, progress=share)
+        conversation.emit_step(CalibrationTask.HOLD_STILL, _HOLD_STILL, pose=pose, progress=share)
         await conversation.command(_CMD.ACCELCAL_VEHICLE_POS, latest)
     await conversation.wait(lambda: requested[-1] not in _POSES)
     conversation.running = False
@@ -127,7 +129,7 @@ async def _compass(conversation: Conversation) -> None:
         mask |= progress.cal_mask
         done[progress.compass_id] = progress.completion_pct
         text = "Rotate the vehicle slowly around all of its axes."
-        conversation.tell(CalibrationTask.ROTATE, text, progress=min(done.values()))
+        conversation.emit_step(CalibrationTask.ROTATE, text, progress=min(done.values()))
 
     def reported(message: Message) -> None:
         nonlocal mask
@@ -176,14 +178,14 @@ async def _compass_motor(conversation: Conversation) -> None:
     def receive(message: Message) -> None:
         status = cast("ardupilotmega.CompassmotStatus", message)
         effect = f"{status.interference} % interference at {status.current:.0f} A"
-        conversation.tell(
+        conversation.emit_step(
             CalibrationTask.RAISE_THROTTLE, f"{_RAISE_THROTTLE} {effect}.", needs_confirmation=True
         )
 
     conversation.armed = None  # its motors run
     conversation.on_text = on_text
     await conversation.start(*_ARGUMENTS[conversation.kind])
-    conversation.tell(CalibrationTask.RAISE_THROTTLE, _RAISE_THROTTLE, needs_confirmation=True)
+    conversation.emit_step(CalibrationTask.RAISE_THROTTLE, _RAISE_THROTTLE, needs_confirmation=True)
     conversation.listen(ardupilotmega.CompassmotStatus, receive)
     await conversation.wait_for_confirmation()
     await _cancel_compass_motor(conversation.vehicle)
@@ -205,7 +207,7 @@ async def _esc(conversation: Conversation) -> None:
             back = back or any(event.component.address == vehicle.address for event in events.drain())
             return back
 
-        conversation.tell(CalibrationTask.CONNECT_BATTERY, text)
+        conversation.emit_step(CalibrationTask.CONNECT_BATTERY, text)
         await conversation.wait(is_back, inf, may_be_silent=True)
     value = (await vehicle.params.get(_ESC_PARAMETER)).value
     if value == _CALIBRATE_AT_POWER_UP:
@@ -216,13 +218,17 @@ async def _esc(conversation: Conversation) -> None:
 
 async def _radio(conversation: Conversation) -> None:
     async def ignore_sticks(ignored: bool) -> None:
-        await (_tell_radio(conversation.vehicle) if ignored else _cancel_radio(conversation.vehicle))
+        await (
+            _announce_radio_calibration(conversation.vehicle)
+            if ignored
+            else _cancel_radio(conversation.vehicle)
+        )
 
     await calibrate_radio(conversation, ignore_sticks)
 
 
-async def _tell_radio(vehicle: VehicleState) -> None:
-    """Tell the vehicle that the sticks are moved for a calibration; it notes it, and answers UNSUPPORTED."""
+async def _announce_radio_calibration(vehicle: VehicleState) -> None:
+    """Announce a radio calibration, so that the firmware ignores the sticks; it answers UNSUPPORTED."""
     with suppress(CommandDenied):
         await vehicle.component.command(_CMD.PREFLIGHT_CALIBRATION, *_ARGUMENTS[CalibrationKind.RADIO])
 

@@ -65,7 +65,7 @@ class Conversation:
 
     # Steps
 
-    def tell(
+    def emit_step(
         self,
         task: CalibrationTask,
         text: str,
@@ -84,7 +84,7 @@ class Conversation:
 
     async def ask(self, task: CalibrationTask, text: str, *, progress: int | None = None) -> None:
         """Pass on a step that needs a confirmation, and wait for it."""
-        self.tell(task, text, progress=progress, needs_confirmation=True)
+        self.emit_step(task, text, progress=progress, needs_confirmation=True)
         await self.wait_for_confirmation()
 
     async def wait_for_confirmation(self) -> None:
@@ -103,7 +103,7 @@ class Conversation:
 
         def report(done: int, _: int) -> None:
             if progress is not None:
-                self.tell(CalibrationTask.HOLD_STILL, progress, progress=done)
+                self.emit_step(CalibrationTask.HOLD_STILL, progress, progress=done)
 
         request = self.vehicle.component.command(command, *params, progress=report)
         await with_status_texts(self.vehicle, request)

@@ -95,15 +95,15 @@ class _Reader:
             self._read_state(words.removeprefix("calibration "))
         elif found := _PROGRESS.match(words):
             self._begun, self._progress = True, min(int(found[1]), 100)
-            self._tell_progress()
+            self._emit_progress()
         elif words.startswith("pending:"):
             names = words.removeprefix("pending:").split()
             self._pending = tuple(_POSES[name] for name in names if name in _POSES)
-            self._tell_pending()
+            self._emit_pending()
         elif (found := _SIDE.match(words)) and found[1] in _POSES:
             self._read_side(_POSES[found[1]], found[2])
         else:
-            self._tell_text(words)
+            self._emit_text(words)
         return True
 
     def _read_state(self, words: str) -> None:
@@ -125,10 +125,12 @@ class _Reader:
             text = f"Detected {pose}: " + (
                 "rotate it around that axis." if self._rotates else "hold it still."
             )
-            self._conversation.tell(task, text, pose=pose, pending=self._pending, progress=self._progress)
+            self._conversation.emit_step(
+                task, text, pose=pose, pending=self._pending, progress=self._progress
+            )
         else:
             self._pending = tuple(each for each in self._pending if each is not pose)
-            self._tell_pending()
+            self._emit_pending()
 
     @property
     def _rotates(self) -> bool:
@@ -138,27 +140,27 @@ class _Reader:
     def _side_task(self) -> CalibrationTask:
         return CalibrationTask.ROTATE if self._rotates else CalibrationTask.HOLD_STILL
 
-    def _tell_pending(self) -> None:
+    def _emit_pending(self) -> None:
         if self._pending:
             text = f"Place the vehicle {' or '.join(self._pending)}, and hold it still."
             pending, progress = self._pending, self._progress
-            self._conversation.tell(CalibrationTask.PLACE, text, pending=pending, progress=progress)
+            self._conversation.emit_step(CalibrationTask.PLACE, text, pending=pending, progress=progress)
 
-    def _tell_progress(self) -> None:
+    def _emit_progress(self) -> None:
         step = self._conversation.step
         if step is not None:
-            self._conversation.tell(
+            self._conversation.emit_step(
                 step.task, step.text, pose=step.pose, pending=step.pending, progress=self._progress
             )
 
-    def _tell_text(self, words: str) -> None:
+    def _emit_text(self, words: str) -> None:
         step = self._conversation.step
         task = next((task for start, task in _TASKS if words.startswith(start)), None)
         if task is None or (self._turns and step is not None and step.task is task):
             return  # PX4's remarks, and texts that repeat the step
         pose = None if step is None else step.pose
         text = f"{words.rstrip('.')}."
-        self._conversation.tell(task, text, pose=pose, pending=self._pending, progress=self._progress)
+        self._conversation.emit_step(task, text, pose=pose, pending=self._pending, progress=self._progress)
 
 
 async def _calibrate(conversation: Conversation) -> None:
@@ -166,9 +168,9 @@ async def _calibrate(conversation: Conversation) -> None:
     conversation.on_text = reader.read
     if kind is CalibrationKind.ESC:
         text = "Take the propellers off and disconnect the battery; power the vehicle by USB."
-        conversation.tell(CalibrationTask.WAIT, text)
+        conversation.emit_step(CalibrationTask.WAIT, text)
     elif kind not in _TURNED:
-        conversation.tell(CalibrationTask.HOLD_STILL, "Hold the vehicle still.")
+        conversation.emit_step(CalibrationTask.HOLD_STILL, "Hold the vehicle still.")
     await conversation.start(*_ARGUMENTS[kind])
     await conversation.wait(lambda: reader.done, TURN_TIMEOUT if kind in _TURNED else STALL_TIMEOUT)
     conversation.running = False

@@ -37,7 +37,7 @@ async def calibrate_radio(
     await ignore_sticks(True)
     conversation.running = True
     conversation.listen(common.RcChannels, channels.update)
-    conversation.tell(CalibrationTask.WAIT, "Waiting for the radio control receiver.")
+    conversation.emit_step(CalibrationTask.WAIT, "Waiting for the radio control receiver.")
     await conversation.wait(lambda: bool(channels.now))
     await conversation.ask(CalibrationTask.MOVE_STICKS, _MOVE, progress=0)
     await conversation.ask(CalibrationTask.CENTER_STICKS, _CENTER, progress=50)
@@ -80,6 +80,8 @@ async def _set_parameters(conversation: Conversation, ranges: dict[int, ChannelR
     params = conversation.vehicle.params
     for done, (number, channel) in enumerate(ranges.items()):
         share = 50 + 50 * done // len(ranges)
-        conversation.tell(CalibrationTask.WAIT, "Setting the parameters of the channels.", progress=share)
+        conversation.emit_step(
+            CalibrationTask.WAIT, "Setting the parameters of the channels.", progress=share
+        )
         for name, value in (("MIN", channel.minimum), ("MAX", channel.maximum), ("TRIM", channel.trim)):
             await params.set(f"RC{number}_{name}", value)

@@ -84,7 +84,7 @@ class ArduPilot(Firmware):
     PREARM_RUN: ClassVar[float] = 3.0
     PREARM_LIFETIME: ClassVar[float] = 40.0
     RAW_IMU_IS_SCALED: ClassVar[bool] = True
-    HEARTBEAT_TELLS_IN_AIR: ClassVar[bool] = True
+    HEARTBEAT_SHOWS_IN_AIR: ClassVar[bool] = True
 
     @staticmethod
     def high_latency_armed(summary: common.HighLatency2) -> bool | None:

@@ -71,7 +71,7 @@ class Firmware:
     #: True if HIGH_LATENCY2's wind heading is the direction that the wind blows to.
     HIGH_LATENCY_WIND_TO: ClassVar[bool] = False
     #: True if `in_air` works.
-    HEARTBEAT_TELLS_IN_AIR: ClassVar[bool] = False
+    HEARTBEAT_SHOWS_IN_AIR: ClassVar[bool] = False
     #: The features that every vehicle of the firmware has (True) or lacks (False).
     FEATURES: ClassVar[Mapping[str, bool]] = MappingProxyType({})
     #: The parameters that enable an equipment, by its name.

@@ -58,7 +58,7 @@ def test_a_wing_circles_where_it_is(kind: VehicleType) -> None:
 
 
 @pytest.mark.nightly
-def test_a_vtol_holds_as_the_transition_says() -> None:
+def test_a_vtol_holds_in_the_mode_of_its_transition() -> None:
     flight = AutopilotHarness(VehicleType.VTOL).in_the_air(40.0)
     flight.enter(HOLD)
     flight.body.transition_to(True)
@@ -72,7 +72,7 @@ def test_a_vtol_holds_as_the_transition_says() -> None:
 
 
 @pytest.mark.flight
-def test_hold_goes_where_a_command_says_and_takes_no_setpoints() -> None:
+def test_hold_flies_to_a_commanded_position_and_ignores_setpoints() -> None:
     flight = AutopilotHarness().in_the_air(10.0)
     flight.enter(HOLD)
     assert not flight.autopilot.behaviour.takes_setpoints

@@ -31,7 +31,7 @@ def test_it_sinks_slows_down_touches_down_and_disarms(kind: VehicleType) -> None
 
 
 @pytest.mark.flight
-def test_it_lands_where_it_is_told() -> None:
+def test_it_lands_at_the_commanded_position() -> None:
     flight = AutopilotHarness().in_the_air(10.0)
     flight.fly(lambda autopilot: Land(autopilot, (25.0, -15.0, 0.0), yaw=pi / 2))
     flight.run_until(lambda: not flight.autopilot.armed, timeout=60)

@@ -23,7 +23,7 @@ def bearing(flight: AutopilotHarness, centre: tuple[float, float, float] = CENTR
 
 @pytest.mark.flight
 @pytest.mark.parametrize("radius", [15.0, -15.0])
-def test_a_copter_orbits_the_way_it_is_told(radius: float) -> None:
+def test_a_copter_orbits_in_the_commanded_direction(radius: float) -> None:
     flight = AutopilotHarness().in_the_air(15.0)
     flight.fly(lambda autopilot: Orbit(autopilot, CENTRE, radius, speed=4.0))
     flight.run(25)

@@ -118,7 +118,7 @@ def test_a_vtol_comes_back_on_its_wing_and_lands_hovering() -> None:
 
 
 @pytest.mark.nightly
-def test_a_vtol_can_be_told_to_come_back_hovering() -> None:
+def test_a_vtol_can_be_configured_to_return_hovering() -> None:
     flight = AutopilotHarness(VehicleType.VTOL).in_the_air(40.0)
     flight.fly(lambda autopilot: Hold(autopilot, forward=True))
     flight.run(20)
@@ -160,7 +160,7 @@ def test_a_sub_returns_at_its_depth_and_surfaces() -> None:
 @pytest.mark.parametrize(
     ("altitude", "wait_at", "height"), [(-inf, inf, 45.0), (30.0, inf, 30.0), (30.0, 40.0, 40.0)]
 )
-def test_a_plane_comes_back_as_high_as_the_figures_say(
+def test_a_plane_returns_at_the_height_of_its_flight_parameters(
     altitude: float, wait_at: float, height: float
 ) -> None:
     flight = AutopilotHarness(

@@ -140,7 +140,7 @@ def test_the_lowest_altitude_counts_in_the_air_only() -> None:
 @pytest.mark.parametrize(
     ("bits", "found"), [(1, Breach.NONE), (2, Breach.RADIUS), (4, Breach.SHAPES), (6, Breach(6))]
 )
-def test_fence_type_says_what_counts(bits: int, found: Breach) -> None:
+def test_fence_type_selects_the_checked_limits(bits: int, found: Breach) -> None:
     flight = fenced(*square(30), FENCE_RADIUS=30, FENCE_TYPE=bits, FENCE_ACTION=0)
     flight.fly(Away)
     flight.run(12)
@@ -241,7 +241,7 @@ def test_px4_without_an_action_does_not_look() -> None:
 
 
 @pytest.mark.flight
-def test_it_is_told_once_and_again_when_it_is_over() -> None:
+def test_a_breach_is_reported_when_it_begins_and_when_it_ends() -> None:
     flight = fenced(*square(30))
     breach(flight)
     flight.run_until(lambda: not flight.autopilot.fence.breaches, timeout=60)
@@ -270,7 +270,7 @@ def test_a_copter_that_is_far_beyond_lands() -> None:
     assert flight.autopilot.mode.number == LAND
 
 
-def test_both_at_once_are_told_together() -> None:
+def test_two_breaches_at_once_are_reported_together() -> None:
     assert names_of(Breach.SHAPES) == "Polygon fence"
     assert names_of(Breach.HIGH | Breach.RADIUS) == "Max Alt and Circle fences"
     assert names_of(Breach(15)) == "Max Alt, Circle, Polygon and Min Alt fences"

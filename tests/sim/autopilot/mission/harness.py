@@ -104,20 +104,20 @@ class MissionHarness(AutopilotHarness):
 
     @property
     def currents(self) -> list[int]:
-        """The current items that were told, each change once."""
+        """The current items in MISSION_CURRENT, each change once."""
         reported = [message.seq for message in self.sent if isinstance(message, common.MissionCurrent)]
         return [seq for at, seq in enumerate(reported) if at == 0 or reported[at - 1] != seq]
 
     # Plans
 
     def upload(self, *items: MissionItem, kind: int = PlanType.MISSION) -> int:
-        """Put a plan as an upload does: judged item by item and as a whole."""
+        """Store a plan as an upload does, with the checks of each item and of the whole plan."""
         result = self.server.accept(Plan.of(items, kind), GROUND)
         self._settle()
         return result
 
     def load(self, *items: MissionItem) -> None:
-        """Put a mission; ArduPilot's home is put before it."""
+        """Store a mission, for ArduPilot with the home position as its first item."""
         home = [item(CMD.NAV_WAYPOINT, frame=FRAME.GLOBAL)] if self.first else []
         assert self.upload(*home, *items) == RESULT.ACCEPTED
 

@@ -78,7 +78,7 @@ def test_a_plane_passes_by_at_a_distance() -> None:
         (FRAME.MISSION, DEFAULT_HOME.altitude + 15),
     ],
 )
-def test_altitudes_count_from_where_the_frame_says(frame: int, altitude: float) -> None:
+def test_altitudes_are_relative_to_the_origin_of_their_frame(frame: int, altitude: float) -> None:
     flight = fly_items(item(CMD.NAV_WAYPOINT, at=(15, 0, altitude), frame=frame))
     flight.ended()
     flight.run(3)
@@ -116,7 +116,7 @@ def test_a_landing_at_a_place_and_another_start() -> None:
 
 
 @pytest.mark.flight
-def test_taking_off_and_landing_is_told_by_the_landed_state() -> None:
+def test_the_landed_state_reports_takeoff_and_landing() -> None:
     flight = MissionHarness()
     flight.load(takeoff(10), land())
     flight.start()
@@ -183,7 +183,7 @@ def test_a_vtol_takes_off_flies_hovers_and_lands() -> None:
 
 
 @pytest.mark.flight
-def test_ardupilots_vtol_flies_waypoints_forward_unless_it_was_told_to_hover() -> None:
+def test_ardupilots_vtol_flies_waypoints_forward_unless_hovering_was_commanded() -> None:
     flight = MissionHarness(VTOL)
     hover = item(CMD.DO_VTOL_TRANSITION, common.MavVtolState.MC)
     flight.load(takeoff(40), waypoint(400, 0, 40), hover, waypoint(400, 80, 40))

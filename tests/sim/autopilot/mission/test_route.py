@@ -44,7 +44,7 @@ def test_actions_belong_to_the_leg_of_the_next_item_that_navigates() -> None:
     assert route.leg(6) is None
 
 
-def test_a_jump_is_taken_as_often_as_it_says() -> None:
+def test_a_jump_is_taken_as_often_as_its_count() -> None:
     route = route_of(HOME, WP, WP, jump(1, 2), WP)
     assert flown(route) == [1, 2, 1, 2, 1, 2, 4]
     assert route.jumps_taken(3) == 2

@@ -214,7 +214,7 @@ def test_disarming_ends_it() -> None:
 
 
 @pytest.mark.flight
-def test_what_changes_is_told() -> None:
+def test_changes_are_reported() -> None:
     flight = flying(PX4)
     reported = [
         (message.seq, message.mission_state)

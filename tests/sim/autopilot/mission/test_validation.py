@@ -130,7 +130,7 @@ def test_the_other_plans_hold_their_own_items_only(flight: MissionHarness) -> No
         ([takeoff(-5)], "Mission rejected: Takeoff altitude below home altitude!"),
     ],
 )
-def test_px4_takes_what_it_will_not_fly_and_says_so(items: list[MissionItem], text: str) -> None:
+def test_px4_accepts_a_plan_that_it_will_not_fly_and_reports_it(items: list[MissionItem], text: str) -> None:
     flight = MissionHarness(firmware=PX4)
     flight.load(*items)
     assert flight.status_texts == [text]
@@ -138,7 +138,7 @@ def test_px4_takes_what_it_will_not_fly_and_says_so(items: list[MissionItem], te
     assert flight.mission.start() == "Switching to mode 'Mission' is currently not possible"
 
 
-def test_ardupilot_says_that_it_has_a_plan() -> None:
+def test_ardupilot_reports_that_it_has_a_plan() -> None:
     flight = MissionHarness()
     flight.load(takeoff())
     flight.upload(item(CMD.NAV_RALLY_POINT, at=(10, 0, 30)), kind=PlanType.RALLY)

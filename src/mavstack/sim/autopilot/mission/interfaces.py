@@ -240,7 +240,7 @@ class MissionRules(ABC):
         return False
 
     @property
-    def takeoff_goes_there(self) -> bool:
+    def takeoff_flies_to_position(self) -> bool:
         """True if the vehicle flies to the position of a takeoff item after the climb."""
         return False
 

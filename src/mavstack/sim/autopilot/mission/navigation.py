@@ -85,7 +85,7 @@ def take_off(step: Step) -> Iterator[None]:
     """NAV_TAKEOFF: climb, then go to the item's position where the firmware does; a wing does not."""
     yield from _climb(step, forward=False)
     wing = step.autopilot.vehicle.vehicle_type is VehicleType.PLANE
-    if step.mission.rules.takeoff_goes_there and step.has_place and not wing:
+    if step.mission.rules.takeoff_flies_to_position and step.has_place and not wing:
         yield from step.travel(step.place())
 
 

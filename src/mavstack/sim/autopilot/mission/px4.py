@@ -81,7 +81,7 @@ PLACELESS = frozenset(
         _CMD.COMPONENT_ARM_DISARM,
     }
 )
-_ANYWHERE = frozenset({_CMD.COMPONENT_ARM_DISARM, _CMD.DO_AUTOTUNE_ENABLE})
+_ALLOWED_ANYWHERE = frozenset({_CMD.COMPONENT_ARM_DISARM, _CMD.DO_AUTOTUNE_ENABLE})
 _FRAMES = frozenset({_F.GLOBAL, _F.GLOBAL_RELATIVE_ALT, _F.GLOBAL_INT, _F.GLOBAL_RELATIVE_ALT_INT})
 _REGIONS = frozenset({_CMD.NAV_ROI, _CMD.DO_SET_ROI})
 _REGIONS_PLACED = frozenset({common.MavRoi.NONE, common.MavRoi.LOCATION})
@@ -118,7 +118,7 @@ class Px4MissionRules(MissionRules):
         return check_numbers(item, may_be_nan=_ALL)
 
     def _check_placed(self, item: MissionItem) -> int:
-        if item.command in _ANYWHERE:
+        if item.command in _ALLOWED_ANYWHERE:
             return check_numbers(item, may_be_nan=_ALL)
         if item.command not in PLACED:
             return _RESULT.UNSUPPORTED
@@ -173,15 +173,15 @@ class Px4MissionRules(MissionRules):
             step.mission.send_statustext(f"Climb to {self._height(step.item):.1f} meters above home")
 
     def reported(self, mission: Mission, seq: int) -> None:
-        self._reached = told = object()
+        self._reached = report = object()
 
-        def say_again() -> None:
-            if self._reached is told and mission.exists:
+        def repeat_report() -> None:
+            if self._reached is report and mission.exists:
                 mission.server.reached(seq)
                 self.vehicle.touch(mission.server)
 
         for seconds in range(1, _REPEATS + 1):
-            mission.later(say_again, after=seconds)
+            mission.later(repeat_report, after=seconds)
 
     def go_home(self, step: Step) -> Iterator[None]:
         mission, profile = step.mission, self.autopilot.profile
@@ -194,7 +194,7 @@ class Px4MissionRules(MissionRules):
         return mission.leave(*modes, reason="mission item")
 
     @property
-    def takeoff_goes_there(self) -> bool:
+    def takeoff_flies_to_position(self) -> bool:
         return True
 
     @property

@@ -55,7 +55,7 @@ class MissionRunner:
         self._route: Route | None = None
         self._next: int | None = None
         self._last: int | None = None
-        self._interrupted = self._complete = self._flying = self._begins_where_told = False
+        self._interrupted = self._complete = self._flying = self._begins_at_commanded_item = False
         self._at = 0
         self._ticked = autopilot.now
         self._later: list[tuple[float, Callable[[], object]]] = []
@@ -145,7 +145,7 @@ class MissionRunner:
             return problem
         if first:
             self.go_to_item(first)
-            self._begins_where_told = True
+            self._begins_at_commanded_item = True
         self._last = last or None
         autopilot = self.autopilot
         if not autopilot.enter(autopilot.profile.mission, "mission start"):
@@ -292,11 +292,11 @@ class MissionRunner:
         self._flying, self.paused, self.hovers = True, False, False
         self.origin = None
         self.course.clear()
-        if self._complete or (self.rules.restarts and not self._begins_where_told):
+        if self._complete or (self.rules.restarts and not self._begins_at_commanded_item):
             last = self._last
             self.reset()
             self._last = last
-        self._begins_where_told = False
+        self._begins_at_commanded_item = False
         if self._next is None:
             self._next = max(self.sequence, self.rules.first)
         self._set_state(_STATE.ACTIVE if self.exists else self.server.state)

@@ -71,7 +71,7 @@ def read_in_air(telemetry: Telemetry) -> bool | None:
     landed, age = read_landed_state(telemetry), telemetry.age(common.ExtendedSysState)
     if landed is not None and age is not None and age <= _MAX_AGE:
         return landed != _ON_GROUND
-    if info is None or info.high_latency or not telemetry.firmware.HEARTBEAT_TELLS_IN_AIR:
+    if info is None or info.high_latency or not telemetry.firmware.HEARTBEAT_SHOWS_IN_AIR:
         return None if landed is None else landed != _ON_GROUND
     return telemetry.firmware.in_air(info)
 

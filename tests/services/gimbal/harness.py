@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 MANAGER = Address(1, 191)
 
 
-class Pair:
+class GimbalHarness:
     """The client side on the ground, the server with one gimbal per device id, and an autopilot."""
 
     def __init__(self, *device_ids: int, seed: int = 0, impairment: Impairment | None = None) -> None:

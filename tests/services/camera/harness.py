@@ -88,7 +88,7 @@ class Camera(CameraDevice):
         return True
 
 
-class Pair:
+class CameraHarness:
     """The client side on the ground and a camera component; `attached` cameras are on the autopilot."""
 
     def __init__(

@@ -1,4 +1,4 @@
-"""The requests that a vehicle received, as plain tuples."""
+"""The requests that a scripted autopilot received, as plain tuples."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from math import isnan
 
 from mavstack.dialects import common
 from mavstack.services.message_request.interval import message_id_of
-from tests.vehicle.failures.scripted import CMD, Scene
+from tests.vehicle.failures.scripted_autopilot import CMD, ScriptedHarness
 
 LONG, INT = "long", "int"
 HERE = (47.397742, 8.545594)
@@ -21,10 +21,10 @@ def plain(number: float) -> float | str:
     return NAN if isnan(number) else round(number, 5)
 
 
-def asked_of(made: Scene) -> list[tuple]:
+def requests_of(harness: ScriptedHarness) -> list[tuple]:
     """Return the commands, parameter settings and setpoints, in their order."""
     found: list[tuple] = []
-    for message in made.script.heard:
+    for message in harness.autopilot.received:
         match message:
             case common.CommandLong(command=CMD.REQUEST_MESSAGE, param1=param) if param == _VERSION:
                 continue  # for the encoding of parameters

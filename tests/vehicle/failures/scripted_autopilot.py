@@ -1,4 +1,4 @@
-"""A scripted autopilot: it refuses with a reason, accepts without acting, or falls silent."""
+"""A scripted autopilot that refuses requests with a reason, accepts them without acting, or stops sending."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from mavstack.services.statustext import chunks_of
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import connect
 from tests.node.vehicle import MODES
-from tests.node.vehicle import Vehicle as Everything
+from tests.node.vehicle import Vehicle as VehicleWithAllServices
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable
@@ -27,14 +27,14 @@ if TYPE_CHECKING:
 CMD, RESULT, SEVERITY = common.MavCmd, common.MavResult, common.MavSeverity
 PX4, ARDUPILOT = common.MavAutopilot.PX4, common.MavAutopilot.ARDUPILOTMEGA
 ARMED = common.MavModeFlag.SAFETY_ARMED | common.MavModeFlag.CUSTOM_MODE_ENABLED
-#: Messages of every connection, which tests ignore.
-BY_THE_WAY = (
+#: Messages that every connection sends; tests ignore them.
+BACKGROUND_MESSAGES = (
     common.Heartbeat,
     common.Ping,
     common.Timesync,
     common.MissionAck,
 )
-#: Commands that it accepts, and the modes that PX4 enters for some of them.
+#: Commands that the autopilot accepts, and the modes that PX4 enters for some of them.
 ACCEPTED = {
     CMD.COMPONENT_ARM_DISARM: None,
     CMD.NAV_TAKEOFF: "TAKEOFF",
@@ -74,17 +74,17 @@ ACCEPTED = {
     ardupilotmega.MavCmd.SET_EKF_SOURCE_SET: None,
 }
 #: Requests other than commands that can be refused.
-ASKED_FOR = (
+REQUEST_MESSAGES = (
     *(common.MissionCount, common.MissionRequestList, common.MissionClearAll, common.MissionSetCurrent),
     *(common.ParamSet, common.ParamRequestRead, common.ParamRequestList),
     *(common.FileTransferProtocol, common.LogRequestList, common.LogRequestData, common.LogErase),
 )
 
 
-class Sayer(Service):
-    """Sends a status text before another service answers a request."""
+class StatusTextOnRequest(Service):
+    """Sends a status text when a request arrives, before another service answers that request."""
 
-    handles = message_ids(*ASKED_FOR)
+    handles = message_ids(*REQUEST_MESSAGES)
 
     def __init__(self, local) -> None:
         super().__init__(local)
@@ -97,35 +97,33 @@ class Sayer(Service):
             self.text = ""
 
 
-class Scripted(Everything):
-    """A vehicle that stays at `altitude` and moves only if a test moves it."""
+class ScriptedAutopilot(VehicleWithAllServices):
+    """A vehicle that stays at `altitude` and moves only if a test changes its position."""
 
     def __init__(self, *links, autopilot=PX4, kind=common.MavType.QUADROTOR) -> None:
         super().__init__(*links, autopilot=autopilot if autopilot in MODES else PX4)
         self._heartbeat.type, self._heartbeat.autopilot = kind, autopilot
         self.logs_server = next(each for each in self._host.engine._services if isinstance(each, LogServer))
-        self._offer_modes(autopilot, kind)
+        self._serve_modes(autopilot, kind)
         self.refused: dict[int, int] = {}
-        self.saying: Callable[[], None] = lambda: None
-        self.acts = True  # False: it acknowledges without acting
+        self.on_refusal: Callable[[], None] = lambda: None
+        self.executes = True  # False: it acknowledges commands and does nothing
         self.silent = False
         self.altitude, self.heading = 20.0, 0.0
         self.latitude, self.longitude = 47.397742, 8.545594
         self.landed = common.MavLandedState.IN_AIR
         self.ready = True
-        self.heard: list[Message] = []
-        self.told_home = True
-        self._support()
-        self._tell()
-        self._speak_first()
-        self.add_packet_listener(None, lambda packet: self.heard.append(packet.message))
-        self._mute()
+        self.received: list[Message] = []
+        self.reports_home = True
+        self._support_commands()
+        self._publish_telemetry()
+        self._answer_after_status_text()
+        self.add_packet_listener(None, lambda packet: self.received.append(packet.message))
+        self._discard_data_while_silent()
         if mode_number(autopilot, kind, "LOITER") is not None:
             self.enter("LOITER")
 
-    requests = ASKED_FOR
-
-    # Actions of tests
+    # Called by tests
 
     def enter(self, mode: str) -> None:
         """Enter a mode."""
@@ -136,7 +134,7 @@ class Scripted(Everything):
 
     def arm(self, armed: bool = True) -> None:
         self._heartbeat.base_mode = ARMED if armed else common.MavModeFlag.CUSTOM_MODE_ENABLED
-        self._soon()
+        self._send_heartbeat_now()
 
     def refuse(self, *commands: int, result: int = RESULT.DENIED) -> None:
         self.refused |= dict.fromkeys(map(int, commands), result)
@@ -144,13 +142,14 @@ class Scripted(Everything):
     def refuse_plans(self, result: int) -> None:
         self.mission._validate = lambda plan, source: result
 
-    def asked(self, *without: type[Message]) -> list[Message]:
-        """Return the requests since `heard` was cleared, without the messages of every connection."""
-        return [message for message in self.heard if not isinstance(message, BY_THE_WAY + without)]
+    def requests(self, *without: type[Message]) -> list[Message]:
+        """Return the messages since `received` was cleared, without those that every connection sends."""
+        ignored = BACKGROUND_MESSAGES + without
+        return [message for message in self.received if not isinstance(message, ignored)]
 
     # Internals
 
-    def _offer_modes(self, autopilot, kind) -> None:
+    def _serve_modes(self, autopilot, kind) -> None:
         names = list(mode_names(autopilot, kind)) or MODES[PX4]
         self._host.engine.remove(self.modes)
         standard = {
@@ -161,7 +160,7 @@ class Scripted(Everything):
         self.modes = self.serve(ModeServer(self.address, offered, names[0], autopilot=autopilot))
         self.modes.register(self.commands.server)
 
-    def _support(self) -> None:
+    def _support_commands(self) -> None:
         server = self.commands.server
         for command, mode in ACCEPTED.items():
             server.support(command, lambda request, mode=mode: self._do(request, mode))
@@ -174,19 +173,19 @@ class Scripted(Everything):
             result = self.refused.get(int(request.command.command))
             if result is None:
                 return handler(request)
-            self.saying()
+            self.on_refusal()
             return common.MavResult(result)
 
         return answer
 
     def _do(self, request, mode):
-        if request.command.command == CMD.COMPONENT_ARM_DISARM and self.acts:
+        if request.command.command == CMD.COMPONENT_ARM_DISARM and self.executes:
             self.arm(request.command.param1 == 1)
-        if mode and self.acts and self._heartbeat.autopilot == PX4:
+        if mode and self.executes and self._heartbeat.autopilot == PX4:
             self.enter(mode)
         return RESULT.ACCEPTED
 
-    def _tell(self) -> None:
+    def _publish_telemetry(self) -> None:
         self.publish(common.GlobalPositionInt, self._position, interval=0.25)
         self.publish(
             common.ExtendedSysState,
@@ -216,49 +215,49 @@ class Scripted(Everything):
         )
 
     def _home(self, now):
-        if not self.told_home:
+        if not self.reports_home:
             return None
         return common.HomePosition(
             latitude=round(47.397742 * 1e7), longitude=round(8.545594 * 1e7), altitude=488_000
         )
 
-    def _speak_first(self) -> None:
+    def _answer_after_status_text(self) -> None:
         services = tuple(self._host.engine._services)
         for service in services:
             self._host.engine.remove(service)
-        self.sayer = Sayer(self.address)
-        for service in (self.sayer, *services):
+        self.status_text_on_request = StatusTextOnRequest(self.address)
+        for service in (self.status_text_on_request, *services):
             self.serve(service)
 
-    def _mute(self) -> None:
-        said = self._host.engine.data_to_send
-        self._host.engine.data_to_send = lambda now: [each for each in said(now) if not self.silent]
+    def _discard_data_while_silent(self) -> None:
+        data_to_send = self._host.engine.data_to_send
+        self._host.engine.data_to_send = lambda now: [data for data in data_to_send(now) if not self.silent]
 
     def _on_event(self, event, service=None) -> None:
         if type(event).__name__ == "ModeChanged":
-            if self.acts:
+            if self.executes:
                 self._show_mode(self.modes.current.custom_mode)
             return
         super()._on_event(event, service)
 
     def _show_mode(self, number: int) -> None:
         self._heartbeat.custom_mode = number
-        self._soon()
+        self._send_heartbeat_now()
 
-    def _soon(self) -> None:
+    def _send_heartbeat_now(self) -> None:
         if self.is_open:
             self._heartbeat.send_now(self.now())
             self.wake(self._heartbeat)
 
 
 @dataclass
-class Scene:
-    """A scripted autopilot, and the connection and the vehicle that a program has."""
+class ScriptedHarness:
+    """A scripted autopilot, and the connection and the vehicle of the program that uses it."""
 
-    script: Scripted
-    node: Connection
+    autopilot: ScriptedAutopilot
+    connection: Connection
     vehicle: Vehicle
-    listening: set = field(default_factory=set)
+    packet_listeners: set = field(default_factory=set)
 
     @property
     def camera(self):
@@ -268,64 +267,64 @@ class Scene:
     def gimbal(self):
         return self.vehicle.gimbal
 
-    def say(self, text: str, severity: int = SEVERITY.CRITICAL, after: float = 0.0) -> None:
+    def send_statustext(self, text: str, severity: int = SEVERITY.CRITICAL, after: float = 0.0) -> None:
         """Let the vehicle send a status text, now or after some seconds."""
         if after:
-            asyncio.get_running_loop().call_later(after, self.script.send_statustext, text, severity)
+            asyncio.get_running_loop().call_later(after, self.autopilot.send_statustext, text, severity)
         else:
-            self.script.send_statustext(text, severity)
+            self.autopilot.send_statustext(text, severity)
 
-    def watch_registers(self) -> None:
-        """Count the packet listeners from now on."""
-        packets = self.node._host.packet_dispatch
-        listen, forget = packets.add, packets.remove
-        self.listening = set()
+    def count_packet_listeners(self) -> None:
+        """Start to count the packet listeners that are added."""
+        packets = self.connection._host.packet_dispatch
+        add, remove = packets.add, packets.remove
+        self.packet_listeners = set()
 
-        def listen_counted(*args):
-            listening = listen(*args)
-            self.listening.add(listening)
-            return listening
+        def add_counted(*args):
+            listener = add(*args)
+            self.packet_listeners.add(listener)
+            return listener
 
-        def forget_counted(listening):
-            self.listening.discard(listening)
-            forget(listening)
+        def remove_counted(listener):
+            self.packet_listeners.discard(listener)
+            remove(listener)
 
-        packets.add, packets.remove = listen_counted, forget_counted
+        packets.add, packets.remove = add_counted, remove_counted
 
-    def registers(self) -> dict[str, int]:
+    def open_resources(self) -> dict[str, int]:
         """Return the number of listeners, subscriptions, services and tasks."""
-        node = self.node
+        host = self.connection._host
         return {
-            "listening": len(self.listening),
-            "subscriptions": len(node._host.packet_dispatch._open),
-            "events": len(node._host.event_dispatch._open),
-            "services": len(node._host.engine._services),
-            "waiting": len(node._host.driver._waiting),
+            "packet listeners": len(self.packet_listeners),
+            "subscriptions": len(host.packet_dispatch._open),
+            "event listeners": len(host.event_dispatch._open),
+            "services": len(host.engine._services),
+            "operations": len(host.driver._waiting),
             "tasks": len(asyncio.all_tasks()),
         }
 
 
 @asynccontextmanager
-async def scene(
+async def scripted_harness(
     latency: float = 0.0, network: MemoryNetwork | None = None, **options
-) -> AsyncIterator[Scene]:
+) -> AsyncIterator[ScriptedHarness]:
     """Run a scripted autopilot and a connection that has received its messages."""
     network = network or MemoryNetwork()
     link = impair(network.link(), Impairment(latency=latency)) if latency else network.link()
-    async with Scripted(network.link(), **options) as script, connect(link) as node:
-        vehicle = await node.wait_for_vehicle(1)
+    async with ScriptedAutopilot(network.link(), **options) as autopilot, connect(link) as connection:
+        vehicle = await connection.wait_for_vehicle(1)
         await asyncio.sleep(1.0 + 2 * latency)
-        script.heard.clear()
-        made = Scene(script, node, vehicle)
-        made.watch_registers()
-        yield made
+        autopilot.received.clear()
+        harness = ScriptedHarness(autopilot, connection, vehicle)
+        harness.count_packet_listeners()
+        yield harness
 
 
-def play(scenario: Callable[[Scene], Awaitable[None]], **options) -> None:
+def run_scenario(scenario: Callable[[ScriptedHarness], Awaitable[None]], **options) -> None:
     """Run a scenario in virtual time."""
 
-    async def whole() -> None:
-        async with scene(**options) as made:
-            await scenario(made)
+    async def run() -> None:
+        async with scripted_harness(**options) as harness:
+            await scenario(harness)
 
-    run_virtually(whole())
+    run_virtually(run())

@@ -1,0 +1,90 @@
+"""Lines of standard input from a pipe, and from a terminal in the background and in the foreground."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from textwrap import dedent
+
+import pytest
+
+#: Prints whether it is in the background, then the lines of standard input until `end`.
+READER = dedent(
+    """
+    import asyncio
+    from mavstack.cli.common.stdin_lines import is_in_background, stdin_lines
+
+    async def main():
+        print("background" if is_in_background() else "foreground", flush=True)
+        async for line in stdin_lines():
+            print("read", line, flush=True)
+            if line == "end":
+                return
+
+    asyncio.run(main())
+    """
+)
+#: A shell with job control: it starts the reader in the background of the terminal, and brings it to the
+#: foreground when a line arrives on descriptor 3.
+SHELL = dedent(
+    """
+    import os, signal, subprocess, sys
+
+    signal.signal(signal.SIGTTOU, signal.SIG_IGN)
+    terminal = os.open(sys.argv[1], os.O_RDWR)  # the first terminal of a session controls it
+    commands = os.fdopen(int(sys.argv[2]))
+    reader = subprocess.Popen(
+        [sys.executable, "-c", sys.argv[3]], stdin=terminal, process_group=0, close_fds=True
+    )
+    commands.readline()
+    os.tcsetpgrp(terminal, reader.pid)
+    status = os.waitpid(reader.pid, os.WUNTRACED)[1]
+    if os.WIFSTOPPED(status):
+        print("stopped", flush=True)
+        reader.kill()
+    os._exit(status)
+    """
+)
+
+
+def test_lines_of_a_pipe() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", READER],
+        input="one\ntwo",
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    assert done.stdout.splitlines() == ["foreground", "read one", "read two"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="terminals of POSIX")
+def test_a_process_in_the_background_is_not_stopped_and_reads_in_the_foreground() -> None:
+    import pty
+
+    ours, theirs = pty.openpty()
+    reading, writing = os.pipe()
+    shell = subprocess.Popen(
+        [sys.executable, "-c", SHELL, os.ttyname(theirs), str(reading), READER],
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        pass_fds=[reading],
+    )
+    try:
+        assert shell.stdout is not None
+        os.close(reading)
+        assert shell.stdout.readline() == "background\n"
+        os.write(ours, b"fault\n")
+        os.write(writing, b"check\n")
+        assert shell.stdout.readline() == "read fault\n"
+        os.write(ours, b"end\n")
+        assert shell.stdout.readline() == "read end\n"
+        assert shell.wait(60) == 0
+    finally:
+        shell.kill()
+        shell.communicate()
+        for descriptor in (ours, theirs, writing):
+            os.close(descriptor)
