@@ -64,7 +64,7 @@ def test_files_have_a_limited_size(mav, tmp_path):
         (["udpin://127.0.0.1:0", "-", "--max-size", "5M"], "standard output is one file"),
     ],
 )
-def test_wrong_usage_is_told(mav, tmp_path, words, problem):
+def test_wrong_usage_is_reported(mav, tmp_path, words, problem):
     log = tmp_path / "old.tlog"
     log.write_bytes(b"")
     path = tmp_path / "new.tlog"

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from mavstack.cli.record.status import RecordingStatus
 
 
-def test_the_line_tells_packets_size_rate_and_time():
+def test_the_line_shows_packets_size_rate_and_time():
     recorder = SimpleNamespace(packets=0, bytes=0, path=Path("flight.tlog"))
     status = RecordingStatus(SimpleNamespace(recorder=recorder))
     start = status._started

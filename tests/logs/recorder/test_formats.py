@@ -43,6 +43,6 @@ def test_a_record_of_a_capture_is_a_udp_datagram(packet: bytes, time: int) -> No
     assert datagram[8:] == packet
 
 
-def test_the_header_of_a_capture_tells_ip_packets() -> None:
+def test_the_header_of_a_capture_declares_ip_packets() -> None:
     magic, major, minor, _, _, _, link_type = struct.unpack("<IHHiIII", PCAP.header)
     assert (magic, major, minor, link_type) == (0xA1B2C3D4, 2, 4, 101)

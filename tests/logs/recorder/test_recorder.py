@@ -106,7 +106,7 @@ def test_a_full_disk_leaves_complete_records(tmp_path: Path) -> None:
     writer.close()
 
 
-def test_an_error_of_the_disk_is_told(tmp_path: Path) -> None:
+def test_a_disk_error_is_raised(tmp_path: Path) -> None:
     writer = Recorder(tmp_path / "flight.tlog")
 
     class BrokenDisk:
@@ -212,7 +212,7 @@ def test_limits_that_make_no_sense_are_refused(tmp_path: Path, options: dict[str
     assert not list(tmp_path.iterdir())
 
 
-def test_the_name_tells_the_format(tmp_path: Path) -> None:
+def test_the_name_selects_the_format(tmp_path: Path) -> None:
     for name, options in (("flight.PCAP", {}), ("flight.tlog", {"format": "pcap"})):
         with Recorder(tmp_path / name, **options):
             pass

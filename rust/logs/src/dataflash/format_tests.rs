@@ -8,7 +8,7 @@ fn apply(formats: &mut Formats, log: &mut Log) -> Outcome {
 }
 
 #[test]
-fn a_definition_is_what_fmt_says() {
+fn a_definition_has_the_content_of_its_fmt() {
     let (mut formats, mut log) = (Formats::default(), Log::default());
     log.define(7, "ATT", "Qcc", "TimeUS,Roll,Pitch", 15);
     assert_eq!(apply(&mut formats, &mut log), Outcome::Defined(Redefinition { position: 0, kind: 7, slot: 1 }));
