@@ -198,8 +198,8 @@ def test_a_monitor_that_was_not_entered_leaves_nothing_registered():
         with pytest.raises(asyncio.CancelledError):
             await watching
         after = harness.open_resources()
-        assert {key: after[key] for key in ("listening", "events")} == {
-            key: before[key] for key in ("listening", "events")
+        assert {key: after[key] for key in ("packet listeners", "event listeners")} == {
+            key: before[key] for key in ("packet listeners", "event listeners")
         }
 
     run_scenario(scenario)

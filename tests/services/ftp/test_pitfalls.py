@@ -17,6 +17,7 @@ from mavstack.services import Address, Progress
 from mavstack.services.ftp import FtpClient, FtpError, FtpPayload, FtpServer, MemoryStore, Opcode
 from mavstack.services.ftp.sessions import IDLE_TIMEOUT, MAX_SESSIONS_PER_CLIENT
 from tests.services.ftp.harness import FtpHarness
+from tests.services.ftp.raw_requests import asked, nak, reply
 from tests.services.network import GROUND, START, VEHICLE
 from tests.services.single_service import deliver, sent_by
 
@@ -27,26 +28,6 @@ def ask(server, opcode, data=b"", *, sequence=1, source=GROUND, now=START, **fie
     request = FtpPayload.request(opcode, data, **fields).numbered(sequence)
     deliver(server, request.to_message(*VEHICLE), source, now)
     return [FtpPayload.read(message) for message in sent_by(server, now)]
-
-
-def asked(client, now=START) -> list[FtpPayload]:
-    return [FtpPayload.read(message) for message in sent_by(client, now)]
-
-
-def reply(client, request, data=b"", *, opcode=Opcode.ACK, now=START, **fields) -> None:
-    values = {"session": request.session, "offset": request.offset, "size": len(data)} | fields
-    payload = FtpPayload(
-        (request.sequence + values.pop("ahead", 1)) % 65536,
-        opcode,
-        req_opcode=values.pop("req_opcode", request.opcode),
-        data=data,
-        **values,
-    )
-    deliver(client, payload.to_message(*GROUND), VEHICLE, now)
-
-
-def nak(client, request, *codes, **fields) -> None:
-    reply(client, request, bytes(codes), opcode=Opcode.NAK, **fields)
 
 
 @pytest.fixture
@@ -176,38 +157,6 @@ def test_a_repeated_creation_of_a_directory_that_reports_eexist_has_worked(clien
     client.handle_timeout(client.next_timeout())
     nak(client, request, FtpError.FAILERRNO, 17)
     assert operation.error is None
-
-
-@pytest.mark.parametrize(
-    ("listing", "renamed"), [(b"Dx\0Fnew\t5\0", True), (b"Fold\t5\0", False), (None, False)]
-)
-@pytest.mark.parametrize("error", [(FtpError.FILENOTFOUND,), (FtpError.FAILERRNO, 2)], ids=["code", "errno"])
-def test_a_repeated_rename_without_a_source_has_worked_if_its_target_exists(
-    client, listing, renamed, error
-) -> None:
-    operation = client.rename("old", "dir/new", START)
-    (request,) = asked(client)
-    client.handle_timeout(client.next_timeout())
-    asked(client)
-    nak(client, request, *error)
-    (listed,) = asked(client)
-    assert (listed.opcode, listed.data) == (Opcode.LISTDIRECTORY, b"dir")
-    if listing is None:
-        nak(client, listed, FtpError.FILENOTFOUND)
-    else:
-        reply(client, listed, listing)
-        nak(client, asked(client)[0], FtpError.EOF)
-    assert operation.done
-    assert (operation.error is None) is renamed
-    if not renamed:
-        assert str(operation.error).startswith("renaming old to dir/new on 1/1 failed after 2 attempts")
-
-
-def test_the_first_refusal_of_a_rename_is_final(client) -> None:
-    operation = client.rename("old", "new", START)
-    nak(client, asked(client)[0], FtpError.FILENOTFOUND)
-    assert operation.error is not None
-    assert asked(client) == []
 
 
 def test_a_reply_remembered_from_another_client_is_requested_again_under_a_new_number(client) -> None:
