@@ -1,4 +1,4 @@
-"""The metadata of simulated vehicles' parameters, as component metadata (parameter.schema.json).
+"""The metadata files of simulated vehicles: of parameters (parameter.schema.json) and of PX4's events.
 
 The files in `descriptions` describe the parameters on which the simulation acts, in plain text with one
 parameter per line, in sections by vehicle type:
@@ -24,6 +24,7 @@ from mavstack.files.parameter_metadata.component_json import to_json
 from mavstack.services.component_metadata import GENERAL_NAME, ServedMetadata
 from mavstack.services.ftp import VirtualFile
 from mavstack.services.parameters import ParameterMetadata
+from mavstack.sim.event_metadata import event_metadata
 from mavstack.sim.parameters.tables import expand, rows
 from mavstack.sim.vehicle_types import Firmware
 
@@ -39,6 +40,7 @@ FOLDERS: Final[Mapping[Firmware, str]] = MappingProxyType(
     {Firmware.PX4: "etc/extras", Firmware.ARDUPILOT: "@ROMFS/metadata"}
 )
 _FILE: Final = "parameters.json"
+_EVENTS_FILE: Final = "all_events.json"
 _VERSION: Final = 3
 _FIELDS: Final = 6
 _SCHEMA_TYPES: Final[Mapping[int, str]] = MappingProxyType({common.MavParamType.REAL32: "Float"})
@@ -48,7 +50,10 @@ _SCHEMA_TYPES: Final[Mapping[int, str]] = MappingProxyType({common.MavParamType.
 def served_metadata(firmware: Firmware, vehicle_type: VehicleType) -> ServedMetadata:
     """Return the metadata files of a vehicle: the same for all vehicles of a firmware and a type."""
     content = json.dumps({"version": _VERSION, "parameters": list(_entries(firmware, vehicle_type))})
-    return ServedMetadata(FOLDERS[firmware], {common.CompMetadataType.PARAMETER: (_FILE, content.encode())})
+    contents = {int(common.CompMetadataType.PARAMETER): (_FILE, content.encode())}
+    if firmware is Firmware.PX4:
+        contents[common.CompMetadataType.EVENTS] = (_EVENTS_FILE, event_metadata())
+    return ServedMetadata(FOLDERS[firmware], contents)
 
 
 def metadata_files(firmware: Firmware, vehicle_type: VehicleType) -> dict[str, VirtualFile]:
@@ -58,7 +63,8 @@ def metadata_files(firmware: Firmware, vehicle_type: VehicleType) -> dict[str, V
         path = f"{FOLDERS[firmware]}/{name}.xz"
         return VirtualFile(lambda query: served_metadata(firmware, vehicle_type).files[path])
 
-    return {f"{FOLDERS[firmware]}/{name}.xz": file(name) for name in (GENERAL_NAME, _FILE)}
+    names = (GENERAL_NAME, _FILE, *((_EVENTS_FILE,) if firmware is Firmware.PX4 else ()))
+    return {f"{FOLDERS[firmware]}/{name}.xz": file(name) for name in names}
 
 
 def described(firmware: Firmware, vehicle_type: VehicleType) -> dict[str, ParameterMetadata]:

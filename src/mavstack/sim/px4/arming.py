@@ -1,8 +1,8 @@
 """Arming of PX4: preflight checks and their texts, arming and disarming, and the land detector.
 
 PX4 reports most problems twice: as events, and as STATUSTEXT that starts with "Preflight Fail:". Here all of
-them are status texts. They are sent when they arise while the vehicle is disarmed, on RUN_PREARM_CHECKS, and
-when arming is denied.
+them are status texts, and only refusals are events too (`events.py`). They are sent when they arise while the
+vehicle is disarmed, on RUN_PREARM_CHECKS, and when arming is denied.
 
 After a flight the motors stop COM_DISARM_LAND seconds after landing, in any mode; a vehicle that was armed
 and does not take off is disarmed after COM_DISARM_PRFLT seconds, plus the time that its motors take to spin

@@ -16,6 +16,7 @@ from mavstack.sim.px4 import modes
 from mavstack.sim.px4.arming import LandDetector, PreflightReporter, preflight_problems
 from mavstack.sim.px4.collision_prevention import collision_margin
 from mavstack.sim.px4.commands import register_commands
+from mavstack.sim.px4.events import EventReporter
 from mavstack.sim.px4.external_gps import register_external_gps
 from mavstack.sim.px4.failsafes import Px4Failsafes, setpoints_lost
 from mavstack.sim.px4.flight_parameters import Px4FlightParameters, flight_parameters_of
@@ -50,6 +51,7 @@ class Px4Profile(FirmwareProfile):
         self.state = Px4State()
         self.modes = modes.modes_of(vehicle_type, self.state)
         self.message_log = MessageLog()
+        self.event_reporter = EventReporter()
         self.land = modes.LAND if vehicle_type.flies else modes.HOLD
 
     def flight_parameters(self, vehicle: Vehicle) -> Px4FlightParameters:
@@ -86,6 +88,7 @@ class Px4Profile(FirmwareProfile):
             LimitedVelocity(autopilot, partial(collision_margin, autopilot))
         register_external_gps(vehicle)
         self.message_log.start(vehicle)
+        self.event_reporter.start(vehicle)
         Console(vehicle, self.state, self.message_log)
 
     def provide(self, vehicle: Vehicle) -> None:
