@@ -62,9 +62,10 @@ if TYPE_CHECKING:
     )
     from mavstack.links import open_link
     from mavstack.logs import Log, MessageTable, open_log
-    from mavstack.node import Listener, Node, RemoteComponent, Subscription
+    from mavstack.node import EventListener, EventStream, Listener, Node, RemoteComponent, Subscription
     from mavstack.security import SigningKey
     from mavstack.services import Address
+    from mavstack.services.events import DecodedEvent, LogLevel
     from mavstack.services.mission import MissionItem, Plan
     from mavstack.vehicle import (
         Connection,
@@ -108,10 +109,13 @@ __all__ = [
     "CommandTimeout",
     "Connection",
     "ContactLost",
+    "DecodedEvent",
     "Dialect",
     "DialectError",
     "EncodeError",
     "Encoder",
+    "EventListener",
+    "EventStream",
     "FieldNameError",
     "FieldRangeError",
     "FieldTypeError",
@@ -136,6 +140,7 @@ __all__ = [
     "LocalProtocolError",
     "Log",
     "LogError",
+    "LogLevel",
     "LogTimeout",
     "MavstackError",
     "Message",
@@ -198,10 +203,13 @@ _LAZY_IMPORTS = {
     "CommandTimeout": "mavstack.errors",
     "Connection": "mavstack.vehicle",
     "ContactLost": "mavstack.errors",
+    "DecodedEvent": "mavstack.services.events",
     "Dialect": "mavstack.dialects",
     "DialectError": "mavstack.errors",
     "EncodeError": "mavstack.errors",
     "Encoder": "mavstack.wire",
+    "EventListener": "mavstack.node",
+    "EventStream": "mavstack.node",
     "FieldNameError": "mavstack.errors",
     "FieldRangeError": "mavstack.errors",
     "FieldTypeError": "mavstack.errors",
@@ -226,6 +234,7 @@ _LAZY_IMPORTS = {
     "LocalProtocolError": "mavstack.errors",
     "Log": "mavstack.logs",
     "LogError": "mavstack.errors",
+    "LogLevel": "mavstack.services.events",
     "LogTimeout": "mavstack.errors",
     "MavstackError": "mavstack.errors",
     "Message": "mavstack.dialects",

@@ -2,7 +2,8 @@
 
 from mavstack.node.component import RemoteComponent
 from mavstack.node.dispatch import Listener
+from mavstack.node.events import EventListener, EventStream
 from mavstack.node.node import Node
 from mavstack.node.subscription import Subscription
 
-__all__ = ["Listener", "Node", "RemoteComponent", "Subscription"]
+__all__ = ["EventListener", "EventStream", "Listener", "Node", "RemoteComponent", "Subscription"]

@@ -9,6 +9,7 @@ from mavstack.node.firmware import has_home_item_first
 from mavstack.services import Address
 from mavstack.services.camera import CameraMonitor
 from mavstack.services.command import CommandClient
+from mavstack.services.events import EventReceiver
 from mavstack.services.extended_parameters import ExtendedParameterClient
 from mavstack.services.ftp import FtpClient
 from mavstack.services.gimbal import GimbalMonitor
@@ -112,6 +113,11 @@ class ComponentClients:
     def modes(self) -> ModeMonitor:
         """The monitor that follows the mode from the first use on."""
         return self.host.serve(ModeMonitor(self.host.address, self.address))
+
+    @cached_property
+    def events(self) -> EventReceiver:
+        """The receiver of the component's events, from the first use on."""
+        return self.host.serve(EventReceiver(self.host.address, self.address))
 
     @cached_property
     def ping(self) -> PingClient:

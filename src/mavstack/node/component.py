@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.node.clients import ComponentClients
 from mavstack.node.control import ControlStream
+from mavstack.node.events import EventParts
 from mavstack.node.extended_params import ExtendedParams
 from mavstack.node.ftp import Ftp
 from mavstack.node.logs import Logs
@@ -51,7 +52,7 @@ if TYPE_CHECKING:
 AnyMessage = TypeVar("AnyMessage", bound="Message")
 
 
-class RemoteComponent(PayloadParts, ReadOnly):
+class RemoteComponent(EventParts, PayloadParts, ReadOnly):
     """A component of another system; from `Node.component`, `wait_for_autopilot` or `wait_for_component`."""
 
     _constructed = frozenset({"address"})
@@ -88,6 +89,8 @@ class RemoteComponent(PayloadParts, ReadOnly):
         self._clients.clear_cache()
         if "params" in self.__dict__:
             self.params.clear_cache()
+        if "_event_metadata" in self.__dict__:
+            self._event_metadata.clear_cache()
 
     # Commands and messages
 

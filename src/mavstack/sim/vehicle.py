@@ -266,7 +266,7 @@ class SimulatedVehicle:
 
     def send_statustext(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
         """Send a STATUSTEXT, and log it."""
-        self.services.texts.send_text(text, severity)
+        self.services.texts.send_text(self.profile.sent_text(text), severity)
         self.touch(self.services.texts)
         self.recorder.text(text, severity)
         self._notify("text", text)

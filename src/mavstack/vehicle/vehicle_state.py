@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, MessageTimeout
 from mavstack.node.read_only import ReadOnly
+from mavstack.node.subscription import DEFAULT_QUEUE
+from mavstack.services.events import LogLevel
 from mavstack.services.version import AutopilotVersion
 from mavstack.vehicle.health import Health, health_of
 from mavstack.vehicle.payloads import VehiclePayloads
@@ -18,15 +20,17 @@ from mavstack.vehicle.telemetry import Telemetry, TelemetryStreams
 from mavstack.vehicle.vehicle_type import QUADPLANE_PARAMETER, VehicleType
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from mavstack.node import Node, RemoteComponent
+    from mavstack.node.events import EventListener, EventStream
     from mavstack.node.ftp import Ftp
     from mavstack.node.logs import Logs
     from mavstack.node.modes import Modes
     from mavstack.node.params import Params
     from mavstack.node.shell import Shell
     from mavstack.services import Address
+    from mavstack.services.events import DecodedEvent
     from mavstack.services.heartbeat import ComponentInfo
     from mavstack.vehicle.telemetry.values import HomePosition, Position
 
@@ -154,6 +158,59 @@ class VehicleState(VehiclePayloads, TelemetryStreams, ReadOnly):
     def logs(self) -> Logs:
         """The logs on the vehicle."""
         return self.component.logs
+
+    def events(
+        self,
+        *,
+        severity: int = LogLevel.DEBUG,
+        component: int | None = None,
+        queue: int = DEFAULT_QUEUE,
+    ) -> EventStream:
+        """Subscribe to the vehicle's events (EVENT): notices that arrive in order and each once.
+
+        PX4 has them for arming, refusals, modes, failsafes and checks; ArduPilot has none. Missing events are
+        requested again. Their words are in the vehicle's metadata, which is downloaded once.
+
+        Args:
+            severity: The least severe level to deliver, a MAV_SEVERITY or `LogLevel`; `LogLevel.DISABLED`:
+                every event, also those that are for programs only.
+            component: The component id of the sender; None: the autopilot.
+            queue: Events that are queued while the program does not read; then the oldest is dropped.
+
+        Returns:
+            An async iterator of the events: severity, name, message with its arguments, arguments by name.
+
+        Raises:
+            InvalidTypeError: The severity is not a number.
+            InvalidArgumentError: The severity is not from 0 to 9.
+        """
+        return self._component(component).events(severity=severity, queue=queue)
+
+    def add_event_listener(
+        self,
+        callback: Callable[[DecodedEvent], object],
+        *,
+        severity: int = LogLevel.DEBUG,
+        component: int | None = None,
+    ) -> EventListener:
+        """Call a function with each event of the vehicle (EVENT); see `events`.
+
+        Args:
+            callback: The function. It must return quickly, since it runs in the event loop.
+            severity: The least severe level to deliver, as for `events`.
+            component: The component id of the sender; None: the autopilot.
+
+        Returns:
+            The listener; its `close()` ends the calls.
+
+        Raises:
+            InvalidTypeError: The severity is not a number.
+            InvalidArgumentError: The severity is not from 0 to 9.
+        """
+        return self._component(component).add_event_listener(callback, severity=severity)
+
+    def _component(self, component: int | None) -> RemoteComponent:
+        return self.component if component is None else self.connection.component(self.system, component)
 
     def shell(self) -> Shell:
         """Return a context manager during which the firmware's shell is open (SERIAL_CONTROL).

@@ -8,7 +8,7 @@ from random import Random
 import pytest
 
 from mavstack.errors import MetadataError
-from mavstack.services.events import DecodedEvent, decode_event, parse_event_metadata
+from mavstack.services.events import EventContent, decode_content, parse_event_metadata
 
 ENUM = {
     "type": "uint8_t",
@@ -27,8 +27,8 @@ def document(event=EVENT, enum=ENUM) -> bytes:
     return json.dumps({"version": 2, "components": {"1": component}}).encode()
 
 
-def decoded(event, arguments: bytes = b"", enum=ENUM) -> DecodedEvent:
-    return decode_event(parse_event_metadata(document(event, enum))[0x01000005], arguments)
+def decoded(event, arguments: bytes = b"", enum=ENUM) -> EventContent:
+    return decode_content(parse_event_metadata(document(event, enum))[0x01000005], arguments)
 
 
 def test_arguments_are_decoded_and_put_into_the_message():
@@ -54,6 +54,11 @@ def test_values_without_a_name_and_bitfields():
     assert decoded(EVENT, b"\x02").message == "Stopped: wet at 0.0 m"
     bits = {**ENUM, "is_bitfield": True}
     assert decoded(EVENT, b"\x03", bits).arguments["cause"] == "hot|wet"
+    assert decoded(EVENT, b"\x13", bits).arguments["cause"] == "hot|wet|16"
+    assert decoded(EVENT, b"\x00", bits).arguments["cause"] == "0"
+    assert decoded(EVENT, b"\x03", {**bits, "separator": " and "}).message.startswith(
+        "Stopped: too hot and wet"
+    )
 
 
 @pytest.mark.parametrize(
@@ -66,6 +71,9 @@ def test_values_without_a_name_and_bitfields():
         ("{7} {0} {99999999999999999999}", "{7} {0} {99999999999999999999}"),
         ("{2:.99}", "0.000000000"),
         ("{2:C}", "0 °C"),
+        ("{2m/s} {2:.1m^2} {2feet}", "0 m/s 0.0 m^2 {2feet}"),
+        ("a<b>not for you</b> <i>{1}</i>c ", "a c"),
+        ("1 < 2", "1 < 2"),
     ],
 )
 def test_texts_are_formatted(message, text):
@@ -103,4 +111,4 @@ def test_damaged_files_raise_nothing_else():
         except MetadataError:
             continue
         for definition in table.values():
-            decode_event(definition, random.randbytes(random.randint(0, 40)))
+            decode_content(definition, random.randbytes(random.randint(0, 40)))

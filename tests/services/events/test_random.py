@@ -1,4 +1,4 @@
-"""Events over random networks: each is given once and in order, or counted as lost."""
+"""Events over random networks, with numbers that wrap: each is given once, in order, or counted as lost."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ def scenario(seed: int) -> None:
     ground.engine.add(EventReceiver(GROUND, VEHICLE))
     impairment = random_impairment(random)
     network.connect(ground, vehicle, impairment)
+    sender.latest = random.choice([sender.latest, 65535 - random.randrange(_COUNT), random.randrange(65536)])
 
     def report(number: int) -> None:
         sender.report(number, network.now)

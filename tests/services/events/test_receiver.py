@@ -55,9 +55,9 @@ class Received:
 def test_events_are_given_with_levels_and_arguments():
     received = Received()
     give(received.receiver, event(7, arguments=b"\x01", event_time_boot_ms=5), VEHICLE, START)
-    assert received.receiver.events() == [
-        EventReceived(VEHICLE, 7, 7, 5, 2, 6, b"\x01".ljust(40, b"\0")),
-    ]
+    (found,) = received.receiver.events()
+    assert found == EventReceived(VEHICLE, 7, 7, 5, 2, 6, b"\x01".ljust(40, b"\0"))
+    assert found.time == START
 
 
 def test_duplicates_are_left_out_and_numbers_wrap():
@@ -132,16 +132,17 @@ def test_waiting_events_in_front_of_a_huge_gap_are_not_lost():
 
 def test_a_reset_starts_anew():
     received = Received(event(60), event(62))
+    received.now += 5.0
     received.give(current(10, RESET), current(10, RESET))
     assert received.give(event(11)) == [11]
     assert received.receiver.next_timeout() is None
 
 
 def test_a_reset_with_the_number_of_the_first_event_does_not_lose_it():
-    received = Received(event(60), current(10, RESET))
-    assert received.give(event(10), event(10), event(11), event(11)) == [10, 11]
-    received = Received(event(60), current(10, RESET))
-    assert received.give(event(11), event(11), event(10)) == [11]
+    for events, expected in (((10, 10, 11, 11), [10, 11]), ((11, 11, 10), [11])):
+        received = Received(event(60))
+        received.now += 5.0
+        assert received.give(current(10, RESET), *map(event, events)) == expected
 
 
 def test_a_reboot_whose_reset_was_lost_is_noticed():
@@ -152,6 +153,25 @@ def test_a_reboot_whose_reset_was_lost_is_noticed():
     received.give(current(12))
     assert received.requests() == [(12, 12)]
     assert received.give(event(12), event(13)) == [12, 13]
+
+
+def test_a_reboot_is_noticed_by_an_older_time_of_a_newer_event():
+    received = Received(event(60, event_time_boot_ms=90_000))
+    assert received.give(event(65, event_time_boot_ms=1_000)) == [65]
+    assert received.requests() == []
+
+
+def test_a_requested_event_is_older_than_those_behind_the_gap_without_a_reboot():
+    received = Received(event(60, event_time_boot_ms=10_000), event(62, event_time_boot_ms=90_000))
+    assert received.give(event(61, event_time_boot_ms=11_000)) == [61, 62]
+
+
+def test_a_late_reset_repeats_no_event():
+    received = Received(current(59, RESET), event(60), event(61))
+    received.give(current(59, RESET), event(61))
+    assert received.give(event(62)) == [62]
+    received.now += 3.0
+    assert received.give(current(59, RESET), event(60)) == [60], "the sender rebooted"
 
 
 def test_a_late_announcement_is_no_reboot():

@@ -59,4 +59,5 @@ def test_any_text_comes_back_in_any_order(text: str, random) -> None:
     random.shuffle(messages)
     for message in messages:
         receiver.receive(packet_of(message), START)
-    assert receiver.events() == [StatusText(VEHICLE, 2, text)]
+    expected = StatusText(VEHICLE, 2, text.removesuffix("\t"), has_event=text.endswith("\t"))
+    assert receiver.events() == [expected]

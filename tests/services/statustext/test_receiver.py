@@ -47,6 +47,13 @@ def test_chunks_make_one_text() -> None:
     assert harness.receiver.next_timeout() is None
 
 
+def test_a_tab_at_the_end_says_that_there_is_an_event_too() -> None:
+    harness = ReceiverHarness()
+    harness.receive(common.Statustext(severity=6, text="Armed by stick gesture\t"), *long(5, f"{A}\t"))
+    texts = [StatusText(VEHICLE, 6, "Armed by stick gesture", has_event=True)]
+    assert harness.receiver.events() == [*texts, StatusText(VEHICLE, 6, A, has_event=True)]
+
+
 def test_a_nul_ends_a_text_and_what_follows_it_is_junk() -> None:
     harness = ReceiverHarness()
     harness.receive(common.Statustext(severity=6, text=b"end\0junk", id=5, chunk_seq=0))

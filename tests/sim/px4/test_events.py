@@ -8,7 +8,7 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.services.component_metadata import parse_general
-from mavstack.services.events import decode_event, parse_event_metadata
+from mavstack.services.events import decode_content, parse_event_metadata
 from mavstack.sim.event_metadata import EVENTS, fnv1a
 from mavstack.sim.parameters import served_metadata
 from mavstack.sim.vehicle_types import Firmware, VehicleType
@@ -22,7 +22,7 @@ TABLE = parse_event_metadata(
 
 def decoded(harness: Px4Harness) -> list[tuple[str, str]]:
     events = (
-        decode_event(TABLE[event.id], bytes(event.arguments)) for event in harness.received_of(common.Event)
+        decode_content(TABLE[event.id], bytes(event.arguments)) for event in harness.received_of(common.Event)
     )
     return [(event.name.removeprefix("px4::"), event.message) for event in events]
 
@@ -56,7 +56,7 @@ def test_arming_and_disarming_are_events():
         ("commander_armed_by", "Armed, reason: external command"),
         ("commander_disarmed_by", "Disarmed, reason: external command"),
     ]
-    assert "Armed by external command" in harness.texts
+    assert "Armed by external command\t" in [each.text for each in harness.received_of(common.Statustext)]
 
 
 def test_a_refusal_to_arm_is_a_critical_event():

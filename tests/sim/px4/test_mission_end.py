@@ -22,7 +22,7 @@ def test_mission_is_finished_when_the_return_begins():
             common.MissionCurrent, lambda message: states.append((message.seq, message.mission_state))
         )
         vehicle.add_listener(common.MissionItemReached, lambda message: reached.append(message.seq))
-        vehicle.add_listener(common.Statustext, lambda message: texts.append(message.text))
+        vehicle.add_listener(common.Statustext, lambda message: texts.append(message.text.rstrip()))
         await vehicle.mission.upload(there_and_back(world, PX4))
         await vehicle.mission.fly()
         await asyncio.sleep(2)

@@ -88,7 +88,7 @@ class FleetState:
             case common.MissionCurrent(seq=item, total=total):
                 vehicle.item, vehicle.items = item, total if 0 < total < 0xFFFF else None
             case common.Statustext(text=text):
-                self.texts.append((now, packet.system, text))
+                self.texts.append((now, packet.system, text.rstrip()))
 
     def snapshot(self, now: float) -> FleetSnapshot:
         """Return a copy of the state, which another thread can read."""

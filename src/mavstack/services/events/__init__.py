@@ -8,12 +8,13 @@ On the wire an event has an id, two log levels and up to 40 bytes of arguments. 
 types of its arguments are in the component metadata of type EVENTS (`definitions`).
 """
 
+from mavstack.services.events.decoded import DecodedEvent, decode_event
 from mavstack.services.events.definitions import (
-    DecodedEvent,
     EventArgument,
+    EventContent,
     EventDefinition,
     EventEnum,
-    decode_event,
+    decode_content,
     parse_event_metadata,
 )
 from mavstack.services.events.receiver import EventReceived, EventReceiver, EventsLost
@@ -22,6 +23,7 @@ from mavstack.services.events.sender import EventSender, LogLevel
 __all__ = [
     "DecodedEvent",
     "EventArgument",
+    "EventContent",
     "EventDefinition",
     "EventEnum",
     "EventReceived",
@@ -29,6 +31,7 @@ __all__ = [
     "EventSender",
     "EventsLost",
     "LogLevel",
+    "decode_content",
     "decode_event",
     "parse_event_metadata",
 ]

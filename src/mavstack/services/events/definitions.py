@@ -1,12 +1,13 @@
 """The metadata of events (component metadata of type EVENTS, libevents schema versions 1 and 2).
 
     table = parse_event_metadata(file)
-    decoded = decode_event(table[event.id], event.arguments)
-    decoded.name, decoded.message                   # "px4::commander_armed_by", "Armed by external command"
+    content = decode_content(table[event.id], event.arguments)
+    content.name, content.message                   # "px4::commander_armed_by", "Armed by external command"
 
-A message may contain placeholders `{1}`, `{2:.1m}` (argument, decimals, unit), tags (`<param>`, `<a>`,
-`<profile>`), and backslashes before characters that are meant literally. Version 1 keeps entries in arrays,
-version 2 in objects by number or name. Invalid entries are left out.
+A message may contain placeholders `{1}`, `{2m}`, `{2:.1m}` (argument, decimals, unit), tags (`<param>`,
+`<a>`, `<profile>`; others are left out with their content), and backslashes before characters that are meant
+literally. Version 1 keeps entries in arrays, version 2 in objects by number or name. Invalid entries are left
+out.
 """
 
 from __future__ import annotations
@@ -45,10 +46,13 @@ _UNITS: Final = {"m_v": "m", "C": "°C"}
 _PART = re.compile(
     r"\\(?P<escaped>.)"
     r"|<profile name=\"(?P<not>!?)(?P<profile>[^\"]*)\">(?P<content>.*?)</profile>"
-    r"|<(?P<tag>/?[a-z]+)[^>]*>"
-    r"|\{(?P<index>\d+)(?::(?:\.(?P<decimals>\d+))?(?P<unit>[^}]*))?\}",
+    r"|</?(?:a|param)(?: [^>]*)?>"
+    r"|<(?P<tag>[a-z]+)(?: [^>]*)?>.*?</(?P=tag)>"
+    r"|\{(?P<index>\d+)(?::(?:\.(?P<decimals>\d+))?)?(?P<unit>m_v|m/s|m\^2|m|C)?\}",
     re.DOTALL,
 )
+#: Characters of a text; the rest is left out.
+_MAX_TEXT: Final = 4000
 #: The profile of users who are not developers.
 _PROFILE: Final = "normal"
 
@@ -62,12 +66,14 @@ class EventEnum:
         type: The type on the wire: "uint8_t".
         entries: Name and description of each value.
         is_bitfield: True if a value is a combination of entries.
+        separator: The text between the descriptions of a combination.
     """
 
     name: str
     type: str
     entries: Mapping[int, tuple[str, str]]
     is_bitfield: bool = False
+    separator: str = "|"
 
     def name_of(self, value: int) -> str:
         """Return the name of a value; of a bitfield, names joined by "|"; the number if it has none."""
@@ -75,14 +81,15 @@ class EventEnum:
 
     def text_of(self, value: int) -> str:
         """Return the description of a value; the name or the number if it has none."""
-        return self._joined(value, 1, ", ")
+        return self._joined(value, 1, self.separator)
 
     def _joined(self, value: int, part: int, separator: str) -> str:
         if not self.is_bitfield:
             entry = self.entries.get(value)
             return str(value) if entry is None else entry[part] or entry[0]
         found = [entry[part] or entry[0] for bit, entry in self.entries.items() if value & bit]
-        return separator.join(found) or str(value)
+        unnamed = value & ~sum(self.entries)
+        return separator.join([*found, *([str(unnamed)] if unnamed or not found else [])])
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,8 +123,8 @@ class EventDefinition:
 
 
 @dataclass(frozen=True, slots=True)
-class DecodedEvent:
-    """An event with the words of its definition.
+class EventContent:
+    """The words of one event: those of its definition with its arguments.
 
     Attributes:
         name: Namespace and name: "px4::commander_armed_by".
@@ -159,7 +166,7 @@ def parse_event_metadata(data: bytes) -> dict[int, EventDefinition]:
     return found
 
 
-def decode_event(definition: EventDefinition, arguments: bytes) -> DecodedEvent:
+def decode_content(definition: EventDefinition, arguments: bytes) -> EventContent:
     """Decode the arguments of an event, and put them into its texts.
 
     Args:
@@ -167,7 +174,7 @@ def decode_event(definition: EventDefinition, arguments: bytes) -> DecodedEvent:
         arguments: The arguments as on the wire; missing bytes are zeros.
 
     Returns:
-        The event with its words.
+        The words of the event.
     """
     layout = struct.Struct("<" + "".join(_CODES[argument.type] for argument in definition.arguments))
     numbers = layout.unpack(arguments[: layout.size].ljust(layout.size, b"\0"))
@@ -176,9 +183,9 @@ def decode_event(definition: EventDefinition, arguments: bytes) -> DecodedEvent:
         values[argument.name] = number if argument.enum is None else argument.enum.name_of(number)
 
     def text(template: str) -> str:
-        return _formatted(template, definition.arguments, numbers)
+        return _formatted(template, definition.arguments, numbers).strip()
 
-    return DecodedEvent(definition.name, text(definition.message), text(definition.description), values)
+    return EventContent(definition.name, text(definition.message), text(definition.description), values)
 
 
 def _formatted(template: str, arguments: tuple[EventArgument, ...], numbers: tuple[Any, ...]) -> str:
@@ -188,7 +195,7 @@ def _formatted(template: str, arguments: tuple[EventArgument, ...], numbers: tup
         if part["profile"] is not None:
             shown = (part["profile"] == _PROFILE) != bool(part["not"])
             return _formatted(part["content"], arguments, numbers) if shown else ""
-        if part["tag"]:
+        if part["index"] is None:  # a tag
             return ""
         index = int(part["index"]) - 1 if len(part["index"]) < 3 else -1
         if not 0 <= index < len(numbers):
@@ -258,7 +265,8 @@ def _enums_of(content: dict[str, Any]) -> Iterator[tuple[str, EventEnum]]:
             value = _whole(key, (1 << 64) - 1)
             if value is not None:
                 values[value] = (_text(each, "name"), _text(each, "description"))
-        enum = EventEnum(str(name), entry["type"], values, entry.get("is_bitfield") is True)
+        is_bitfield, separator = entry.get("is_bitfield") is True, _text(entry, "separator") or "|"
+        enum = EventEnum(str(name), entry["type"], values, is_bitfield, separator)
         yield f"{namespace}::{name}", enum
 
 
@@ -279,4 +287,4 @@ def _whole(value: object, maximum: int) -> int | None:
 
 def _text(entry: dict[str, Any], key: str) -> str:
     value = entry.get(key)
-    return value if isinstance(value, str) else ""
+    return value[:_MAX_TEXT] if isinstance(value, str) else ""

@@ -6,13 +6,14 @@ or after some requests without an answer. Lost events are reported as `EventsLos
 `MAX_MISSING` events is skipped up to the last ones, so memory and requests are bounded.
 
 A sender that reboots sets the flag RESET. If that is lost, its numbers are older than the known ones: two
-CURRENT_EVENT_SEQUENCE in a row with older numbers count as a reboot. A sender may announce its first event by
-a RESET with the number of that event, so that event is accepted too.
+CURRENT_EVENT_SEQUENCE in a row with older numbers count as a reboot; or they are newer by chance: then the
+time of the event is older. A RESET with an older number right behind an event is late, and means nothing. A
+sender may announce its first event by a RESET with the number of that event, so that event is accepted too.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
@@ -31,6 +32,8 @@ MAX_REQUESTS: Final = 8
 REQUEST_TIMEOUT: Final = 0.1
 #: Seconds between two older CURRENT_EVENT_SEQUENCE that count as a reboot: more than any reordering.
 _REBOOT_DELAY: Final = 1.0
+#: Milliseconds by which a newer event has an older time if the sender rebooted between the two.
+_REBOOT_MARGIN_MS: Final = 10_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +48,7 @@ class EventReceived(Event):
         level: Level for users: MAV_SEVERITY, 8 for programs only, 9 for disabled.
         internal_level: Level for logs.
         arguments: The 40 bytes of arguments.
+        time: Unix time of its reception, in seconds.
     """
 
     source: Address
@@ -54,6 +58,7 @@ class EventReceived(Event):
     level: int
     internal_level: int
     arguments: bytes
+    time: float = field(default=0.0, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +85,10 @@ class EventReceiver(Service):
         #: The number up to which all events were emitted or lost; None before the first packet.
         self._done: int | None = None
         self._newest = 0
-        self._waiting: dict[int, common.Event] = {}
+        #: The newest event, and the time of its reception; None before it.
+        self._newest_event: tuple[common.Event, float] | None = None
+        #: The received events behind a gap, with the times of their reception.
+        self._waiting: dict[int, tuple[common.Event, float]] = {}
         self._gone: set[int] = set()
         self._after_reset = False
         self._older_since: float | None = None
@@ -95,7 +103,7 @@ class EventReceiver(Service):
                 return self._event(event, now)
             case common.CurrentEventSequence(sequence=sequence, flags=flags):
                 if int(flags) & common.MavEventCurrentSequenceFlags.RESET:
-                    self._reset(sequence)
+                    self._reset(sequence, now)
                 else:
                     self._current(sequence, now)
             case common.ResponseEventError(sequence=sequence, sequence_oldest_available=oldest):
@@ -115,22 +123,36 @@ class EventReceiver(Service):
         self._advance(now)
 
     def _event(self, event: common.Event, now: float) -> bool | None:
-        if self._done is None:
+        if self._done is None or self._is_from_another_boot(event):
             self._continue_from(after(event.sequence, -1))
         steps = self._steps_to(event.sequence)
         if steps == 0 and self._after_reset:
             self._after_reset = False
-            self._emit(event)
+            self._newest_event = event, now
+            self._emit(event, now)
             return None
         if steps <= 0 or event.sequence in self._waiting:
             return False
         self._after_reset, self._older_since = False, None
+        if self._newest_event is None or distance(self._newest_event[0].sequence, event.sequence) > 0:
+            self._newest_event = event, now
         self._extend(event.sequence)
-        self._waiting[event.sequence] = event
+        self._waiting[event.sequence] = event, now
         self._advance(now)
         return None
 
-    def _reset(self, sequence: int) -> None:
+    def _is_from_another_boot(self, event: common.Event) -> bool:
+        """Return whether an event has a newer number and an older time than the newest one."""
+        if self._newest_event is None:
+            return False
+        newest = self._newest_event[0]
+        older = event.event_time_boot_ms + _REBOOT_MARGIN_MS < newest.event_time_boot_ms
+        return older and distance(newest.sequence, event.sequence) > 0
+
+    def _reset(self, sequence: int, now: float) -> None:
+        newest = self._newest_event
+        if newest is not None and self._steps_to(sequence) < 0 and now - newest[1] < _REBOOT_DELAY:
+            return
         if self._done != sequence:
             self._continue_from(sequence)
             self._after_reset = True
@@ -163,6 +185,7 @@ class EventReceiver(Service):
         self._done = self._newest = sequence
         self._waiting.clear()
         self._gone.clear()
+        self._newest_event = None
         self._after_reset, self._older_since = False, None
         self._requests, self._due = 0, None
 
@@ -182,21 +205,21 @@ class EventReceiver(Service):
         end = after(self._done or 0, count)
         numbers = sorted(self._waiting.keys() | self._gone, key=self._steps_to)
         skipped = [number for number in numbers if self._steps_to(number) <= count]
-        events = [event for number in skipped if (event := self._waiting.pop(number, None)) is not None]
+        received = [each for number in skipped if (each := self._waiting.pop(number, None)) is not None]
         self._gone.difference_update(skipped)
         self._done = end
-        self._report_lost(count - len(events))
-        for event in events:
-            self._emit(event)
+        self._report_lost(count - len(received))
+        for event, time in received:
+            self._emit(event, time)
 
     def _step(self) -> int:
         """Emit the next event if it is there; return the number of lost ones: 0 or 1."""
         self._done = after(self._done or 0)
         self._gone.discard(self._done)
-        event = self._waiting.pop(self._done, None)
-        if event is None:
+        received = self._waiting.pop(self._done, None)
+        if received is None:
             return 1
-        self._emit(event)
+        self._emit(*received)
         return 0
 
     def _advance(self, now: float) -> None:
@@ -244,7 +267,7 @@ class EventReceiver(Service):
         if count:
             self.emit(EventsLost(self._source, count))
 
-    def _emit(self, event: common.Event) -> None:
+    def _emit(self, event: common.Event, time: float) -> None:
         if not Address(event.destination_system, event.destination_component).covers(self.local):
             return
         self.emit(
@@ -256,5 +279,6 @@ class EventReceiver(Service):
                 level=event.log_levels & 0xF,
                 internal_level=event.log_levels >> 4,
                 arguments=bytes(event.arguments),
+                time=time,
             )
         )

@@ -4,6 +4,8 @@ Chunks belong together if system, component and id are equal. A text is emitted 
 arrived, in any order, or after a timeout with its missing chunks marked. A chunk that contradicts one of the
 same number belongs to a new text, because ids restart when the sender reboots (which takes longer than the
 timeout). Duplicates are emitted once.
+
+PX4 ends a text by a tab if it sends the same notice as an EVENT too; the tab becomes `has_event`.
 """
 
 from __future__ import annotations
@@ -27,6 +29,8 @@ GAP = "[...]"
 CHUNK_TIMEOUT = 2.0
 #: Seconds for which chunks of an emitted text are recognised as duplicates.
 DUPLICATE_CHUNK_WINDOW = 5.0
+#: The end of a text whose sender also sends an EVENT.
+EVENT_MARK = "\t"
 MAX_TEXTS = 64
 MAX_REMEMBERED = 256
 
@@ -40,12 +44,14 @@ class StatusText(Event):
         severity: Its MAV_SEVERITY.
         text: The text; `GAP` marks lost chunks.
         complete: False if chunks were lost.
+        has_event: True if the component sends an EVENT too, as PX4 marks it.
     """
 
     source: Address
     severity: int
     text: str
     complete: bool = True
+    has_event: bool = False
 
 
 class _Key(NamedTuple):
@@ -128,7 +134,7 @@ class StatustextReceiver(Service):
         if len(self._singles) > MAX_REMEMBERED:
             self._singles.popitem(last=False)
         if before is None or now - before > DUPLICATE_WINDOW:
-            self.emit(StatusText(source, severity, chunk.decode("utf-8", "replace")))
+            self._emit(source, severity, chunk.decode("utf-8", "replace"))
 
     def _chunk(self, key: _Key, severity: int, index: int, chunk: bytes, now: float) -> None:
         text = self._open.get(key)
@@ -147,6 +153,10 @@ class StatustextReceiver(Service):
         elif len(self._open) > MAX_TEXTS:
             self._close(next(iter(self._open)), now)
 
+    def _emit(self, source: Address, severity: int, text: str, complete: bool = True) -> None:
+        has_event = text.endswith(EVENT_MARK)
+        self.emit(StatusText(source, severity, text.removesuffix(EVENT_MARK), complete, has_event))
+
     def _is_copy(self, key: _Key, severity: int, index: int, chunk: bytes, now: float) -> bool:
         emitted = self._emitted.get(key)
         if emitted is None or now > emitted.due:
@@ -158,7 +168,7 @@ class StatustextReceiver(Service):
 
     def _close(self, key: _Key, now: float) -> None:
         text = self._open.pop(key)
-        self.emit(StatusText(key.source, text.severity, text.joined(), text.complete))
+        self._emit(key.source, text.severity, text.joined(), text.complete)
         text.due = now + DUPLICATE_CHUNK_WINDOW
         self._emitted[key] = text
         self._emitted.move_to_end(key)

@@ -191,6 +191,10 @@ class FirmwareProfile(ABC):
     def booted(self, vehicle: Vehicle) -> None:  # noqa: B027 (optional)
         """Send the firmware's texts after boot."""
 
+    def sent_text(self, text: str) -> str:
+        """Return a status text as the firmware sends it."""
+        return text
+
     def home_changed(self, vehicle: Vehicle) -> None:  # noqa: B027 (optional)
         """Send the firmware's messages after a change of home."""
 

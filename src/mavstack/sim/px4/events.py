@@ -1,4 +1,4 @@
-"""PX4's events: it sends them beside status texts, so each follows from its status text."""
+"""PX4's events: it sends them beside status texts, which it marks by a tab, so each follows from its text."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from mavstack.sim.event_metadata import EVENTS, MODE_NUMBERS, REASONS, UNKNOWN_M
 
 if TYPE_CHECKING:
     from mavstack.sim.autopilot.interfaces import Vehicle
+    from mavstack.sim.event_metadata import SimulatedEvent
 
 _PATTERNS: Final = tuple((event, re.compile(event.status_text)) for event in EVENTS)
 
@@ -30,18 +31,26 @@ class EventReporter:
         """Send the event of a status text, if it has one."""
         if kind != "text" or self._sender is None:
             return
-        for event, pattern in _PATTERNS:
-            found = pattern.fullmatch(text)
-            if found is not None:
-                self._sender.report(
-                    event.id,
-                    vehicle.now,
-                    arguments=_arguments(vehicle, found.groupdict()),
-                    level=event.level,
-                    internal_level=event.internal_level,
-                )
-                vehicle.touch(self._sender)
-                return
+        found = find_event(text)
+        if found is not None:
+            event, groups = found
+            self._sender.report(
+                event.id,
+                vehicle.now,
+                arguments=_arguments(vehicle, groups),
+                level=event.level,
+                internal_level=event.internal_level,
+            )
+            vehicle.touch(self._sender)
+
+
+def find_event(text: str) -> tuple[SimulatedEvent, dict[str, str]] | None:
+    """Return the event of a status text, and the words that give its arguments; None if it has none."""
+    for event, pattern in _PATTERNS:
+        found = pattern.fullmatch(text)
+        if found is not None:
+            return event, found.groupdict()
+    return None
 
 
 def _arguments(vehicle: Vehicle, groups: dict[str, str]) -> bytes:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.services.component_metadata import provide_component_metadata
 from mavstack.services.modes import ModeChanged
+from mavstack.services.statustext import EVENT_MARK
 from mavstack.services.version import provide_versions
 from mavstack.sim.autopilot.avoidance import LimitedVelocity
 from mavstack.sim.autopilot.interfaces import FirmwareProfile
@@ -16,7 +17,7 @@ from mavstack.sim.px4 import modes
 from mavstack.sim.px4.arming import LandDetector, PreflightReporter, preflight_problems
 from mavstack.sim.px4.collision_prevention import collision_margin
 from mavstack.sim.px4.commands import register_commands
-from mavstack.sim.px4.events import EventReporter
+from mavstack.sim.px4.events import EventReporter, find_event
 from mavstack.sim.px4.external_gps import register_external_gps
 from mavstack.sim.px4.failsafes import Px4Failsafes, setpoints_lost
 from mavstack.sim.px4.flight_parameters import Px4FlightParameters, flight_parameters_of
@@ -102,6 +103,10 @@ class Px4Profile(FirmwareProfile):
         provide_versions(vehicle.messages, version_of(vehicle))
 
     # Status texts
+
+    def sent_text(self, text: str) -> str:
+        """Return a status text with a tab at its end if an event is sent beside it."""
+        return text if find_event(text) is None else f"{text}{EVENT_MARK}"
 
     def armed(self, autopilot: Autopilot) -> None:
         """Report by whom the vehicle was armed."""

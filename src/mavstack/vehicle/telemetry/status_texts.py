@@ -51,7 +51,8 @@ class StatusTexts:
             if isinstance(event, statustext.StatusText):
                 severity = event.severity
                 member = common.MavSeverity(severity) if severity in _SEVERITIES else severity
-                self._texts.append(StatusText(time, member, event.text, event.source.component))
+                component, has_event = event.source.component, event.has_event
+                self._texts.append(StatusText(time, member, event.text, component, has_event))
 
 
 _SEVERITIES = frozenset(map(int, common.MavSeverity))

@@ -253,9 +253,11 @@ class StatusText:
         severity: The MAV_SEVERITY.
         text: The whole text, joined from its chunks.
         component: The component id of the sender.
+        has_event: True if the component sends an event too, as PX4 marks it; see `Vehicle.events`.
     """
 
     time: float
     severity: common.MavSeverity | int
     text: str
     component: int
+    has_event: bool = False

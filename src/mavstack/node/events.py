@@ -1,0 +1,267 @@
+"""The events of a remote component: `component.events()`, `vehicle.events()`.
+
+    async for event in vehicle.events(severity=LogLevel.WARNING):
+        print(event.severity.name, event.message, event.arguments)
+
+The first stream or listener starts the receiver, which requests missing events from then on. The words of the
+events are in the component's metadata: it is downloaded when the first event arrives, unless it is in the
+user's cache. The events wait for it; if it cannot be had, they are delivered without words.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from functools import cached_property
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final
+
+from mavstack.dialects import common
+from mavstack.errors import InvalidArgumentError, MavstackError, MetadataError, RemoteTimeout
+from mavstack.node.metadata_files import MetadataAccess, MetadataFiles
+from mavstack.node.params import USER_CACHE
+from mavstack.node.read_only import ReadOnly
+from mavstack.node.subscription import DEFAULT_QUEUE
+from mavstack.node.time_budget import TimeBudget
+from mavstack.services.arguments import check_number
+from mavstack.services.events import (
+    EventReceived,
+    EventsLost,
+    LogLevel,
+    decode_event,
+    parse_event_metadata,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+    from types import TracebackType
+    from typing import Self
+
+    from mavstack.files.parameter_metadata import MetadataCache
+    from mavstack.node.clients import ComponentClients
+    from mavstack.node.subscription import Subscription
+    from mavstack.services.events import DecodedEvent, EventDefinition
+
+#: Seconds that the download of the metadata may take while events wait for it.
+METADATA_TIMEOUT: Final = 60.0
+#: Seconds after which the download is tried again if the component did not answer.
+RETRY_INTERVAL: Final = 60.0
+_LOGGER: Final = logging.getLogger("mavstack.node")
+_NO_DEFINITIONS: Final[Mapping[int, EventDefinition]] = MappingProxyType({})
+
+
+class EventMetadata:
+    """The definitions of a component's events, downloaded when they are needed first."""
+
+    def __init__(self, clients: ComponentClients) -> None:
+        self._clients = clients
+        self._files = MetadataFiles(clients)
+        self._loading: asyncio.Task[None] | None = None
+        #: The time from which a download is tried; None: no more until a reboot.
+        self._next_attempt: float | None = 0.0
+        self.definitions = _NO_DEFINITIONS
+
+    def clear_cache(self) -> None:
+        """Download the metadata again when it is needed next, as after a reboot with another firmware."""
+        self._files.clear_cache()
+        self._next_attempt = 0.0
+
+    async def get(self) -> Mapping[int, EventDefinition]:
+        """Return the definitions; none if they cannot be had."""
+        host = self._clients.host
+        due = self._next_attempt is not None and host.is_open and host.now() >= self._next_attempt
+        if self._loading is None and due:
+            self._loading = asyncio.get_running_loop().create_task(self._load())
+        if self._loading is not None:
+            await asyncio.shield(self._loading)
+        return self.definitions
+
+    async def download(self, access: MetadataAccess) -> Mapping[int, EventDefinition]:
+        """Return the definitions from the cache or from the component; raise if they cannot be had."""
+        found = await self._files.get(common.CompMetadataType.EVENTS, access, _parse)
+        self.definitions, self._next_attempt = MappingProxyType(found), None
+        return self.definitions
+
+    async def _load(self) -> None:
+        now = self._clients.host.now
+        try:
+            await self.download(MetadataAccess(TimeBudget(METADATA_TIMEOUT, now), USER_CACHE))
+        except RemoteTimeout as error:
+            _LOGGER.info("events of %s without metadata for now: %s", self._clients.address, error)
+            self._next_attempt = now() + RETRY_INTERVAL
+        except MavstackError as error:
+            _LOGGER.info("events of %s without metadata: %s", self._clients.address, error)
+            self._next_attempt = None
+        finally:
+            self._loading = None
+
+
+class EventStream(ReadOnly):
+    """An async iterator of a component's events, in order and each once; made by `Vehicle.events`.
+
+    Close it by `async with` or `close()`. It ends after `close`, or when the connection closes.
+    """
+
+    def __init__(
+        self, subscription: Subscription[EventReceived | EventsLost], metadata: EventMetadata, severity: int
+    ) -> None:
+        self._subscription = subscription
+        self._metadata = metadata
+        self._severity = severity
+        self._lost = 0
+
+    @property
+    def lost(self) -> int:
+        """The number of events that the component could not send again."""
+        return self._lost
+
+    @property
+    def dropped(self) -> int:
+        """The number of events that were dropped because they were not read in time."""
+        return self._subscription.dropped
+
+    def close(self) -> None:
+        """Unsubscribe. Idempotent."""
+        self._subscription.close()
+
+    def __aiter__(self) -> Self:
+        return self
+
+    async def __anext__(self) -> DecodedEvent:
+        """Return the next event.
+
+        Raises:
+            StopAsyncIteration: The stream or its connection was closed.
+        """
+        while True:
+            # A cancelled wait for the metadata must lose no event, so the event is taken after it.
+            definitions = await self._metadata.get() if await self._subscription.wait() else _NO_DEFINITIONS
+            match await anext(self._subscription):
+                case EventsLost(count=count):
+                    self._lost += count
+                case EventReceived(level=level) as event if level <= self._severity:
+                    return decode_event(event, definitions)
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+class EventListener:
+    """A callback that is called with each event, until `close`; made by `Vehicle.add_event_listener`."""
+
+    def __init__(self, stream: EventStream, callback: Callable[[DecodedEvent], object]) -> None:
+        self._stream = stream
+        self._callback = callback
+        self._task = asyncio.get_running_loop().create_task(self._run())
+
+    @property
+    def lost(self) -> int:
+        """The number of events that the component could not send again."""
+        return self._stream.lost
+
+    def close(self) -> None:
+        """Unregister the callback. Idempotent."""
+        self._stream.close()
+        if self._task is not asyncio.current_task():
+            self._task.cancel()
+
+    async def _run(self) -> None:
+        async for event in self._stream:
+            try:
+                self._callback(event)
+            except Exception as error:  # noqa: BLE001 (a defect of the program must not end the listener)
+                context = {"message": "the listener for events failed", "exception": error}
+                asyncio.get_running_loop().call_exception_handler(context)
+
+
+class EventParts:
+    """The part of a remote component that receives its events."""
+
+    _clients: ComponentClients
+
+    @cached_property
+    def _event_metadata(self) -> EventMetadata:
+        return EventMetadata(self._clients)
+
+    def events(self, *, severity: int = LogLevel.DEBUG, queue: int = DEFAULT_QUEUE) -> EventStream:
+        """Subscribe to the events of the component (EVENT); missing ones are requested again.
+
+        Args:
+            severity: The least severe level to deliver, a MAV_SEVERITY or `LogLevel`; `LogLevel.DISABLED`:
+                every event, also those that are for programs only.
+            queue: Events that are queued while the program does not read; then the oldest is dropped.
+
+        Returns:
+            An async iterator of the events, with the words of the component's metadata.
+
+        Raises:
+            InvalidTypeError: The severity is not a number.
+            InvalidArgumentError: The severity is not from 0 to 9.
+        """
+        check_number("severity", severity)
+        if not 0 <= severity <= LogLevel.DISABLED:
+            raise InvalidArgumentError(f"severity must be from 0 to {int(LogLevel.DISABLED)}, got {severity}")
+        host, receiver = self._clients.host, self._clients.events
+        subscription = host.events(EventReceived, EventsLost, of=receiver, queue=queue)
+        return EventStream(subscription, self._event_metadata, severity)
+
+    def add_event_listener(
+        self, callback: Callable[[DecodedEvent], object], *, severity: int = LogLevel.DEBUG
+    ) -> EventListener:
+        """Call a function with each event of the component (EVENT); missing ones are requested again.
+
+        Args:
+            callback: The function. It must return quickly, since it runs in the event loop.
+            severity: The least severe level to deliver, as for `events`.
+
+        Returns:
+            The listener; its `close()` ends the calls.
+
+        Raises:
+            InvalidTypeError: The severity is not a number.
+            InvalidArgumentError: The severity is not from 0 to 9.
+        """
+        return EventListener(self.events(severity=severity), callback)
+
+    async def download_event_metadata(
+        self,
+        *,
+        fetch: Callable[[str], bytes] | None = None,
+        cache: MetadataCache | None = USER_CACHE,
+        timeout: float | None = None,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Mapping[int, EventDefinition]:
+        """Download the definitions of the events (COMPONENT_METADATA, MAVLink FTP), unless they are cached.
+
+        Streams and listeners do so by themselves, unless the definitions are on a web server.
+
+        Args:
+            fetch: Returns the content of a URL, for components whose metadata is on a web server; called in a
+                thread. The URL comes from the component. None: such a file is refused.
+            cache: Where files are kept by their CRC; None: nowhere.
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+            progress: Called with the bytes received and the bytes in total.
+
+        Returns:
+            The definitions by id, which streams and listeners use from now on.
+
+        Raises:
+            RemoteDenied: The component has no metadata of events, or does not give it.
+            RemoteTimeout: The component does not answer.
+            RemoteProtocolError: The file is damaged, or is not metadata of events.
+            RemoteCancelled: The node was closed.
+        """
+        budget = TimeBudget(timeout, self._clients.host.now)
+        return await self._event_metadata.download(MetadataAccess(budget, cache, fetch, progress))
+
+
+def _parse(data: bytes, uri: str) -> dict[int, EventDefinition]:
+    try:
+        return parse_event_metadata(data)
+    except MetadataError as error:
+        raise MetadataError(error.problem, uri, error.line) from None
