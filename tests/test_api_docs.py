@@ -9,7 +9,7 @@ import pytest
 
 from mavstack import errors
 from mavstack.errors import MavstackError
-from mavstack.node import Node, RemoteComponent
+from mavstack.node import EventListener, EventStream, Node, RemoteComponent
 from mavstack.node.camera import Camera
 from mavstack.node.camera_settings import CameraSettings
 from mavstack.node.extended_params import ExtendedParams
@@ -37,6 +37,8 @@ from mavstack.vehicle import (
 )
 
 PARTS = (
+    EventListener,
+    EventStream,
     Camera,
     CameraSettings,
     Gimbal,

@@ -36,6 +36,8 @@ from mavstack.services.camera import VideoStream
 from mavstack.services.command import CommandRequest
 from mavstack.services.command import CommandResult
 from mavstack.services.command import CommandServer
+from mavstack.services.events import DecodedEvent
+from mavstack.services.events import EventDefinition
 from mavstack.services.extended_parameters import ExtendedParameter
 from mavstack.services.extended_parameters import ExtendedParameterChanged
 from mavstack.services.extended_parameters import ExtendedValue
@@ -91,7 +93,7 @@ from typing import Self
 from typing import TypeVar
 from typing import Unpack
 
-__all__ = ['Actuators', 'Calibration', 'CalibrationSession', 'Camera', 'CameraSettings', 'CommandHandlers', 'Connection', 'ControlStream', 'ExtendedParams', 'Ftp', 'Gimbal', 'Group', 'GuidedSession', 'Listener', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'Recording', 'RegionOfInterest', 'RemoteComponent', 'Results', 'Shell', 'Subscription', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
+__all__ = ['Actuators', 'Calibration', 'CalibrationSession', 'Camera', 'CameraSettings', 'CommandHandlers', 'Connection', 'ControlStream', 'EventListener', 'EventStream', 'ExtendedParams', 'Ftp', 'Gimbal', 'Group', 'GuidedSession', 'Listener', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'Recording', 'RegionOfInterest', 'RemoteComponent', 'Results', 'Shell', 'Subscription', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
 AnyEvent = TypeVar('AnyEvent')
 AnyHandler = TypeVar('AnyHandler', bound='Callable[..., Any]')
 AnyMessage = TypeVar('AnyMessage', bound=Message)
@@ -183,6 +185,49 @@ class Recording:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         ...
+
+class EventStream:
+    """An iterator of a component's events, in order and each once; made by `Vehicle.events`.
+
+    Close it by `async with` or `close()`. It ends after `close`, or when the connection closes.
+    """
+
+    @property
+    def lost(self) -> int:
+        """The number of events that the component could not send again."""
+
+    @property
+    def dropped(self) -> int:
+        """The number of events that were dropped because they were not read in time."""
+
+    def close(self) -> None:
+        """Unsubscribe. Idempotent."""
+
+    def __iter__(self) -> Self:
+        ...
+
+    def __next__(self) -> DecodedEvent:
+        """Return the next event.
+
+        Raises:
+            StopAsyncIteration: The stream or its connection was closed.
+        """
+
+    def __enter__(self) -> Self:
+        ...
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        ...
+
+class EventListener:
+    """A callback that is called with each event, until `close`; made by `Vehicle.add_event_listener`."""
+
+    @property
+    def lost(self) -> int:
+        """The number of events that the component could not send again."""
+
+    def close(self) -> None:
+        """Unregister the callback. Idempotent."""
 
 class CommandHandlers:
     """The command server of a node, with plain and async handlers."""
@@ -1370,6 +1415,59 @@ class Shell:
 
 class RemoteComponent:
     """A component of another system; from `Node.component`, `wait_for_autopilot` or `wait_for_component`."""
+
+    def events(self, *, severity: int=..., queue: int=...) -> EventStream:
+        """Subscribe to the events of the component (EVENT); missing ones are requested again.
+
+        Args:
+            severity: The least severe level to deliver, a MAV_SEVERITY or `LogLevel`; `LogLevel.DISABLED`:
+                every event, also those that are for programs only.
+            queue: Events that are queued while the program does not read; then the oldest is dropped.
+
+        Returns:
+            An iterator of the events, with the words of the component's metadata.
+
+        Raises:
+            InvalidTypeError: The severity is not a number.
+            InvalidArgumentError: The severity is not from 0 to 9.
+        """
+
+    def add_event_listener(self, callback: Callable[[DecodedEvent], object], *, severity: int=...) -> EventListener:
+        """Call a function with each event of the component (EVENT); missing ones are requested again.
+
+        Args:
+            callback: The function. It must return quickly, since it runs in the event loop.
+            severity: The least severe level to deliver, as for `events`.
+
+        Returns:
+            The listener; its `close()` ends the calls.
+
+        Raises:
+            InvalidTypeError: The severity is not a number.
+            InvalidArgumentError: The severity is not from 0 to 9.
+        """
+
+    def download_event_metadata(self, *, fetch: Callable[[str], bytes] | None=None, cache: MetadataCache | None=..., timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> Mapping[int, EventDefinition]:
+        """Download the definitions of the events (COMPONENT_METADATA, MAVLink FTP), unless they are cached.
+
+        Streams and listeners do so by themselves, unless the definitions are on a web server.
+
+        Args:
+            fetch: Returns the content of a URL, for components whose metadata is on a web server; called in a
+                thread. The URL comes from the component. None: such a file is refused.
+            cache: Where files are kept by their CRC; None: nowhere.
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+            progress: Called with the bytes received and the bytes in total.
+
+        Returns:
+            The definitions by id, which streams and listeners use from now on.
+
+        Raises:
+            RemoteDenied: The component has no metadata of events, or does not give it.
+            RemoteTimeout: The component does not answer.
+            RemoteProtocolError: The file is damaged, or is not metadata of events.
+            RemoteCancelled: The node was closed.
+        """
 
     @cached_property
     def camera(self) -> Camera:
@@ -3183,6 +3281,42 @@ class Vehicle:
     @property
     def logs(self) -> Logs:
         """The logs on the vehicle."""
+
+    def events(self, *, severity: int=..., component: int | None=None, queue: int=...) -> EventStream:
+        """Subscribe to the vehicle's events (EVENT): notices that arrive in order and each once.
+
+        PX4 has them for arming, refusals, modes, failsafes and checks; ArduPilot has none. Missing events are
+        requested again. Their words are in the vehicle's metadata, which is downloaded once.
+
+        Args:
+            severity: The least severe level to deliver, a MAV_SEVERITY or `LogLevel`; `LogLevel.DISABLED`:
+                every event, also those that are for programs only.
+            component: The component id of the sender; None: the autopilot.
+            queue: Events that are queued while the program does not read; then the oldest is dropped.
+
+        Returns:
+            An iterator of the events: severity, name, message with its arguments, arguments by name.
+
+        Raises:
+            InvalidTypeError: The severity is not a number.
+            InvalidArgumentError: The severity is not from 0 to 9.
+        """
+
+    def add_event_listener(self, callback: Callable[[DecodedEvent], object], *, severity: int=..., component: int | None=None) -> EventListener:
+        """Call a function with each event of the vehicle (EVENT); see `events`.
+
+        Args:
+            callback: The function. It must return quickly, since it runs in the event loop.
+            severity: The least severe level to deliver, as for `events`.
+            component: The component id of the sender; None: the autopilot.
+
+        Returns:
+            The listener; its `close()` ends the calls.
+
+        Raises:
+            InvalidTypeError: The severity is not a number.
+            InvalidArgumentError: The severity is not from 0 to 9.
+        """
 
     def shell(self) -> Shell:
         """Return a context manager during which the firmware's shell is open (SERIAL_CONTROL).

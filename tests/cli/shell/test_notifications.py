@@ -13,6 +13,7 @@ from mavstack.dialects import common
 from mavstack.errors import CommandDenied
 from mavstack.links import LinkDown
 from mavstack.services import Address
+from mavstack.services.events import DecodedEvent, LogLevel
 from mavstack.services.statustext import StatusText
 from tests.cli.shell.shell_session import COPTER, PX4_COPTER, alone, in_shell
 
@@ -44,6 +45,45 @@ def test_vehicle_lost_and_returned(capsys):
 
     in_shell(COPTER, scenario)
     assert "vehicle 1 lost: its link" in capsys.readouterr().err
+
+
+@pytest.mark.flight
+def test_an_event_is_printed_once(capsys):
+    async def scenario(session, world):
+        async with Notifications(session):
+            for line in ("arm", "disarm", "arm", "disarm"):
+                await run_line(session, line)
+                await asyncio.sleep(2)
+
+    in_shell(PX4_COPTER, scenario)
+    lines = [line for line in capsys.readouterr().err.splitlines() if "rmed" in line]
+    # The metadata is downloaded with the first event, which is known from its status text until then.
+    assert lines == [
+        "Armed by external command",
+        "Disarmed, reason: external command",
+        "Armed, reason: external command",
+        "Disarmed, reason: external command",
+    ]
+
+
+def test_events_replace_the_texts_of_their_component():
+    def event(message: str = "Armed, reason: stick gesture", name: str = "px4::armed") -> DecodedEvent:
+        return DecodedEvent(Address(1, 1), 1, 1, 0.0, 0.0, LogLevel.INFO, LogLevel.INFO, name, message)
+
+    async def scenario(session):
+        line = Notifications(session).line
+        marked = StatusText(Address(1, 1), 6, "Armed by stick gesture", has_event=True)
+        assert line(event("event 0x1", name="")) is None
+        assert line(marked) == ("Armed by stick gesture", "")
+        assert line(event()) is None, "its text was printed"
+        assert line(event()) == ("Armed, reason: stick gesture", "")
+        assert line(marked) is None
+        assert line(StatusText(Address(1, 1), 6, "without an event"))
+        assert line(StatusText(Address(2, 1), 6, "another vehicle", has_event=True))
+        await run_line(session, "set severity warning")
+        assert line(event()) is None
+
+    alone(scenario)
 
 
 def test_severity_setting():

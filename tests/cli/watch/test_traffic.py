@@ -97,5 +97,5 @@ def test_last_status_texts_are_kept():
     traffic = Traffic()
     for index in range(50):
         traffic.add([packet(message=common.Statustext(text=f"text {index}"))], index)
-    assert [text.message.text for text in traffic.texts][-1] == "text 49"
-    assert len(traffic.texts) < 10
+    assert [text.message.text for text in traffic.notices][-1] == "text 49"
+    assert len(traffic.notices) < 10

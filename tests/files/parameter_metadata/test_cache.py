@@ -41,6 +41,15 @@ def test_the_oldest_files_are_removed(tmp_path, monkeypatch):
     ]
 
 
+def test_the_newest_files_of_a_type_are_found_whatever_their_crc(tmp_path):
+    files = MetadataCache(tmp_path)
+    for age, (kind, name) in enumerate([(4, b"new"), (1, b"parameters"), (4, b"old"), (4, b"oldest")]):
+        files.store_crc(kind, age, name)
+        os.utime(tmp_path / f"type{kind}-{age:08x}.metadata", (1000 - age, 1000 - age))
+    assert files.newest(4, 2) == [b"new", b"old"]
+    assert MetadataCache(tmp_path / "none").newest(4, 2) == []
+
+
 def test_keys_stay_in_the_folder(tmp_path):
     kept = MetadataCache(tmp_path / "cache")
     kept.store("../outside", b"x")

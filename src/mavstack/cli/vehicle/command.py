@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.options import finite_number, seconds
-from mavstack.cli.vehicle import calibrate, equipment
+from mavstack.cli.vehicle import calibrate, equipment, events
 from mavstack.cli.vehicle.arguments import add_action, add_flight, add_override, add_place, add_timed
 from mavstack.cli.vehicle.flight_progress import (
     distance_to_altitude,
@@ -43,6 +43,7 @@ examples:
   mav vehicle disarm --force
   mav vehicle home
   mav vehicle home here
+  mav vehicle events --severity warning --for 60
   mav vehicle statustext "survey begins"
   mav vehicle servo 9 1900
   mav vehicle relay 0 on
@@ -90,6 +91,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_action(actions, "info", "show identity, state and health", info)
     action = add_action(actions, "health", "show whether the vehicle is ready to arm, and why not", health)
     action.add_argument("--wait", type=seconds, metavar="SECONDS", help="wait this long until it is ready")
+    events.add_actions(actions)
     action = add_action(actions, "statustext", "send a STATUSTEXT to all components on the link", statustext)
     action.add_argument("text", metavar="TEXT", help="the text to send")
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, TypeAlias
 
+from mavstack.cli.watch.notices import Notices
 from mavstack.cli.watch.traffic import Traffic
 from mavstack.security.timestamps import time_if_set
 from mavstack.wire import Parser
@@ -116,6 +117,7 @@ class Observer:
         #: Called with all received packets, selected or not, and their Unix time (0: not known).
         self.tap: Callable[[Sequence[Packet], float], None] = lambda packets, time: None
         self.traffic = Traffic()
+        self.notices = Notices()
         self.channels: dict[str, Parser] = {}
         self.first_recorded: float | None = None
         self.last_recorded: float | None = None

@@ -137,7 +137,7 @@ def take_snapshot(
         channels=[_quality(name, parser) for name, parser in tuple(observer.channels.items())],
         components=_component_rows(observer, messages, totals),
         messages=messages,
-        texts=[_status_text(packet) for packet in observer.traffic.texts if packet.name == "STATUSTEXT"],
+        texts=observer.notices.texts(tuple(observer.traffic.notices)),
         note=note,
         refused=refused,
     )
@@ -248,9 +248,3 @@ def _quality(name: str, parser: Parser) -> ChannelQuality:
     totals = Totals()
     totals.add(parser)
     return ChannelQuality(name, totals.packets, totals.bad_bytes, totals.all_sources)
-
-
-def _status_text(packet: Packet) -> str:
-    """Return a status text with its sender and severity."""
-    values = {value.name: value.text for value in field_texts(packet.message)}
-    return f"{packet.system}/{packet.component} {values['severity']}: {values['text']}"

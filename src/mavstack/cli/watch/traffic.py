@@ -14,6 +14,8 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
+from mavstack.cli.watch.notices import MAX_NOTICES, is_notice
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -24,8 +26,10 @@ Key: TypeAlias = tuple[int, int, int]
 
 MAX_STREAMS = 20_000
 _MARKS = 6
-_TEXTS = 4
-_STATUSTEXT = 253
+#: Twice as many as are shown, since PX4 sends an event and a status text for one notice.
+_NOTICES = 2 * MAX_NOTICES
+#: STATUSTEXT and EVENT.
+_WITH_NOTICES = frozenset({253, 410})
 
 
 class Rate(NamedTuple):
@@ -82,8 +86,8 @@ class Traffic:
         self.total: Meter | None = None
         #: Packets of streams beyond MAX_STREAMS.
         self.untracked = 0
-        #: The last STATUSTEXT packets.
-        self.texts: deque[Packet] = deque(maxlen=_TEXTS)
+        #: The last STATUSTEXT and EVENT packets for people.
+        self.notices: deque[Packet] = deque(maxlen=_NOTICES)
 
     def add(self, packets: Sequence[Packet], now: float) -> None:
         """Count packets received at the time `now`."""
@@ -101,8 +105,8 @@ class Traffic:
             stream.bytes += length
             stream.packet = packet
             stream.time = now
-            if packet.message_id == _STATUSTEXT:
-                self.texts.append(packet)
+            if packet.message_id in _WITH_NOTICES and is_notice(packet):
+                self.notices.append(packet)
         self._count(packets, size, now)
 
     def mark(self) -> None:

@@ -74,6 +74,16 @@ class MetadataCache:
         """Keep the file of a COMP_METADATA_TYPE with a CRC."""
         self.store(_crc_key(kind, crc), data)
 
+    def newest(self, kind: int, count: int) -> list[bytes]:
+        """Return the newest files of a COMP_METADATA_TYPE, at most `count`, the newest one first."""
+        try:
+            by_age = sorted(self._ages(), reverse=True)
+        except RuntimeError:  # there is no home directory
+            return []
+        keys = [path.name.removesuffix(_SUFFIX) for _, path in by_age]
+        own = [key for key in keys if key.startswith(_crc_prefix(kind))]
+        return [data for key in own[:count] if (data := self.find(key)) is not None]
+
     def find(self, key: str) -> bytes | None:
         """Return the file of a key; None if there is none."""
         path = self._path(key)
@@ -114,4 +124,8 @@ class MetadataCache:
 
 
 def _crc_key(kind: int, crc: int) -> str:
-    return f"type{kind}-{crc:08x}"
+    return f"{_crc_prefix(kind)}{crc:08x}"
+
+
+def _crc_prefix(kind: int) -> str:
+    return f"type{int(kind)}-"
