@@ -50,13 +50,14 @@ class World:
 async def world(
     *kinds: Kind,
     ready: bool = True,
+    payloads: bool = False,
     prepare: Callable[[SimulatedVehicle], None] | None = None,
     **conditions: float,
 ) -> AsyncIterator[World]:
     """Run vehicles that stand at home, ready to arm, and a connection to them."""
     simulation = Simulation(seed=5)
     for kind, firmware in kinds:
-        vehicle = simulation.add(kind, firmware)
+        vehicle = simulation.add(kind, firmware, camera=payloads, gimbal=payloads)
         if prepare is not None:
             prepare(vehicle)
     if ready:
@@ -72,15 +73,16 @@ def fly(
     scenario: Callable[[World, Vehicle], Awaitable[None]],
     *,
     ready: bool = True,
+    payloads: bool = False,
     prepare: Callable[[SimulatedVehicle], None] | None = None,
     **conditions: float,
 ) -> World:
     """Run a scenario with a vehicle (the first of several) in virtual time."""
     kinds = [kind] if isinstance(kind[1], Firmware) else kind
 
-    async def whole() -> World:
-        async with world(*kinds, ready=ready, prepare=prepare, **conditions) as made:
-            await scenario(made, await made.node.wait_for_vehicle(1))
-            return made
+    async def run() -> World:
+        async with world(*kinds, ready=ready, payloads=payloads, prepare=prepare, **conditions) as flown:
+            await scenario(flown, await flown.node.wait_for_vehicle(1))
+            return flown
 
-    return run_virtually(whole())
+    return run_virtually(run())

@@ -62,11 +62,15 @@ class VehicleTracker:
         self.vehicles: dict[int, Vehicle] = {}
         self._components = components
         self._make_vehicle = make_vehicle
+        #: The components whose ComponentFound was received; `components` may hold others already.
+        self._found_addresses: set[Address] = set()
 
     def receive(self, event: object) -> Iterator[Event]:
         """Yield the vehicle events that follow from an event of a component."""
         match event:
             case ComponentFound(info):
+                self._found_addresses &= self._components.keys()
+                self._found_addresses.add(info.address)
                 yield from self._found(info)
             case ComponentChanged(info, before):
                 if (info.is_autopilot, info.is_ground_station) != (
@@ -98,7 +102,8 @@ class VehicleTracker:
             vehicle = self.vehicles[system] = self._make_vehicle(info.address)
             yield VehicleFound(vehicle)
             for other in self._components.values():
-                if other.address.system == system and not (other.is_autopilot or other.is_ground_station):
+                is_payload = not (other.is_autopilot or other.is_ground_station)
+                if other.address.system == system and is_payload and other.address in self._found_addresses:
                     yield PayloadFound(vehicle, other)
 
     def _lost(self, info: ComponentInfo, reason: str) -> Iterator[Event]:

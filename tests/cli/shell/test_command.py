@@ -154,7 +154,8 @@ def test_examples_of_each_shell_command_run(simulate, mav, command, tmp_path, mo
     lines = [example + confirmation for example in command.examples if example not in ELSEWHERE]
     if not lines:
         pytest.skip("tried elsewhere")
-    harness = simulate(VEHICLES.get(command.name, COPTER))
+    payloads = command.name in ("camera", "gimbal")
+    harness = simulate(VEHICLES.get(command.name, COPTER), payloads=payloads)
     for name in ("GRIP_ENABLE", "WINCH_TYPE"):
         if name in harness.vehicle.parameters:
             harness.vehicle.parameters.set(name, 1)
