@@ -68,7 +68,10 @@ WITH_VEHICLE = [
 ]  # fmt: skip
 WITHOUT_VEHICLE = [
     "watch hostile.tlog --once", "watch hostile.tlog --json", "watch hostile.tlog",
-    "watch hostile.tlog --once --json",
+    "watch hostile.tlog --once --json", "record udpin://127.0.0.1:0 new.tlog --for 0.1",
+    "data info hostile.tlog", "data info hostile.tlog --json", "data messages hostile.tlog STATUSTEXT",
+    "data convert hostile.tlog --to csv -o out", "data query hostile.tlog STATUSTEXT.text",
+    "data query hostile.tlog 'SELECT text AS nothing FROM STATUSTEXT' --json",
     "mission show hostile.waypoints", "mission show hostile.plan", "mission convert hostile.plan -",
     "mission convert hostile.waypoints - --force", "param diff hostile.param hostile.param",
     "param diff hostile.param other.param",

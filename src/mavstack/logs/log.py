@@ -214,9 +214,10 @@ class Log(LogTables):
             InvalidArgumentError: `base` is none of these.
             LogError: The log does not hold that clock for the table.
         """
-        return self._times_of(name, self[name], base)
+        return self.times_of(name, self[name], base)
 
-    def _times_of(self, name: str, table: MessageTable, base: ClockChoice) -> NDArray[np.float64]:
+    def times_of(self, name: str, table: MessageTable, base: ClockChoice = "auto") -> NDArray[np.float64]:
+        """Return the time of each row of (a part of) a table in seconds; see `times`."""
         if base not in CLOCKS:
             raise InvalidArgumentError(f"base must be one of {', '.join(CLOCKS)}, got {base!r}")
         kind = self.time_base.kind
@@ -235,7 +236,7 @@ class Log(LogTables):
     def seconds_from_start(self, name: str, table: MessageTable) -> NDArray[np.float64]:
         """Return the times of rows in seconds from the beginning of the log."""
         span = self.time_span
-        return self._times_of(name, table, "auto") - (0.0 if span is None else span[0])
+        return self.times_of(name, table, "auto") - (0.0 if span is None else span[0])
 
     # the vehicle
 

@@ -6,8 +6,9 @@ Data frames have columns of one dimension. An array field therefore becomes a co
 
 from __future__ import annotations
 
+import json
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -50,7 +51,7 @@ class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
         self._source = getattr(parent, "_source", None)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        make, arguments, state = super().__reduce__()[:3]
+        make, arguments, state = cast("tuple[Any, ...]", super().__reduce__())[:3]
         return make, arguments, (state, self._source)
 
     def __setstate__(self, state: Any) -> None:  # noqa: ANN401 (numpy's own state inside)
@@ -135,14 +136,19 @@ class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
     def _element(self, name: str, index: int) -> np.ndarray[Any, np.dtype[Any]]:
         return np.asarray(self[self._field(f"{name}[{index}]")[0]])[:, index]
 
-    def frame(self, arrays: Arrays = "columns") -> dict[str, np.ndarray[Any, np.dtype[Any]]]:
+    def frame(
+        self, arrays: Arrays = "columns", *, scaled: bool = False, enums: bool = False
+    ) -> dict[str, np.ndarray[Any, np.dtype[Any]]]:
         """Return the columns by name, as any library for data frames takes them.
 
-        Texts (`char[n]`) are strings; all other values are those of the table.
+        Texts (`char[n]`) are strings; all other values are those of the table, unless `scaled` or `enums` say
+        otherwise.
 
         Args:
             arrays: "columns" gives a column for each element of an array field (`voltages_0` …), "lists" an
                 array of two dimensions.
+            scaled: True gives numbers in the units of the schema, as float64 with NaN for "unknown".
+            enums: True gives the names of enum values.
 
         Returns:
             Contiguous numpy arrays by column name, in the order of the table.
@@ -155,21 +161,36 @@ class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
         names = self.dtype.names or ()
         columns: dict[str, np.ndarray[Any, np.dtype[Any]]] = {}
         for name in names:
-            column = np.asarray(self[name])
+            column = self._values(name, scaled=scaled, enums=enums)
             if column.ndim > 1 and arrays == "columns":
                 for index in range(column.shape[1]):
-                    element = f"{name}_{index}"
-                    # The definition may have a field of that name.
-                    columns[element if element not in names else f"{name}[{index}]"] = _flat(column[:, index])
+                    columns[self._element_name(name, index)] = _flat(column[:, index])
             else:
                 columns[name] = _flat(column)
         return columns
 
-    def to_pandas(self, arrays: Arrays = "columns") -> pandas.DataFrame:
+    def _values(self, name: str, *, scaled: bool, enums: bool) -> np.ndarray[Any, np.dtype[Any]]:
+        column = np.asarray(self[name])
+        if name.startswith("_") or not (scaled or enums):
+            return column
+        if enums and self.schema[name].enum is not None:
+            return self.enum_names(name)
+        return self.scaled(name) if scaled and column.dtype.kind in "iuf" else column
+
+    def _element_name(self, name: str, index: int) -> str:
+        """Return the name of the column of an element; the definition may have a field of that name."""
+        element = f"{name}_{index}"
+        return element if element not in (self.dtype.names or ()) else f"{name}[{index}]"
+
+    def to_pandas(
+        self, arrays: Arrays = "columns", *, scaled: bool = False, enums: bool = False
+    ) -> pandas.DataFrame:
         """Return the table as a pandas `DataFrame`; `_time` is in UTC.
 
         Args:
             arrays: "columns" gives a column for each element of an array field, "lists" a column of lists.
+            scaled: True gives numbers in the units of the schema, as float64 with NaN for "unknown".
+            enums: True gives the names of enum values.
 
         Returns:
             The data frame, with a copy of the data.
@@ -178,7 +199,7 @@ class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
             InvalidArgumentError: `arrays` is neither "columns" nor "lists".
             MissingExtraError: pandas is not installed.
         """
-        columns: dict[str, Any] = dict(self.frame(arrays))
+        columns: dict[str, Any] = dict(self.frame(arrays, scaled=scaled, enums=enums))
         pd = _module("pandas", "to_pandas()", "pandas")
         for name, column in columns.items():
             if column.ndim > 1:
@@ -188,12 +209,16 @@ class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
         frame: pandas.DataFrame = pd.DataFrame(columns)
         return frame
 
-    def to_polars(self, arrays: Arrays = "columns") -> polars.DataFrame:
+    def to_polars(
+        self, arrays: Arrays = "columns", *, scaled: bool = False, enums: bool = False
+    ) -> polars.DataFrame:
         """Return the table as a polars `DataFrame`; `_time` is in UTC, and null where it is not recorded.
 
         Args:
             arrays: "columns" gives a column for each element of an array field, "lists" a column of the type
                 `Array`.
+            scaled: True gives numbers in the units of the schema, as float64 with NaN for "unknown".
+            enums: True gives the names of enum values.
 
         Returns:
             The data frame.
@@ -202,7 +227,7 @@ class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
             InvalidArgumentError: `arrays` is neither "columns" nor "lists".
             MissingExtraError: polars is not installed.
         """
-        columns = self.frame(arrays)
+        columns = self.frame(arrays, scaled=scaled, enums=enums)
         pl = _module("polars", "to_polars()", "polars")
         frame = pl.DataFrame([pl.Series(name, column) for name, column in columns.items()])
         times = [name for name, column in columns.items() if column.dtype.kind == "M"]
@@ -211,12 +236,16 @@ class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
         )
         return result
 
-    def to_arrow(self, arrays: Arrays = "columns") -> pyarrow.Table:
+    def to_arrow(
+        self, arrays: Arrays = "columns", *, scaled: bool = False, enums: bool = False
+    ) -> pyarrow.Table:
         """Return the table as an Arrow `Table`; `_time` is in UTC, and null where it is not recorded.
 
         Args:
             arrays: "columns" gives a column for each element of an array field, "lists" a column of lists of
                 fixed size.
+            scaled: True gives numbers in the units of the schema, as float64 with NaN for "unknown".
+            enums: True gives the names of enum values.
 
         Returns:
             The table, with a copy of the data.
@@ -225,18 +254,29 @@ class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
             InvalidArgumentError: `arrays` is neither "columns" nor "lists".
             MissingExtraError: pyarrow is not installed.
         """
-        columns = self.frame(arrays)
+        columns = self.frame(arrays, scaled=scaled, enums=enums)
         pa = _module("pyarrow", "to_arrow()", "arrow")
-        converted = {}
-        for name, column in columns.items():
-            if column.ndim > 1:
-                converted[name] = pa.FixedSizeListArray.from_arrays(pa.array(column.ravel()), column.shape[1])
-            elif column.dtype.kind == "M":
-                converted[name] = pa.array(column).cast(pa.timestamp("us", tz="UTC"))
-            else:
-                converted[name] = pa.array(column)
-        table: pyarrow.Table = pa.table(converted)
+        converted = [_arrow_column(pa, column) for column in columns.values()]
+        metadata = self._arrow_metadata(scaled=scaled)
+        fields = [
+            pa.field(name, column.type, metadata=metadata.get(name))
+            for name, column in zip(columns, converted, strict=True)
+        ]
+        description = {"mavstack.table": json.dumps(self.schema.to_dict())}
+        table: pyarrow.Table = pa.table(converted, schema=pa.schema(fields, metadata=description))
         return table
+
+    def _arrow_metadata(self, *, scaled: bool) -> dict[str, dict[str, str]]:
+        """Return the unit, the multiplier, the enum and the description of each column as texts."""
+        found: dict[str, dict[str, str]] = {}
+        for field in self.schema:
+            values = field.to_dict()
+            texts: dict[str, str] = {key: str(values[key]) for key in ("unit", "enum", "description") if key in values}
+            if "multiplier" in values and not scaled:
+                texts["multiplier"] = str(values["multiplier"])
+            names = [self._element_name(field.name, index) for index in range(field.array_length)]
+            found |= dict.fromkeys((field.name, *names), texts)
+        return found
 
 
 def _plain_column(value: Any) -> Any:  # noqa: ANN401 (the types of numpy's own method)
@@ -250,6 +290,14 @@ def _flat(column: np.ndarray[Any, np.dtype[Any]]) -> np.ndarray[Any, np.dtype[An
     if column.dtype.kind == "S":
         return np.char.decode(column, "utf-8", "replace")
     return np.ascontiguousarray(column)
+
+
+def _arrow_column(pa: Any, column: np.ndarray[Any, np.dtype[Any]]) -> Any:  # noqa: ANN401 (optional, without types)
+    if column.ndim > 1:
+        return pa.FixedSizeListArray.from_arrays(_arrow_column(pa, column.ravel()), column.shape[1])
+    if column.dtype.kind == "M":
+        return pa.array(column).cast(pa.timestamp("us", tz="UTC"))
+    return pa.array(column, pa.string()) if column.dtype.kind in "OU" else pa.array(column)
 
 
 def _module(name: str, method: str, extra: str) -> Any:  # noqa: ANN401 (optional, without types)

@@ -70,6 +70,14 @@ def seconds(text: str) -> float:
     return value
 
 
+def seconds_from_start(text: str) -> float:
+    """Parse a number of seconds that is not negative, for argparse."""
+    value = finite_number(text)
+    if value < 0:
+        raise ArgumentTypeError(f"{text!r} is not a number of seconds after the beginning")
+    return value
+
+
 def byte_size(text: str) -> int:
     """Parse a positive number of bytes such as 500k or 2G, for argparse."""
     match = _SIZE.fullmatch(text.strip())

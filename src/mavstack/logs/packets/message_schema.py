@@ -9,6 +9,7 @@ import numpy as np
 from mavstack.dialects.enums import MavFlag
 from mavstack.dialects.invalid_values import invalid_markers
 from mavstack.logs.packets.tables import HEADER_COLUMNS, field_dtype
+from mavstack.logs.packets.units import plain_unit
 from mavstack.logs.schema import EnumSchema, FieldSchema, TableSchema
 
 if TYPE_CHECKING:
@@ -47,9 +48,8 @@ def _field_schema(dialect: Dialect, item: FieldDefinition) -> FieldSchema:
     entries = dialect.enum_values(item.enum) if item.enum else {}
     each, by_first = invalid_markers(item, entries)
     enum = _enum_schema(dialect, item.enum) if item.enum and item.is_integer else None
-    return FieldSchema(
-        item.name, field_dtype(item), item.units, item.factor, enum, each, by_first, item.description
-    )
+    unit, factor = plain_unit(item.units, item.factor)
+    return FieldSchema(item.name, field_dtype(item), unit, factor, enum, each, by_first, item.description)
 
 
 def _enum_schema(dialect: Dialect, name: str) -> EnumSchema:

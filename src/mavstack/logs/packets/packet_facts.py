@@ -42,7 +42,7 @@ def vehicles(log: Log) -> dict[int, LogVehicle]:
         rows = table.where(table["_system"] == system)
         component = int(rows["_component"].min())
         rows = rows.where(rows["_component"] == component)
-        vehicle_type, autopilot = rows[-1:].enum_names("type")[0], rows[-1:].enum_names("autopilot")[0]
+        vehicle_type, autopilot = rows.enum_names("type")[-1], rows.enum_names("autopilot")[-1]
         found[system] = LogVehicle(system, component, vehicle_type, autopilot, len(rows))
     return found
 

@@ -1,0 +1,41 @@
+"""`mav data`: logs on disk, whatever their format: facts, tables, conversion, queries."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from mavstack.cli.common.actions import Actions
+from mavstack.cli.data import convert, info, query
+
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+
+EXAMPLES: Final = """\
+examples:
+  mav data info flight.tlog                 # vehicle, times, messages, damage
+  mav data info flight.tlog --json
+  mav data messages flight.tlog             # the messages with their rates
+  mav data messages flight.tlog ATTITUDE    # the columns of one, with units and enums
+  mav data convert flight.tlog --to parquet -o dataset/
+  mav data convert flight.tlog --to csv -o columns/ --only ATTITUDE,GPS_RAW_INT
+  mav data convert flight.tlog --to kml     # the track, into flight.kml
+  mav data convert logs/*.tlog --to parquet -o dataset/ --jobs 4
+  mav data query flight.tlog "ATTITUDE.roll"
+  mav data query flight.tlog "ATTITUDE.roll where armed"
+  mav data query flight.tlog "ATTITUDE.roll, ATTITUDE.pitch where abs(roll) > 0.1 and mode = 'LOITER'"
+  mav data query flight.tlog "SELECT max(alt) / 1000 FROM GLOBAL_POSITION_INT"
+  mav data query flight.tlog "SELECT * FROM VFR_HUD" --csv | head
+"""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the actions."""
+    actions = Actions(parser, "data", EXAMPLES)
+    for module in (info, convert, query):
+        module.add_actions(actions)
+
+
+def run(arguments: Namespace) -> int:
+    """Run the chosen action."""
+    code: int = arguments.run_action(arguments)
+    return code

@@ -1,0 +1,56 @@
+"""CSV: a file for each message, with a column for each element of an array field.
+
+Times are in UTC by ISO 8601; values that are not known are empty.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Final
+
+from mavstack.errors import MissingExtraError
+from mavstack.logs.export.registry import LogExporter
+from mavstack.logs.export.writer import ExportOptions, ExportWriter, PartFile
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from mavstack.logs.log import Log
+    from mavstack.logs.message_table import MessageTable
+
+
+class CsvWriter(ExportWriter):
+    """Writes a CSV file for each message; to a path with the suffix `.csv`, one message into that file."""
+
+    def __init__(self, log: Log, path: Path, options: ExportOptions) -> None:
+        super().__init__(log, path, options)
+        try:
+            self._csv = import_module("pyarrow.csv")
+        except ImportError:
+            raise MissingExtraError("the export to CSV", "data") from None
+        self._files: dict[str, tuple[PartFile, Any]] = {}
+
+    def write(self, tables: Mapping[str, MessageTable]) -> None:
+        """Write the next rows; see `ExportWriter.write`."""
+        for name, table in tables.items():
+            rows = table.to_arrow("columns", scaled=self.options.scaled, enums=self.options.enums)
+            if name not in self._files:
+                file = PartFile(self.path / f"{name}.csv")
+                self._files[name] = file, self._csv.CSVWriter(file.temporary, rows.schema)
+            self._files[name][1].write_table(rows)
+
+    def finish(self) -> list[Path]:
+        """Complete the files; see `ExportWriter.finish`."""
+        for _, writer in self._files.values():
+            writer.close()
+        return [file.complete() for file, _ in self._files.values()]
+
+    def discard(self) -> None:
+        """Remove incomplete files; see `ExportWriter.discard`."""
+        for file, writer in self._files.values():
+            writer.close()
+            file.discard()
+
+
+CSV: Final = LogExporter("csv", "CSV, a file for each message", ".csv", True, CsvWriter)

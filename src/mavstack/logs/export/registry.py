@@ -1,0 +1,93 @@
+"""The registry of export formats.
+
+Each built-in format is a module that is imported on first use, because most need a library. Other packages
+add formats by entry points of the group `mavstack.log_exporters`: the entry point has the name of the format
+and loads a `LogExporter`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final
+
+from mavstack.errors import InvalidArgumentError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+    from importlib.metadata import EntryPoints
+    from pathlib import Path
+
+    from mavstack.logs.export.writer import ExportOptions, ExportWriter
+    from mavstack.logs.log import Log
+
+ENTRY_POINTS: Final = "mavstack.log_exporters"
+
+
+@dataclass(frozen=True)
+class LogExporter:
+    """A format of exports.
+
+    Attributes:
+        name: Name of the format, such as "parquet".
+        description: One line for users.
+        suffix: Suffix of its files, with the dot.
+        makes_folder: True if an export is a folder with files for each message.
+        open: Makes the writer of a log; raises `MissingExtraError` if a library is missing.
+    """
+
+    name: str
+    description: str
+    suffix: str
+    makes_folder: bool
+    open: Callable[[Log, Path, ExportOptions], ExportWriter]
+
+
+#: Module and object of each built-in format below `mavstack.logs.export`.
+EXPORTERS: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "parquet": "parquet:PARQUET",
+        "csv": "csv_files:CSV",
+        "arrow": "arrow_files:ARROW",
+        "mcap": "mcap_file:MCAP",
+        "mat": "mat_file:MAT",
+        "kml": "track_files:KML",
+        "gpx": "track_files:GPX",
+        "geojson": "track_files:GEOJSON",
+    }
+)
+
+
+def exporter_names() -> tuple[str, ...]:
+    """Return the names of all formats, those of other packages included."""
+    return (*EXPORTERS, *sorted(_plugins().names - EXPORTERS.keys()))
+
+
+def exporter(name: str) -> LogExporter:
+    """Return the format of a name.
+
+    Args:
+        name: The name, such as "parquet".
+
+    Returns:
+        The format.
+
+    Raises:
+        InvalidArgumentError: There is no such format.
+    """
+    if name in EXPORTERS:
+        module, attribute = EXPORTERS[name].split(":")
+        builtin: LogExporter = getattr(import_module(f"mavstack.logs.export.{module}"), attribute)
+        return builtin
+    found = _plugins()
+    if name not in found.names:
+        raise InvalidArgumentError(f"format must be one of {', '.join(exporter_names())}, got {name!r}")
+    plugin: LogExporter = found[name].load()
+    return plugin
+
+
+def _plugins() -> EntryPoints:
+    from importlib.metadata import entry_points
+
+    return entry_points(group=ENTRY_POINTS)

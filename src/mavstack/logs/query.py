@@ -1,0 +1,163 @@
+"""Queries of logs: SQL by DuckDB, with the messages as tables, and a short form.
+
+The names of the tables are those of the messages. A query over several logs sees the rows of all of them,
+with the column `_file`. Only the tables that the query names are decoded. Times are in UTC. If the query
+names `armed` or `mode`, every table has these columns: the state of the vehicle at the time of the row.
+
+The short form is `MESSAGE.FIELD, … [where CONDITION]`: `ATTITUDE.roll where abs(roll) > 0.5` gives the time
+and the fields of one message. DuckDB knows many functions: `histogram`, `quantile_cont`, `time_bucket`, and
+ASOF joins.
+"""
+
+from __future__ import annotations
+
+import re
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from mavstack.errors import InvalidArgumentError, LogError, MissingExtraError
+from mavstack.logs.flight_states import flight_states
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from numpy.typing import NDArray
+
+    from mavstack.logs.log import Log
+
+_WORD: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_FIELD: Final = r"[A-Za-z_]\w*\.[A-Za-z_]\w*(?:\[\d+\])?"
+_SHORT: Final = re.compile(
+    rf"\s*(?P<fields>{_FIELD}(?:\s*,\s*{_FIELD})*)\s*(?:where\s+(?P<condition>.+?))?\s*",
+    re.IGNORECASE | re.DOTALL,
+)
+
+
+def query_logs(
+    logs: Sequence[Log], query: str, *, scaled: bool = False, enums: bool = False
+) -> tuple[list[str], list[tuple[Any, ...]]]:
+    """Ask logs a question.
+
+    Args:
+        logs: The logs, or views of them.
+        query: SQL with messages as tables, or the short form.
+        scaled: True gives values in the units of their schema.
+        enums: True gives the names of enum values.
+
+    Returns:
+        Names of the columns, and the rows.
+
+    Raises:
+        InvalidArgumentError: The query is no valid SQL, or names a table or column that the logs lack.
+        MissingExtraError: DuckDB or pyarrow is not installed.
+        LogError: A log cannot be read.
+    """
+    duckdb = _duckdb()
+    sql = expand_short_form(query) or query
+    with duckdb.connect(":memory:") as connection:
+        for name in _tables_in(logs, sql):
+            connection.register(name, _rows(logs, name, states_in(sql), scaled=scaled, enums=enums))
+        # A query must not read or write other files.
+        connection.execute("SET enable_external_access = false")
+        try:
+            result = connection.execute(sql)
+            if result.description is None:
+                raise InvalidArgumentError("query failed: it gives no rows; write SELECT …")
+            return [column[0] for column in result.description], result.fetchall()
+        except duckdb.Error as error:
+            raise InvalidArgumentError(f"query failed: {_first_line(error)}") from error
+
+
+def expand_short_form(query: str) -> str | None:
+    """Return the SQL of a query in the short form, or None if it is not in that form.
+
+    Args:
+        query: The query.
+
+    Returns:
+        The SQL, or None.
+
+    Raises:
+        InvalidArgumentError: The fields belong to several messages.
+    """
+    found = _SHORT.fullmatch(query)
+    if found is None:
+        return None
+    fields = [field.strip() for field in found["fields"].split(",")]
+    tables = {field.partition(".")[0] for field in fields}
+    if len(tables) > 1:
+        raise InvalidArgumentError(
+            f"query failed: the short form takes fields of one message, got {', '.join(sorted(tables))}; "
+            "join messages in SQL"
+        )
+    columns = ", ".join(_column(field.partition(".")[2]) for field in fields)
+    condition = f" WHERE {found['condition']}" if found["condition"] else ""
+    return f'SELECT _time, {columns} FROM "{tables.pop()}"{condition}'  # noqa: S608 (the user's own query)
+
+
+def _column(field: str) -> str:
+    """Return the SQL of a field; SQL counts the elements of a list from 1."""
+    name, bracket, index = field.partition("[")
+    return f'"{name}"[{int(index.rstrip("]")) + 1}] AS "{field}"' if bracket else f'"{name}"'
+
+
+def _tables_in(logs: Iterable[Log], sql: str) -> list[str]:
+    """Return the tables of the logs that a query names; DuckDB ignores the case of names."""
+    words = {word.lower() for word in _WORD.findall(sql)}
+    return list(dict.fromkeys(name for log in logs for name in log if name.lower() in words))
+
+
+def states_in(sql: str) -> list[str]:
+    """Return which of the columns `armed` and `mode` a query names."""
+    words = set(_WORD.findall(sql.lower()))
+    return [name for name in ("armed", "mode") if name in words]
+
+
+def _rows(logs: Sequence[Log], name: str, states: Sequence[str], *, scaled: bool, enums: bool) -> Any:  # noqa: ANN401 (no types)
+    """Return the rows of all logs as one Arrow table, with times in UTC and the states that are asked for."""
+    pyarrow = import_module("pyarrow")
+    pieces = []
+    for log in logs:
+        if name not in log:
+            continue
+        rows = log[name].to_arrow("lists", scaled=scaled, enums=enums)
+        times = rows.column("_time").cast(pyarrow.timestamp("us"))
+        rows = rows.set_column(rows.column_names.index("_time"), "_time", times)
+        for state in states:
+            if state not in rows.column_names:
+                rows = rows.append_column(state, pyarrow.array(_states(log, name, state)))
+        if len(logs) > 1:
+            files = pyarrow.array([log.path.name]).dictionary_encode().take(pyarrow.array([0] * len(rows)))
+            rows = rows.append_column("_file", files)
+        pieces.append(rows.replace_schema_metadata(None))
+    try:
+        return pyarrow.concat_tables(pieces, promote_options="permissive").combine_chunks()
+    except pyarrow.ArrowException as error:
+        raise LogError(f"query failed: {name} differs between the logs: {error}") from error
+
+
+def _states(log: Log, name: str, state: str) -> NDArray[Any]:
+    """Return a state of the vehicle at each row of a table."""
+    table, times = log[name], log.times(name)
+    states = flight_states(log)
+    systems = np.asarray(table["_system"]) if "_system" in (table.dtype.names or ()) else None
+    values: NDArray[Any] = np.full(len(table), "" if state == "mode" else False, object)
+    for system, each in states.items():
+        rows = slice(None) if systems is None else systems == system
+        values[rows] = getattr(each, state).at(times[rows])
+    return values
+
+
+def _duckdb() -> Any:  # noqa: ANN401 (optional)
+    try:
+        import_module("pyarrow")
+        return import_module("duckdb")
+    except ImportError:
+        raise MissingExtraError("queries of logs", "data") from None
+
+
+def _first_line(error: Exception) -> str:
+    """Return the text of an error of DuckDB without the picture of the position."""
+    return " ".join(line.strip() for line in str(error).split("\n\n")[0].splitlines() if line.strip())

@@ -1,0 +1,103 @@
+"""Queries of logs: SQL, the short form, several logs, states."""
+
+from __future__ import annotations
+
+import pytest
+
+from mavstack import open_log
+from mavstack.errors import InvalidArgumentError
+from mavstack.logs.query import expand_short_form, query_logs
+from tests.logs.flights import flight_tlog
+
+
+def ask(logs, query, **options):
+    return query_logs(logs, query, **options)
+
+
+def test_messages_are_tables(flight):
+    names, rows = ask([flight], "SELECT count(*) AS rows, max(roll) FROM attitude")
+    assert names == ["rows", "max(roll)"]
+    assert rows[0][0] == 10
+    assert rows[0][1] == pytest.approx(0.9)
+
+
+def test_messages_are_joined(flight):
+    _, rows = ask(
+        [flight],
+        "SELECT a.roll, p.alt FROM ATTITUDE a ASOF JOIN GLOBAL_POSITION_INT p "
+        "ON a._system = p._system AND a._time >= p._time",
+    )
+    assert len(rows) == 9, "the first attitude comes before the first position"
+
+
+def test_the_short_form(flight):
+    names, rows = ask([flight], "ATTITUDE.roll, ATTITUDE.time_boot_ms where roll > 0.75")
+    assert names == ["_time", "roll", "time_boot_ms"]
+    assert [row[2] for row in rows] == [8000, 9000]
+    assert str(rows[0][0]) == "2023-11-14 22:13:28.100000"
+
+
+@pytest.mark.parametrize(
+    ("query", "seconds"),
+    [
+        ("ATTITUDE.time_boot_ms where armed", range(2, 8)),
+        ("ATTITUDE.time_boot_ms where not armed", (0, 1, 8, 9)),
+        ("ATTITUDE.time_boot_ms where mode = 'LAND'", range(6, 10)),
+        ("ATTITUDE.time_boot_ms where armed and mode = 'LAND'", (6, 7)),
+    ],
+)
+def test_the_state_of_the_vehicle_is_a_column(flight, query, seconds):
+    _, rows = ask([flight], query)
+    assert [row[1] // 1000 for row in rows] == list(seconds)
+
+
+def test_states_are_those_of_the_same_vehicle(flight):
+    _, rows = ask([flight], "SELECT _system, count(*) FROM global_position_int WHERE armed GROUP BY 1")
+    assert rows == [(1, 6)]
+
+
+def test_elements_of_arrays(flight):
+    assert expand_short_form("BATTERY_STATUS.voltages[1]") == (
+        'SELECT _time, "voltages"[2] AS "voltages[1]" FROM "BATTERY_STATUS"'
+    )
+    names, rows = ask([flight], "BATTERY_STATUS.voltages[0]")
+    assert names == ["_time", "voltages[0]"]
+    assert [row[1] for row in rows[:3]] == [4000, 3999, 3998]
+
+
+def test_units_and_names(flight):
+    _, rows = ask([flight], "SELECT any_value(lat) FROM GLOBAL_POSITION_INT WHERE _system = 2", scaled=True)
+    assert 48.0 <= rows[0][0] < 48.01
+    _, rows = ask([flight], "SELECT DISTINCT type FROM HEARTBEAT WHERE _system = 1", enums=True)
+    assert rows == [("QUADROTOR",)]
+
+
+def test_several_logs_are_one_table(flight, tmp_path):
+    path = tmp_path / "other.tlog"
+    path.write_bytes(flight_tlog())
+    _, rows = ask(
+        [flight, open_log(path, "common")], "SELECT _file, count(*) FROM VFR_HUD GROUP BY 1 ORDER BY 1"
+    )
+    assert rows == [("flight.tlog", 10), ("other.tlog", 10)]
+
+
+@pytest.mark.parametrize(
+    ("query", "problem"),
+    [
+        ("SELECT * FROM NO_SUCH_TABLE", "NO_SUCH_TABLE"),
+        ("SELECT nothing FROM ATTITUDE", "nothing"),
+        ("SELCT 1", "syntax error"),
+        ("ATTITUDE.roll, VFR_HUD.alt", "fields of one message"),
+        ("SELECT * FROM read_csv('/etc/passwd')", "query failed"),
+        ("COPY (SELECT 1) TO '/tmp/stolen.csv'", "query failed"),
+    ],
+)
+def test_a_wrong_query_is_told_in_one_line(flight, query, problem):
+    with pytest.raises(InvalidArgumentError, match=problem) as raised:
+        ask([flight], query)
+    assert "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize("query", ["SELECT 1", "ATTITUDE", "where armed", "ATTITUDE.roll; DROP"])
+def test_other_texts_are_not_in_the_short_form(query):
+    assert expand_short_form(query) is None
