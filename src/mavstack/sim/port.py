@@ -7,13 +7,22 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from mavstack.node.channel_state import ChannelState
+    from mavstack.security import SigningKey
 
 
 @dataclass(eq=False, slots=True)
 class Port:
-    """The connection of a vehicle to one peer; `state` is its channel in the engine, new at each boot."""
+    """The connection of a vehicle to one peer.
+
+    Attributes:
+        name: The name of the peer.
+        key: The signing key; None for no signing.
+        options: The capacity and the MAVLink version of the channel.
+        state: The channel in the engine, new at each boot.
+    """
 
     name: str
+    key: SigningKey | None = None
     options: dict[str, Any] = field(default_factory=dict)
     state: ChannelState | None = None
 

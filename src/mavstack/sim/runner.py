@@ -14,9 +14,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections import defaultdict
 from dataclasses import dataclass
-from itertools import count
 from math import ceil, inf, isinf
 from typing import TYPE_CHECKING
 
@@ -24,7 +22,6 @@ from mavstack.dialects import Dialect
 from mavstack.errors import InvalidArgumentError, LinkClosedError, LinkError, LinkURLError
 from mavstack.links import BytesReceived, Channel, ChannelClosed, ChannelOpened, Link, LinkDown, open_link
 from mavstack.node.link_settings import link_keys
-from mavstack.node.signing_states import SigningStates
 from mavstack.services.addressing import target_of
 from mavstack.sim.simulation import ROUNDING
 from mavstack.wire import Parser
@@ -95,9 +92,6 @@ class Runner:
         self._dialect = Dialect.load("all")
         self._channels: dict[Port, Channel] = {}
         self._keys: dict[Link, SigningKey] = {}
-        self._link_ids = count()
-        #: The signing states outlive a reboot of the vehicle, so that no packet is accepted twice.
-        self._signing_states: defaultdict[SimulatedVehicle, SigningStates] = defaultdict(SigningStates)
         self._tasks: set[asyncio.Task[None]] = set()
 
     @property
@@ -260,11 +254,11 @@ class Runner:
     def _open_channel(self, link: Link, vehicles: Sequence[SimulatedVehicle], channel: Channel) -> None:
         """Open the port of each vehicle on a channel."""
         bandwidth, bulk_rate = self._limits(link.pace)
-        key, number = self._keys.get(link), next(self._link_ids) % 256
+        key = self._keys.get(link)
         ports = {
             vehicle: vehicle.open_port(
                 channel.name,
-                signing=self._signing_states[vehicle].create(key, number, 0),
+                key=key,
                 version=link.settings.version or 2,
                 bandwidth=bandwidth,
                 bulk_rate=bulk_rate,

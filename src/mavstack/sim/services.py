@@ -17,6 +17,7 @@ from mavstack.services.parameters import ParameterWritten
 from mavstack.services.ping import PingServer
 from mavstack.services.serial_control import ShellServer
 from mavstack.services.setpoints import SetpointReceiver
+from mavstack.services.signing_setup import KeySettled, SigningSetupServer
 from mavstack.services.statustext import StatustextSender
 from mavstack.services.timesync import TimesyncServer
 from mavstack.sim.vehicle_types import Firmware
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from mavstack.services.modes import AvailableMode
     from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.port import Port
+    from mavstack.sim.signing_keys import SigningKeys
 
 
 #: Interval of repeated requests for an item of a plan, in seconds.
@@ -39,10 +41,11 @@ _REQUEST_INTERVALS = {Firmware.ARDUPILOT: 1.0, Firmware.PX4: 0.25}
 class Services:
     """The services on one vehicle's engine."""
 
-    def __init__(self, vehicle: Vehicle, dialect: HasCoreDialect) -> None:
+    def __init__(self, vehicle: Vehicle, dialect: HasCoreDialect, keys: SigningKeys) -> None:
         self._vehicle = vehicle
         local, profile = vehicle.address, vehicle.profile
         self.engine = engine = Engine(local, dialect)
+        engine.signing_states = keys.states
         autopilot = vehicle.firmware.mav_autopilot
         self.beacon = engine.add(HeartbeatSender(local, profile.mav_type(vehicle), autopilot))
         self.discovery = engine.add(Discovery(local))
@@ -85,6 +88,8 @@ class Services:
         self.logs = engine.add(LogServer(local, vehicle.storage.logs))
         for service in (PingServer(local), TimesyncServer(local)):
             engine.add(service)
+        self.signing_setup = engine.add(SigningSetupServer(local, may_set=keys.refusal, as_autopilot=True))
+        vehicle.on_event(KeySettled, keys.settled)
         vehicle.on_event(ModeChanged, self._mode_changed)
         vehicle.on_event(ParameterWritten, vehicle.parameters.written)
 

@@ -8,7 +8,7 @@ returns the bytes to send. Requests of clients reach the autopilot as events of 
     vehicle.receive(port, data)
     for port, data in vehicle.data_to_send(): ...
 
-A reboot creates new services and a new autopilot; ports, parameters, plans, files and the body stay.
+A reboot creates new services and a new autopilot; ports, keys, parameters, plans, files and the body stay.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from mavstack.sim.payloads import SimulatedCamera, SimulatedGimbal
 from mavstack.sim.port import Port
 from mavstack.sim.recorder import Recorder
 from mavstack.sim.services import Services
+from mavstack.sim.signing_keys import SigningKeys
 from mavstack.sim.storage import Storage
 
 if TYPE_CHECKING:
@@ -33,13 +34,14 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from mavstack.links.settings import Version
+    from mavstack.security import SigningKey
     from mavstack.services import Address, Event, Service
     from mavstack.sim.autopilot.interfaces import FirmwareProfile, Mode
     from mavstack.sim.motion import Body
     from mavstack.sim.parameters import Parameters
     from mavstack.sim.rangefinders import Rangefinder
     from mavstack.sim.vehicle_types import Firmware, VehicleType
-    from mavstack.wire import Packet, Signing
+    from mavstack.wire import Packet
 
 AnyEvent = TypeVar("AnyEvent", bound="Event")
 
@@ -90,12 +92,13 @@ class SimulatedVehicle:
         self.plans = PlanStore()
         self.now = self.booted_at = now
         self.boots = 0
-        #: Called with the vehicle, "text", "mode", "armed" or "camera", and a description of the event.
+        #: Called with the vehicle, "text", "mode", "armed", "camera" or "signing", and a description.
         self.listeners: list[Callable[[SimulatedVehicle, str, str], None]] = []
         self.ports: list[Port] = []
         self.storage = Storage(self, folder=folder)
         self.recorder = Recorder(self)
         self.faults = Faults(self)
+        self.signing_keys = SigningKeys(self)
         #: True while the links are cut in both directions.
         self.cut_off = False
         #: Data sent before a reboot or a cut.
@@ -113,7 +116,7 @@ class SimulatedVehicle:
         self._reactions: dict[type, list[Callable[[Any], None]]] = defaultdict(list)
         self._to_send: list[tuple[Port, bytes]] = []
         self._tick_due = self.now + self.address.system % 5 * TICK / 5  # spreads the load of a fleet
-        self.services = Services(self, self._dialect)
+        self.services = Services(self, self._dialect, self.signing_keys)
         self.engine = self.services.engine
         self.modes, self.commands = self.services.modes, self.services.commands
         self.messages, self.mission = self.services.messages, self.services.mission
@@ -140,7 +143,7 @@ class SimulatedVehicle:
         self,
         name: str,
         *,
-        signing: Signing | None = None,
+        key: SigningKey | None = None,
         version: Version = 2,
         bandwidth: float | None = None,
         bulk_rate: float | None = None,
@@ -149,7 +152,7 @@ class SimulatedVehicle:
 
         Args:
             name: The name of the peer, for logs.
-            signing: The signing state of the port; None for no signing.
+            key: The signing key of the port, until one is set up on the vehicle; None for no signing.
             version: The MAVLink version of sent packets, 1, 2 or "auto".
             bandwidth: Bytes per second; None if unknown.
             bulk_rate: Packets of logs and files per second; None for no limit.
@@ -158,7 +161,7 @@ class SimulatedVehicle:
             The port.
         """
         capacity = {"bandwidth": bandwidth, "bulk_rate": bulk_rate}
-        port = Port(name, {"signing": signing, "version": version} | capacity)
+        port = Port(name, self.signing_keys.key_of_port(key), {"version": version} | capacity)
         self.ports.append(port)
         self._connect(port)
         self.services.beacon.send_now(self.now)
@@ -175,6 +178,7 @@ class SimulatedVehicle:
 
     def _connect(self, port: Port) -> None:
         port.state = self.engine.open_channel(port.name, **port.options)
+        self.signing_keys.sign(port)
 
     def receive(self, port: Port, data: bytes) -> list[Packet]:
         """Process data from a peer; returns the packets in it."""

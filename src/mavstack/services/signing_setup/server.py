@@ -7,6 +7,9 @@ ArduPilot also refuses while it is armed; the program may do so too.
 A new key is on trial: packets are signed with it, the old way is still accepted, and the client's first
 packet that is signed the new way ends the trial. If none arrives within TRIAL_DURATION seconds, the server
 rolls back. The timestamp of a key is where the signing clock of a component without a clock begins.
+
+With `as_autopilot` the server behaves as ArduPilot and PX4 do: a key counts at once and for good, whatever
+its timestamp, and may be sent to all systems.
 """
 
 from __future__ import annotations
@@ -75,16 +78,29 @@ def refuse_all(request: SigningRequest) -> str | None:
 
 
 class SigningSetupServer(Service):
-    """The signing key of one component; `key` is the initial one."""
+    """The signing key of one component; `key` is the initial one.
+
+    Args:
+        local: The local component.
+        key: The initial key; None for none.
+        may_set: The program's policy.
+        as_autopilot: Accept a key without a trial, as autopilots do.
+    """
 
     handles = message_ids(common.SetupSigning, common.Heartbeat, common.Timesync)
 
     def __init__(
-        self, local: Address, *, key: SigningKey | None = None, may_set: MaySet = refuse_all
+        self,
+        local: Address,
+        *,
+        key: SigningKey | None = None,
+        may_set: MaySet = refuse_all,
+        as_autopilot: bool = False,
     ) -> None:
         super().__init__(local)
         self.key = key
         self._may_set = may_set
+        self._as_autopilot = as_autopilot
         self._trial: _Trial | None = None
         self._newest = 0
         self._seen: OrderedDict[bytes, None] = OrderedDict()
@@ -101,8 +117,7 @@ class SigningSetupServer(Service):
             self._settle(changed=True)
         match packet.message:
             case common.SetupSigning(target_system=system, target_component=component) as message:
-                # A key that was sent to all components is ignored.
-                if (system, component) == self.local and not self._is_copy(packet):
+                if self._is_for_us(Address(system, component)) and not self._is_copy(packet):
                     self._handle(message, SigningRequest(source, _disables(message), packet.signed), now)
 
     def next_timeout(self) -> float | None:
@@ -121,9 +136,8 @@ class SigningSetupServer(Service):
             self._refuse(request, "the timestamp is too far in the future")
             return
         key = None if request.disables else SigningKey(message.secret_key)
-        wanted = self._trial.key if self._trial else self.key
-        if key == wanted or (key is not None and message.initial_timestamp <= self._newest):
-            return  # a repetition, or reordered behind a newer request
+        if not self._as_autopilot and self._is_outdated(key, message.initial_timestamp):
+            return
         reason = self._may_set(request)
         if reason is not None:
             self._refuse(request, reason)
@@ -135,6 +149,17 @@ class SigningSetupServer(Service):
         self._trial = _Trial(key, request.source, now + TRIAL_DURATION)
         self.emit(ListenForKey(request.source, key, message.initial_timestamp))
         self.emit(UseNewKey(request.source))
+        if self._as_autopilot:
+            self._settle(changed=True)
+
+    def _is_for_us(self, target: Address) -> bool:
+        """Return whether a key was sent to the component; one for all is ignored, except by autopilots."""
+        return target == self.local or (self._as_autopilot and target.covers(self.local))
+
+    def _is_outdated(self, key: SigningKey | None, timestamp: int) -> bool:
+        """Return whether a request is a repetition, or was reordered behind a newer one."""
+        wanted = self._trial.key if self._trial else self.key
+        return key == wanted or (key is not None and timestamp <= self._newest)
 
     def _settle(self, *, changed: bool) -> None:
         trial, self._trial = self._trial, None
