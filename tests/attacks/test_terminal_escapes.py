@@ -15,6 +15,7 @@ from mavstack import cli
 from mavstack.cli.registry import COMMANDS, actions_of, command_parser
 from mavstack.dialects import Dialect, common
 from mavstack.links.memory import MemoryChannel
+from mavstack.security import key_store
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.wire import Parser, encode
 from tests.cli.conftest import stamped
@@ -34,7 +35,7 @@ REACHED = {
     "param save - --format mavproxy", "ftp ls /bad", "shell --command modes",
     "shell --command 'arm throttle'", "shell --command 'ftp list /bad'", "watch hostile.tlog",
     "watch hostile.tlog --once", "dialect show hostile.xml", "dialect show hostile.xml BAD_MESSAGE",
-    "camera info",
+    "camera info", "key list",
 }  # fmt: skip
 #: The only modules that may write to the terminal.
 WRITERS = {"common/output.py", "common/live_display.py"}
@@ -57,6 +58,7 @@ WITH_VEHICLE = [
     "ftp put hostile.param /bad/x.param", "ftp mkdir /bad/y",
     "ftp rename /bad/y /bad/z", "ftp crc /none", "ftp rm /none",
     "log list", "log get all", "log erase --yes", "rate ATTITUDE", "rate ATTITUDE 20",
+    "key install hostile.hex udpin://:14550 --yes", "key off udpin://:14550 --key hostile.hex",
     "camera info", "camera list", "camera photo", "camera stop", "camera video start", "camera mode video",
     "camera stream stop 1", "camera zoom 50", "camera focus auto", "camera settings",
     "camera settings CAM_WBMODE Nosuch", "camera track off", "camera format --yes", "camera reset",
@@ -77,6 +79,7 @@ WITHOUT_VEHICLE = [
     "param diff hostile.param other.param",
     "dialect list", "dialect show hostile.xml", "dialect show hostile.xml BAD_MESSAGE",
     "dialect show hostile.xml NOSUCH", "dialect check hostile.xml", "dialect diff common hostile.xml --prose",
+    "key new hostile", "key list", "key remove hostile --yes",
     "dialect import hostile.xml -o facts.xml", "dialect stubs hostile.xml -o stubs",
     "doctor", "sim --for 1 --speed max --out udpout://127.0.0.1:9",
     "demo --for 1 --once", "completion bash",
@@ -139,6 +142,11 @@ def files(tmp_path, monkeypatch) -> None:
     Path("hostile.plan").write_text('{"fileType": "\\u001b[2J", "\\u009b5n": {"\\u001b[2J": 1}}', "utf-8")
     Path("hostile.param").write_text(f"LOG_{name} 1\nRALLY_LIMIT_KM 3\n", "utf-8")
     Path("other.param").write_text("RALLY_LIMIT_KM 4\n", "utf-8")
+    Path("hostile.hex").write_text("ab" * 32, "utf-8")
+    keys = tmp_path / "keys"
+    keys.mkdir()
+    (keys / f"{ATTACK.replace('/', '')}.key").write_text(ATTACK, "utf-8")
+    monkeypatch.setattr(key_store, "key_directory", lambda: keys)
     escape = "\x9b5n\x7f\u202e&#10;"
     Path("hostile.xml").write_text(
         '<mavlink><enums><enum name="E"><entry value="1" name="E_X"/></enum></enums>'

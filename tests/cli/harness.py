@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 from mavstack.cli.common import connection
 from mavstack.cli.shell import command as shell_command
-from mavstack.links import MemoryNetwork
+from mavstack.links import MemoryNetwork, parse_url
 from mavstack.node import Node
+from mavstack.security.key_store import find_key
 from mavstack.sim.simulation import Simulation
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
@@ -79,7 +80,8 @@ class CliHarness:
 
     def _connect(self, *urls: str):
         self.urls = urls
-        return connect(self._network.link())
+        keys = [key for url in urls if (key := parse_url(url).options.get("signing_key"))]
+        return connect(self._network.link(), signing=find_key(keys[0]) if keys else None)
 
     def _run(self, work: Coroutine[None, None, int]) -> int:
         return run_virtually(self._simulated(work))

@@ -69,6 +69,11 @@ class RemoteComponent(EventParts, PayloadParts, ReadOnly):
         return self._clients.info
 
     @property
+    def channels(self) -> tuple[str, ...]:
+        """The names of the open channels on which the component was heard."""
+        return tuple(channel.name for channel in self._host.engine.routes.heard_on(self.address))
+
+    @property
     def is_open(self) -> bool:
         """True while the node is open, so that the component can be reached."""
         return self._host.is_open
@@ -91,8 +96,6 @@ class RemoteComponent(EventParts, PayloadParts, ReadOnly):
             self.params.clear_cache()
         if "_event_metadata" in self.__dict__:
             self._event_metadata.clear_cache()
-
-    # Commands and messages
 
     async def command(
         self,

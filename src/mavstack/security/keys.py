@@ -119,6 +119,11 @@ class SigningKey:
         with os.fdopen(descriptor, "w", encoding="ascii") as file:
             file.write(self._secret.hex() + "\n")
 
+    @property
+    def fingerprint(self) -> str:
+        """16 hexadecimal digits that tell keys apart, from which the key cannot be calculated."""
+        return hmac.digest(self._secret, b"mavstack signing streams", hashlib.sha256)[:8].hex()
+
     def secret_bytes(self) -> bytes:
         """Return the 32 bytes of the key, for SETUP_SIGNING.
 

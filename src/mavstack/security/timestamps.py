@@ -14,8 +14,6 @@ atomically, so that a power failure leaves either the old or the new values.
 
 from __future__ import annotations
 
-import hashlib
-import hmac
 import os
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
@@ -103,7 +101,7 @@ class LastRun:
         Returns:
             The timestamps, by link id, system and component.
         """
-        return dict(self.streams.get(_key_id(key), {}))
+        return dict(self.streams.get(key.fingerprint, {}))
 
 
 class TimestampStore:
@@ -237,14 +235,9 @@ def _merged_streams(
     """Return the streams with the newest timestamp of each."""
     merged = {name: dict(timestamps) for name, timestamps in known.items()}
     for key, newest in streams:
-        timestamps = merged.setdefault(_key_id(key), {})
+        timestamps = merged.setdefault(key.fingerprint, {})
         timestamps.update((stream, max(value, timestamps.get(stream, 0))) for stream, value in newest.items())
     return merged
-
-
-def _key_id(key: SigningKey) -> str:
-    """Return an id of a key from which the key cannot be calculated."""
-    return hmac.digest(key.secret_bytes(), b"mavstack signing streams", hashlib.sha256)[:8].hex()
 
 
 def _format(state: LastRun) -> str:

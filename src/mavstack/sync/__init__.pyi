@@ -1535,6 +1535,10 @@ class RemoteComponent:
         """The component's last heartbeat; None if none was received."""
 
     @property
+    def channels(self) -> tuple[str, ...]:
+        """The names of the open channels on which the component was heard."""
+
+    @property
     def is_open(self) -> bool:
         """True while the node is open, so that the component can be reached."""
 

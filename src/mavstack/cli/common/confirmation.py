@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.output import echo, echo_question
+from mavstack.cli.common.stdin_lines import stdin_lines
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
+
+_NOTHING_SENT: Final = "nothing was sent"
 
 
 def add_yes_option(parser: ArgumentParser) -> None:
@@ -17,23 +20,40 @@ def add_yes_option(parser: ArgumentParser) -> None:
     parser.add_argument("-y", "--yes", action="store_true", help="do not ask for confirmation")
 
 
-def is_confirmed(arguments: Namespace, question: str, action: str) -> bool:
+def is_confirmed(arguments: Namespace, question: str, action: str, *, refused: str = _NOTHING_SENT) -> bool:
     """Return whether the user agrees to an action; say so if not.
 
     Args:
         arguments: The parsed arguments, with `yes`.
         question: What happens, as a question without question mark.
         action: The action, an infinitive for the error.
+        refused: The outcome if the user does not agree.
 
     Raises:
         UsageError: Nobody can be asked, and `--yes` is not given.
     """
     if arguments.yes:
         return True
-    if not sys.stdin.isatty():
+    _ask(question, action)
+    return _is_yes(sys.stdin.readline(), refused)
+
+
+async def is_confirmed_while_connected(arguments: Namespace, question: str, action: str) -> bool:
+    """Ask as `is_confirmed` does, while the event loop goes on and Ctrl-C ends the command."""
+    if arguments.yes:
+        return True
+    _ask(question, action)
+    return _is_yes(await anext(stdin_lines(), ""), _NOTHING_SENT)
+
+
+def _ask(question: str, action: str) -> None:
+    if sys.stdin is None or not sys.stdin.isatty():
         raise UsageError(f"add --yes to {action} without confirmation")
     echo_question(f"{question}? [y/N] ")
-    if sys.stdin.readline().strip().lower() in ("y", "yes"):
+
+
+def _is_yes(answer: str, refused: str) -> bool:
+    if answer.strip().lower() in ("y", "yes"):
         return True
-    echo("nothing was sent", error=True)
+    echo(refused, error=True)
     return False

@@ -1,0 +1,235 @@
+"""`mav key`: the user's signing keys, and the key of a vehicle.
+
+The keys are files in the user's key directory (see `mavstack.security.key_store`); every command that opens
+a link takes one by its name with `--key`. A vehicle gets a key by SETUP_SIGNING, which carries it in the
+clear. A first key is therefore sent only after the user has confirmed the channel, by a question or by
+`--yes`; a later one over the channel on which the vehicle was verified with its present key.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import suppress
+from typing import TYPE_CHECKING, Final
+
+from mavstack.cli.common.actions import Actions
+from mavstack.cli.common.confirmation import add_yes_option, is_confirmed, is_confirmed_while_connected
+from mavstack.cli.common.connection import add_heartbeat_timeout, run_on_vehicle
+from mavstack.cli.common.errors import CommandError, UsageError
+from mavstack.cli.common.link_options import add_link_options
+from mavstack.cli.common.options import seconds
+from mavstack.cli.common.output import align_columns, echo, echo_json
+from mavstack.cli.common.selection import add_system_option, of_vehicle
+from mavstack.cli.common.text import printable
+from mavstack.cli.key.passphrase import read_passphrase
+from mavstack.errors import RemoteTimeout, SigningError
+from mavstack.security import SigningKey
+from mavstack.security.key_store import find_key, key_names, key_path, store_key
+
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+
+    from mavstack.vehicle import Vehicle
+
+EXAMPLES: Final = """\
+examples:
+  mav key new fleet                                 # a random key
+  mav key new club --passphrase                     # the key that ground stations make of a passphrase
+  mav key list
+  mav key install fleet /dev/ttyACM0                # a first key, over a cable
+  mav key install fleet udpin://127.0.0.1:14550 --yes
+  mav key install next udpin://0.0.0.0:14550 --key fleet    # another key, signed with the present one
+  mav key off udpin://0.0.0.0:14550 --key next      # turn signing off
+  mav key remove club                               # forget it on this machine
+"""
+
+#: Seconds to wait for a packet of the vehicle: three heartbeats.
+_PACKET_TIMEOUT: Final = 3.0
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the actions."""
+    actions = Actions(parser, "key", EXAMPLES)
+    action = actions.add("new", "make a key on this machine", new)
+    action.add_argument("name", metavar="NAME", help="name of the key: letters, digits, '_', '-' and '.'")
+    action.add_argument(
+        "--passphrase",
+        action="store_true",
+        help="make it of a passphrase as ground stations do (SHA-256); it is asked for, or read from stdin",
+    )
+    _add_json(action)
+    _add_json(actions.add("list", "list the keys on this machine", show))
+    action = actions.add("install", "set the signing key of a vehicle", install)
+    action.add_argument("name", metavar="FILE|NAME", help="the new key: its name, or the path of its file")
+    _add_vehicle(action)
+    add_yes_option(action)
+    action = actions.add("off", "turn signing off on a vehicle", turn_off)
+    _add_vehicle(action)
+    action = actions.add("remove", "remove a key from this machine; vehicles keep it", remove)
+    action.add_argument("name", metavar="NAME", help="name of the key")
+    add_yes_option(action)
+    _add_json(action)
+
+
+def _add_json(parser: ArgumentParser) -> None:
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def _add_vehicle(parser: ArgumentParser) -> None:
+    """Declare the link to the vehicle, which is always named: a key goes nowhere by default."""
+    parser.set_defaults(changes=True)  # for the selection of the vehicle
+    parser.add_argument("url", nargs=1, metavar="URL", help="link to the vehicle")
+    parser.add_argument(
+        "--action-timeout",
+        type=seconds,
+        metavar="SECONDS",
+        help="time for the whole action (default: as long as the vehicle may still answer)",
+    )
+    _add_json(parser)
+    group = parser.add_argument_group("vehicle")
+    add_system_option(group, fleet=False, changes=True)
+    add_heartbeat_timeout(group)
+    add_link_options(parser.add_argument_group("links"))
+
+
+def run(arguments: Namespace) -> int:
+    """Run the chosen action."""
+    code: int = arguments.run_action(arguments)
+    return code
+
+
+def new(arguments: Namespace) -> int:
+    """Run `mav key new`."""
+    key_path(arguments.name)  # an invalid name is refused before anything is asked
+    key = SigningKey.from_passphrase(read_passphrase()) if arguments.passphrase else SigningKey.generate()
+    path = store_key(arguments.name, key)
+    facts = {"name": arguments.name, "fingerprint": key.fingerprint, "path": str(path)}
+    _report(arguments, facts, f"{path} made; commands take it with --key {arguments.name}")
+    return 0
+
+
+def show(arguments: Namespace) -> int:
+    """Run `mav key list`."""
+    rows = [_row(name) for name in key_names()]
+    if arguments.json:
+        echo_json(
+            [
+                {"name": name, "fingerprint": text or None, "problem": problem or None}
+                for name, text, problem in rows
+            ]
+        )
+    elif rows:
+        echo(*align_columns([("NAME", "FINGERPRINT", ""), *rows]))
+    else:
+        echo("there is no key; mav key new NAME makes one", error=True)
+    return 0
+
+
+def install(arguments: Namespace) -> int:
+    """Run `mav key install`."""
+    key = find_key(arguments.name)
+
+    async def work(vehicle: Vehicle) -> int:
+        await _require_ready(vehicle, arguments)
+        channel = None if arguments.signing_key else _channel_of(vehicle)
+        if channel is not None and not await _is_confirmed(vehicle, arguments, channel):
+            return 1
+        await _setup_signing(vehicle, arguments, key, channel)
+        facts = {"system": vehicle.system, "key": arguments.name, "fingerprint": key.fingerprint}
+        text = f"signs and verifies with the key {arguments.name}; reach it with --key {arguments.name}"
+        _report(arguments, facts, of_vehicle(vehicle, text))
+        return 0
+
+    return run_on_vehicle(arguments, work)
+
+
+def turn_off(arguments: Namespace) -> int:
+    """Run `mav key off`."""
+    arguments.name = arguments.signing_key
+    if arguments.name is None:
+        raise UsageError("name the present key with --key: only who has it can turn signing off")
+
+    async def work(vehicle: Vehicle) -> int:
+        await _require_ready(vehicle, arguments)
+        await _setup_signing(vehicle, arguments, None, None)
+        _report(arguments, {"system": vehicle.system, "key": None}, of_vehicle(vehicle, "signing turned off"))
+        return 0
+
+    return run_on_vehicle(arguments, work)
+
+
+def remove(arguments: Namespace) -> int:
+    """Run `mav key remove`."""
+    path = key_path(arguments.name)
+    if not path.is_file():
+        find_key(arguments.name)  # raises with the names that exist
+        raise CommandError(f"there is no key {arguments.name!r} in {path.parent}")
+    question = f"remove {path}? A vehicle that uses this key cannot be reached without it. Remove it"
+    if not is_confirmed(arguments, question, "remove a key", refused="nothing was removed"):
+        return 1
+    path.unlink()
+    _report(arguments, {"removed": arguments.name}, f"{path} removed")
+    return 0
+
+
+def _row(name: str) -> tuple[str, str, str]:
+    """Return the name, the fingerprint and the problem of a key."""
+    try:
+        return name, find_key(str(key_path(name))).fingerprint, ""
+    except SigningError as error:
+        return name, "", str(error)
+
+
+async def _require_ready(vehicle: Vehicle, arguments: Namespace) -> None:
+    """Refuse at once what the vehicle would ignore: any request while armed, unsigned ones if it signs."""
+    if vehicle.armed:
+        raise CommandError(of_vehicle(vehicle, "it is armed; autopilots take no key then: disarm it first"))
+    if arguments.signing_key is None and await _signs(vehicle):
+        raise CommandError(of_vehicle(vehicle, "it has a key already; name its present key with --key"))
+
+
+async def _signs(vehicle: Vehicle) -> bool:
+    """Return whether the next packet of the vehicle is signed."""
+    async with vehicle.connection.packets(system=vehicle.system) as packets:
+        with suppress(TimeoutError):
+            async with asyncio.timeout(_PACKET_TIMEOUT):
+                return (await anext(packets)).signed
+    return False
+
+
+def _channel_of(vehicle: Vehicle) -> str:
+    """Return the name of the channel that leads to the vehicle."""
+    channels = vehicle.component.channels
+    if len(channels) != 1:
+        raise CommandError(of_vehicle(vehicle, "it is heard over several channels; name one link to it"))
+    return channels[0]
+
+
+async def _is_confirmed(vehicle: Vehicle, arguments: Namespace, channel: str) -> bool:
+    """Return whether the user agrees to send a key in the clear over a channel."""
+    question = (
+        f"the key is sent in the clear to vehicle {vehicle.system} over {printable(channel)}: whoever reads "
+        "this link learns it. Send it"
+    )
+    return await is_confirmed_while_connected(arguments, question, "send a first key in the clear")
+
+
+async def _setup_signing(
+    vehicle: Vehicle, arguments: Namespace, key: SigningKey | None, channel: str | None
+) -> None:
+    unknown = "it may have taken it: try with" if key is not None else "signing may be off: try without"
+    unknown = f"{unknown} --key {arguments.name}"
+    try:
+        await vehicle.component.setup_signing(key, channel=channel, timeout=arguments.action_timeout)
+    except RemoteTimeout as error:
+        raise CommandError(f"{error}; {unknown}") from error
+    except asyncio.CancelledError:
+        echo(f"interrupted: vehicle {vehicle.system}: {unknown}", error=True)
+        raise
+
+
+def _report(arguments: Namespace, for_programs: dict[str, object], text: str) -> None:
+    if arguments.json:
+        echo_json(for_programs)
+    else:
+        echo(text)
