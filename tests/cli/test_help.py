@@ -57,6 +57,7 @@ EXAMPLES = [
 ]
 
 
+@pytest.mark.flight_cases(8)
 @pytest.mark.fast_cases(11)
 @pytest.mark.parametrize("example", EXAMPLES, ids=" ".join)
 def test_examples_of_the_help_run(mav, monkeypatch, tmp_path, example):

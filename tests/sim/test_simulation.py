@@ -73,7 +73,7 @@ def test_a_vehicle_stands_where_it_was_put():
 
 
 @pytest.mark.fast_cases(1)
-@pytest.mark.flight_cases(3)
+@pytest.mark.flight_cases(1)
 @pytest.mark.parametrize("firmware", Firmware)
 @pytest.mark.parametrize("kind", VehicleType)
 def test_a_target_in_the_air_is_there_at_once(kind, firmware):

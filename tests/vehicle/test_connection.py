@@ -282,6 +282,7 @@ def test_a_download_across_a_reboot_is_complete_or_fails(kind, packed):
     fly(kind, scenario, prepare=reduce_telemetry, latency=0.05)
 
 
+@pytest.mark.nightly
 @pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", COPTERS, ids=kind_name)
 def test_an_upload_across_a_reboot_is_complete_or_fails(kind):

@@ -38,7 +38,7 @@ def height(world):
 
 
 @pytest.mark.flight
-@pytest.mark.flight_cases(2)
+@pytest.mark.flight_cases(1)
 @pytest.mark.parametrize("kind", FLYING, ids=kind_name)
 def test_up_there_and_back(kind):
     wing = kind[0] is not VehicleType.COPTER
@@ -64,7 +64,7 @@ def test_up_there_and_back(kind):
 
 
 @pytest.mark.flight
-@pytest.mark.flight_cases(2)
+@pytest.mark.flight_cases(1)
 @pytest.mark.parametrize("kind", [kind for kind in ALL if kind not in FLYING], ids=kind_name)
 def test_vehicles_that_do_not_fly_go_and_return(kind):
     async def scenario(world, vehicle):
@@ -87,6 +87,7 @@ def test_vehicles_that_do_not_fly_go_and_return(kind):
     fly(kind, scenario)
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.flight
 @pytest.mark.parametrize("kind", COPTERS, ids=kind_name)
 def test_a_copter_lands_where_it_is(kind):
@@ -102,6 +103,7 @@ def test_a_copter_lands_where_it_is(kind):
     fly(kind, scenario)
 
 
+@pytest.mark.nightly
 @pytest.mark.flight_cases(1)
 @pytest.mark.flight
 @pytest.mark.parametrize("kind", COPTERS, ids=kind_name)

@@ -69,6 +69,7 @@ def quiet_with_battery_limits(simulated):
         simulated.parameters.set("BATT_LOW_VOLT", 15.5)
 
 
+@pytest.mark.flight_cases(2)
 @pytest.mark.fast_cases(1)
 @pytest.mark.parametrize(("firmware", "fault", "reasons"), FAULTS, ids=[f"{f}-{n}" for f, n, _ in FAULTS])
 def test_a_fault_is_a_problem_until_it_ends(firmware, fault, reasons):

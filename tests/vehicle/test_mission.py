@@ -38,7 +38,7 @@ def plan_for(world, ending, ardupilot):
     return [*home, item(CMD.NAV_TAKEOFF), *around, last]
 
 
-@pytest.mark.flight_cases(2)
+@pytest.mark.flight_cases(1)
 @pytest.mark.flight
 @COPTERS
 @pytest.mark.parametrize("ending", [CMD.NAV_RETURN_TO_LAUNCH, CMD.NAV_LAND], ids=["rtl", "land"])

@@ -63,6 +63,7 @@ def test_px4_has_no_estimator_sources():
     run_scenario(scenario)
 
 
+@pytest.mark.nightly
 @pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("firmware", FIRMWARES)
 def test_transitions(firmware):

@@ -135,6 +135,7 @@ ELSEWHERE = {"wp set 2", "nsh ver all", "script"}
 VEHICLES = {"actuator": PX4_COPTER, "transition": (VehicleType.VTOL, Firmware.ARDUPILOT)}
 
 
+@pytest.mark.flight_cases(12)
 @pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("command", list(dict.fromkeys(COMMANDS.values())), ids=lambda command: command.name)
 def test_examples_of_each_shell_command_run(simulate, mav, command, tmp_path, monkeypatch):

@@ -18,6 +18,7 @@ NOT_OF_A_COPTER = {"actuator", "transition", "gripper", "winch", "motor-test", "
 CONFIRMED = {"terminate"}
 
 
+@pytest.mark.nightly
 @pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", BOTH, ids=kind_name)
 def test_a_flight(simulate, mav, kind):

@@ -28,6 +28,7 @@ def cases() -> list[tuple[VehicleType, int]]:
     ]
 
 
+@pytest.mark.flight_cases(80)
 @pytest.mark.fast_cases(4)
 @pytest.mark.parametrize(
     ("vehicle_type", "command"), cases(), ids=lambda value: str(getattr(value, "name", value))

@@ -16,6 +16,7 @@ def position(harness: ArdupilotHarness) -> tuple[float, float, float]:
     return here.north, here.east, here.down
 
 
+@pytest.mark.nightly
 @pytest.mark.flight
 def test_copter_takes_off_repositions_and_returns() -> None:
     harness = ArdupilotHarness("copter")

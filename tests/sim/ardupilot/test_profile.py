@@ -35,6 +35,7 @@ def test_mode_numbers_match_their_names(vehicle_type: VehicleType) -> None:
         assert mode.number in mode_names(autopilot, vehicle_type.mav_type)
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("vehicle_type", list(VehicleType))
 def test_every_mode_can_be_entered(vehicle_type: VehicleType) -> None:

@@ -99,6 +99,7 @@ def test_a_relative_altitude_counts_from_home_wherever_that_is() -> None:
     assert flight.height == pytest.approx(23.0, abs=1.0)
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", [VehicleType.ROVER, VehicleType.BOAT, VehicleType.SUB])
 def test_what_does_not_fly_gets_there_as_well(kind: VehicleType) -> None:

@@ -67,6 +67,7 @@ def test_absolute_altitudes() -> None:
     assert nearest[2] == pytest.approx(-25, abs=0.2)
 
 
+@pytest.mark.nightly
 @pytest.mark.flight
 def test_returning_to_one() -> None:
     flight = MissionHarness()

@@ -195,6 +195,7 @@ def test_mode_change_during_the_delay_cancels_the_action() -> None:
     assert ACTIVATED not in copter.texts
 
 
+@pytest.mark.nightly
 @pytest.mark.flight
 def test_mode_change_after_the_action_is_kept_until_the_next_loss() -> None:
     copter = airborne("copter", "px4", NAV_DLL_ACT=2, COM_DL_LOSS_T=1, COM_FAIL_ACT_T=0)
@@ -258,6 +259,7 @@ def test_battery_that_was_low_at_arming_gives_a_warning_only() -> None:
     assert copter.mode == "Land"
 
 
+@pytest.mark.nightly
 @pytest.mark.flight
 def test_emergency_battery_level_lands_and_disarms() -> None:
     copter = airborne("copter", "px4", COM_FAIL_ACT_T=0).inject("battery 4")

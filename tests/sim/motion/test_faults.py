@@ -25,6 +25,7 @@ def test_no_faults():
     assert math.dist(body.truth[:3], body.estimate[:3]) < 2.5
 
 
+@pytest.mark.nightly
 @pytest.mark.flight
 def test_position_becomes_invalid_after_gps_loss():
     world, body = hovering()

@@ -27,6 +27,7 @@ def pair(request):
     return world, [world.add(vehicle_type, HOME) for vehicle_type in (ROVER, BOAT)]
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.flight
 def test_go_to_a_point_and_hold_there(pair):
     world, bodies = pair
@@ -48,6 +49,7 @@ def test_follow_a_line(pair):
         assert all(abs(m.east - 5) < 1.8 for m in motions if m.north < 58)
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.flight
 def test_circle(pair):
     world, bodies = pair

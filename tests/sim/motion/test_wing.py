@@ -35,6 +35,7 @@ def test_takes_off_from_the_ground():
     assert max(abs(m.north) for m in motions) < 5
 
 
+@pytest.mark.nightly
 @pytest.mark.flight
 def test_follows_a_line_with_its_slope_and_flies_on():
     world, body = cruising(wind=8.0)
@@ -48,6 +49,7 @@ def test_follows_a_line_with_its_slope_and_flies_on():
     assert motions[-1].north > start[0] + 520
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.flight
 @pytest.mark.parametrize("wind", [0.0, 8.0])
 def test_circles_in_both_directions(wind):
@@ -89,6 +91,7 @@ def test_velocity_sets_course_airspeed_and_climb():
     assert abs(body.airspeed - 15) < 1.5
 
 
+@pytest.mark.nightly
 @pytest.mark.flight
 def test_stalls_when_held_nose_up_without_power_and_recovers():
     world, body = cruising(200)
@@ -107,6 +110,7 @@ def test_stalls_when_held_nose_up_without_power_and_recovers():
     assert body.airspeed > 15
 
 
+@pytest.mark.nightly
 @pytest.mark.flight
 def test_glides_without_its_motor():
     world, body = cruising(200)

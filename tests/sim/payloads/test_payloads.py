@@ -138,6 +138,7 @@ def test_the_payloads_survive_a_reboot_of_the_autopilot() -> None:
     with_vehicle(work)
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.flight
 @pytest.mark.parametrize("firmware", ["ardupilot", "px4"])
 def test_a_mission_takes_images_with_the_camera(firmware: str) -> None:

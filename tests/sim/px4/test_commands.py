@@ -197,6 +197,7 @@ def test_go_around() -> None:
     assert harness.mode == "Hold"
 
 
+@pytest.mark.nightly
 @pytest.mark.flight
 def test_vtol_transition_and_back() -> None:
     harness = Px4Harness("vtol")
@@ -210,6 +211,7 @@ def test_vtol_transition_and_back() -> None:
     assert abs(harness.height - 50) < 10
 
 
+@pytest.mark.nightly
 @pytest.mark.flight
 def test_vtol_takeoff_continues_on_the_wing() -> None:
     harness = Px4Harness("vtol")

@@ -135,6 +135,7 @@ def test_reposition_without_position_keeps_the_position() -> None:
     assert harness.height == pytest.approx(25, abs=1.5)
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.flight
 @pytest.mark.parametrize("clockwise", [1, -1])
 def test_orbit_radius_and_direction(clockwise: int) -> None:
@@ -252,7 +253,7 @@ def test_mission_that_starts_with_a_landing_is_denied() -> None:
     assert harness.command(CMD.MISSION_START, 0, 0) == RESULT.DENIED
 
 
-@pytest.mark.flight_cases(2)
+@pytest.mark.flight_cases(1)
 @pytest.mark.flight
 @pytest.mark.parametrize("vehicle_type", ["plane", "vtol", "rover", "boat", "sub"])
 def test_every_type_repositions(vehicle_type: str) -> None:
@@ -271,6 +272,7 @@ def test_every_type_repositions(vehicle_type: str) -> None:
         harness.run_until(lambda: abs(harness.height + 8) < 1, timeout=60)
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.flight
 @pytest.mark.parametrize("vehicle_type", ["copter", "plane", "sub"])
 def test_descends_without_a_position(vehicle_type: str) -> None:

@@ -42,6 +42,7 @@ def test_flights_start_anywhere_on_earth(home, firmware):
     assert vehicle.autopilot.home.altitude == pytest.approx(home.altitude, abs=5)
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.flight
 @pytest.mark.parametrize("rate", [10, 200, 1000])
 def test_flights_at_any_rate(rate):

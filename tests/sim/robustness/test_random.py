@@ -93,6 +93,7 @@ def scenario(seed: int) -> None:
     SCENARIOS[seed % len(SCENARIOS)](new_actor(seed))
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.fast_cases(1)
 def test_invariants_hold_under_random_input(seeds: Seeds) -> None:
     seeds.check(scenario)

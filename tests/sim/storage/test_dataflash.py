@@ -188,6 +188,7 @@ def test_texts_are_cut_at_whole_characters(tmp_path) -> None:
     assert found["PARM"][-1]["Name"] == "NAME_OF_MORE_THA"
 
 
+@pytest.mark.nightly
 @pytest.mark.flight
 @settings(max_examples=60)
 @given(samples=st.lists(any_sample(), max_size=3))

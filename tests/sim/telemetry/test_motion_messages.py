@@ -209,6 +209,7 @@ def test_gps_loss():
     assert flags & EKF.ATTITUDE
 
 
+@pytest.mark.nightly
 @pytest.mark.flight
 def test_px4_stops_global_position_without_gps():
     flight = Flight(VehicleType.COPTER, PX4).fly(8.0)

@@ -125,7 +125,7 @@ def test_random_bodies(body, vehicle_and_firmware, target):
 
 
 @pytest.mark.fast_cases(1)
-@pytest.mark.flight_cases(3)
+@pytest.mark.flight_cases(1)
 @pytest.mark.parametrize(("vehicle_type", "firmware"), VEHICLES, ids=VEHICLE_IDS)
 def test_every_state_of_a_flight(vehicle_type, firmware):
     """Boot, ready, armed, guided, without GPS, returning, landed; over a MAVLink 2 link."""

@@ -81,6 +81,7 @@ async def check_cancelled(harness: ScriptedHarness, call: Call, moment: float) -
     assert harness.vehicle.mode == "RTL"
 
 
+@pytest.mark.flight_cases(60)
 @pytest.mark.fast_cases(29)
 @pytest.mark.parametrize("call", CANCELLED, ids=call_name)
 @pytest.mark.parametrize("moment", [0.0, 0.55, 3.3])

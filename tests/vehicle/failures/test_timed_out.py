@@ -121,6 +121,7 @@ def test_silence_during_an_action(call):
     run_scenario(scenario, **call.options)
 
 
+@pytest.mark.flight_cases(50)
 @pytest.mark.fast_cases(40)
 @pytest.mark.parametrize("call", [call for call in CALLS if call.name not in ENDLESS], ids=call_name)
 @pytest.mark.parametrize("moment", [0.3, 1.1])

@@ -21,6 +21,7 @@ READ = (
 payloads = st.binary(max_size=255) | st.binary(min_size=1, max_size=1).map(lambda byte: byte * 255)
 
 
+@pytest.mark.nightly
 @pytest.mark.flight
 @settings(max_examples=300, deadline=None)
 @given(st.lists(st.tuples(st.sampled_from(READ), payloads), min_size=1, max_size=8))

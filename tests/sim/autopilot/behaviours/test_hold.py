@@ -9,6 +9,7 @@ from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.autopilot.harness import GUIDED, HOLD, LAND, AutopilotHarness
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.flight
 @pytest.mark.parametrize("behaviour", [Hold, Brake])
 def test_a_copter_brakes_and_stays_in_the_wind(behaviour: type[Hold]) -> None:

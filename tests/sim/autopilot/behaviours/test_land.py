@@ -14,6 +14,7 @@ from tests.sim.autopilot.harness import LAND, AutopilotHarness
 LANDED = common.MavLandedState
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.flight
 @pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.VTOL])
 def test_it_sinks_slows_down_touches_down_and_disarms(kind: VehicleType) -> None:

@@ -132,7 +132,7 @@ def test_lowered_to_the_ground_by_hand_it_rests() -> None:
 
 
 @pytest.mark.flight
-@pytest.mark.flight_cases(2)
+@pytest.mark.flight_cases(1)
 @pytest.mark.parametrize("kind", [VehicleType.PLANE, VehicleType.VTOL])
 @pytest.mark.parametrize("behaviour", [Stabilize, AltitudeHold, PositionHold])
 def test_a_wing_banks_into_a_turn(kind: VehicleType, behaviour: type[Manual]) -> None:
@@ -176,6 +176,7 @@ def test_what_drives_goes_and_turns(kind: VehicleType, behaviour: type[Manual]) 
     assert hypot(motion.velocity_north, motion.velocity_east) > 0.3, "it reverses"
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("behaviour", [Manual, Stabilize, AltitudeHold, PositionHold])
 def test_a_sub_dives_and_swims(behaviour: type[Manual]) -> None:

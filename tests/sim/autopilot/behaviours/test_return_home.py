@@ -128,6 +128,7 @@ def test_a_vtol_can_be_configured_to_return_hovering() -> None:
     assert flight.distance() < 2.0
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.flight
 @pytest.mark.parametrize("kind", [VehicleType.ROVER, VehicleType.BOAT])
 def test_a_rover_returns_and_stays(kind: VehicleType) -> None:

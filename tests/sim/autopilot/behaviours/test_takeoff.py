@@ -53,6 +53,7 @@ def test_a_take_off_in_the_air_counts_from_home() -> None:
     assert flight.height == pytest.approx(20.0, abs=1.0)
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.flight
 @pytest.mark.parametrize("wind", [0.0, 5.0])
 def test_a_plane_rolls_climbs_ahead_and_circles(wind: float) -> None:

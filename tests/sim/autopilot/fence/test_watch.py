@@ -173,6 +173,7 @@ def test_switching_off_ends_a_breach() -> None:
     assert flight.autopilot.fence.enabled
 
 
+@pytest.mark.nightly
 @pytest.mark.flight
 def test_px4s_distances() -> None:
     flight = fenced(firmware=PX4, GF_MAX_HOR_DIST=40, GF_MAX_VER_DIST=40)
@@ -207,7 +208,7 @@ def test_ardupilots_rover(action: int, mode: int) -> None:
     assert flight.autopilot.mode.number == mode
 
 
-@pytest.mark.flight_cases(2)
+@pytest.mark.flight_cases(1)
 @pytest.mark.flight
 @pytest.mark.parametrize(("action", "mode"), [(0, OTHER), (1, RETURN), (2, OTHER), (6, GUIDED), (8, RETURN)])
 def test_ardupilots_plane(action: int, mode: int) -> None:
@@ -217,6 +218,7 @@ def test_ardupilots_plane(action: int, mode: int) -> None:
     assert flight.autopilot.mode.number == mode
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.fast_cases(1)
 @pytest.mark.parametrize(
     ("action", "mode", "armed"),
@@ -301,6 +303,7 @@ def test_to_the_return_point() -> None:
     flight.run_until(lambda: flight.distance((50, 60)) < 100, timeout=60)
 
 
+@pytest.mark.nightly
 @pytest.mark.flight
 def test_to_the_middle() -> None:
     assert return_of(plane(*square(300, north=20), FENCE_ALT_MAX=100)) == pytest.approx((20, 0, -60), abs=1.5)

@@ -47,7 +47,7 @@ def plan(kind: VehicleType, corners: list[tuple[float, float]], up: float) -> li
 
 
 @pytest.mark.flight
-@pytest.mark.flight_cases(3)
+@pytest.mark.flight_cases(1)
 @pytest.mark.parametrize("firmware", list(Firmware))
 @pytest.mark.parametrize("kind", list(_T))
 def test_a_square(kind: VehicleType, firmware: Firmware) -> None:

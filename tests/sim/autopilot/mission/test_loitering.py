@@ -20,6 +20,7 @@ ARDUPILOT, PX4 = Firmware.ARDUPILOT, Firmware.PX4
 COPTER, PLANE = VehicleType.COPTER, VehicleType.PLANE
 
 
+@pytest.mark.nightly
 @pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("firmware", list(Firmware))
 def test_loitering_without_end(firmware: Firmware) -> None:
@@ -59,6 +60,7 @@ def test_turns_of_a_copter(radius: float, direction: int) -> None:
     assert turned(flight, (0, 0), 3) * direction == pytest.approx(2, abs=0.35)
 
 
+@pytest.mark.nightly
 @pytest.mark.flight
 def test_turns_of_a_plane() -> None:
     flight = MissionHarness(PLANE)
@@ -69,6 +71,7 @@ def test_turns_of_a_plane() -> None:
     assert turned(flight, (300, 0), 3) == pytest.approx(2, abs=0.4)
 
 
+@pytest.mark.nightly
 @pytest.mark.flight
 def test_a_plane_circles_while_it_waits() -> None:
     flight = MissionHarness(PLANE, PX4)

@@ -134,6 +134,7 @@ def test_the_landed_state_reports_takeoff_and_landing() -> None:
     ]
 
 
+@pytest.mark.nightly
 @pytest.mark.flight
 def test_returning_as_an_item() -> None:
     flight = fly_items(waypoint(30, 0, 10), item(CMD.NAV_RETURN_TO_LAUNCH))

@@ -53,6 +53,7 @@ def test_another_current_item_before_the_mission() -> None:
     assert flight.reached == [2]
 
 
+@pytest.mark.nightly
 @pytest.mark.flight
 def test_reset_counts_jumps_anew() -> None:
     flight = MissionHarness(firmware=PX4)
@@ -80,6 +81,7 @@ def test_jumps_stay_counted_without_a_reset() -> None:
     assert flight.reached == [0, 1, 2, 1, 2, 1, 2, 4]
 
 
+@pytest.mark.nightly
 @pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("firmware", list(Firmware))
 def test_a_pause_and_going_on(firmware: Firmware) -> None:
