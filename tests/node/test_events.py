@@ -15,7 +15,7 @@ from mavstack.services.component_metadata import ServedMetadata
 from mavstack.services.events import EventSender, LogLevel
 from mavstack.sim.virtual import run_virtually
 from tests.node.test_metadata_files import serve, serve_file
-from tests.node.vehicle import Pair
+from tests.node.vehicle import VehiclePair
 from tests.services.events.test_definitions import document
 from tests.waiting import wait_until
 
@@ -31,7 +31,7 @@ def cache(tmp_path, monkeypatch) -> MetadataCache:
     return cache
 
 
-class EventPair(Pair):
+class EventPair(VehiclePair):
     """A ground station, and a vehicle with events."""
 
     async def __aenter__(self):
