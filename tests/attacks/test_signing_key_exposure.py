@@ -100,17 +100,17 @@ async def test_a_key_is_not_forwarded_in_either_direction(dialect):
         station_encoder, vehicle_encoder = Encoder(255, 200), Encoder(1, 1)
         await asyncio.sleep(0.1)
         for _ in range(3):
-            # The output tells its peer no address before it forwards its first packet.
+            # The peer of the output learns the address of the node from the first forwarded packet.
             vehicle.write(vehicle_encoder.encode(common.Heartbeat(type=common.MavType.QUADROTOR)))
             await asyncio.sleep(0.05)
         vehicle.write(vehicle_encoder.encode(SETUP.replace(target_system=255, target_component=200)))
         vehicle.write(vehicle_encoder.encode(SETUP.replace(target_system=0, target_component=0)))
-        vehicle.write(marker := vehicle_encoder.encode(common.Heartbeat(custom_mode=77)))
+        vehicle.write(last_of_vehicle := vehicle_encoder.encode(common.Heartbeat(custom_mode=77)))
         station.write(station_encoder.encode(SETUP))
         station.write(station_encoder.encode(SETUP.replace(target_system=0, target_component=0)))
-        station.write(mark := station_encoder.encode(common.Heartbeat(custom_mode=78)))
+        station.write(last_of_station := station_encoder.encode(common.Heartbeat(custom_mode=78)))
         await asyncio.sleep(0.2)
-        assert marker in station.data
-        assert mark in vehicle.data
+        assert last_of_vehicle in station.data
+        assert last_of_station in vehicle.data
         assert KEY not in station.data
         assert KEY not in vehicle.data

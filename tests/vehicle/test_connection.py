@@ -159,7 +159,7 @@ def test_a_group_of_unknown_system_ids():
         await harness.add_peer(4)
         await harness.connection.wait_for_vehicle()
         assert harness.connection.group().systems == harness.connection.group(4).systems == (4,)
-        with pytest.raises(MavstackError, match="no vehicle with system id 3 was heard; known: 4"):
+        with pytest.raises(MavstackError, match="no vehicle with system id 3 was found; known: 4"):
             harness.connection.group(4, 3)
 
     run_scenario(scenario)

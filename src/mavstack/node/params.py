@@ -127,7 +127,7 @@ class Params(ReadOnly):
         check_text("name", name)
         host, client, budget = self._start(timeout)
         await self._find_encoding(budget)
-        with self._naming(name):
+        with self._explain_renamed(name):
             return await host.finish(client, client.get(name, host.now(), timeout=budget.remaining()))
 
     async def set(
@@ -160,7 +160,7 @@ class Params(ReadOnly):
         host, client, budget = self._start(timeout)
         await self._find_encoding(budget)
         operation = client.set(name, value, host.now(), timeout=budget.remaining())
-        with self._naming(name):
+        with self._explain_renamed(name):
             return await host.finish(client, operation)
 
     async def download(
@@ -205,8 +205,8 @@ class Params(ReadOnly):
     ) -> MetadataTable:
         """Download the metadata of the parameters (COMPONENT_METADATA, MAVLink FTP), unless it is cached.
 
-        Components without metadata, such as ArduPilot's, get that of the file which `load_metadata` was told
-        to remember for their firmware.
+        For a component without metadata, such as ArduPilot's, the file is used that `load_metadata` stored
+        with `remember` for its firmware.
 
         Args:
             fetch: Returns the content of a URL, for components whose metadata is on a web server; called in a
@@ -279,7 +279,7 @@ class Params(ReadOnly):
         self._metadata_files.clear_cache()
 
     @contextmanager
-    def _naming(self, name: str) -> Iterator[None]:
+    def _explain_renamed(self, name: str) -> Iterator[None]:
         """Add to the error for an unknown name that ArduPilot 4.7 renamed the parameter."""
         try:
             yield

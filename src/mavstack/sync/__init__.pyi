@@ -1255,8 +1255,8 @@ class Params:
     def download_metadata(self, *, fetch: Callable[[str], bytes] | None=None, cache: MetadataCache | None=..., cached_only: bool=False, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> MetadataTable:
         """Download the metadata of the parameters (COMPONENT_METADATA, MAVLink FTP), unless it is cached.
 
-        Components without metadata, such as ArduPilot's, get that of the file which `load_metadata` was told
-        to remember for their firmware.
+        For a component without metadata, such as ArduPilot's, the file is used that `load_metadata` stored
+        with `remember` for its firmware.
 
         Args:
             fetch: Returns the content of a URL, for components whose metadata is on a web server; called in a
@@ -4013,7 +4013,7 @@ class Connection(Node):
             The vehicle.
 
         Raises:
-            RemoteTimeout: There was none in time; the text names the components that were heard instead.
+            RemoteTimeout: There was none in time; the text names the components that were found instead.
         """
 
     def wait_for_vehicles(self, count: int, *, timeout: float | None=...) -> Group:
@@ -4027,28 +4027,28 @@ class Connection(Node):
             All vehicles that are alive, which may be more.
 
         Raises:
-            RemoteTimeout: There were fewer in time; the text names the components that were heard.
+            RemoteTimeout: There were fewer in time; the text names the components that were found.
         """
 
     @property
     def vehicles(self) -> Mapping[int, Vehicle]:
-        """Every vehicle that was heard, by system id, in the order in which they were found."""
+        """Every vehicle that was found, by system id, in the order in which they were found."""
 
     @property
     def ground_stations(self) -> Mapping[Address, ComponentInfo]:
-        """Every other ground station that was heard, by address."""
+        """Every other ground station that was found, by address."""
 
     def group(self, *systems: int) -> Group:
         """Return a group of vehicles.
 
         Args:
-            *systems: The system ids of the vehicles; none: all vehicles that were heard.
+            *systems: The system ids of the vehicles; none: all vehicles that were found.
 
         Returns:
             The group.
 
         Raises:
-            InvalidArgumentError: No vehicle with one of the system ids was heard.
+            InvalidArgumentError: No vehicle with one of the system ids was found.
         """
 
     def __enter__(self) -> Self:

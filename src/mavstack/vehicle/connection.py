@@ -1,4 +1,4 @@
-"""A connection to vehicles: a node that knows which of the components that it hears are vehicles.
+"""A connection to vehicles: a node that finds the vehicles among the components on its links.
 
     async with mavstack.connect("udpin://0.0.0.0:14550") as connection:
         vehicle = await connection.wait_for_vehicle()
@@ -88,7 +88,7 @@ class Connection(Node):
             The vehicle.
 
         Raises:
-            RemoteTimeout: There was none in time; the text names the components that were heard instead.
+            RemoteTimeout: There was none in time; the text names the components that were found instead.
         """
         description = "a vehicle" if system is None else f"vehicle {system}"
         found = await self.wait_for_component(
@@ -107,7 +107,7 @@ class Connection(Node):
             All vehicles that are alive, which may be more.
 
         Raises:
-            RemoteTimeout: There were fewer in time; the text names the components that were heard.
+            RemoteTimeout: There were fewer in time; the text names the components that were found.
         """
         async with self.events(VehicleFound, VehicleReturned) as events:
             try:
@@ -121,29 +121,29 @@ class Connection(Node):
 
     @property
     def vehicles(self) -> Mapping[int, Vehicle]:
-        """Every vehicle that was heard, by system id, in the order in which they were found."""
+        """Every vehicle that was found, by system id, in the order in which they were found."""
         return MappingProxyType(self._tracker.vehicles)
 
     @property
     def ground_stations(self) -> Mapping[Address, ComponentInfo]:
-        """Every other ground station that was heard, by address."""
+        """Every other ground station that was found, by address."""
         return {address: info for address, info in self.components.items() if info.is_ground_station}
 
     def group(self, *systems: int) -> Group:
         """Return a group of vehicles.
 
         Args:
-            *systems: The system ids of the vehicles; none: all vehicles that were heard.
+            *systems: The system ids of the vehicles; none: all vehicles that were found.
 
         Returns:
             The group.
 
         Raises:
-            InvalidArgumentError: No vehicle with one of the system ids was heard.
+            InvalidArgumentError: No vehicle with one of the system ids was found.
         """
         if unknown := sorted(set(systems) - set(self.vehicles)):
             known = ", ".join(map(str, self.vehicles)) or "none"
-            raise InvalidArgumentError(f"no vehicle with system id {unknown[0]} was heard; known: {known}")
+            raise InvalidArgumentError(f"no vehicle with system id {unknown[0]} was found; known: {known}")
         return Group(self.vehicles[system] for system in systems or self.vehicles)
 
     def _alive_vehicles(self) -> list[Vehicle]:

@@ -75,7 +75,7 @@ def test_wrong_usage(harness, capsys):
 
 def test_examples_of_the_help_run(harness, capsys):
     for words in examples_of(EXAMPLES):
-        if words[1] == "follow":  # simulated vehicles do not hear each other
+        if words[1] == "follow":  # simulated vehicles do not receive positions of others
             assert "UNSUPPORTED" in mav(capsys, *words, code=1).err
         else:
             assert mav(capsys, *words).out, words

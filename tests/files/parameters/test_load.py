@@ -1,3 +1,5 @@
+"""Loading a parameter file into a vehicle: the outcome of each parameter, in a sensible order."""
+
 from __future__ import annotations
 
 import asyncio
@@ -29,7 +31,7 @@ def wanted(**values):
 
 
 def load_into(firmware, parameters, **options):
-    """The results by name, and the vehicle as it is then."""
+    """Load parameters into a simulated copter; return the results by name, and the vehicle afterwards."""
     flown = VirtualVehicle("copter", firmware)
 
     async def flight(remote):
@@ -89,7 +91,9 @@ def test_saved_parameters_are_unchanged(firmware):
         return await ParameterLoad(remote.params, file.parameters, everything=True).run()
 
     results = flown.run(flight)
-    assert Counter(each.outcome for each in results)[UNCHANGED] >= len(results) - 1  # uptime is counted on
+    assert (
+        Counter(each.outcome for each in results)[UNCHANGED] >= len(results) - 1
+    )  # the vehicle counts its uptime
 
 
 def test_names_in_the_wrong_case():
@@ -109,7 +113,7 @@ def test_the_system_id_is_set_last_and_only_if_requested():
 
 
 class Peer:
-    """An autopilot that is nothing but a table of parameters, some of which reveal others."""
+    """An autopilot with a parameter server only; `reveals` names the parameters that appear after a set."""
 
     def __init__(self, reveals=(), **values) -> None:
         self.table = ParameterTable()
@@ -119,7 +123,7 @@ class Peer:
         self.written = []
         self.silent_after = None
 
-    async def live(self, network):
+    async def serve(self, network):
         node = Node(
             network.link(),
             system=1,
@@ -145,17 +149,17 @@ class Peer:
 
 
 def run_with(peer, scenario, **conditions):
-    async def whole():
+    async def run():
         network = MemoryNetwork()
-        living = asyncio.create_task(peer.live(network))
+        serving = asyncio.create_task(peer.serve(network))
         link = impair(network.link(), Impairment(**conditions)) if conditions else network.link()
         try:
             async with connect(link) as node:
                 return await scenario((await node.wait_for_vehicle()).params)
         finally:
-            living.cancel()
+            serving.cancel()
 
-    return run_virtually(whole())
+    return run_virtually(run())
 
 
 REVEALING = {"Q_ENABLE": {"Q_TILT_ENABLE": 0, "Q_A_P": 4.5}, "Q_TILT_ENABLE": {"Q_TILT_MASK": 0}}
@@ -194,7 +198,7 @@ def test_over_a_lossy_link():
     assert peer.table["P59"].value == 60
 
 
-def test_a_vehicle_that_falls_silent_has_a_result_for_each():
+def test_a_vehicle_that_stops_answering_has_a_result_for_each_parameter():
     peer = Peer(**{f"P{number}": number for number in range(40)})
     peer.silent_after = 5
     given = wanted(**{f"P{number}": number + 1 for number in range(40)})
@@ -239,7 +243,7 @@ def test_a_cancelled_load_keeps_its_results():
     assert counts.total() == 200
 
 
-def test_a_value_that_the_vehicle_brings_within_its_limits_is_a_refusal():
+def test_a_value_that_the_vehicle_clamps_is_a_refusal():
     async def scenario(params):
         return await ParameterLoad(params, wanted(A=700)).run()
 

@@ -19,7 +19,7 @@ QUICK, DENIED, LONG = common.MavCmd.DO_SET_SERVO, common.MavCmd.DO_SET_RELAY, co
 
 
 class Vehicle:
-    """Carries out commands and remembers which."""
+    """A vehicle that records the commands that it executed, and completes long ones later."""
 
     def __init__(self, network: Network) -> None:
         self.network = network
@@ -36,11 +36,11 @@ class Vehicle:
         self.done.append((request.command.command, request.command.param1))
         return common.MavResult.ACCEPTED
 
-    def finish_long_ones(self) -> None:
+    def complete_long_commands(self) -> None:
         for event in self.node.events_of(CommandStarted):
             self.server.complete(event.request, common.MavResult.ACCEPTED)
             self.node.engine.touch(self.server)
-        self.network.at(0.5, self.finish_long_ones)
+        self.network.at(0.5, self.complete_long_commands)
 
 
 def scenario(seed: int) -> None:
@@ -50,7 +50,7 @@ def scenario(seed: int) -> None:
     ground = network.node(GROUND)
     client = ground.engine.add(CommandClient(GROUND, VEHICLE))
     with_cuts(network, network.connect(ground, vehicle.node, random_impairment(random)))
-    vehicle.finish_long_ones()
+    vehicle.complete_long_commands()
     if random.random() < 0.2:
         network.at(random.uniform(0, 3), vehicle.node.restart)
     quick = client.command(Command(QUICK, param1=seed), network.now)

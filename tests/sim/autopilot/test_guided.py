@@ -1,4 +1,4 @@
-"""Setpoints and commands, as aims: every frame, every mixture, and their end."""
+"""Guided flight: setpoints in every frame, mixed axes, attitudes, takeoff, and streams that end."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def face(flight: AutopilotHarness, yaw: float) -> None:
 
 
 @pytest.mark.flight
-def test_a_local_position_counts_from_the_origin() -> None:
+def test_a_local_position_is_relative_to_the_origin() -> None:
     flight = guided()
     send_setpoint(flight, LocalSetpoint(position=(12.0, -8.0, -20.0), yaw=pi / 2))
     flight.run(15)
@@ -37,7 +37,7 @@ def test_a_local_position_counts_from_the_origin() -> None:
 
 
 @pytest.mark.flight
-def test_an_offset_counts_from_where_it_is_when_it_comes() -> None:
+def test_an_offset_is_relative_to_the_position_at_its_arrival() -> None:
     flight = guided()
     flight.autopilot.guided.go_to((20.0, 10.0, -15.0))
     flight.run(12)
@@ -49,7 +49,7 @@ def test_an_offset_counts_from_where_it_is_when_it_comes() -> None:
 
 @pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("frame", [F.BODY_NED, F.BODY_OFFSET_NED])
-def test_forward_and_right_count_from_its_heading(frame: int) -> None:
+def test_body_frames_are_relative_to_the_heading(frame: int) -> None:
     flight = guided()
     face(flight, pi / 2)
     send_setpoint(flight, LocalSetpoint(position=(10.0, 4.0, 0.0), frame=frame))
@@ -58,7 +58,7 @@ def test_forward_and_right_count_from_its_heading(frame: int) -> None:
 
 
 @pytest.mark.flight
-def test_a_yaw_of_a_turned_frame_counts_from_its_heading() -> None:
+def test_a_yaw_in_a_body_frame_is_relative_to_the_heading() -> None:
     flight = guided()
     face(flight, 1.0)
     send_setpoint(flight, LocalSetpoint(position=(0.0, 0.0, 0.0), yaw=0.5, frame=F.BODY_OFFSET_NED))
@@ -90,7 +90,7 @@ def test_the_altitude_of_a_global_position_is_relative_to_the_origin_of_its_fram
 
 
 @pytest.mark.flight
-def test_a_relative_altitude_counts_from_home_wherever_that_is() -> None:
+def test_a_relative_altitude_is_relative_to_a_moved_home_too() -> None:
     flight = guided()
     latitude, longitude, _ = flight.body.frame.to_global(0.0, 0.0, 0.0)
     flight.autopilot.set_home(latitude, longitude, 488.0 + 8.0)
@@ -102,7 +102,7 @@ def test_a_relative_altitude_counts_from_home_wherever_that_is() -> None:
 @pytest.mark.flight_cases(1)
 @pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", [VehicleType.ROVER, VehicleType.BOAT, VehicleType.SUB])
-def test_what_does_not_fly_gets_there_as_well(kind: VehicleType) -> None:
+def test_rovers_boats_and_submarines_reach_a_position(kind: VehicleType) -> None:
     flight = guided(kind)
     send_setpoint(flight, LocalSetpoint(position=(12.0, -6.0, 4.0)))
     flight.run(40)
@@ -113,7 +113,7 @@ def test_what_does_not_fly_gets_there_as_well(kind: VehicleType) -> None:
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("repeated", [False, True])
-def test_a_wing_flies_there_and_circles(repeated: bool) -> None:
+def test_a_plane_flies_to_a_position_and_circles(repeated: bool) -> None:
     flight = guided(VehicleType.PLANE, 40.0)
     setpoint = LocalSetpoint(position=(400.0, 300.0, -60.0))
     send_setpoint(flight, setpoint)
@@ -128,7 +128,7 @@ def test_a_wing_flies_there_and_circles(repeated: bool) -> None:
 
 
 @pytest.mark.nightly
-def test_a_vtol_flies_far_on_its_wing_and_hovers_there() -> None:
+def test_a_vtol_flies_to_a_far_position_on_its_wing_and_hovers_there() -> None:
     flight = guided(VehicleType.VTOL, 40.0, forward_beyond=200.0)
     flight.autopilot.guided.go_to((800.0, 0.0, -40.0))
     flight.run_until(lambda: flight.body.transition == 1.0, timeout=20)
@@ -145,7 +145,7 @@ def test_a_vtol_flies_far_on_its_wing_and_hovers_there() -> None:
 
 
 @pytest.mark.flight
-def test_a_velocity_is_flown_until_it_is_too_old() -> None:
+def test_a_velocity_is_flown_until_the_setpoint_timeout() -> None:
     flight = guided(setpoint_timeout=3.0)
     send_setpoint(flight, LocalSetpoint(velocity=(3.0, -2.0, -0.5)))
     flight.run(2.8)
@@ -169,7 +169,7 @@ def test_a_repeated_velocity_stays_in_effect() -> None:
 
 
 @pytest.mark.flight
-def test_a_velocity_of_a_turned_frame_goes_where_it_looks() -> None:
+def test_a_velocity_in_a_body_frame_is_relative_to_the_heading() -> None:
     flight = guided()
     face(flight, pi / 2)
     stream(flight, LocalSetpoint(velocity=(2.0, 0.0, 0.0), frame=F.BODY_NED), 4.0)
@@ -178,7 +178,7 @@ def test_a_velocity_of_a_turned_frame_goes_where_it_looks() -> None:
 
 
 @pytest.mark.flight
-def test_velocities_of_a_global_setpoint_are_of_the_ground() -> None:
+def test_velocities_of_a_global_setpoint_are_north_east_down() -> None:
     flight = guided()
     face(flight, pi / 2)
     stream(flight, GlobalSetpoint(velocity=(2.0, 0.0, 0.0)), 4.0)
@@ -186,10 +186,10 @@ def test_velocities_of_a_global_setpoint_are_of_the_ground() -> None:
 
 
 @pytest.mark.flight
-def test_a_position_with_a_velocity_moves_on() -> None:
+def test_a_position_with_a_velocity_is_followed_while_it_moves() -> None:
     flight = guided()
-    for beat in range(60):
-        setpoint = LocalSetpoint(position=(beat * 0.2, 5.0, -15.0), velocity=(2.0, 0.0, 0.0))
+    for step in range(60):
+        setpoint = LocalSetpoint(position=(step * 0.2, 5.0, -15.0), velocity=(2.0, 0.0, 0.0))
         stream(flight, setpoint, 0.1)
     assert flight.body.truth.north == pytest.approx(12.0, abs=1.5)
     assert flight.body.truth.east == pytest.approx(5.0, abs=1.0)
@@ -204,14 +204,14 @@ def test_axes_may_be_mixed() -> None:
 
 
 @pytest.mark.flight
-def test_an_acceleration_speeds_it_up() -> None:
+def test_an_acceleration_changes_the_velocity() -> None:
     flight = guided()
     stream(flight, LocalSetpoint(acceleration=(1.0, 0.0, 0.0)), 4.0)
     assert flight.body.truth.velocity_north == pytest.approx(4.0, abs=1.2)
 
 
 @pytest.mark.flight
-def test_a_heading_alone_turns_it_on_the_spot() -> None:
+def test_a_heading_alone_turns_the_vehicle_in_place() -> None:
     flight = guided()
     stream(flight, LocalSetpoint(yaw=2.0), 5.0)
     assert flight.body.truth.yaw == pytest.approx(2.0, abs=0.1)
@@ -242,7 +242,7 @@ def lean(roll: float, pitch: float, yaw: float = 0.0) -> tuple[float, float, flo
 
 
 @pytest.mark.flight
-def test_an_attitude_leans_it_and_its_thrust_lifts_it() -> None:
+def test_an_attitude_is_flown_with_its_thrust() -> None:
     flight = guided(setpoint_timeout=1.0)
     stream(flight, AttitudeSetpoint(lean(0.1, -0.15, 0.6), thrust=0.55), 2.0)
     motion = flight.body.truth
@@ -256,14 +256,14 @@ def test_an_attitude_leans_it_and_its_thrust_lifts_it() -> None:
 
 @pytest.mark.fast_cases(2)
 @pytest.mark.parametrize(("thrust", "climb"), [(0.5, 0.0), (0.9, 2.0), (0.2, -1.5)])
-def test_thrust_may_mean_climbing(thrust: float, climb: float) -> None:
+def test_thrust_is_a_climb_rate_for_some_firmwares(thrust: float, climb: float) -> None:
     flight = guided(height=30.0, thrust_is_climb=True, setpoint_timeout=1.0)
     stream(flight, AttitudeSetpoint(lean(0.0, 0.0), thrust=thrust), 5.0)
     assert flight.body.truth.velocity_down == pytest.approx(-climb, abs=0.35)
 
 
 @pytest.mark.flight
-def test_rates_turn_it() -> None:
+def test_body_rates_are_flown() -> None:
     flight = guided()
     stream(flight, AttitudeSetpoint(rates=(0.0, 0.0, 0.7), thrust=0.5), 2.0)
     assert flight.body.truth.yaw_rate == pytest.approx(0.7, abs=0.15)
@@ -276,7 +276,7 @@ def test_a_rover_drives_at_a_share_of_its_speed_to_a_heading() -> None:
     assert flight.body.truth.velocity_east == pytest.approx(1.5, abs=0.4)
 
 
-# Modes, and the ground
+# Other modes, and vehicles on the ground
 
 
 @pytest.mark.flight
@@ -319,7 +319,7 @@ def test_guided_takes_off_then_follows_the_target() -> None:
 
 
 @pytest.mark.flight
-def test_flown_into_the_ground_it_stays_there_and_disarms() -> None:
+def test_a_vehicle_flown_into_the_ground_stays_there_and_disarms() -> None:
     flight = guided(height=5.0)
     for _ in range(20):
         send_setpoint(flight, LocalSetpoint(velocity=(0.0, 0.0, 1.0)))
@@ -328,4 +328,4 @@ def test_flown_into_the_ground_it_stays_there_and_disarms() -> None:
     flight.run_until(lambda: not flight.autopilot.armed, timeout=15)
 
 
-# A stream that must live
+# Streams that must continue

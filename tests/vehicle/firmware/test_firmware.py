@@ -67,7 +67,7 @@ def test_it_does_not_follow_setpoints():
         before = harness.open_resources()
         with pytest.raises(ActionUnsupported, match="cannot follow setpoints"):
             async with harness.vehicle.guided():
-                pytest.fail("it was not to be entered")
+                pytest.fail("the block must not be entered")
         assert harness.open_resources() == before
 
     run_scenario(scenario, autopilot=GENERIC)

@@ -1,7 +1,7 @@
 """The connection of a command to a vehicle: `--url`, `--system`, `--timeout`, and the options of links.
 
 The URL comes from MAVSTACK_URL if it is not given, so that a session of commands names it once. A command
-waits for the vehicle's first heartbeat, does its work, and closes the connection. A failure is told in one
+waits for the vehicle's first heartbeat, does its work, and closes the connection. A failure is printed in one
 line.
 
 Inside `mav shell` the vehicle of the session is used: `SessionParser` offers no connection, and a command

@@ -1,4 +1,4 @@
-"""`mav rate`: how often a vehicle sends a message; shown and set."""
+"""`mav rate`: show and set the rate at which a vehicle sends a message."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 
 EXAMPLES: Final = """\
 examples:
-  mav rate ATTITUDE                       # at which interval it is sent
-  mav rate ATTITUDE 20                    # 20 times a second
-  mav rate GPS_RAW_INT 0.5 --system 2     # every 2 s, of vehicle 2
+  mav rate ATTITUDE                       # show its rate
+  mav rate ATTITUDE 20                    # set it to 20 Hz
+  mav rate GPS_RAW_INT 0.5 --system 2     # vehicle 2 sends it every 2 s
   mav rate VIBRATION off
-  mav rate ATTITUDE,VFR_HUD default --all # both at the rate that each vehicle chooses
+  mav rate ATTITUDE,VFR_HUD default --all # the default rates of all vehicles
 
 A rate applies to the link over which it is set, until the vehicle reboots.
 """

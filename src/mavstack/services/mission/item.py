@@ -1,10 +1,11 @@
 """An item of a plan, and its two messages.
 
 MISSION_ITEM_INT carries params 5 and 6 as integers, degrees times 1e7 or metres times 1e4; the older
-MISSION_ITEM carries them as float32, which for a longitude is precise to about a metre. The global frames
-with and without `_INT` mean the same, and the frame of a command without a location means nothing: autopilots
-return the one they prefer, ArduPilot GLOBAL, so two items are equal if their MISSION_ITEM_INT are equal apart
-from that. `current` is not part of the plan: in a download it
+MISSION_ITEM carries them as float32, which for a longitude is precise to about a metre.
+
+The global frames with and without `_INT` mean the same, and the frame of a command without a location has no
+meaning: autopilots return the frame that they prefer (ArduPilot: GLOBAL). Two items are therefore equal if
+their MISSION_ITEM_INT are equal apart from such frames. `current` is not part of the plan: in a download it
 marks the vehicle's current item.
 
 The default frame depends on the command, since PX4 refuses a command without a location in a global frame:
@@ -94,7 +95,7 @@ class MissionItem(ItemFactories):
 
     @property
     def location(self) -> tuple[float, float] | None:
-        """Latitude and longitude in degrees; None if the item has none, such as 0, 0."""
+        """Latitude and longitude in degrees; None if the item has no location (0, 0 and NaN mean none)."""
         located = self.frame in GLOBAL_FRAMES and self.command in commands_with_location()
         unknown = isnan(self.param5) or isnan(self.param6) or (self.param5 == 0.0 == self.param6)
         return None if unknown or not located else (self.param5, self.param6)
@@ -147,11 +148,12 @@ class MissionItem(ItemFactories):
         return message.to_payload()
 
     def _default_frame(self) -> int:
-        placed = any((self.param5, self.param6, self.param7))
-        needs_place = self.command in commands_with_location() and self.command < common.MavCmd.NAV_LAST
-        # An unknown command of a user's dialect counts by its parameters.
-        could = self.command in commands_with_location() or not is_known_command(self.command)
-        located = needs_place or (could and placed)
+        has_position = any((self.param5, self.param6, self.param7))
+        takes_location = self.command in commands_with_location()
+        needs_location = takes_location and self.command < common.MavCmd.NAV_LAST
+        # The parameters decide for an unknown command, which may belong to a user's dialect.
+        may_have_location = takes_location or not is_known_command(self.command)
+        located = needs_location or (may_have_location and has_position)
         return common.MavFrame.GLOBAL_RELATIVE_ALT if located else common.MavFrame.MISSION
 
     def _common_fields(

@@ -1,4 +1,4 @@
-"""ArduPilot's packed parameter file, `@PARAM/param.pck`: all parameters in a few bytes each.
+"""ArduPilot's packed parameter file, `@PARAM/param.pck`: all parameters in one compact file.
 
     header      magic u16 · parameters in this file u16 · parameters in all u16
     parameter   type and flags u8 · name lengths u8 · end of the name · value · default, if flag 1 is set
@@ -28,6 +28,8 @@ MAGIC = 0x671B
 MAGIC_WITH_DEFAULTS = 0x671C
 HEADER_SIZE = 6
 MAX_PARAMETERS = 65535
+#: The largest size of an upload in bytes, which its header holds in 16 bits.
+MAX_UPLOAD_SIZE = 65535
 
 _KINDS = {
     1: (common.MavParamType.INT8, "<b"),
@@ -66,8 +68,8 @@ def unpack(data: bytes, *, start: int = 0) -> PackedFile | None:
     if magic not in (MAGIC, MAGIC_WITH_DEFAULTS):
         return None
     reader = _Reader(data, magic == MAGIC_WITH_DEFAULTS, start)
-    while reader.find_next():
-        if len(reader.parameters) >= number or not reader.take():
+    while reader.skip_padding():
+        if len(reader.parameters) >= number or not reader.read_entry():
             return None
     if len(reader.parameters) != number:
         return None
@@ -99,8 +101,8 @@ def write(
 def write_upload(parameters: Sequence[Parameter]) -> bytes:
     """Encode parameters for upload in one file."""
     data = bytearray(write(parameters))
-    if len(data) > MAX_PARAMETERS:
-        raise InvalidArgumentError(f"a packed upload holds at most {MAX_PARAMETERS} bytes")
+    if len(data) > MAX_UPLOAD_SIZE:
+        raise InvalidArgumentError(f"a packed upload holds at most {MAX_UPLOAD_SIZE} bytes")
     data[4:6] = pack("<H", len(data))
     return bytes(data)
 
@@ -117,14 +119,14 @@ class _Reader:
         self._start = start
         self._last = b""
 
-    def find_next(self) -> bool:
-        """Skip padding; returns False at the end."""
+    def skip_padding(self) -> bool:
+        """Skip padding; return False at the end of the file."""
         rest = self._data[self._at :]
         self._at += len(rest) - len(rest.lstrip(b"\0"))
         return self._at < len(self._data)
 
-    def take(self) -> bool:
-        """Decode one entry; returns False if it is damaged."""
+    def read_entry(self) -> bool:
+        """Decode one entry; return False if it is damaged."""
         head = self._data[self._at : self._at + 2]
         kind = _KINDS.get(head[0] & 15)
         if len(head) < 2 or kind is None:
@@ -136,11 +138,11 @@ class _Reader:
         end = end_of_name + calcsize(kind[1]) * (2 if has_default else 1)
         if end > len(self._data) or common_length > len(self._last) or len(name) > 16:
             return False
-        self._keep(name, kind, end_of_name, has_default)
+        self._store(name, kind, end_of_name, has_default)
         self._at, self._last = end, name
         return True
 
-    def _keep(self, raw: bytes, kind: tuple[common.MavParamType, str], at: int, has_default: bool) -> None:
+    def _store(self, raw: bytes, kind: tuple[common.MavParamType, str], at: int, has_default: bool) -> None:
         name = raw.decode(errors="replace")
         value: Value = unpack_from(kind[1], self._data, at)[0]
         index = self._start + len(self.parameters)
@@ -178,8 +180,8 @@ def _entry(parameter: Parameter, last: str, default: Value | None) -> tuple[byte
 
 def _shared(one: bytes, other: bytes) -> int:
     """Return the length of the common prefix of two names."""
-    unlike = (at for at, (a, b) in enumerate(zip(one, other, strict=False)) if a != b)
-    return next(unlike, min(len(one), len(other)))
+    differences = (at for at, (a, b) in enumerate(zip(one, other, strict=False)) if a != b)
+    return next(differences, min(len(one), len(other)))
 
 
 def _packed(value: Value, kind: int) -> bytes:
