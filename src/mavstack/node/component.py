@@ -19,14 +19,13 @@ from mavstack.node.logs import Logs
 from mavstack.node.modes import Modes
 from mavstack.node.params import Params
 from mavstack.node.payloads import PayloadParts
-from mavstack.node.plans import Plans
+from mavstack.node.plans import PlanParts
 from mavstack.node.read_only import ReadOnly
 from mavstack.node.shell import Shell
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.services.command import Command, CommandOperation
 from mavstack.services.manual_control import ManualControlSender, OverrideSender
 from mavstack.services.message_request import GetMessageInterval, Interval, RequestMessage, SetMessageInterval
-from mavstack.services.mission import PlanType
 from mavstack.services.setpoints import SetpointStreamer
 from mavstack.services.version import RequestAutopilotVersion, RequestProtocolVersion
 
@@ -52,7 +51,7 @@ if TYPE_CHECKING:
 AnyMessage = TypeVar("AnyMessage", bound="Message")
 
 
-class RemoteComponent(EventParts, PayloadParts, ReadOnly):
+class RemoteComponent(EventParts, PayloadParts, PlanParts, ReadOnly):
     """A component of another system; from `Node.component`, `wait_for_autopilot` or `wait_for_component`."""
 
     _constructed = frozenset({"address"})
@@ -375,23 +374,6 @@ class RemoteComponent(EventParts, PayloadParts, ReadOnly):
             An async context manager; write lines to it, iterate over its output.
         """
         return Shell(self._host, self.address)
-
-    # Plans
-
-    @cached_property
-    def mission(self) -> Plans:
-        """The component's mission."""
-        return Plans(self._clients, PlanType.MISSION)
-
-    @cached_property
-    def fence(self) -> Plans:
-        """The component's geofence."""
-        return Plans(self._clients, PlanType.FENCE)
-
-    @cached_property
-    def rally(self) -> Plans:
-        """The component's rally points."""
-        return Plans(self._clients, PlanType.RALLY)
 
     @property
     def clock(self) -> TimesyncClient:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
@@ -166,3 +167,24 @@ class Plans(ReadOnly):
     def progress(self) -> MissionProgress | None:
         """The progress of a mission (MISSION_CURRENT); None if not received, or for other plans."""
         return self._clients.mission.progress if self.type == PlanType.MISSION else None
+
+
+class PlanParts:
+    """The part of a remote component that reaches its plans."""
+
+    _clients: ComponentClients
+
+    @cached_property
+    def mission(self) -> Plans:
+        """The component's mission."""
+        return Plans(self._clients, PlanType.MISSION)
+
+    @cached_property
+    def fence(self) -> Plans:
+        """The component's geofence."""
+        return Plans(self._clients, PlanType.FENCE)
+
+    @cached_property
+    def rally(self) -> Plans:
+        """The component's rally points."""
+        return Plans(self._clients, PlanType.RALLY)

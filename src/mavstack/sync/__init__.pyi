@@ -1528,6 +1528,18 @@ class RemoteComponent:
         Raises:
             MessageTimeout: The component does not answer.
         """
+
+    @cached_property
+    def mission(self) -> Plans:
+        """The component's mission."""
+
+    @cached_property
+    def fence(self) -> Plans:
+        """The component's geofence."""
+
+    @cached_property
+    def rally(self) -> Plans:
+        """The component's rally points."""
     address: Address
 
     @property
@@ -1772,18 +1784,6 @@ class RemoteComponent:
         Returns:
             A context manager; write lines to it, iterate over its output.
         """
-
-    @cached_property
-    def mission(self) -> Plans:
-        """The component's mission."""
-
-    @cached_property
-    def fence(self) -> Plans:
-        """The component's geofence."""
-
-    @cached_property
-    def rally(self) -> Plans:
-        """The component's rally points."""
 
     @property
     def clock(self) -> TimesyncClient:

@@ -43,6 +43,7 @@ MIXINS = {
     "Messaging": "node.messaging",
     "CameraActions": "node.camera_actions",
     "PayloadParts": "node.payloads",
+    "PlanParts": "node.plans",
     "EventParts": "node.events",
     "Serving": "node.serving",
     "VehiclePayloads": "vehicle.payloads",
