@@ -606,3 +606,48 @@ class Index:
             KeyError: The dialect has no message of that id.
             ValueError: A buffer is read-only, has the wrong size or overlaps another.
         """
+
+@final
+class WindowIndexer:
+    """Indexer of a file that is read piece by piece, in memory that does not grow with the file.
+
+    Args:
+        dialect: The dialect of the messages.
+        timestamped: True if 8 bytes of time precede each packet, as in a tlog.
+        threads: Maximum number of threads.
+    """
+
+    def __new__(cls, dialect: HasCoreDialect, *, timestamped: bool, threads: int = 1) -> Self: ...
+    def next(self, data: Buffer, *, last: bool) -> tuple[Index, int]:
+        """Index the complete packets of the next piece of the file.
+
+        Args:
+            data: A read-only buffer: the bytes left over from the previous piece and those that follow them.
+            last: True if the file ends with this piece.
+
+        Returns:
+            The index of the piece, and the number of bytes at its beginning that are done with.
+
+        Raises:
+            BufferError: The buffer is writable or not contiguous.
+        """
+
+    @property
+    def counts(self) -> dict[int, int]:
+        """Number of packets of each known message so far, by message id."""
+
+    @property
+    def unknown(self) -> dict[int, int]:
+        """Number of packets of each message id that is not in the dialect, so far."""
+
+    @property
+    def statistics(self) -> Statistics:
+        """Totals so far."""
+
+    @property
+    def sources(self) -> dict[tuple[int, int], SourceStatistics]:
+        """Statistics of each source so far, by (system, component)."""
+
+    @property
+    def time_span(self) -> tuple[int, int] | None:
+        """Earliest and latest timestamp so far in microseconds since 1970, or None without timestamps."""

@@ -71,6 +71,16 @@ pub fn row_size(layout: &Layout) -> usize {
     (ROW_HEADER + usize::from(layout.length)).next_multiple_of(4)
 }
 
+/// The scanned bytes.
+#[derive(Clone, Copy)]
+pub(crate) struct Source<'a> {
+    pub data: &'a [u8],
+    pub dialect: &'a Dialect,
+    pub timestamped: bool,
+    /// False if more bytes follow, which may complete a packet at the end.
+    pub at_end: bool,
+}
+
 /// The result of one thread: the packets that begin in `start..end` of the file.
 struct Segment {
     index: Index,
@@ -83,31 +93,34 @@ impl Index {
     /// Indexes `data` on up to `threads` threads.
     #[must_use]
     pub fn build(data: &[u8], dialect: &Dialect, timestamped: bool, threads: usize) -> Self {
-        let starts = split_points(data, dialect, timestamped, threads);
+        let source = Source { data, dialect, timestamped, at_end: true };
+        Self::build_from(source, State::default(), threads).0
+    }
+
+    /// Indexes the bytes from `state` on; returns the state in which the scan stopped, too.
+    pub(crate) fn build_from(source: Source<'_>, state: State, threads: usize) -> (Self, State) {
+        let starts = split_points(source, threads);
         let segments: Vec<Segment> = thread::scope(|scope| {
-            let ends = starts.iter().skip(1).copied().chain([data.len()]);
-            let running: Vec<_> = starts
-                .iter()
-                .zip(ends)
-                .map(|(&start, end)| {
-                    scope.spawn(move || scan_segment(data, dialect, timestamped, State::at(start), end))
-                })
-                .collect();
+            let states = std::iter::once(state).chain(starts.iter().map(|&start| State::at(start)));
+            let ends = starts.iter().copied().chain([source.data.len()]);
+            let running: Vec<_> =
+                states.zip(ends).map(|(state, end)| scope.spawn(move || scan_segment(source, state, end))).collect();
             running.into_iter().map(|thread| thread.join().expect("scanning does not panic")).collect()
         });
         let mut whole = Self::default();
-        let mut covered = State::default();
-        for segment in segments {
+        let mut covered = state;
+        for (number, segment) in segments.into_iter().enumerate() {
             // A segment that starts inside a packet is scanned again from the end of that packet.
-            let segment = if segment.start == covered.boundary && covered.position == covered.boundary {
+            let follows = segment.start == covered.boundary && covered.position == covered.boundary;
+            let segment = if number == 0 || follows {
                 segment
             } else {
-                scan_segment(data, dialect, timestamped, covered, segment.stopped.boundary.max(covered.boundary))
+                scan_segment(source, covered, segment.stopped.boundary.max(covered.boundary))
             };
             covered = segment.stopped;
             whole.append(segment.index);
         }
-        whole
+        (whole, covered)
     }
 
     #[inline]
@@ -147,14 +160,24 @@ impl Index {
     }
 
     fn append(&mut self, next: Self) {
+        self.append_totals(&next);
         self.parts.extend(next.parts);
-        for (id, count) in next.unknown {
+    }
+
+    /// Adds the totals of the index that directly follows this one, without its positions.
+    pub(crate) fn append_totals(&mut self, next: &Self) {
+        for (&id, count) in &next.unknown {
             *self.unknown.entry(id).or_default() += count;
         }
         self.statistics.add(&next.statistics);
         self.sources.append(&next.sources);
         self.include_time(next.first_time);
         self.include_time(next.last_time);
+    }
+
+    /// Counts bytes that are neither a packet nor needed to find one.
+    pub(crate) fn add_bad_bytes(&mut self, count: usize) {
+        self.statistics.bad_bytes += count as u64;
     }
 
     /// Number of packets of the layout in `slot`.
@@ -218,10 +241,11 @@ impl Index {
     }
 }
 
-/// Starting points of the segments: 0, and ends of packets that are directly followed by another packet.
-fn split_points(data: &[u8], dialect: &Dialect, timestamped: bool, threads: usize) -> Vec<usize> {
+/// Starting points of the segments after the first: ends of packets that are directly followed by another packet.
+fn split_points(source: Source<'_>, threads: usize) -> Vec<usize> {
+    let Source { data, dialect, timestamped, .. } = source;
     let segments = threads.min(data.len() / MIN_SEGMENT).max(1);
-    let mut starts = vec![0];
+    let mut starts = Vec::new();
     for nominal in (1..segments).map(|number| data.len() / segments * number) {
         let window = &data[nominal..data.len().min(nominal + MAX_SPLIT_SEARCH)];
         let mut scanner = Scanner::resume(window, dialect, timestamped, State::searching_from(1));
@@ -239,7 +263,8 @@ fn split_points(data: &[u8], dialect: &Dialect, timestamped: bool, threads: usiz
     starts
 }
 
-fn scan_segment(data: &[u8], dialect: &Dialect, timestamped: bool, state: State, end: usize) -> Segment {
+fn scan_segment(source: Source<'_>, state: State, end: usize) -> Segment {
+    let Source { data, dialect, timestamped, at_end } = source;
     let start = state.boundary;
     // The first packet may begin in the signature before the segment.
     let part = Part::new(start.saturating_sub(SIGNATURE + TIMESTAMP), dialect.layouts().len());
@@ -247,7 +272,9 @@ fn scan_segment(data: &[u8], dialect: &Dialect, timestamped: bool, state: State,
     let mut statistics = Statistics::default();
     let mut scanner = Scanner::resume(data, dialect, timestamped, state);
     while scanner.state().boundary < end {
-        let Some(found) = scanner.next_packet_at_end(&mut statistics) else {
+        let next =
+            if at_end { scanner.next_packet_at_end(&mut statistics) } else { scanner.next_packet(&mut statistics) };
+        let Some(found) = next else {
             break;
         };
         index.record(data, &found);
@@ -317,4 +344,4 @@ fn clear_after_nul(text: &mut [u8]) {
 
 #[cfg(test)]
 #[path = "bulk_tests.rs"]
-mod tests;
+pub(crate) mod tests;

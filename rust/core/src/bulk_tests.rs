@@ -14,7 +14,7 @@ fn text(sequence: u8, text: &[u8], version: Version) -> Vec<u8> {
 }
 
 /// A log larger than two segments, with garbage and embedded packets that mislead a scan starting inside them.
-fn log(seed: u64) -> Vec<u8> {
+pub(crate) fn log(seed: u64) -> Vec<u8> {
     let mut data = Vec::new();
     let mut state = seed | 1;
     let mut sequence = 0u8;

@@ -16,3 +16,4 @@ pub mod scan;
 pub mod sequence;
 pub mod signing;
 pub mod statistics;
+pub mod windows;

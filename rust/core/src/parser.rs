@@ -137,4 +137,4 @@ impl Parser {
 
 #[cfg(test)]
 #[path = "parser_tests.rs"]
-mod tests;
+pub(crate) mod tests;

@@ -19,7 +19,7 @@ fn parse(chunks: &[&[u8]], timestamped: bool) -> (Vec<Seen>, Statistics) {
 }
 
 /// Pieces of a stream: packets of both versions, with or without a time, and garbage rich in magics.
-fn piece() -> impl Strategy<Value = Vec<u8>> {
+pub(crate) fn piece() -> impl Strategy<Value = Vec<u8>> {
     let stamp = prop::option::of(1_600_000_000_000_000u64..1_800_000_000_000_000);
     prop_oneof![
         3 => (any::<bool>(), any::<u8>(), stamp).prop_map(|(v1, sequence, stamp)| {

@@ -3,7 +3,7 @@
 use crate::dialect::{AnyDialect, Dialect};
 use crate::memory::{Table, require_read_only, shared, writable};
 use crate::statistics::{Statistics, sources_to_dict};
-use mavstack_core::{bulk, scan};
+use mavstack_core::{bulk, scan, windows};
 use pyo3::buffer::PyBuffer;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
@@ -144,5 +144,79 @@ impl Index {
     fn slot(&self, message_id: u32) -> PyResult<usize> {
         let entry = self.dialect.get().core.entry(message_id);
         entry.map(|entry| usize::from(entry.slot)).ok_or_else(|| PyKeyError::new_err(message_id))
+    }
+}
+
+/// Indexer of a file that is read piece by piece, in memory that does not grow with the file.
+///
+/// Args:
+///     dialect: The dialect of the messages.
+///     timestamped: True if 8 bytes of time precede each packet, as in a tlog.
+///     threads: Maximum number of threads.
+#[pyclass(module = "mavstack._core")]
+pub struct WindowIndexer {
+    core: windows::Indexer,
+    dialect: Py<Dialect>,
+    threads: usize,
+}
+
+#[pymethods]
+impl WindowIndexer {
+    #[new]
+    #[pyo3(signature = (dialect, *, timestamped, threads = 1))]
+    fn new(dialect: AnyDialect, timestamped: bool, threads: usize) -> Self {
+        Self { core: windows::Indexer::new(timestamped), dialect: dialect.0, threads }
+    }
+
+    /// Index the complete packets of the next piece of the file.
+    ///
+    /// Args:
+    ///     data: A read-only buffer: the bytes left over from the previous piece and those that follow them.
+    ///     last: True if the file ends with this piece.
+    ///
+    /// Returns:
+    ///     The index of the piece, and the number of bytes at its beginning that are done with.
+    ///
+    /// Raises:
+    ///     BufferError: The buffer is writable or not contiguous.
+    #[pyo3(signature = (data, *, last))]
+    fn next(&mut self, py: Python<'_>, data: PyBuffer<u8>, last: bool) -> PyResult<(Index, usize)> {
+        require_read_only(&data)?;
+        // SAFETY: as in `Index::new`.
+        let bytes = unsafe { shared(&data) }?;
+        let (layouts, threads, indexer) = (&self.dialect.get().core, self.threads, &mut self.core);
+        let (core, done) = py.detach(|| indexer.next(bytes, layouts, last, threads));
+        Ok((Index { core, dialect: self.dialect.clone_ref(py), data }, done))
+    }
+
+    /// Number of packets of each known message so far, by message id.
+    #[getter]
+    fn counts(&self) -> BTreeMap<u32, usize> {
+        let layouts = self.dialect.get().core.layouts().iter().enumerate();
+        layouts.map(|(slot, layout)| (layout.id, self.core.rows(slot))).filter(|&(_, rows)| rows > 0).collect()
+    }
+
+    /// Number of packets of each message id that is not in the dialect, so far.
+    #[getter]
+    fn unknown(&self) -> BTreeMap<u32, u64> {
+        self.core.totals().unknown().clone()
+    }
+
+    /// Totals so far.
+    #[getter]
+    fn statistics(&self) -> Statistics {
+        self.core.totals().statistics().into()
+    }
+
+    /// Statistics of each source so far, by (system, component).
+    #[getter]
+    fn sources<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        sources_to_dict(py, self.core.totals().sources())
+    }
+
+    /// Earliest and latest timestamp so far in microseconds since 1970, or None without timestamps.
+    #[getter]
+    fn time_span(&self) -> Option<(u64, u64)> {
+        self.core.totals().time_span()
     }
 }

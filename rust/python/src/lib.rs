@@ -50,6 +50,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<statistics::SourceStatistics>()?;
     module.add_class::<statistics::Refusals>()?;
     module.add_class::<index::Index>()?;
+    module.add_class::<index::WindowIndexer>()?;
     module.add("MessageMeta", class::metaclass(py)?)?;
     module.add("MessageBase", message::base_class(py)?)?;
     module.add_function(wrap_pyfunction!(crc16, module)?)?;

@@ -8,14 +8,14 @@ an exporter or a report works with any format.
 from __future__ import annotations
 
 from abc import abstractmethod
-from heapq import merge
+from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from mavstack.errors import InvalidArgumentError, LogError
 from mavstack.logs.log_tables import LogTables
-from mavstack.logs.records import RowRecord
+from mavstack.logs.records import merged_rows
 from mavstack.logs.select import Selection, parse_moment
 from mavstack.logs.time_base import CLOCKS, TimeBase, unix_seconds
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from mavstack.logs.records import LogRecord, LogText, ParameterChange
     from mavstack.logs.schema import TableSchema
     from mavstack.logs.select import Moment
-    from mavstack.logs.time_base import ClockChoice
+    from mavstack.logs.time_base import Clock, ClockChoice
     from mavstack.logs.vehicles import LogVehicle
 
 #: Bytes of a file that `windows` decodes at a time.
@@ -56,6 +56,11 @@ class Log(LogTables):
         """Earliest and latest time in seconds on the log's own time base, or None without times."""
         return None
 
+    @property
+    def clock(self) -> Clock:
+        """The kind of the time base: "utc", "received" or "boot"."""
+        return self.time_base.kind
+
     def boot_times(self, name: str, table: MessageTable) -> NDArray[np.float64] | None:
         """Return the time since boot in seconds of each row of (a part of) a table.
 
@@ -70,7 +75,7 @@ class Log(LogTables):
 
     def utc_times(self, name: str, table: MessageTable) -> NDArray[np.float64] | None:
         """Return the UTC in seconds since 1970 of each row of (a part of) a table; see `boot_times`."""
-        return None if self.time_base.kind == "boot" else unix_seconds(table["_time"])
+        return None if self.clock == "boot" else unix_seconds(table["_time"])
 
     def read_time_base(self, log: Log) -> TimeBase:
         """Return the clock of a view of this log."""
@@ -136,7 +141,7 @@ class Log(LogTables):
             LogError: The file was truncated or rewritten since it was opened.
         """
         for tables in self.windows(names=names or None):
-            yield from merge(*map(_rows, tables.items()), key=_time_order)
+            yield from merged_rows(tables)
 
     def select(
         self,
@@ -171,7 +176,7 @@ class Log(LogTables):
 
     # time
 
-    @property
+    @cached_property
     def time_base(self) -> TimeBase:
         """The best clock of the log, and its offset to the time since boot."""
         return self.read_time_base(self)
@@ -188,7 +193,7 @@ class Log(LogTables):
 
     def _utc(self, index: int) -> np.datetime64 | None:
         span = self.time_span
-        if span is None or self.time_base.kind == "boot":
+        if span is None or self.clock == "boot":
             return None
         return np.datetime64(round(span[index] * 1e6), "us")
 
@@ -220,14 +225,13 @@ class Log(LogTables):
         """Return the time of each row of (a part of) a table in seconds; see `times`."""
         if base not in CLOCKS:
             raise InvalidArgumentError(f"base must be one of {', '.join(CLOCKS)}, got {base!r}")
-        kind = self.time_base.kind
-        wanted = kind if base == "auto" else base
+        wanted = self.clock if base == "auto" else base
         times = None
         if wanted == "boot":
             times = self.boot_times(name, table)
         elif wanted == "utc":
             times = self.utc_times(name, table)
-        elif kind == "received":
+        elif self.clock == "received":
             times = unix_seconds(table["_time"])
         if times is None:
             raise LogError(f"{self.path}: the {wanted} time of {name} is not known")
@@ -252,12 +256,16 @@ class Log(LogTables):
     @property
     def parameters(self) -> dict[str, float]:
         """First value of each parameter by name; integer parameters have integer values."""
-        return self.read_parameters(self)[0]
+        return self._parameters[0]
 
     @property
     def parameter_changes(self) -> list[ParameterChange]:
         """Changes of parameters, in the order of the file."""
-        return self.read_parameters(self)[1]
+        return self._parameters[1]
+
+    @cached_property
+    def _parameters(self) -> tuple[dict[str, float], list[ParameterChange]]:
+        return self.read_parameters(self)
 
     @property
     def texts(self) -> list[LogText]:
@@ -324,26 +332,32 @@ class LogView(Log):
         if names is not None:
             wanted = tuple(name for name in names if wanted is None or name in wanted)
         for tables in self._log.windows(size, wanted, progress=progress):
-            selected = {name: self._rows(name, table) for name, table in tables.items() if self._keeps(name)}
+            selected = {
+                name: self._rows(name, table)
+                for name, table in tables.items()
+                if self._selection.keeps_table(name, table.schema)
+            }
             yield {name: table for name, table in selected.items() if len(table)}
-
-    def _keeps(self, name: str) -> bool:
-        return self._selection.keeps_table(name, self._log.schema(name))
 
     def records(self, *names: str) -> Iterator[LogRecord]:
         """Iterate over the selected records; see `Log.records`."""
-        selection, span = self._selection, self._log.time_span
-        if selection.has_times and self.time_base.kind == "boot":
+        selection = self._selection
+        if selection.has_times and self.clock == "boot":
             yield from super().records(*names)
             return
+        span = self._log.time_span if selection.has_times else None
         first = 0.0 if span is None else span[0]
         fields: dict[str, str] = {}
         for record in self._log.records(*(names or selection.names)):
             if record.name not in fields:
-                schema = self._log.schema(record.name)
-                fields[record.name] = schema.instance_field
+                fields[record.name] = self._log.schema(record.name).instance_field
             if selection.keeps_record(record, fields[record.name], first):
                 yield record
+
+    @property
+    def clock(self) -> Clock:
+        """The kind of the time base; see `Log.clock`."""
+        return self._log.clock
 
     @property
     def skipped(self) -> LogDamage:
@@ -383,12 +397,3 @@ class LogView(Log):
     def read_vehicles(self, log: Log) -> dict[int, LogVehicle]:
         """Return the vehicles of a view; see `Log.read_vehicles`."""
         return self._log.read_vehicles(log)
-
-
-def _rows(item: tuple[str, MessageTable]) -> Iterator[RowRecord]:
-    name, table = item
-    return (RowRecord(name, row) for row in table.view(np.ndarray))
-
-
-def _time_order(record: RowRecord) -> int:
-    return int(record.time.astype(np.int64))

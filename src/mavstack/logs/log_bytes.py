@@ -89,6 +89,41 @@ class LogBytes:
                 self._copy = self._read()
                 yield self._copy
 
+    def read_into(self, offset: int, buffer: memoryview) -> None:
+        """Copy bytes of the file into a buffer; the rest of the file needs no memory.
+
+        Args:
+            offset: Offset in the file, in bytes.
+            buffer: The buffer, which is filled completely.
+
+        Raises:
+            LogError: The file was truncated, or cannot be read.
+        """
+        done = 0
+        try:
+            with self._lock, open(self._descriptor, "rb", buffering=0, closefd=False) as file:
+                file.seek(offset)
+                while done < len(buffer) and (count := file.readinto(buffer[done:])):
+                    done += count
+        except OSError as error:
+            raise LogError(f"cannot read {self.path}: {error}") from error
+        if done < len(buffer):
+            raise self._truncated()
+
+    def read(self, offset: int, size: int) -> bytes:
+        """Return bytes of the file, up to its end; see `read_into`.
+
+        Args:
+            offset: Offset in the file, in bytes.
+            size: Maximum number of bytes.
+
+        Raises:
+            LogError: The file was truncated, or cannot be read.
+        """
+        buffer = bytearray(max(min(size, self.size - offset), 0))
+        self.read_into(offset, memoryview(buffer))
+        return bytes(buffer)
+
     def _mapped(self) -> mmap.mmap:
         # Nothing changes the size while the lease is held.
         if os.fstat(self._descriptor).st_size < self.size:

@@ -58,8 +58,7 @@ def open_log(
     data = LogBytes(Path(path))
     if chosen is not None:
         return chosen.open(data, options)
-    with data.access() as content:
-        head = bytes(content[:MAX_HEAD])
+    head = data.read(0, MAX_HEAD)
     found = recognise(head)
     other = other_format(head)
     if found is None and (other is not None or not _holds_packet(head, options)):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
+from heapq import merge
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from mavstack.dialects import Message
+    from mavstack.logs.message_table import MessageTable
 
 
 class LogText(NamedTuple):
@@ -139,3 +141,21 @@ class RowRecord(LogRecord):
 
     def __len__(self) -> int:
         return len(self._row.dtype.names or ())
+
+
+def merged_rows(tables: Mapping[str, MessageTable]) -> Iterator[RowRecord]:
+    """Return the rows of several tables as records, in the order of their times.
+
+    Args:
+        tables: Tables by name, each in the order of time.
+    """
+    return merge(*map(_rows, tables.items()), key=_time_order)
+
+
+def _rows(item: tuple[str, MessageTable]) -> Iterator[RowRecord]:
+    name, table = item
+    return (RowRecord(name, row) for row in table.view(np.ndarray))
+
+
+def _time_order(record: RowRecord) -> int:
+    return int(record.time.astype(np.int64))

@@ -1,7 +1,11 @@
 """Logs of packets: tlogs (a timestamp before each packet) and raw streams.
 
-Opening a file builds an index of all packets, whose CRC is verified; the table of a message is decoded on
-first access. Junk between packets is skipped and counted.
+An index of all packets, whose CRC is verified, is built when a file of up to 64 MiB is opened, and of a
+larger file when its tables or counts are first needed. The table of a message is decoded on first access.
+`windows` needs no
+index: it reads the file piece by piece, and carries the state of the scanner from one piece to the next. Junk
+    between
+packets is skipped and counted.
 """
 
 from __future__ import annotations
@@ -9,14 +13,14 @@ from __future__ import annotations
 import os
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from mavstack._core import Index, looks_timestamped
+from mavstack._core import Index, WindowIndexer, looks_timestamped
 from mavstack.errors import LogError
 from mavstack.logs.damage import LogDamage
-from mavstack.logs.log import Log
+from mavstack.logs.log import DEFAULT_WINDOW, Log
 from mavstack.logs.log_bytes import LogBytes
 from mavstack.logs.message_table import MessageTable
 from mavstack.logs.packets import packet_facts
@@ -24,25 +28,28 @@ from mavstack.logs.packets.message_schema import message_schema
 from mavstack.logs.packets.packet_clocks import PacketClocks
 from mavstack.logs.packets.packet_record import PacketRecord
 from mavstack.logs.packets.tables import table_dtype
+from mavstack.logs.packets.window_reader import index_windows
 from mavstack.logs.registry import MAX_HEAD
 from mavstack.logs.schema import SchemaSource
 from mavstack.wire import Parser
 
 if TYPE_CHECKING:
     import mmap
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
 
     from mavstack.dialects import Dialect
     from mavstack.logs.records import LogText, ParameterChange
     from mavstack.logs.schema import TableSchema
-    from mavstack.logs.time_base import TimeBase
+    from mavstack.logs.time_base import Clock, TimeBase
     from mavstack.logs.vehicles import LogVehicle
     from mavstack.wire import Packet, SourceStatistics, Statistics
 
+#: Size in bytes up to which a file is indexed when it is opened.
+MAX_EAGER_SIZE: Final = 64 << 20
 #: Bytes that `records` parses at a time.
-_RECORDS_CHUNK = 1 << 20
+_RECORDS_CHUNK: Final = 1 << 20
 
 
 class PacketLog(Log):
@@ -79,88 +86,134 @@ class PacketLog(Log):
         super().__init__(self._bytes.path, self._bytes.size)
         self.dialect = dialect
         self._threads = threads or os.cpu_count() or 1
-        with self._bytes.access() as data:
-            self.timestamped = (
-                looks_timestamped(data[:MAX_HEAD], dialect) if timestamped is None else timestamped
-            )
-            self._index = self._indexed(data)
-            self._data = data
-        self.format = "tlog" if self.timestamped else "raw"
-        ids = self._index.counts
-        self._ids = {dialect.name_of(message_id): message_id for message_id in ids}
-        self._counts = {name: ids[message_id] for name, message_id in self._ids.items()}
-        self._schemas: dict[str, SchemaSource] = {}
+        if timestamped is None:
+            timestamped = looks_timestamped(self._bytes.read(0, MAX_HEAD), dialect)
+        self.timestamped = timestamped
+        self.format = "tlog" if timestamped else "raw"
+        self._schemas: dict[int, SchemaSource] = {}
+        self._index: Index | None = None
+        self._data: mmap.mmap | bytes = b""
+        self._scanned: WindowIndexer | None = None
+        if self.size <= MAX_EAGER_SIZE:
+            self._require_index()
 
     @property
     def counts(self) -> Mapping[str, int]:
         """Number of packets by message name."""
         return self._counts
 
+    @cached_property
+    def _counts(self) -> dict[str, int]:
+        return {self.dialect.name_of(number): count for number, count in self._totals.counts.items()}
+
+    @cached_property
+    def _ids(self) -> dict[str, int]:
+        return {self.dialect.name_of(number): number for number in self._totals.counts}
+
     def schema(self, name: str) -> TableSchema:
         """Return the meaning of the columns of a message's table; see `Log.schema`."""
         self._require([name])
-        return self._schema_source(name).schema
+        return self._schema_source(self._ids[name]).schema
 
-    def _schema_source(self, name: str) -> SchemaSource:
-        source = self._schemas.get(name)
+    def _schema_source(self, message_id: int) -> SchemaSource:
+        source = self._schemas.get(message_id)
         if source is None:
-            source = SchemaSource(partial(message_schema, self.dialect, self._ids[name]))
-            self._schemas[name] = source
+            source = SchemaSource(partial(message_schema, self.dialect, message_id))
+            self._schemas[message_id] = source
         return source
 
     def decode_tables(self, names: Sequence[str]) -> Mapping[str, MessageTable]:
         """Decode tables in one pass; see `Log.decode_tables`."""
-        tables = {name: np.empty(self.counts[name], self._dtype(name)) for name in names}
-        rows = [(self._ids[name], table.view(np.uint8).data) for name, table in tables.items()]
+        wanted = {self._ids[name]: self.counts[name] for name in names}
+        index = self._require_index()
         with self._bytes.access() as data:
             if data is not self._data:
-                self._use_copy(data)
-            self._index.decode(rows, threads=self._threads)
-        return {name: MessageTable.of(table, self._schema_source(name)) for name, table in tables.items()}
+                index = self._use_copy(data, index)
+            return self._tables_of(index, wanted)
+
+    def _tables_of(self, index: Index, counts: Mapping[int, int]) -> dict[str, MessageTable]:
+        """Decode the rows of messages, by message id, from an index whose data may be read now."""
+        tables = {number: np.empty(count, self._dtype(index, number)) for number, count in counts.items()}
+        rows = [(number, table.view(np.uint8).data) for number, table in tables.items()]
+        index.decode(rows, threads=self._threads)
+        return {
+            self.dialect.name_of(number): MessageTable.of(table, self._schema_source(number))
+            for number, table in tables.items()
+        }
+
+    def _require_index(self) -> Index:
+        """Return the index of the file, and make it before its first use."""
+        if self._index is None:
+            with self._bytes.access() as data:
+                self._index, self._data = self._indexed(data), data
+        return self._index
+
+    @property
+    def _totals(self) -> Index | WindowIndexer:
+        return self._index or self._scanned or self._require_index()
 
     def _indexed(self, data: mmap.mmap | bytes) -> Index:
         return Index(data, self.dialect, timestamped=self.timestamped, threads=self._threads)
 
-    def _use_copy(self, data: mmap.mmap | bytes) -> None:
+    def _use_copy(self, data: mmap.mmap | bytes, before: Index) -> Index:
         """Continue with a copy of the file, which another process has opened for writing meanwhile."""
         index = self._indexed(data)
-        if index.statistics != self._index.statistics or index.counts != self._index.counts:
+        if index.statistics != before.statistics or index.counts != before.counts:
             raise LogError(f"cannot read {self.path}: it was rewritten since it was opened; open it again")
         self._index, self._data = index, data
+        return index
 
-    def _dtype(self, name: str) -> np.dtype[np.void]:
-        definition = self.dialect.message_definition(self._ids[name])
-        return table_dtype(definition, self._index.row_size(self._ids[name]))
+    def _dtype(self, index: Index, message_id: int) -> np.dtype[np.void]:
+        return table_dtype(self.dialect.message_definition(message_id), index.row_size(message_id))
+
+    def windows(
+        self,
+        size: int = DEFAULT_WINDOW,
+        names: Sequence[str] | None = None,
+        *,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Iterator[dict[str, MessageTable]]:
+        """Yield the file piece by piece, in bounded memory; see `Log.windows`."""
+        indexer = WindowIndexer(self.dialect, timestamped=self.timestamped, threads=self._threads)
+        for index, done in index_windows(self._bytes, indexer, size):
+            counts = {
+                number: count
+                for number, count in index.counts.items()
+                if names is None or self.dialect.name_of(number) in names
+            }
+            tables = self._tables_of(index, counts)
+            if tables:
+                yield tables
+            if progress is not None:
+                progress(done, self.size)
+        self._scanned = indexer
 
     def records(self, *names: str) -> Iterator[PacketRecord]:
         """Iterate over the packets in the order of the file; see `Log.records`."""
-        wanted = {self._ids[name] for name in names or self if name in self._ids}
         for packet in self._packets():
-            if packet.message_id in wanted:
+            if packet.name in names if names else packet.name is not None:
                 yield PacketRecord(packet)
 
     def _packets(self) -> Iterator[Packet]:
         parser = Parser(self.dialect, timestamped=self.timestamped)
         for start in range(0, self.size, _RECORDS_CHUNK):
-            with self._bytes.access() as data:
-                packets = parser.feed(data[start : start + _RECORDS_CHUNK])
-            yield from packets
+            yield from parser.feed(self._bytes.read(start, _RECORDS_CHUNK))
         yield from parser.flush()
 
     @property
     def unknown(self) -> dict[int, int]:
         """Number of packets of each message id that is not in the dialect."""
-        return self._index.unknown
+        return self._totals.unknown
 
     @property
     def statistics(self) -> Statistics:
         """Totals of the file: packets, bad bytes, signed packets and so on."""
-        return self._index.statistics
+        return self._totals.statistics
 
     @property
     def sources(self) -> dict[tuple[int, int], SourceStatistics]:
         """Statistics of each source, by (system, component)."""
-        return self._index.sources
+        return self._totals.sources
 
     @property
     def skipped(self) -> LogDamage:
@@ -172,14 +225,19 @@ class PacketLog(Log):
     @property
     def time_span(self) -> tuple[float, float] | None:
         """Earliest and latest recorded time in seconds since 1970, or None without times."""
-        span = self._index.time_span
+        span = self._totals.time_span
         return None if span is None else (span[0] / 1e6, span[1] / 1e6)
 
     @property
     def duration(self) -> float:
         """Seconds from the earliest to the latest recorded time; 0 without times."""
-        span = self._index.time_span
+        span = self._totals.time_span
         return 0.0 if span is None else (span[1] - span[0]) / 1e6
+
+    @property
+    def clock(self) -> Clock:
+        """The clock of the column `_time`: "received", or "boot" in a raw stream, which has no times."""
+        return "received" if self.timestamped else "boot"
 
     @cached_property
     def _clocks(self) -> PacketClocks:
@@ -196,7 +254,7 @@ class PacketLog(Log):
     def read_time_base(self, log: Log) -> TimeBase:
         """Return the recorder's clock, and the offset of the first vehicle's clock."""
         clocks = self._clocks if log is self else PacketClocks(log)
-        return clocks.time_base("received" if self.timestamped else "boot")
+        return clocks.time_base(self.clock)
 
     def read_info(self, log: Log) -> dict[str, str]:
         """Return the facts in HEARTBEAT and AUTOPILOT_VERSION of the first vehicle."""
