@@ -271,7 +271,9 @@ class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
         found: dict[str, dict[str, str]] = {}
         for field in self.schema:
             values = field.to_dict()
-            texts: dict[str, str] = {key: str(values[key]) for key in ("unit", "enum", "description") if key in values}
+            texts: dict[str, str] = {
+                key: str(values[key]) for key in ("unit", "enum", "description") if key in values
+            }
             if "multiplier" in values and not scaled:
                 texts["multiplier"] = str(values["multiplier"])
             names = [self._element_name(field.name, index) for index in range(field.array_length)]

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from mavstack._core import Index, WindowIndexer, looks_timestamped
+from mavstack._core import Index, looks_timestamped
 from mavstack.errors import LogError
 from mavstack.logs.damage import LogDamage
 from mavstack.logs.log import DEFAULT_WINDOW, Log
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from mavstack._core import WindowIndexer
     from mavstack.dialects import Dialect
     from mavstack.logs.records import LogText, ParameterChange
     from mavstack.logs.schema import TableSchema
@@ -174,6 +175,8 @@ class PacketLog(Log):
         progress: Callable[[int, int], None] | None = None,
     ) -> Iterator[dict[str, MessageTable]]:
         """Yield the file piece by piece, in bounded memory; see `Log.windows`."""
+        from mavstack._core import WindowIndexer
+
         indexer = WindowIndexer(self.dialect, timestamped=self.timestamped, threads=self._threads)
         for index, done in index_windows(self._bytes, indexer, size):
             counts = {
