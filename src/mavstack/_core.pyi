@@ -651,3 +651,96 @@ class WindowIndexer:
     @property
     def time_span(self) -> tuple[int, int] | None:
         """Earliest and latest timestamp so far in microseconds since 1970, or None without timestamps."""
+class DataFlashLayout:
+    """How the records of a definition become rows of a table.
+
+    A row begins with 12 bytes: the time in microseconds (int64), the instance (uint8) and zeros.
+
+    Args:
+        record_length: Length of a record in bytes, header included.
+        row_size: Size of a row in bytes.
+        fields: For each field its format character, its conversion ("=" copies, "0" copies and clears the bytes after
+            the NUL of a text, "*" divides an integer by 100 or, for "L", by 10^7, giving a float64), its position in
+            the record and its position in the row.
+        time: Format character and position in the record of the time, factor and offset: the time is the field times
+            the factor plus the offset, in microseconds. None leaves the time unknown (NaT).
+        instance: Format character and position in the record of the number of the instance, or None.
+
+    Raises:
+        ValueError: A field lies outside of the record or of the row, or has an unknown format character.
+    """
+
+    def __new__(
+        cls,
+        record_length: int,
+        row_size: int,
+        fields: Sequence[tuple[str, str, int, int]],
+        *,
+        time: tuple[str, int, int, int] | None = None,
+        instance: tuple[str, int] | None = None,
+    ) -> Self: ...
+    @property
+    def row_size(self) -> int:
+        """Size of a row in bytes."""
+
+@final
+class DataFlashIndex:
+    """Index of all records of a DataFlash log by definition, built without the interpreter lock.
+
+    Args:
+        data: A read-only buffer, such as bytes or a map opened for reading; it must not change.
+        threads: Maximum number of threads.
+
+    Raises:
+        BufferError: The buffer is writable or not contiguous.
+    """
+
+    def __new__(cls, data: Buffer, *, threads: int = 1) -> Self: ...
+    @property
+    def definitions(self) -> list[tuple[bytes, bytes, bytes, int]]:
+        """The definitions as (name, format, labels, length of a record); their numbers are the slots of the tables."""
+
+    @property
+    def redefinitions(self) -> list[tuple[int, int, int]]:
+        """Where type numbers got a definition, in file order: (position in the file, type number, slot)."""
+
+    @property
+    def counts(self) -> list[int]:
+        """Number of records by slot."""
+
+    @property
+    def damage(self) -> dict[str, int]:
+        """Counts of what did not become a row or is doubtful, by name."""
+
+    @property
+    def unknown(self) -> dict[int, int]:
+        """Number of headers of each type number that has no definition."""
+
+    def rows_before(self, position: int) -> list[int]:
+        """Return the number of records of each slot that begin before a position in the file.
+
+        Args:
+            position: The position in bytes.
+        """
+
+    def positions(self, slot: int, first: int, count: int) -> list[int]:
+        """Return the positions in the file of the records of a slot.
+
+        Args:
+            slot: The slot.
+            first: Number of the first record.
+            count: Number of records.
+        """
+
+    def decode(self, tables: Sequence[tuple[int, int, DataFlashLayout, Buffer]], *, threads: int = 1) -> None:
+        """Decode rows of several tables in one pass.
+
+        Args:
+            tables: For each table its slot, the number of the first row, the layout, and a writable buffer whose size is
+                a multiple of the size of a row.
+            threads: Maximum number of threads.
+
+        Raises:
+            IndexError: The slot has fewer rows.
+            ValueError: A buffer is read-only, has no size of whole rows or overlaps another.
+        """

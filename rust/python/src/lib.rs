@@ -7,6 +7,7 @@
 mod buffers;
 mod class;
 mod construct;
+mod dataflash;
 mod dialect;
 mod encode;
 mod errors;
@@ -51,6 +52,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<statistics::Refusals>()?;
     module.add_class::<index::Index>()?;
     module.add_class::<index::WindowIndexer>()?;
+    module.add_class::<dataflash::DataFlashIndex>()?;
+    module.add_class::<dataflash::DataFlashLayout>()?;
     module.add("MessageMeta", class::metaclass(py)?)?;
     module.add("MessageBase", message::base_class(py)?)?;
     module.add_function(wrap_pyfunction!(crc16, module)?)?;

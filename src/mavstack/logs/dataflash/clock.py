@@ -1,0 +1,83 @@
+"""Time since boot and UTC in a DataFlash log.
+
+Records hold the time since boot (TimeUS, in old logs TimeMS). GPS records hold the week and the milliseconds
+of GPS time as well, which gives the offset to UTC. GPS time does not count leap seconds; it is 18 s ahead of
+UTC since 2017.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from mavstack.logs.time_base import TimeBase, median_offset
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from mavstack.logs.dataflash.record_type import RecordType
+
+GPS_TABLES: Final = ("GPS", "GPS2")
+_GPS_EPOCH_US: Final = 315_964_800_000_000
+_WEEK_US: Final = 604_800_000_000
+_LEAP_US: Final = 18_000_000
+_FIX_3D: Final = 3
+#: Names of the week and the milliseconds, in new and old logs.
+_GPS_TIMES: Final = (("GWk", "GMS"), ("Week", "TimeMS"))
+#: Times of a table that are this far beyond those of other tables belong to a damaged record.
+_MAX_AHEAD_US: Final = 86_400_000_000
+
+
+def gps_time_base(kind: RecordType, table: NDArray[Any]) -> TimeBase:
+    """Return the clock of a log from its GPS records.
+
+    Args:
+        kind: The record type.
+        table: Its table.
+
+    Returns:
+        UTC if a GPS record with a fix holds the time, the time since boot otherwise.
+    """
+    names = table.dtype.names or ()
+    pair = next((pair for pair in _GPS_TIMES if set(pair) <= set(names)), None)
+    boot = boot_microseconds(kind, table)
+    if pair is None or boot is None:
+        return TimeBase("boot")
+    week, milliseconds = (table[name].astype(np.int64) for name in pair)
+    known = week > 0
+    if "Status" in names and (known & (table["Status"] >= _FIX_3D)).any():
+        known &= table["Status"] >= _FIX_3D
+    utc = _GPS_EPOCH_US + week * _WEEK_US + milliseconds * 1000 - _LEAP_US
+    found = median_offset(utc[known], boot[known])
+    return TimeBase("boot") if found is None else TimeBase("utc", *found, f"{kind.name} week and milliseconds")
+
+
+def boot_microseconds(kind: RecordType, table: NDArray[Any]) -> NDArray[np.int64] | None:
+    """Return the time since boot of each row in microseconds, or None if the record type has none.
+
+    Args:
+        kind: The record type.
+        table: Rows of its table.
+    """
+    found = kind.time_column
+    if found is None:
+        return None
+    column, factor = found
+    return table[column.name].astype(np.int64) * factor
+
+
+def span(firsts: Sequence[int], lasts: Sequence[int]) -> tuple[int, int] | None:
+    """Return the earliest and the latest time, without those of damaged records.
+
+    Args:
+        firsts: Time since boot of the first row of each table in microseconds.
+        lasts: Time since boot of the last row of each table.
+    """
+    if not firsts:
+        return None
+    limit = int(np.median(lasts)) + _MAX_AHEAD_US
+    plausible = [time for time in (*firsts, *lasts) if 0 <= time <= limit]
+    return (min(plausible), max(plausible)) if plausible else None

@@ -1,0 +1,217 @@
+"""Binary DataFlash logs (`.BIN`): a table for each record type.
+
+Opening a file builds an index of all records, from the definitions in the file itself. Damaged parts are
+skipped and counted. The files have no checksums: a record in the middle of which bytes were overwritten
+cannot be told from an intact one.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mavstack._core import DataFlashIndex
+from mavstack.errors import LogError
+from mavstack.logs.damage import LogDamage
+from mavstack.logs.dataflash.ardupilot_log import ArduPilotLog
+from mavstack.logs.dataflash.record_type import RecordType, table_names
+from mavstack.logs.dataflash.units import SlotFinder, units_by_slot
+from mavstack.logs.log import DEFAULT_WINDOW
+from mavstack.logs.log_bytes import LogBytes
+from mavstack.logs.message_table import MessageTable
+from mavstack.logs.records import RowRecord
+
+if TYPE_CHECKING:
+    import mmap
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from mavstack.logs.records import LogRecord
+
+    #: A part of a table: slot, number of the first row, number of rows.
+    Part = tuple[int, int, int]
+
+
+class DataFlashLog(ArduPilotLog):
+    """A binary DataFlash log.
+
+    A table has the columns `_time` (datetime64 in µs UTC, NaT if it is not known), `_instance` (number of the
+    sensor, 0 in tables without instances), and the fields of the record type. A record type that changes its
+    fields within the file is another table from there on: `NAME_2`.
+
+    Args:
+        source: Path of the file, or its bytes.
+        threads: Maximum number of threads; 0 for one per processor.
+
+    Raises:
+        LogError: The file cannot be read.
+    """
+
+    format = "dataflash"
+
+    def __init__(self, source: str | os.PathLike[str] | LogBytes, *, threads: int = 0) -> None:
+        self._bytes = source if isinstance(source, LogBytes) else LogBytes(Path(source))
+        super().__init__(self._bytes.path, self._bytes.size)
+        self._threads = threads or os.cpu_count() or 1
+        with self._bytes.access() as data:
+            self._index = DataFlashIndex(data, threads=self._threads)
+            self._data = data
+        self._types = [
+            RecordType(*(text.decode("latin-1") for text in texts), length)
+            for *texts, length in self._index.definitions
+        ]
+        counts = self._index.counts
+        self._slots = table_names(
+            (slot, kind.name, counts[slot]) for slot, kind in enumerate(self._types)
+        )
+        self._counts = {name: counts[slot] for name, slot in self._slots.items()}
+        self._types = self._with_units()
+
+    @property
+    def counts(self) -> Mapping[str, int]:
+        """Number of records by table name."""
+        return self._counts
+
+    @property
+    def definitions(self) -> Mapping[str, RecordType]:
+        """The record type of each table: format characters, labels and units as in the file."""
+        return {name: self._types[slot] for name, slot in self._slots.items()}
+
+    # decoding
+
+    def decode_tables(self, names: Sequence[str]) -> Mapping[str, MessageTable]:
+        """Decode tables in one pass; see `Log.decode_tables`."""
+        parts = [(self._slots[name], 0, self._counts[name]) for name in names]
+        tables = self._decode(parts, self.time_base.offset_us)
+        return {name: self._table(name, table) for name, table in zip(names, tables, strict=True)}
+
+    def _decode(self, parts: Sequence[Part], offset_us: int | None) -> list[NDArray[np.void]]:
+        """Decode parts of tables, with times in UTC if the offset is known."""
+        tables = [np.empty(rows, self._types[slot].dtype) for slot, _, rows in parts]
+        requests = [
+            (slot, first, self._types[slot].layout(offset_us), table.view(np.uint8).data)
+            for (slot, first, _), table in zip(parts, tables, strict=True)
+        ]
+        with self._bytes.access() as data:
+            if data is not self._data:
+                self._use_copy(data)
+            self._index.decode(requests, threads=self._threads)
+        return tables
+
+    def _use_copy(self, data: mmap.mmap | bytes) -> None:
+        """Continue with a copy of the file, which another process has opened for writing meanwhile."""
+        index = DataFlashIndex(data, threads=self._threads)
+        if index.counts != self._index.counts or index.definitions != self._index.definitions:
+            raise LogError(f"cannot read {self.path}: it was rewritten since it was opened; open it again")
+        self._index, self._data = index, data
+
+    def _table(self, name: str, rows: NDArray[np.void]) -> MessageTable:
+        return MessageTable.of(rows, self._schema_source(name))
+
+    # reading piece by piece
+
+    def windows(
+        self,
+        size: int = DEFAULT_WINDOW,
+        names: Sequence[str] | None = None,
+        *,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Iterator[dict[str, MessageTable]]:
+        """Yield the file piece by piece; see `Log.windows`."""
+        for parts in self._windows(size, names, progress):
+            yield self._decode_window(parts)
+
+    def records(self, *names: str) -> Iterator[LogRecord]:
+        """Iterate over the records in the order of the file; see `Log.records`."""
+        for parts in self._windows(DEFAULT_WINDOW, names or None, None):
+            tables = self._decode_window(parts)
+            order = [
+                (position, name, row)
+                for name, (slot, first, rows) in parts.items()
+                for row, position in enumerate(self._index.positions(slot, first, rows))
+            ]
+            for _, name, row in sorted(order):
+                yield RowRecord(name, tables[name][row])
+
+    def _decode_window(self, parts: Mapping[str, Part]) -> dict[str, MessageTable]:
+        tables = self._decode(list(parts.values()), self.time_base.offset_us)
+        return {name: self._table(name, table) for name, table in zip(parts, tables, strict=True)}
+
+    def _windows(
+        self, size: int, names: Sequence[str] | None, progress: Callable[[int, int], None] | None
+    ) -> Iterator[dict[str, Part]]:
+        """Yield the rows of each table in each piece of the file, without empty parts."""
+        wanted = {name: slot for name, slot in self._slots.items() if names is None or name in names}
+        before = [0] * len(self._types)
+        for end in range(size, self.size + size, size):
+            until = self._index.rows_before(min(end, self.size))
+            parts = {
+                name: (slot, before[slot], until[slot] - before[slot])
+                for name, slot in wanted.items()
+                if until[slot] > before[slot]
+            }
+            if parts:
+                yield parts
+            before = until
+            if progress is not None:
+                progress(min(end, self.size), self.size)
+
+    # the meaning of the columns
+
+    def _with_units(self) -> list[RecordType]:
+        """Return the record types with their units."""
+        needed = [name for name in ("FMTU", "UNIT", "MULT") if name in self._slots]
+        parts = [(self._slots[name], 0, self._counts[name]) for name in needed]
+        tables: dict[str, Any] = dict(zip(needed, self._decode(parts, None), strict=True))
+        fmtu = tables.get("FMTU")
+        if fmtu is None or not {"FmtType", "UnitIds", "MultIds"} <= set(fmtu.dtype.names):
+            return self._types
+        positions = self._index.positions(self._slots["FMTU"], 0, len(fmtu))
+        slot = SlotFinder(self._index.redefinitions).slot
+        rows = dict(zip(positions, fmtu, strict=True))
+        units = units_by_slot(rows, tables.get("UNIT"), tables.get("MULT"), slot)
+        return [
+            replace(kind, units=units[number]) if number in units else kind
+            for number, kind in enumerate(self._types)
+        ]
+
+    # the interface of logs of ArduPilot
+
+    def rows_without_time(self, name: str) -> NDArray[np.void]:
+        """Return a table whose column `_time` is not filled."""
+        (table,) = self._decode([(self._slots[name], 0, self._counts[name])], None)
+        return table
+
+    def first_and_last(self) -> dict[str, tuple[NDArray[np.void], NDArray[np.void]]]:
+        """Return the first and the last row of each table, as tables of one row without `_time`."""
+        firsts = self._decode([(slot, 0, 1) for slot in self._slots.values()], None)
+        lasts = [(slot, self._counts[name] - 1, 1) for name, slot in self._slots.items()]
+        return dict(zip(self._slots, zip(firsts, self._decode(lasts, None), strict=True), strict=True))
+
+    # damage
+
+    @property
+    def skipped(self) -> LogDamage:
+        """Bytes outside of records, damaged records, and records of types without a definition.
+
+        Records that damage follows directly are in the tables; they are counted because their last bytes may
+        be damaged too.
+        """
+        damage = self._index.damage
+        other = {
+            "doubtful records before damage (kept)": damage["suspect_records"],
+            "unusable definitions": damage["bad_definitions"],
+            "fields of unknown format": sum(self._types[slot].lost_fields for slot in self._slots.values()),
+        }
+        return LogDamage(
+            bad_bytes=damage["bad_bytes"] - damage["truncated_bytes"],
+            bad_records=damage["damaged_records"],
+            truncated_bytes=damage["truncated_bytes"],
+            unknown=self._index.unknown,
+            other={reason: count for reason, count in other.items() if count},
+        )

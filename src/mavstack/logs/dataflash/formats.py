@@ -1,0 +1,57 @@
+"""Recognition of DataFlash logs by their content."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Final
+
+from mavstack.logs.registry import LogFormat
+
+if TYPE_CHECKING:
+    from mavstack.logs.log import Log
+    from mavstack.logs.log_bytes import LogBytes
+    from mavstack.logs.options import OpenOptions
+
+_FMT_HEADER: Final = b"\xa3\x95\x80"
+#: Three FMT records in a row, for logs whose beginning is damaged. A tlog of a log download holds FMT records
+#: too, but in packets.
+_FMT_RECORDS: Final = re.compile(rb"(?:\xa3\x95\x80.{86}){3}", re.DOTALL)
+_FMT_LINE: Final = re.compile(rb"(?:\A|\n)FMT, ?128, ?89, ?FMT,")
+#: Text logs of old firmware have some lines before the first FMT.
+_TEXT_HEAD: Final = 8192
+
+
+def is_binary(head: bytes) -> bool:
+    """Return whether a file is a binary log.
+
+    Args:
+        head: The beginning of the file.
+    """
+    return head.startswith(_FMT_HEADER) or _FMT_RECORDS.search(head) is not None
+
+
+def is_text(head: bytes) -> bool:
+    """Return whether a file is a log as text.
+
+    Args:
+        head: The beginning of the file.
+    """
+    return _FMT_LINE.search(head[:_TEXT_HEAD]) is not None
+
+
+def _open_binary(data: LogBytes, options: OpenOptions) -> Log:
+    from mavstack.logs.dataflash.dataflash_log import DataFlashLog
+
+    return DataFlashLog(data, threads=options.threads)
+
+
+def _open_text(data: LogBytes, _options: OpenOptions) -> Log:
+    from mavstack.logs.dataflash.text_log import DataFlashTextLog
+
+    return DataFlashTextLog(data)
+
+
+DATAFLASH: Final = LogFormat("dataflash", "ArduPilot DataFlash log (.BIN)", is_binary, _open_binary)
+DATAFLASH_TEXT: Final = LogFormat(
+    "dataflash-text", "ArduPilot DataFlash log as text (.log)", is_text, _open_text
+)
