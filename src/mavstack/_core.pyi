@@ -651,6 +651,8 @@ class WindowIndexer:
     @property
     def time_span(self) -> tuple[int, int] | None:
         """Earliest and latest timestamp so far in microseconds since 1970, or None without timestamps."""
+
+@final
 class DataFlashLayout:
     """How the records of a definition become rows of a table.
 

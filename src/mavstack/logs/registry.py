@@ -48,6 +48,8 @@ class LogFormat:
 #: Module and object of each built-in format below `mavstack.logs`.
 FORMATS: Final[Mapping[str, str]] = MappingProxyType(
     {
+        "dataflash": "dataflash.formats:DATAFLASH",
+        "dataflash-text": "dataflash.formats:DATAFLASH_TEXT",
         "tlog": "packets.formats:TLOG",
         "raw": "packets.formats:RAW",
     }

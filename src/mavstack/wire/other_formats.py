@@ -7,8 +7,8 @@ from typing import Final
 #: First bytes of a format, and its name with the program that reads or converts it.
 _OTHER_FORMATS: Final = (
     (b"ULog\x01\x12\x35", "a PX4 ULog (pyulog reads it)"),
-    (b"\xa3\x95\x80", "an ArduPilot dataflash log (pymavlink's DFReader reads it)"),
-    (b"FMT, 128, ", "an ArduPilot dataflash log as text (pymavlink's DFReader reads it)"),
+    (b"\xa3\x95\x80", "an ArduPilot dataflash log (mavstack.open_log reads it)"),
+    (b"FMT, 128, ", "an ArduPilot dataflash log as text (mavstack.open_log reads it)"),
     (b"\x89MCAP0\r\n", "an MCAP recording"),
     (b"#ROSBAG V", "a ROS bag"),
     (b"\x0a\x0d\x0d\x0a", "a pcapng capture"),

@@ -23,7 +23,7 @@ def pymavlink_rows(path, reader=None):
 
 
 def value_of(value):
-    """Return a value as it can be compared: NaN equals NaN, an array is a list, a text has no NUL at its end."""
+    """Return a value as it can be compared: NaN equals NaN, arrays are lists, no NUL ends a text."""
     if isinstance(value, float) and math.isnan(value):
         return "nan"
     if isinstance(value, bytes):

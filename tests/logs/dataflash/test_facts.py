@@ -41,7 +41,12 @@ def test_ver_names_the_version_exactly(tmp_path):
 
 def test_parameters_have_first_values_and_changes(tmp_path):
     writer = LogWriter()
-    for time, name, value in ((1, "RTL_ALT", 1500.0), (2, "WPNAV_SPEED", 500.0), (3, "RTL_ALT", 1500.0), (4, "RTL_ALT", 3000.0)):
+    for time, name, value in (
+        (1, "RTL_ALT", 1500.0),
+        (2, "WPNAV_SPEED", 500.0),
+        (3, "RTL_ALT", 1500.0),
+        (4, "RTL_ALT", 3000.0),
+    ):
         writer.write("PARM", time, name, value, float("nan"))
     log = opened(tmp_path, writer)
     assert log.parameters == {"RTL_ALT": 1500.0, "WPNAV_SPEED": 500.0}

@@ -1,12 +1,15 @@
-"""Recognition of DataFlash logs."""
+"""Recognition of DataFlash logs, and the conformance tests of both formats."""
 
 from __future__ import annotations
 
 import pytest
 
+import mavstack
 from mavstack.logs.dataflash.formats import is_binary, is_text
+from tests.logs.conformance import LogConformance
 
-from .writer import flight
+from .test_text_log import as_text
+from .writer import LogWriter, flight
 
 
 @pytest.mark.parametrize(
@@ -32,3 +35,37 @@ def test_a_tlog_of_a_log_download_is_no_dataflash_log():
     data = bytes(flight(records=10).data)
     packets = b"".join(b"\xfd" + bytes(9) + data[at : at + 90] + bytes(2) for at in range(0, 2000, 90))
     assert not is_binary(packets)
+
+
+class TestBinary(LogConformance):
+    format = "dataflash"
+
+    def write(self, folder):
+        path = folder / "log.tlog"
+        path.write_bytes(bytes(flight(records=900).data))
+        return path
+
+
+class TestWithoutGps(LogConformance):
+    format = "dataflash"
+    has_start = False
+
+    def write(self, folder):
+        log = LogWriter()
+        for number in range(300):
+            log.write("ATT", 10_000 * number, *[number] * 6)
+            log.write("IMU", 10_000 * number, number % 2, *[0.5] * 6)
+        path = folder / "log.ulg"
+        path.write_bytes(bytes(log.data))
+        return path
+
+
+class TestText(LogConformance):
+    format = "dataflash-text"
+    has_damage_when_truncated = False
+
+    def write(self, folder):
+        binary = TestBinary().write(folder)
+        path = folder / "log.BIN"
+        path.write_text(as_text(mavstack.open_log(binary)), "utf-8")
+        return path

@@ -8,15 +8,17 @@ import struct
 HEADER = b"\xa3\x95"
 FMT, FMTU, UNIT, MULT = 128, 129, 130, 131
 CODES = {
-    "a": "64s", "b": "b", "B": "B", "h": "h", "H": "H", "i": "i", "I": "I", "q": "q", "Q": "Q", "g": "e", "f": "f",
-    "d": "d", "n": "4s", "N": "16s", "Z": "64s", "c": "h", "C": "H", "e": "i", "E": "I", "L": "i", "M": "B",
+    "a": "64s", "b": "b", "B": "B", "h": "h", "H": "H", "i": "i", "I": "I", "q": "q", "Q": "Q", "g": "e",
+    "f": "f", "d": "d", "n": "4s", "N": "16s", "Z": "64s", "c": "h", "C": "H", "e": "i", "E": "I", "L": "i",
+    "M": "B",
 }  # fmt: skip
 #: (type number, name, format, labels, characters of units, characters of multipliers)
 TYPES = (
     (FMTU, "FMTU", "QBNN", "TimeUS,FmtType,UnitIds,MultIds", "s---", "F---"),
     (UNIT, "UNIT", "QbZ", "TimeUS,Id,Label", "s--", "F--"),
     (MULT, "MULT", "Qbd", "TimeUS,Id,Mult", "s--", "F--"),
-    (1, "GPS", "QBBIHBcLLefff", "TimeUS,I,Status,GMS,GWk,NSats,HDop,Lat,Lng,Alt,Spd,GCrs,VZ", "s#---SmDUmnhn", "F----0-GGB000"),
+    (1, "GPS", "QBBIHBcLLefff", "TimeUS,I,Status,GMS,GWk,NSats,HDop,Lat,Lng,Alt,Spd,GCrs,VZ", "s#---SmDUmnhn",
+     "F----0-GGB000"),
     (2, "IMU", "QBffffff", "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ", "s#EEEooo", "F-000000"),
     (3, "ATT", "QccccCC", "TimeUS,DesRoll,Roll,DesPitch,Pitch,DesYaw,Yaw", "sddddhh", "FBBBBBB"),
     (4, "PARM", "QNff", "TimeUS,Name,Value,Default", "s---", "F---"),
@@ -29,17 +31,20 @@ TYPES = (
     (11, "MORE", "QceELMgq", "TimeUS,c,e,E,L,M,g,q", "s", "F"),
     (12, "NVF", "QNf", "TimeUS,Name,Value", "s#-", "F--"),
 )  # fmt: skip
-UNITS = {"s": "s", "d": "deg", "h": "degheading", "D": "deglatitude", "U": "deglongitude", "m": "m", "n": "m/s",
-         "E": "rad/s", "o": "m/s/s", "v": "V", "%": "%", "A": "A", "#": "instance", "S": "satellites", "?": "UNKNOWN", "-": ""}  # fmt: skip
+UNITS = {
+    "s": "s", "d": "deg", "h": "degheading", "D": "deglatitude", "U": "deglongitude", "m": "m", "n": "m/s",
+    "E": "rad/s", "o": "m/s/s", "v": "V", "%": "%", "A": "A", "#": "instance", "S": "satellites",
+    "?": "UNKNOWN", "-": "",
+}  # fmt: skip
 FACTORS = {"-": 0.0, "?": 1.0, "0": 1.0, "A": 0.1, "B": 0.01, "F": 1e-6, "G": 1e-7}
-GPS_WEEK, GPS_EPOCH_US = 2300, 315_964_800_000_000
+GPS_EPOCH_US = 315_964_800_000_000
 
 
 class LogWriter:
     """A log in memory.
 
     Args:
-        types: The types to define at the beginning, as in `TYPES`; the text of their format is cut to 16 characters.
+        types: The types to define at the beginning, as in `TYPES`; formats are cut to 16 characters.
     """
 
     def __init__(self, types=TYPES):
@@ -65,7 +70,9 @@ class LogWriter:
         body = struct.Struct("<" + "".join(CODES.get(letter, "B") for letter in characters))
         self.structs[name], self.numbers[name] = body, number
         length = 3 + body.size if length is None else length
-        record = struct.pack("<BB4s16s64s", number, length, name.encode(), characters.encode(), labels.encode())
+        record = struct.pack(
+            "<BB4s16s64s", number, length, name.encode(), characters.encode(), labels.encode()
+        )
         self.data += HEADER + bytes([FMT]) + record
 
     def write(self, name, *values):
@@ -91,7 +98,9 @@ def random_values(rng, characters):
             text = bytes(rng.choice(b"abcXYZ 0123_") for _ in range(rng.randrange(size + 1))).strip()
             values.append(rng.randbytes(size) if letter == "a" else text)
         elif code in "efd":
-            values.append(rng.choice([0.0, -1.5, 1.0 / 3.0, float("nan"), float("inf"), rng.uniform(-6e4, 6e4)]))
+            values.append(
+                rng.choice([0.0, -1.5, 1.0 / 3.0, float("nan"), float("inf"), rng.uniform(-6e4, 6e4)])
+            )
         else:
             size = struct.calcsize(code)
             # pymavlink reads the unsigned byte of "M" as a signed one.

@@ -7,6 +7,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 from mavstack.logs.dataflash import clock, facts
 from mavstack.logs.log import Log
 from mavstack.logs.schema import SchemaSource
@@ -16,7 +18,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    import numpy as np
     from numpy.typing import NDArray
 
     from mavstack.logs.dataflash.record_type import RecordType
@@ -98,10 +99,10 @@ class ArduPilotLog(Log):
             self._span = None if found is None else ((found[0] + offset) / 1e6, (found[1] + offset) / 1e6)
         return self._span
 
-    def boot_times(self, name: str, table: MessageTable) -> NDArray[np.float64] | None:
-        """Return the time since boot of each row; see `Log.boot_times`."""
+    def boot_times(self, name: str, table: MessageTable) -> NDArray[np.float64]:
+        """Return the time since boot of each row, NaN where a table has none; see `Log.boot_times`."""
         times = clock.boot_microseconds(self.definitions[name], table)
-        return None if times is None else times / 1e6
+        return np.full(len(table), np.nan) if times is None else times / 1e6
 
     # the vehicle
 

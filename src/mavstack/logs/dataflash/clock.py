@@ -52,7 +52,9 @@ def gps_time_base(kind: RecordType, table: NDArray[Any]) -> TimeBase:
         known &= table["Status"] >= _FIX_3D
     utc = _GPS_EPOCH_US + week * _WEEK_US + milliseconds * 1000 - _LEAP_US
     found = median_offset(utc[known], boot[known])
-    return TimeBase("boot") if found is None else TimeBase("utc", *found, f"{kind.name} week and milliseconds")
+    return (
+        TimeBase("boot") if found is None else TimeBase("utc", *found, f"{kind.name} week and milliseconds")
+    )
 
 
 def boot_microseconds(kind: RecordType, table: NDArray[Any]) -> NDArray[np.int64] | None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 
     #: A part of a table: slot, number of the first row, number of rows.
     Part = tuple[int, int, int]
+
+_MAX_RECORD: Final = 255
 
 
 class DataFlashLog(ArduPilotLog):
@@ -61,14 +63,9 @@ class DataFlashLog(ArduPilotLog):
         with self._bytes.access() as data:
             self._index = DataFlashIndex(data, threads=self._threads)
             self._data = data
-        self._types = [
-            RecordType(*(text.decode("latin-1") for text in texts), length)
-            for *texts, length in self._index.definitions
-        ]
+        self._types = [RecordType.of(*definition) for definition in self._index.definitions]
         counts = self._index.counts
-        self._slots = table_names(
-            (slot, kind.name, counts[slot]) for slot, kind in enumerate(self._types)
-        )
+        self._slots = table_names((slot, kind.name, counts[slot]) for slot, kind in enumerate(self._types))
         self._counts = {name: counts[slot] for name, slot in self._slots.items()}
         self._types = self._with_units()
 
@@ -147,6 +144,7 @@ class DataFlashLog(ArduPilotLog):
     ) -> Iterator[dict[str, Part]]:
         """Yield the rows of each table in each piece of the file, without empty parts."""
         wanted = {name: slot for name, slot in self._slots.items() if names is None or name in names}
+        size = max(size, _MAX_RECORD)
         before = [0] * len(self._types)
         for end in range(size, self.size + size, size):
             until = self._index.rows_before(min(end, self.size))

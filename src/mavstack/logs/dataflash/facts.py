@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from mavstack.logs.message_table import MessageTable
 
 #: Texts that name the firmware: "ArduCopter V4.3.6 (0c5e999c)".
-_FIRMWARE: Final = re.compile(r"(?P<name>Ardu\w+|APM:\w+|AntennaTracker|Blimp|Rover)\s+V?(?P<version>\d\S*)(?:\s+\((?P<git>\w+)\))?")
+_FIRMWARE: Final = re.compile(
+    r"(?P<name>Ardu\w+|APM:\w+|AntennaTracker|Blimp|Rover)\s+V?(?P<version>\d\S*)(?:\s+\((?P<git>\w+)\))?"
+)
 #: Firmware by a part of its name: its enum of modes and its MAV_TYPE.
 _FIRMWARES: Final = (
     ("copter", "COPTER_MODE", "QUADROTOR"),

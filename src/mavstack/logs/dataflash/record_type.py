@@ -65,7 +65,13 @@ _HEADER_DESCRIPTIONS: Final = {
 #: Record types whose TimeMS is not the time since boot.
 _OTHER_CLOCKS: Final = ("ACC", "GYR")
 #: Units that say more than their column needs.
-_UNITS: Final = {"deglatitude": "deg", "deglongitude": "deg", "degheading": "deg", "UNKNOWN": "", "instance": ""}
+_UNITS: Final = {
+    "deglatitude": "deg",
+    "deglongitude": "deg",
+    "degheading": "deg",
+    "UNKNOWN": "",
+    "instance": "",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,6 +126,18 @@ class RecordType:
     units: Units = field(default_factory=Units)
     enums: Mapping[str, EnumSchema] = field(default_factory=dict)
 
+    @classmethod
+    def of(cls, name: bytes, characters: bytes, labels: bytes, length: int) -> RecordType:
+        """Return a definition as it is in the file.
+
+        Args:
+            name: Name of the record type.
+            characters: Format characters of its fields.
+            labels: Names of its fields, separated by commas.
+            length: Length of a record in bytes.
+        """
+        return cls(name.decode("latin-1"), characters.decode("latin-1"), labels.decode("latin-1"), length)
+
     @cached_property
     def columns(self) -> tuple[Column, ...]:
         """The fields that have a label, a known format character and a place in the record."""
@@ -159,7 +177,9 @@ class RecordType:
     @cached_property
     def dtype(self) -> np.dtype[np.void]:
         """The type of the table's rows."""
-        names, formats, offsets = (list(values) for values in zip(*HEADER_COLUMNS, strict=True))
+        names = [name for name, _, _ in HEADER_COLUMNS]
+        formats: list[Any] = [kind for _, kind, _ in HEADER_COLUMNS]
+        offsets = [offset for _, _, offset in HEADER_COLUMNS]
         end = ROW_HEADER
         for column in self.columns:
             names.append(column.name)

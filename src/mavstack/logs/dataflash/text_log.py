@@ -112,8 +112,7 @@ class DataFlashTextLog(ArduPilotLog):
         """Apply an FMT line."""
         number, _, name, characters, labels = values
         # The mode is a text.
-        texts = (name, characters.replace(b"M", b"N"), labels)
-        kind = RecordType(*(text.decode("latin-1") for text in texts), _ANY_LENGTH)
+        kind = RecordType.of(name, characters.replace(b"M", b"N"), labels, _ANY_LENGTH)
         if kind.name == _FMT:
             return
         known = (slot for slot, lines in enumerate(self._lines) if lines.kind == kind)
@@ -124,7 +123,9 @@ class DataFlashTextLog(ArduPilotLog):
         self._redefinitions.append((position, number, slot))
 
     def _add_units(self) -> None:
-        tables = {name: self._rows(self._slots[name]) for name in ("FMTU", "UNIT", "MULT") if name in self._slots}
+        tables = {
+            name: self._rows(self._slots[name]) for name in ("FMTU", "UNIT", "MULT") if name in self._slots
+        }
         fmtu = tables.get("FMTU")
         if fmtu is None or not {"FmtType", "UnitIds", "MultIds"} <= set(fmtu.dtype.names or ()):
             return
@@ -192,9 +193,7 @@ def _parse(kind: RecordType, text: bytes) -> tuple[Any, ...] | None:
     if columns[-1].character not in TEXTS:
         values[-1] = values[-1].rstrip(b", ")
     try:
-        return tuple(
-            _PARSERS[column.character](value) for column, value in zip(columns, values, strict=True)
-        )
+        return tuple(_PARSERS[column.character](value) for column, value in zip(columns, values, strict=True))
     except (ValueError, OverflowError):
         return None
 
@@ -213,13 +212,16 @@ def _integer(dtype: str) -> Callable[[bytes], int]:
 
 def _array(value: bytes) -> list[int]:
     numbers = [int(number) for number in value.strip(b"[]").split()]
-    if len(numbers) != 32:  # noqa: PLR2004 (the length of the format character "a")
+    if len(numbers) != 32:
         raise ValueError
     return numbers
 
 
 _PARSERS: Final[Mapping[str, Callable[[bytes], Any]]] = {
-    **{character: _integer(dtype) for character, dtype in zip("bBhHiIqQ", ("i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8"), strict=True)},
+    **{
+        character: _integer(dtype)
+        for character, dtype in zip("bBhHiIqQ", ("i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8"), strict=True)
+    },
     **dict.fromkeys("fdg" + SCALED, float),
     **dict.fromkeys(TEXTS, bytes),
     "a": _array,

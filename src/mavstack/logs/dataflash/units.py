@@ -71,9 +71,7 @@ def units_by_slot(
     return found
 
 
-def _units(
-    unit_ids: str, factor_ids: str, units: Mapping[str, Any], factors: Mapping[str, Any]
-) -> Units:
+def _units(unit_ids: str, factor_ids: str, units: Mapping[str, Any], factors: Mapping[str, Any]) -> Units:
     """Return the units of a definition from the characters of FMTU."""
     return Units(
         {index: _text(units[name]) for index, name in enumerate(unit_ids) if name in units},
@@ -89,8 +87,8 @@ def _characters(table: Table | None, column: str) -> dict[str, Any]:
     return {chr(int(row["Id"]) & 0xFF): row[column] for row in table}
 
 
-def _text(value: bytes) -> str:
-    return value.decode("latin-1")
+def _text(value: Any) -> str:  # noqa: ANN401 (an element of a table)
+    return bytes(value).decode("latin-1")
 
 
 def _factor(value: float) -> float:
