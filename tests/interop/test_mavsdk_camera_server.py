@@ -41,7 +41,7 @@ async def test_camera_server() -> None:
             assert await modes.get() == "VIDEO"
             await server.call("camera_server", "respond_set_mode", 1)
 
-        await asyncio.gather(found.camera.set_mode("video", timeout=20), change())
+        await asyncio.gather(found.camera.set_mode("video", wait=False, timeout=20), change())
         with pytest.raises(CommandDenied):
             await found.camera.start_video()
 

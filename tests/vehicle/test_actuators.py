@@ -6,7 +6,14 @@ import asyncio
 
 import pytest
 
-from mavstack.errors import ActionInterrupted, ActionUnsupported, CommandDenied, InvalidArgumentError
+from mavstack.dialects import common
+from mavstack.errors import (
+    ActionInterrupted,
+    ActionTimeout,
+    ActionUnsupported,
+    CommandDenied,
+    InvalidArgumentError,
+)
 from mavstack.sim.vehicle_types import VehicleType
 from tests.vehicle.failures.scripted_autopilot import run_scenario
 from tests.vehicle.firmware.received_requests import requests_of
@@ -31,12 +38,56 @@ def test_the_outputs_of_ardupilot():
         assert payload.gripper_closed
         await outputs.release()
         assert not payload.gripper_closed
-        await outputs.unwind(4.5)
-        assert payload.winch == 4.5
-        await outputs.run_winch(0.0)
-        await outputs.relax_winch()
         with pytest.raises(ActionUnsupported, match=r"vehicle 1/1 cannot set an actuator: .* use set_servo"):
             await outputs.set_actuator(1, 0.5)
+
+    fly(COPTER, scenario, prepare=with_payload)
+
+
+def test_the_winch_is_waited_for():
+    async def scenario(world, vehicle):
+        outputs, payload, now = vehicle.actuators, world.simulated.autopilot.payload, vehicle.connection.now
+        began = now()
+        await outputs.unwind(4.5, rate=0.5)
+        assert payload.winch == pytest.approx(4.5, abs=0.11)
+        assert now() - began > 8
+        await outputs.unwind(-1.5)
+        assert payload.winch == pytest.approx(3.0, abs=0.22)
+        await outputs.run_winch(0.5)
+        assert vehicle.latest(common.WinchStatus).speed == 0.5
+        await outputs.run_winch(0.0)
+        assert vehicle.latest(common.WinchStatus).speed == 0.0
+        await outputs.unwind(-9.0)
+        assert payload.winch == 0.0, "it is wound in completely"
+        await outputs.unwind(5.0, wait=False)
+        assert payload.winch < 1.0
+        await outputs.relax_winch()
+
+    fly(COPTER, scenario, prepare=with_payload)
+
+
+def test_a_winch_that_stops_or_never_moves():
+    async def scenario(world, vehicle):
+        outputs, payload = vehicle.actuators, world.simulated.autopilot.payload
+        payload.wind = lambda action, length, rate: None
+        with pytest.raises(
+            ActionTimeout, match=r"running winch 1 of 1/1 failed: no progress for 30 s, 3 m to go"
+        ):
+            await outputs.unwind(3.0)
+        with pytest.raises(ActionTimeout, match="not done in 5 s"):
+            await outputs.run_winch(1.0, timeout=5)
+        world.simulated.parameters.set("WINCH_TYPE", 0)
+        with pytest.raises(CommandDenied):
+            await outputs.unwind(3.0)
+
+    fly(COPTER, scenario, prepare=with_payload)
+
+
+def test_a_winch_that_does_not_report_is_trusted():
+    async def scenario(world, vehicle):
+        world.simulated.messages.provide(common.WinchStatus, lambda now: None, interval=0.0, now=0.0)
+        await vehicle.actuators.unwind(3.0)
+        await vehicle.actuators.run_winch(1.0)
 
     fly(COPTER, scenario, prepare=with_payload)
 

@@ -147,11 +147,14 @@ class CameraActions:
 
     # Mode, lens, storage
 
-    async def set_mode(self, mode: str | int, *, timeout: float | None = None) -> None:
-        """Set the mode (MAV_CMD_SET_CAMERA_MODE), and wait a moment for the camera to report it.
+    async def set_mode(self, mode: str | int, *, wait: bool = True, timeout: float | None = None) -> None:
+        """Set the mode (MAV_CMD_SET_CAMERA_MODE), and wait until the camera reports it (CAMERA_SETTINGS).
+
+        A camera that refuses to report its mode is trusted.
 
         Args:
             mode: "photo", "video", "survey", or a CAMERA_MODE.
+            wait: Wait for the report. MAVSDK's camera server reports the photo mode in every mode.
             timeout: Seconds for the whole call; None: until retries are exhausted.
 
         Raises:
@@ -159,11 +162,12 @@ class CameraActions:
             CommandDenied: The camera refused, such as while it records.
             CommandTimeout: The camera does not answer.
             MessageTimeout: The camera accepted, and does not answer any more.
+            ModeTimeout: The camera accepted the mode and did not enter it.
         """
         number = _MODES.get(mode.casefold()) if isinstance(mode, str) else mode
         if number is None:
             raise InvalidArgumentError(f"a camera mode is photo, video or survey, got {mode!r}")
-        await self._run(SetCameraMode(self.device_id, number, timeout=timeout))
+        await self._run(SetCameraMode(self.device_id, number, confirm=wait, timeout=timeout))
 
     async def set_zoom(
         self, value: float, *, kind: int = common.CameraZoomType.RANGE, timeout: float | None = None

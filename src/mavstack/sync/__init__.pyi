@@ -432,11 +432,14 @@ class Camera:
             CommandTimeout: The camera does not answer.
         """
 
-    def set_mode(self, mode: str | int, *, timeout: float | None=None) -> None:
-        """Set the mode (MAV_CMD_SET_CAMERA_MODE), and wait a moment for the camera to report it.
+    def set_mode(self, mode: str | int, *, wait: bool=True, timeout: float | None=None) -> None:
+        """Set the mode (MAV_CMD_SET_CAMERA_MODE), and wait until the camera reports it (CAMERA_SETTINGS).
+
+        A camera that refuses to report its mode is trusted.
 
         Args:
             mode: "photo", "video", "survey", or a CAMERA_MODE.
+            wait: Wait for the report. MAVSDK's camera server reports the photo mode in every mode.
             timeout: Seconds for the whole call; None: until retries are exhausted.
 
         Raises:
@@ -444,6 +447,7 @@ class Camera:
             CommandDenied: The camera refused, such as while it records.
             CommandTimeout: The camera does not answer.
             MessageTimeout: The camera accepted, and does not answer any more.
+            ModeTimeout: The camera accepted the mode and did not enter it.
         """
 
     def set_zoom(self, value: float, *, kind: int=..., timeout: float | None=None) -> None:
@@ -2600,43 +2604,51 @@ class Actuators:
             ActionTimeout: The call did not end within `timeout`.
         """
 
-    def unwind(self, length: float, *, rate: float=0.0, winch: int=1, timeout: float | None=None) -> None:
-        """Pay out line from a winch, or wind it in (MAV_CMD_DO_WINCH).
+    def unwind(self, length: float, *, rate: float=0.0, winch: int=1, wait: bool=True, timeout: float | None=None) -> None:
+        """Pay out line from a winch, or wind it in, and wait until it has its length (MAV_CMD_DO_WINCH).
 
-        The vehicle acknowledges the start; its WINCH_STATUS reports the length of the line.
+        The length is that of WINCH_STATUS; a vehicle that does not send it is not waited for.
 
         Args:
             length: Metres of line to pay out; negative: to wind in.
             rate: Metres per second; 0 leaves it to the vehicle.
             winch: The number of the winch, from 1.
-            timeout: Seconds for the whole call; None: until retries are exhausted.
+            wait: Wait until the line has its length, or is wound in completely.
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
 
         Raises:
             InvalidTypeError: An argument is not a number.
             InvalidArgumentError: An argument is not finite, or the rate is negative.
             CommandDenied: The vehicle refused, such as without a winch.
             CommandTimeout: The vehicle did not answer.
-            ActionTimeout: The call did not end within `timeout`.
+            ActionTimeout: The line stopped, or did not have its length within `timeout`.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
         """
 
-    def run_winch(self, rate: float, *, winch: int=1, timeout: float | None=None) -> None:
-        """Run a winch at a rate until the next command (MAV_CMD_DO_WINCH).
+    def run_winch(self, rate: float, *, winch: int=1, wait: bool=True, timeout: float | None=None) -> None:
+        """Run a winch at a rate until the next command, and wait until it moves (MAV_CMD_DO_WINCH).
+
+        The speed is that of WINCH_STATUS; a vehicle that does not send it is not waited for.
 
         Args:
             rate: Metres of line per second to pay out; negative: to wind in; 0: stop.
             winch: The number of the winch, from 1.
-            timeout: Seconds for the whole call; None: until retries are exhausted.
+            wait: Wait until the winch moves; for a rate of 0, until it stands still.
+            timeout: Seconds for the whole call; None: until retries are exhausted or nothing moves.
 
         Raises:
             InvalidTypeError: An argument is not a number.
             InvalidArgumentError: The rate is not finite.
             CommandDenied: The vehicle refused, such as without a winch.
             CommandTimeout: The vehicle did not answer.
-            ActionTimeout: The call did not end within `timeout`.
+            ActionTimeout: The winch did not start, or did not stop, in time.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
         """
 
     def relax_winch(self, winch: int=1, *, timeout: float | None=None) -> None:
-        """Let the line of a winch run freely (MAV_CMD_DO_WINCH).
+        """Let the line of a winch run freely (MAV_CMD_DO_WINCH); no message reports that it does.
 
         Args:
             winch: The number of the winch, from 1.

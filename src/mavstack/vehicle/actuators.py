@@ -4,7 +4,8 @@
     await vehicle.actuators.release()
     await vehicle.actuators.test_motor(1, throttle=10, duration=2)
 
-A vehicle acknowledges an output when it is set: nothing measures whether a servo has moved. PX4 drives
+A vehicle acknowledges an output when it is set: nothing measures whether a servo or a gripper has moved. A
+winch reports its line and its speed, which the calls wait for (`actions.winch`). PX4 drives
 outputs by actuator number from -1 to 1, ArduPilot by servo number and pulse; each lacks the call of the other
 (`ActionUnsupported`).
 """
@@ -19,6 +20,7 @@ from mavstack.errors import ActionInterrupted, InvalidArgumentError
 from mavstack.node.read_only import ReadOnly
 from mavstack.services.arguments import check_number
 from mavstack.vehicle.action_monitor import ActionGoal, ActionMonitor
+from mavstack.vehicle.actions import winch as winching
 from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import firmware_of
 from mavstack.vehicle.status_text_capture import with_status_texts
@@ -201,49 +203,67 @@ class Actuators(ReadOnly):
         await self._grip(gripper, _GRIP.RELEASE, "opening", timeout)
 
     async def unwind(
-        self, length: float, *, rate: float = 0.0, winch: int = 1, timeout: float | None = None
+        self,
+        length: float,
+        *,
+        rate: float = 0.0,
+        winch: int = 1,
+        wait: bool = True,
+        timeout: float | None = None,
     ) -> None:
-        """Pay out line from a winch, or wind it in (MAV_CMD_DO_WINCH).
+        """Pay out line from a winch, or wind it in, and wait until it has its length (MAV_CMD_DO_WINCH).
 
-        The vehicle acknowledges the start; its WINCH_STATUS reports the length of the line.
+        The length is that of WINCH_STATUS; a vehicle that does not send it is not waited for.
 
         Args:
             length: Metres of line to pay out; negative: to wind in.
             rate: Metres per second; 0 leaves it to the vehicle.
             winch: The number of the winch, from 1.
-            timeout: Seconds for the whole call; None: until retries are exhausted.
+            wait: Wait until the line has its length, or is wound in completely.
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
 
         Raises:
             InvalidTypeError: An argument is not a number.
             InvalidArgumentError: An argument is not finite, or the rate is negative.
             CommandDenied: The vehicle refused, such as without a winch.
             CommandTimeout: The vehicle did not answer.
-            ActionTimeout: The call did not end within `timeout`.
+            ActionTimeout: The line stopped, or did not have its length within `timeout`.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
         """
         check_number("length", length)
         _check_range("rate", rate, 0.0, inf)
-        await self._wind(winch, _WINCH.RELATIVE_LENGTH_CONTROL, length, rate, timeout)
+        request = self._wind(winch, _WINCH.RELATIVE_LENGTH_CONTROL, length, rate)
+        await winching.unwind(self._vehicle, winch, request, length, wait=wait, timeout=timeout)
 
-    async def run_winch(self, rate: float, *, winch: int = 1, timeout: float | None = None) -> None:
-        """Run a winch at a rate until the next command (MAV_CMD_DO_WINCH).
+    async def run_winch(
+        self, rate: float, *, winch: int = 1, wait: bool = True, timeout: float | None = None
+    ) -> None:
+        """Run a winch at a rate until the next command, and wait until it moves (MAV_CMD_DO_WINCH).
+
+        The speed is that of WINCH_STATUS; a vehicle that does not send it is not waited for.
 
         Args:
             rate: Metres of line per second to pay out; negative: to wind in; 0: stop.
             winch: The number of the winch, from 1.
-            timeout: Seconds for the whole call; None: until retries are exhausted.
+            wait: Wait until the winch moves; for a rate of 0, until it stands still.
+            timeout: Seconds for the whole call; None: until retries are exhausted or nothing moves.
 
         Raises:
             InvalidTypeError: An argument is not a number.
             InvalidArgumentError: The rate is not finite.
             CommandDenied: The vehicle refused, such as without a winch.
             CommandTimeout: The vehicle did not answer.
-            ActionTimeout: The call did not end within `timeout`.
+            ActionTimeout: The winch did not start, or did not stop, in time.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
         """
         check_number("rate", rate)
-        await self._wind(winch, _WINCH.RATE_CONTROL, 0.0, rate, timeout)
+        request = self._wind(winch, _WINCH.RATE_CONTROL, 0.0, rate)
+        await winching.run(self._vehicle, winch, request, rate, wait=wait, timeout=timeout)
 
     async def relax_winch(self, winch: int = 1, *, timeout: float | None = None) -> None:
-        """Let the line of a winch run freely (MAV_CMD_DO_WINCH).
+        """Let the line of a winch run freely (MAV_CMD_DO_WINCH); no message reports that it does.
 
         Args:
             winch: The number of the winch, from 1.
@@ -256,17 +276,17 @@ class Actuators(ReadOnly):
             CommandTimeout: The vehicle did not answer.
             ActionTimeout: The call did not end within `timeout`.
         """
-        await self._wind(winch, _WINCH.RELAXED, 0.0, 0.0, timeout)
+        request = self._wind(winch, _WINCH.RELAXED, 0.0, 0.0)
+        await self._request(f"running winch {winch} of", request, timeout)
 
     async def _grip(self, gripper: int, action: int, verb: str, timeout: float | None) -> None:
         _check_whole("gripper number", gripper, 1, 255)
         command = self._vehicle.component.command(_CMD.DO_GRIPPER, gripper, action)
         await self._request(f"{verb} gripper {gripper} of", command, timeout)
 
-    async def _wind(self, winch: int, action: int, length: float, rate: float, timeout: float | None) -> None:
+    def _wind(self, winch: int, action: int, length: float, rate: float) -> Coroutine[Any, Any, object]:
         _check_whole("winch number", winch, 1, 255)
-        command = self._vehicle.component.command(_CMD.DO_WINCH, winch, action, length, rate)
-        await self._request(f"running winch {winch} of", command, timeout)
+        return self._vehicle.component.command(_CMD.DO_WINCH, winch, action, length, rate)
 
     async def _request(
         self, operation: str, request: Coroutine[Any, Any, object], timeout: float | None

@@ -19,7 +19,7 @@ def test_ardupilots_outputs(simulate, mav):
         ("servo", 9, 1900): "servo 9 at 1900 µs",
         ("relay", 1, "on"): "relay 1 on",
         ("gripper", "grip"): "gripper closed",
-        ("winch", "unwind", 5): "unwinding 5.0 m",
+        ("winch", "unwind", 5): "unwound 5.0 m",
         ("ekf-source", 2): "estimator source set 2",
         ("roi", 47.3985, 8.546, 10): "pointing at 47.3985000 8.5460000",
         ("roi", "none"): "pointing ahead",
@@ -27,7 +27,8 @@ def test_ardupilots_outputs(simulate, mav):
         result = mav("vehicle", *words)
         assert (result.code, result.out, result.err) == (0, f"vehicle 1: {out}\n", "")
     assert (payload.servos[9], payload.relays[1], payload.gripper_closed) == (1900, True, True)
-    assert payload.winch == 5.0
+    assert payload.winch == pytest.approx(5.0, abs=0.11)
+    assert mav("vehicle", "winch", "unwind", -2, "--no-wait").out == "vehicle 1: unwinding -2.0 m\n"
 
 
 def test_what_the_firmware_lacks_is_one_line(simulate, mav):

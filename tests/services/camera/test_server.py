@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import CommandDenied, InvalidArgumentError, MessageTimeout, RemoteDenied
+from mavstack.errors import CommandDenied, InvalidArgumentError, MessageTimeout, ModeTimeout, RemoteDenied
 from mavstack.services.camera import (
     CameraInformation,
     CameraModeEntered,
@@ -224,6 +224,15 @@ def test_modes_decide_what_can_be_captured() -> None:
     assert changed.error.code == RESULT.TEMPORARILY_REJECTED
     survey = harness.run(SetCameraMode(0, MODE.IMAGE_SURVEY))
     assert "setting mode image_survey of 1/100 failed" in str(survey.error) or survey.error.code == 2
+
+
+def test_a_mode_that_the_camera_accepts_and_does_not_enter() -> None:
+    harness = CameraHarness()
+    harness.server.enter_mode = lambda camera, mode, now: None
+    error = harness.run(SetCameraMode(0, MODE.VIDEO)).error
+    assert isinstance(error, ModeTimeout)
+    assert str(error).endswith("accepted, but the camera reports mode image")
+    assert harness.run(SetCameraMode(0, MODE.VIDEO, confirm=False)).result() == MODE.VIDEO
 
 
 def test_both_modes_at_the_same_time() -> None:

@@ -11,6 +11,7 @@ from tests.vehicle.failures.rows import PLACE, Call, Do, command
 from tests.vehicle.failures.scripted_autopilot import ARDUPILOT, CMD, RESULT, ScriptedHarness
 
 NOT_WAITED = "it does not wait for the effect"
+NO_STATUS = "a vehicle that sends no WINCH_STATUS is not waited for"
 SET_EKF_SOURCE_SET = ardupilotmega.MavCmd.SET_EKF_SOURCE_SET
 ON_ARDUPILOT = {"autopilot": ARDUPILOT}
 ON_VTOL = {"kind": common.MavType.VTOL_TAILSITTER_QUADROTOR}
@@ -110,9 +111,9 @@ OUTPUT_CALLS = [
     ),
     output("Actuators.grip", lambda h: h.vehicle.actuators.grip(), CMD.DO_GRIPPER, why_not=NOT_WAITED),
     output("Actuators.release", lambda h: h.vehicle.actuators.release(), CMD.DO_GRIPPER, why_not=NOT_WAITED),
-    output("Actuators.unwind", lambda h: h.vehicle.actuators.unwind(5), CMD.DO_WINCH, why_not=NOT_WAITED),
+    output("Actuators.unwind", lambda h: h.vehicle.actuators.unwind(5), CMD.DO_WINCH, why_not=NO_STATUS),
     output(
-        "Actuators.run_winch", lambda h: h.vehicle.actuators.run_winch(1), CMD.DO_WINCH, why_not=NOT_WAITED
+        "Actuators.run_winch", lambda h: h.vehicle.actuators.run_winch(1), CMD.DO_WINCH, why_not=NO_STATUS
     ),
     output(
         "Actuators.relax_winch", lambda h: h.vehicle.actuators.relax_winch(), CMD.DO_WINCH, why_not=NOT_WAITED

@@ -60,7 +60,7 @@ def _add_payload(actions: Actions) -> None:
     action.add_argument(
         "--number", type=int, default=1, metavar="N", help="number of the gripper (default: 1)"
     )
-    action = add_timed(actions, "winch", "run a winch", winch)
+    action = add_flight(actions, "winch", "run a winch", winch)
     action.add_argument(
         "what", choices=("unwind", "run", "relax"), help="by length, at a rate, or run freely"
     )
@@ -150,15 +150,17 @@ def winch(arguments: Namespace) -> int:
 
     def command(vehicle: Vehicle) -> Awaitable[None]:
         outputs, number, timeout = vehicle.actuators, arguments.number, arguments.action_timeout
+        wait = arguments.wait
         if what == "unwind":
-            return outputs.unwind(value, rate=arguments.rate, winch=number, timeout=timeout)
+            return outputs.unwind(value, rate=arguments.rate, winch=number, wait=wait, timeout=timeout)
         if what == "run":
-            return outputs.run_winch(value, winch=number, timeout=timeout)
+            return outputs.run_winch(value, winch=number, wait=wait, timeout=timeout)
         return outputs.relax_winch(number, timeout=timeout)
 
     async def work(vehicle: Vehicle) -> str:
         await command(vehicle)
-        return {"unwind": f"unwinding {value} m", "run": f"running at {value} m/s"}.get(what, "winch relaxed")
+        unwound = f"{'unwound' if arguments.wait else 'unwinding'} {value} m"
+        return {"unwind": unwound, "run": f"running at {value} m/s"}.get(what, "winch relaxed")
 
     return run_on_vehicles(arguments, work)
 

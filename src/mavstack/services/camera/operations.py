@@ -4,7 +4,9 @@ TakePhoto    CAMERA_CAPTURE_STATUS: how many images ── IMAGE_START_CAPTURE �
                ── CAMERA_IMAGE_CAPTURED ─────────────────────────► result
                └── silence ── CAMERA_CAPTURE_STATUS: one more? ── the image by its index ──► result
 
-SetMode      SET_CAMERA_MODE ── accepted ── CAMERA_SETTINGS, until it has the mode or some times ──► result
+SetMode      SET_CAMERA_MODE ── accepted ── CAMERA_SETTINGS, until it has the mode ──► result
+                                   ├── refused: the camera reports no mode ─────────► result
+                                   └── another mode, some times ────────────────────► ModeTimeout
 """
 
 from __future__ import annotations
@@ -32,7 +34,7 @@ IMAGE_TIMEOUT = 3.0
 MAX_IMAGE_ROUNDS = 10
 #: Seconds between two requests of CAMERA_SETTINGS, and their number, until the camera is in the mode.
 MODE_INTERVAL = 0.5
-MAX_MODE_ROUNDS = 4
+MAX_MODE_ROUNDS = 12
 STATUS_TIMEOUT = 10.0
 
 
@@ -208,16 +210,27 @@ class _Until(Operation[None]):
 
 
 class SetCameraMode(Procedure[int]):
-    """The setting of a CAMERA_MODE; an accepted command means that the camera entered the mode."""
+    """The setting of a CAMERA_MODE, which the camera's CAMERA_SETTINGS confirm.
+
+    Args:
+        device_id: The attached camera, or 0.
+        mode: The CAMERA_MODE.
+        confirm: Wait until the camera reports the mode, unless it reports none.
+        timeout: Seconds for the whole operation; None sets no overall limit.
+    """
 
     timeout_error = ModeTimeout
 
-    def __init__(self, device_id: int, mode: int, *, timeout: float | None = None) -> None:
+    def __init__(
+        self, device_id: int, mode: int, *, confirm: bool = True, timeout: float | None = None
+    ) -> None:
         super().__init__(f"setting mode {mode_name(mode)} of", timeout=timeout, idle_timeout=60.0)
-        self._device_id, self._mode = device_id, int(mode)
+        self._device_id, self._mode, self._confirm = device_id, int(mode), confirm
 
     def steps(self) -> Generator[Operation[Any], Any, int]:
         yield CommandOperation(commands.set_mode(self._device_id, self._mode))
+        if not self._confirm:
+            return self._mode
         for _ in range(MAX_MODE_ROUNDS):
             try:
                 report = yield RequestReport(common.CameraSettings, self._device_id)
@@ -226,7 +239,8 @@ class SetCameraMode(Procedure[int]):
             if report.mode_id == self._mode:
                 return self._mode
             yield Pause(MODE_INTERVAL)
-        return self._mode  # MAVSDK's camera server reports the photo mode in every mode
+        answer = f"accepted, but the camera reports mode {mode_name(report.mode_id)}"
+        raise ModeTimeout(self.description, str(self.target), attempts=self.attempts, answer=answer)
 
 
 def mode_name(mode: int) -> str:

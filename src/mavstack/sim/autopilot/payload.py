@@ -7,7 +7,7 @@ cycles, pictures every few seconds or metres) run with the autopilot's ticks.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import atan2, dist, hypot, inf
+from math import atan2, copysign, dist, hypot, inf
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
@@ -22,6 +22,8 @@ SERVOS = 16
 RELAYS = 6
 _NEUTRAL = 1500
 _HIGHEST_RATE = 10.0
+#: The speed of a winch that runs by length, in m/s.
+_WINCH_SPEED = 1.0
 
 
 @dataclass(slots=True)
@@ -65,8 +67,8 @@ class Payload:
         self.parachute_enabled = False
         self.parachute_released = False
         self.sprayer = False
-        #: Length of the unwound line, in metres.
-        self.winch = 0.0
+        #: Length of the unwound line, in metres, and the speed at which it is paid out, in m/s.
+        self.winch, self.winch_speed = 0.0, 0.0
         #: Takes a picture with the vehicle's camera component; None if it has none.
         self.trigger: Callable[[], None] | None = None
         self.images = 0
@@ -138,13 +140,27 @@ class Payload:
         """Run the winch: relax (0), unwind by `length` metres (1), or unwind at `rate` m/s (2)."""
         self._repetitions.pop("winch", None)
         if action == 1:
-            self.winch = max(self.winch + length, 0.0)
-        elif action == 2:
-            period = 1 / _HIGHEST_RATE
+            speed = abs(rate) or _WINCH_SPEED
+            self._run_winch(copysign(speed, length), max(self.winch + length, 0.0))
+        else:
+            self._run_winch(rate if action == 2 else 0.0, copysign(inf, rate))
 
-            def pull(turn: int) -> None:
-                self.winch = max(self.winch + rate * period, 0.0)
+    def _run_winch(self, speed: float, end: float) -> None:
+        """Pay out line at a speed until its length is `end`; stop if the speed is 0."""
+        self.winch_speed = speed
+        period = 1 / _HIGHEST_RATE
 
+        def pull(turn: int) -> None:
+            length = max(self.winch + speed * period, 0.0)
+            if (end - length) * speed <= 0.0 or (length == 0.0 and speed < 0.0):
+                length, self.winch_speed = (
+                    max(min(length, end) if speed > 0.0 else max(length, end), 0.0),
+                    0.0,
+                )
+                self._repetitions.pop("winch", None)
+            self.winch = length
+
+        if speed:
             self._repeat("winch", pull, period, inf)
 
     def test_motor(self, number: int, throttle: float, seconds: float) -> None:

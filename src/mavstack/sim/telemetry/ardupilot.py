@@ -65,7 +65,7 @@ GROUPS: tuple[tuple[str, int, tuple[MessageType, ...]], ...] = (
             *(dialect.Ahrs, dialect.Wind, dialect.WaterDepth, dialect.DistanceSensor, dialect.Rangefinder),
             dialect.ObstacleDistance,
             *(dialect.SystemTime, dialect.TerrainReport, dialect.BatteryStatus),
-            *(dialect.EkfStatusReport, dialect.Vibration),
+            *(dialect.EkfStatusReport, dialect.Vibration, dialect.WinchStatus),
         ),
     ),
 )
@@ -76,6 +76,7 @@ TYPES_SENDING: dict[MessageType, frozenset[VehicleType]] = {
     dialect.EscTelemetry1To4: frozenset({VehicleType.COPTER, VehicleType.VTOL}),
     dialect.Wind: _FLYING,
     dialect.WaterDepth: frozenset({VehicleType.BOAT}),
+    dialect.WinchStatus: frozenset({VehicleType.COPTER}),
 }
 #: Rate in hertz of a group without a parameter: the one that ground stations request.
 DEFAULT_RATE = 4.0
@@ -162,6 +163,7 @@ def _grouped_producers(producers: Producers) -> dict[MessageType, Producer]:
         dialect.MissionCurrent: status.mission,
         dialect.SystemTime: status.time,
         dialect.TerrainReport: status.terrain,
+        dialect.WinchStatus: status.winch_if_fitted,
         dialect.FenceStatus: status.fence,
         dialect.RcChannels: control.channels,
         dialect.ServoOutputRaw: control.servos,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isfinite
+from math import isfinite, nan
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import ardupilotmega, common
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 _CHARGE = common.MavBatteryChargeState
 _FUNCTION, _TYPE = common.MavBatteryFunction, common.MavBatteryType
-_VTOL = common.MavVtolState
+_VTOL, _WINCH = common.MavVtolState, common.MavWinchStatusFlag
 #: Processor load in thousandths.
 _LOAD_IDLE, _LOAD_ARMED = 117, 173
 _SUPPLY_MILLIVOLTS = 5000
@@ -72,6 +72,23 @@ class StatusMessages:
     def extended(self, now: float) -> Message:
         """Return EXTENDED_SYS_STATE."""
         return common.ExtendedSysState(self._vtol_state(), self._autopilot.landed_state)
+
+    def winch_if_fitted(self, now: float) -> Message | None:
+        """Return WINCH_STATUS; None without a winch."""
+        if not self._vehicle.parameters.get("WINCH_TYPE", 0):
+            return None
+        payload = self._autopilot.payload
+        flags = _WINCH.HEALTHY | (_WINCH.MOVING if payload.winch_speed else _WINCH(0))
+        return common.WinchStatus(
+            time_usec=self._view.milliseconds(now) * 1000,
+            line_length=payload.winch,
+            speed=payload.winch_speed,
+            tension=nan,
+            voltage=nan,
+            current=nan,
+            temperature=INT16_MAX,
+            status=flags | (_WINCH(0) if payload.winch else _WINCH.FULLY_RETRACTED),
+        )
 
     def time(self, now: float) -> Message:
         """Return SYSTEM_TIME."""
