@@ -217,7 +217,7 @@ def test_metadata_from_the_web_and_from_the_cache(cache):
     with_pair(again)
 
 
-def test_a_damaged_file_is_told_with_its_place():
+def test_a_damaged_file_is_reported_with_its_place():
     async def work(pair: EventPair, remote) -> None:
         serve_file(pair, {"type": common.CompMetadataType.EVENTS, "uri": "mftp:///none.json"})
         with pytest.raises(FileDenied, match=r"none\.json"):

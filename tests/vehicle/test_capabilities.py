@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+
 import pytest
 
 from mavstack.dialects import common
@@ -27,19 +29,39 @@ def test_firmwares(firmware):
         assert CalibrationKind.COMPASS in known.calibrations
         assert {"ftp", "calibrations"} <= set(known.names)
         assert "vtol" not in known.names
+        await vehicle.wait_for_message(common.Heartbeat)
+        await asyncio.sleep(3)
+        assert vehicle.capabilities.events is not ardupilot
 
     fly((VehicleType.COPTER, firmware), scenario)
 
 
-def test_a_parameter_enables_equipment():
+@pytest.mark.parametrize(("name", "parameter"), [("gripper", "GRIP_ENABLE"), ("winch", "WINCH_TYPE")])
+def test_a_parameter_enables_equipment(name, parameter):
     async def scenario(world, vehicle):
-        assert vehicle.capabilities.gripper is None
-        await vehicle.params.get("GRIP_ENABLE")
-        assert vehicle.capabilities.gripper is False
-        await vehicle.params.set("GRIP_ENABLE", 1)
-        assert vehicle.capabilities.gripper is True
+        assert getattr(vehicle.capabilities, name) is None
+        await vehicle.params.get(parameter)
+        assert getattr(vehicle.capabilities, name) is False
+        await vehicle.params.set(parameter, 1)
+        assert getattr(vehicle.capabilities, name) is True
 
     fly((VehicleType.COPTER, ARDUPILOT), scenario)
+
+
+def test_a_parameter_of_another_program_shows_a_display():
+    async def scenario(harness):
+        await harness.add_peer(1, 1)
+        vehicle = await harness.connection.wait_for_vehicle(1)
+        assert vehicle.capabilities.osd is None
+        for value in (0.0, 1.0):
+            kind = common.MavParamType.REAL32
+            harness.peers[0].node.send(
+                common.ParamValue(param_id="OSD_TYPE", param_value=value, param_type=kind, param_index=65535)
+            )
+            await vehicle.wait_for_message(common.Heartbeat)
+            assert vehicle.capabilities.osd is bool(value)
+
+    run_scenario(scenario)
 
 
 def test_components_and_messages_of_an_unknown_firmware():
@@ -53,11 +75,14 @@ def test_components_and_messages_of_an_unknown_firmware():
         assert (found.cameras, found.gimbals, found.calibrations) == ((100,), (154,), ())
         assert found.extended_parameters is True
         assert (found.shell, found.logs, found.parameters, found.mission) == (None,) * 4
-        harness.peers[0].node.send(common.LogEntry(id=1))
+        assert (found.events, found.winch) == (None, None)
+        for message in (common.LogEntry(id=1), common.CurrentEventSequence(), common.WinchStatus()):
+            harness.peers[0].node.send(message)
         flags = common.MavProtocolCapability.PARAM_FLOAT | common.MavProtocolCapability.MISSION_RALLY
         harness.peers[0].node.send(common.AutopilotVersion(capabilities=flags))
         await vehicle.wait_for_message(common.Heartbeat)
         found = vehicle.capabilities
         assert (found.logs, found.parameters, found.rally, found.fence) == (True, True, True, False)
+        assert (found.events, found.winch) == (True, True)
 
     run_scenario(scenario)

@@ -3251,6 +3251,10 @@ class Vehicle:
         """The other components of the system by component id, such as cameras and gimbals."""
 
     @property
+    def info(self) -> ComponentInfo | None:
+        """The autopilot's last heartbeat: type, firmware, mode; `version` is that of its software."""
+
+    @property
     def has_id_conflict(self) -> bool:
         """True if another vehicle uses the same system id; see `SystemIdConflict`."""
 

@@ -43,6 +43,7 @@ class Capabilities:
         ftp: Files can be transferred by MAVLink FTP: `ftp`.
         logs: Logs can be downloaded: `logs`.
         shell: The firmware has a shell: `shell`.
+        events: The vehicle sends events: `events`.
         setpoints: The vehicle follows setpoints: `guided`.
         attitude_setpoints: The vehicle follows setpoints of its attitude.
         command_int: Commands may be sent as COMMAND_INT.
@@ -72,6 +73,7 @@ class Capabilities:
     ftp: bool | None = None
     logs: bool | None = None
     shell: bool | None = None
+    events: bool | None = None
     setpoints: bool | None = None
     attitude_setpoints: bool | None = None
     command_int: bool | None = None
@@ -112,6 +114,9 @@ def capabilities_of(vehicle: VehicleState) -> Capabilities:
         ftp=reader.flag(_FLAG.FTP),
         logs=reader.first(features.get("logs"), reader.heard(common.LogEntry)),
         shell=features.get("shell"),
+        events=reader.first(
+            features.get("events"), reader.heard(common.CurrentEventSequence), reader.heard(common.Event)
+        ),
         setpoints=reader.flag(_FLAG.SET_POSITION_TARGET_LOCAL_NED),
         attitude_setpoints=reader.flag(_FLAG.SET_ATTITUDE_TARGET),
         command_int=reader.flag(_FLAG.COMMAND_INT),

@@ -77,6 +77,11 @@ class VehicleState(VehiclePayloads, TelemetryStreams, ReadOnly):
         return {info.address.component: info for info in own}
 
     @property
+    def info(self) -> ComponentInfo | None:
+        """The autopilot's last heartbeat: type, firmware, mode; `version` is that of its software."""
+        return self.component.info
+
+    @property
     def has_id_conflict(self) -> bool:
         """True if another vehicle uses the same system id; see `SystemIdConflict`."""
         return self.connection.has_address_conflict(self.address)

@@ -47,7 +47,7 @@ def test_chunks_make_one_text() -> None:
     assert harness.receiver.next_timeout() is None
 
 
-def test_a_tab_at_the_end_says_that_there_is_an_event_too() -> None:
+def test_a_tab_at_the_end_stands_for_an_event() -> None:
     harness = ReceiverHarness()
     harness.receive(common.Statustext(severity=6, text="Armed by stick gesture\t"), *long(5, f"{A}\t"))
     texts = [StatusText(VEHICLE, 6, "Armed by stick gesture", has_event=True)]

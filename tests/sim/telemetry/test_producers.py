@@ -52,6 +52,8 @@ def test_ardupilot_groups_follow_their_rate_parameters():
         dialect.PositionTargetGlobalInt,
         dialect.DistanceSensor,
         dialect.Rangefinder,
+        dialect.ObstacleDistance,
+        dialect.WinchStatus,
     }
     for name, _, message_types in GROUPS:
         for message_type in message_types:
@@ -125,7 +127,7 @@ def test_px4_rates_follow_the_link_mode(vehicle_type, link):
     flight.run(1.0)
     counts = flight.rates(_SECONDS)
     missing = {common.NavControllerOutput, common.OrbitExecutionStatus, common.PositionTargetGlobalInt}
-    missing |= {common.RcChannels}
+    missing |= {common.RcChannels, common.ObstacleDistance}
     copter = vehicle_type is VehicleType.COPTER
     missing |= {common.WindCov} if copter else {common.EscInfo, common.EscStatus}
     for row in RATES:
