@@ -30,4 +30,6 @@ def test_frames_are_found_in_any_chunks(seed):
 def test_a_plain_stream_is_recognised():
     with pytest.raises(LinkError, match="the peer does not use framing=length"):
         list(FrameReader().feed(b"\xfd\x09\x00\x00" * 3))
+    with pytest.raises(LinkError, match="the peer does not use framing=length"):
+        list(FrameReader().feed((MAX_FRAME + 1).to_bytes(4, "big")))
     assert list(FrameReader().feed(MAX_FRAME.to_bytes(4, "big"))) == []

@@ -92,7 +92,7 @@ def test_several_logs_are_one_table(flight, tmp_path):
         ("COPY (SELECT 1) TO '/tmp/stolen.csv'", "query failed"),
     ],
 )
-def test_a_wrong_query_is_told_in_one_line(flight, query, problem):
+def test_a_wrong_query_is_reported_in_one_line(flight, query, problem):
     with pytest.raises(InvalidArgumentError, match=problem) as raised:
         ask([flight], query)
     assert "\n" not in str(raised.value)

@@ -1,8 +1,8 @@
 """The state of a channel in the engine: parser, encoders, MAVLink version, signing and pacing.
 
-With the version "auto" a channel sends MAVLink 2, unless its peer has only been heard speaking MAVLink 1.
-It returns to MAVLink 2, for good, with the first packet of that version, and with an AUTOPILOT_VERSION that
-has the capability MAVLINK2. A signed channel always sends MAVLink 2, the only version with signatures.
+With the version "auto" a channel sends MAVLink 2, unless its peer has only sent MAVLink 1. The first packet
+of MAVLink 2, or an AUTOPILOT_VERSION with the capability MAVLINK2, returns it to MAVLink 2 permanently. A
+signed channel always sends MAVLink 2, the only version with signatures.
 """
 
 from __future__ import annotations

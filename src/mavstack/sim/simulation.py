@@ -142,7 +142,7 @@ class Simulation:
         return vehicle
 
     def add_obstacle(self, obstacle: Obstacle, *, home: Home = DEFAULT_HOME) -> None:
-        """Add an obstacle to the world, before the vehicles that shall have a proximity sensor.
+        """Add an obstacle to the world, before the vehicles that are to have a proximity sensor.
 
         Args:
             obstacle: The obstacle.

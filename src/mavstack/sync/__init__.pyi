@@ -2973,7 +2973,7 @@ class Vehicle:
         """
 
     def set_message_rate(self, message: type[Message], rate: float | None, *, timeout: float | None=None) -> None:
-        """Request a message from the autopilot at a rate, for good.
+        """Request a message from the autopilot at a rate, permanently.
 
         The rate is requested again after a reboot (SET_MESSAGE_INTERVAL).
 
@@ -3632,7 +3632,7 @@ class Vehicle:
         """
 
     def terminate(self, *, timeout: float | None=None) -> None:
-        """Terminate the flight: stop the motors for good, wherever the vehicle is. It crashes.
+        """Terminate the flight: stop the motors permanently, wherever the vehicle is. It crashes.
 
         Only a reboot ends the termination. ArduPilot may need AFS_ENABLE for it
         (MAV_CMD_DO_FLIGHTTERMINATION).

@@ -308,7 +308,7 @@ class FlightActions(VehicleState):
         await transition(self, common.MavVtolState.MC, wait=wait, timeout=timeout)
 
     async def terminate(self, *, timeout: float | None = None) -> None:
-        """Terminate the flight: stop the motors for good, wherever the vehicle is. It crashes.
+        """Terminate the flight: stop the motors permanently, wherever the vehicle is. It crashes.
 
         Only a reboot ends the termination. ArduPilot may need AFS_ENABLE for it
         (MAV_CMD_DO_FLIGHTTERMINATION).

@@ -6,7 +6,7 @@
 
 The last setpoint is streamed for as long as the block lasts, since PX4 leaves offboard mode half a second
 after the stream ends and ArduPilot stops after three. The stream starts before the mode is entered, as PX4
-requires. At the end of the block the vehicle is told to hold its position before the stream ends. If the
+requires. At the end of the block the vehicle is commanded to hold before the stream ends. If the
 vehicle leaves the mode meanwhile, by a failsafe or a pilot, the next setpoint raises `ActionInterrupted`, and
 no hold is sent, so that the pilot keeps control. If no heartbeat arrives, the next setpoint raises
 `ContactLost`; after the connection was closed, `RemoteCancelled`. When an error or a cancellation ends the

@@ -5,10 +5,12 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
 from mavstack.cli.common.interrupted_imports import ended_by_sigint
+from tests.interrupts import keyboard_interrupts
 
 #: Interrupts itself in a class body, as a user does in the middle of an import.
 MODULE = """
@@ -52,3 +54,12 @@ def test_a_handler_of_the_program_stays():
         assert signal.getsignal(signal.SIGINT) is handler
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def test_a_thread_that_cannot_set_handlers_imports_too():
+    def import_in_thread() -> str:
+        with ended_by_sigint():
+            return "imported"
+
+    with keyboard_interrupts(), ThreadPoolExecutor(1) as pool:
+        assert pool.submit(import_in_thread).result() == "imported"

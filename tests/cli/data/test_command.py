@@ -31,7 +31,7 @@ def test_info(mav, tlog):
     assert "second 9" in text
 
 
-def test_damage_is_told_and_fails_with_strict(mav, tlog):
+def test_damage_is_reported_and_fails_with_strict(mav, tlog):
     tlog.write_bytes(tlog.read_bytes() + b"junk" * 5)
     assert mav("data", "info", tlog).code == 0
     assert mav("data", "info", tlog, "--strict", "--json").code == 1

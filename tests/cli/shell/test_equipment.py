@@ -39,7 +39,7 @@ def test_termination_asks():
         session.ask = ask
         with pytest.raises(CommandError, match="nothing was sent"):
             await run_line(session, "terminate")
-        assert asked == ["stop the motors of vehicle 1 for good? [y/N] "]
+        assert asked == ["stop the motors of vehicle 1 permanently? [y/N] "]
         assert world.simulated.autopilot.armed
         await run_line(session, "terminate --yes")
         assert not world.simulated.autopilot.armed

@@ -123,7 +123,7 @@ def test_parameters_over_bad_links(seeds: Seeds) -> None:
 
 
 def restart_scenario(seed: int) -> None:
-    """The ground restarts while it fetches and sets; the new one fetches all the same."""
+    """The ground station restarts during a download and a set; after the restart its download succeeds."""
     network, random = Network(seed), Random(seed)
     vehicle = Vehicle(network, random, Encoding.BYTEWISE)
     clients: list[ParameterClient] = []

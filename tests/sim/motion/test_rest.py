@@ -1,8 +1,10 @@
+"""Bodies at rest: their motion is not computed until a demand, a wind or a new position moves them."""
+
 from __future__ import annotations
 
 import pytest
 
-from mavstack.sim.motion import World
+from mavstack.sim.motion import World, rest
 from mavstack.sim.motion import world as world_module
 from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.motion.flights import HOME, step_for
@@ -68,3 +70,30 @@ def test_demand_wind_and_position_end_the_rest(moves):
     step_for(world, 2)
     assert len(moves) > count
     assert body.truth.down == 0
+
+
+#: A row of the state, and the value of the second body that keeps all bodies from resting.
+MOVING = {
+    "velocity": 2 * rest.STILL_SPEED,
+    "rates": 2 * rest.STILL_RATE,
+    "attitude": 2 * rest.STILL_ANGLE,
+    "lift_thrust": 2 * rest.STILL_THRUST,
+    "drive_thrust": -2 * rest.STILL_THRUST,
+    "transition": 0.1,
+    "on_ground": False,
+    "mode": 1,
+}
+
+
+@pytest.mark.parametrize("name", [None, *MOVING])
+def test_all_bodies_must_be_still_in_each_quantity(name):
+    world = World()
+    for vehicle_type in (VehicleType.COPTER, VehicleType.VTOL):
+        world.add(vehicle_type, HOME)
+    step_for(world, 1)
+    assert rest.come_to_rest(world.state)
+    if name is not None:
+        values = getattr(world.state, name)
+        values[..., 1] = MOVING[name]
+        assert not rest.come_to_rest(world.state), name
+        assert (values[..., 1] == MOVING[name]).all()

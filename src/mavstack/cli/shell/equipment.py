@@ -48,7 +48,7 @@ def _confirmed_action(name: str, question: str) -> Run:
 async def terminate(session: Session, words: list[str]) -> None:
     """Run `terminate` or `terminate --yes`."""
     if session.interactive and not words:
-        if not await session.confirm(f"stop the motors of vehicle {session.vehicle.system} for good?"):
+        if not await session.confirm(f"stop the motors of vehicle {session.vehicle.system} permanently?"):
             raise CommandError("nothing was sent")
         words = ["--yes"]
     await run_subcommand(session, "vehicle", ["terminate", *words])
@@ -107,7 +107,7 @@ COMMANDS: Final = (
         complete=completion.by_position(completion.choice(*CalibrationKind), completion.choice("--cancel")),
     ),
     Command(
-        "terminate", "[--yes]", "stop the motors for good, also in flight", terminate,
+        "terminate", "[--yes]", "stop the motors permanently, also in flight", terminate,
         examples=("terminate --yes",),
     ),
 )  # fmt: skip

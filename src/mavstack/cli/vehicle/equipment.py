@@ -28,7 +28,7 @@ def add_actions(actions: Actions) -> None:
     action.add_argument("to", choices=_WINGS, help="the form of flight")
     action = add_timed(actions, "ekf-source", "select a set of estimator sources (ArduPilot)", ekf_source)
     action.add_argument("number", type=int, choices=(1, 2, 3), metavar="1|2|3", help="number of the set")
-    add_yes_option(add_timed(actions, "terminate", "stop the motors for good, also in flight", terminate))
+    add_yes_option(add_timed(actions, "terminate", "stop the motors permanently, also in flight", terminate))
 
 
 def _add_outputs(actions: Actions) -> None:
@@ -208,7 +208,7 @@ def ekf_source(arguments: Namespace) -> int:
 
 def terminate(arguments: Namespace) -> int:
     """Run `mav vehicle terminate`."""
-    if not is_confirmed(arguments, "stop the motors for good; in flight it crashes", "terminate a flight"):
+    if not is_confirmed(arguments, "stop the motors permanently; in flight it crashes", "terminate a flight"):
         return 1
 
     async def work(vehicle: Vehicle) -> str:

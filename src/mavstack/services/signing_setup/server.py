@@ -8,7 +8,7 @@ A new key is on trial: packets are signed with it, the old way is still accepted
 packet that is signed the new way ends the trial. If none arrives within TRIAL_DURATION seconds, the server
 rolls back. The timestamp of a key is where the signing clock of a component without a clock begins.
 
-With `as_autopilot` the server behaves as ArduPilot and PX4 do: a key counts at once and for good, whatever
+With `as_autopilot` the server behaves as ArduPilot and PX4 do: a key counts at once and permanently, whatever
 its timestamp, and may be sent to all systems.
 """
 

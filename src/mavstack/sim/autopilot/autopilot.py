@@ -265,7 +265,7 @@ class SimulatedAutopilot:
         self.profile.disarmed(self)
 
     def terminate(self) -> None:
-        """Terminate the flight: stop the motors for good."""
+        """Terminate the flight: stop the motors permanently."""
         self.terminated = True
         self.disarm("terminated")
 

@@ -214,7 +214,7 @@ class AutopilotState(Protocol):
         """Stop the motors, wherever the vehicle is."""
 
     def terminate(self) -> None:
-        """Terminate the flight: stop the motors for good."""
+        """Terminate the flight: stop the motors permanently."""
 
     def set_home_here(self) -> None:
         """Set home to the current position."""

@@ -28,7 +28,7 @@ MAX_DISTANCE: Final = 100_000.0
 POSITION_CHECK_TIMEOUT: Final = 2.0
 #: A target this far away, in metres, that a vehicle refuses without a status text is probably too far for it.
 _FAR_DISTANCE: Final = 10_000.0
-_REMEDY: Final = "override_limits=True sends it all the same"
+_REMEDY: Final = "override_limits=True sends it anyway"
 
 
 def check_takeoff(altitude: float, *, override_limits: bool) -> None:

@@ -7,8 +7,8 @@ status texts twice per minute. Such a vehicle is ready when it has reported no p
 PX4's bit speaks of the present mode as well: after a reboot without radio control that may be one that needs
 sticks. Then the disarmed vehicle is put into its hold mode, in which it can be armed.
 
-The messages that report its health are requested, and the vehicle is told to run its checks again and again,
-so that it reports the failed ones at once.
+The messages that report its health are requested, and the vehicle is commanded to run its checks repeatedly,
+so that it reports the failed ones immediately.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle.health import Health
     from mavstack.vehicle.vehicle_state import VehicleState
 
-#: The interval at which the vehicle is told to run its checks, in seconds.
+#: The interval at which the vehicle is commanded to run its checks, in seconds.
 _CHECKS_INTERVAL = 10.0
 #: The interval at which its health is read, in seconds.
 _READ_INTERVAL = 0.25

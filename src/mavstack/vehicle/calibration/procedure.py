@@ -1,4 +1,4 @@
-"""The procedure of a calibration: how the firmware is asked, and how it is told to cancel."""
+"""The procedure of a calibration: the functions that run it and that cancel it."""
 
 from __future__ import annotations
 

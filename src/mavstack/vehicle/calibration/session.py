@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle.calibration.procedure import Procedure
     from mavstack.vehicle.vehicle_state import VehicleState
 
-#: The time for which the vehicle is told to cancel, in seconds.
+#: The time in which the vehicle must answer a cancellation, in seconds.
 CANCEL_TIMEOUT: Final = 5.0
 
 

@@ -56,7 +56,7 @@ class Px4(Firmware):
 
     @staticmethod
     def reports_prearm_check(status: common.SysStatus) -> bool:
-        """Return True: PX4 never marks the check as present, and sets its health bit all the same."""
+        """Return True: PX4 never marks the check as present, but sets its health bit."""
         del status
         return True
 

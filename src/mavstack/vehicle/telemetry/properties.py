@@ -117,7 +117,7 @@ class TelemetryProperties:
     async def set_message_rate(
         self, message: type[Message], rate: float | None, *, timeout: float | None = None
     ) -> None:
-        """Request a message from the autopilot at a rate, for good.
+        """Request a message from the autopilot at a rate, permanently.
 
         The rate is requested again after a reboot (SET_MESSAGE_INTERVAL).
 

@@ -9,7 +9,7 @@ requests again
   but heartbeats does not show that it rebooted; each retry waits twice as long as the one before.
 
 A refused rate is not requested again before a reboot or a return. When the last request of a message is
-released, the component is told to send the message at its default rate.
+released, the default rate of the component is requested.
 """
 
 from __future__ import annotations
@@ -129,7 +129,7 @@ class Rates:
                 await self._ask(entry)
 
     async def ensure(self, message: MessageClass, rate: float) -> bool:
-        """Keep a message at `rate` hertz or more for good; return False if it was refused or not answered.
+        """Keep a message at `rate` hertz or more permanently; return False if it was refused or not answered.
 
         Nothing is sent while the message arrives often enough, and such a request is kept once.
         """

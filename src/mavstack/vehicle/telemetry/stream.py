@@ -5,7 +5,7 @@
       │              └── none arrived ──► requested at DEFAULT_RATE
       └── a message that is sent only as an answer ───────────► requested once
     requested ── accepted ──► done
-      └── refused: REFUSAL_DELAY ── some arrived all the same ──► done
+      └── refused: REFUSAL_DELAY ── some arrived anyway ──► done
                      └── none arrived ──► the stream raises the refusal
 
 A rate that a stream requested is released when the stream ends. The default rate stays, since a program that
@@ -37,7 +37,7 @@ AnyMessage = TypeVar("AnyMessage", bound=Message)
 DEFAULT_RATE = 4.0
 #: The time to wait for messages that the vehicle may send by itself, in seconds.
 REQUEST_DELAY = 1.5
-#: The time in which messages may arrive in spite of a refusal, in seconds; as old may those be that count.
+#: The time in which messages may arrive after a refusal, in seconds; older messages do not count.
 REFUSAL_DELAY = 4.0
 
 

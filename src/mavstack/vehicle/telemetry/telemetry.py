@@ -185,13 +185,13 @@ class Telemetry:
         return self.node.add_packet_listener(message, deliver, system=system, component=source)
 
     async def ensure(self, message: type[Message], rate: float) -> bool:
-        """Keep a message at `rate` hertz or more for good; return False if it was refused or not answered."""
+        """Keep a message at `rate` hertz or more permanently; return False if refused or not answered."""
         return await self.rates.ensure(message, rate)
 
     async def set_message_rate(
         self, message: type[Message], rate: float | None, *, timeout: float | None = None
     ) -> None:
-        """Request a message at a rate for good; see `Vehicle.set_message_rate`."""
+        """Request a message at a rate permanently; see `Vehicle.set_message_rate`."""
         key = self._key(message, 0)
         before = self._set_rates.pop(key, None)
         if rate is not None:

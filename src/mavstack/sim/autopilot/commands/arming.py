@@ -68,7 +68,7 @@ class ArmingCommands(CommandGroup):
         return _RESULT.ACCEPTED
 
     def terminate(self, request: CommandRequest) -> common.MavResult:
-        """DO_FLIGHTTERMINATION: stop the motors for good."""
+        """DO_FLIGHTTERMINATION: stop the motors permanently."""
         if request.command.param1 > 0.5:
             self.autopilot.terminate()
         return accept(request.command.param1 > 0.5)
