@@ -28,7 +28,7 @@ def begin(handshakes, *hosts) -> list[Transport]:
     return transports
 
 
-def test_the_oldest_of_the_host_with_the_most_makes_room() -> None:
+def test_the_oldest_of_the_largest_host_makes_room() -> None:
     handshakes = Handshakes()
     (vehicle,) = begin(handshakes, "10.0.0.1")
     attacker = begin(handshakes, *["10.0.0.2"] * (MAX_HANDSHAKES - 1))
