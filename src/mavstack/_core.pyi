@@ -545,6 +545,121 @@ def looks_timestamped(head: Buffer, dialect: HasCoreDialect) -> bool:
     """
 
 @final
+class UlogIndex:
+    """Index of a PX4 ULog, built without the interpreter lock.
+
+    A row of a table holds the time in microseconds (int64), the instance (uint8), three unused bytes and the fields of
+    the record without padding; its size is a multiple of four bytes.
+
+    Args:
+        data: A read-only buffer, such as bytes or a map opened for reading; it must not change.
+        size: Number of bytes to index; None for the whole file.
+        positions: True to store the positions of the records, which `decode` needs; False to count them only.
+        threads: Maximum number of threads.
+
+    Raises:
+        BufferError: The buffer is writable or not contiguous.
+        ValueError: The buffer is no ULog, or uses features that are not supported.
+    """
+
+    def __new__(
+        cls, data: Buffer, *, size: int | None = None, positions: bool = True, threads: int = 1
+    ) -> Self: ...
+    def following(self, size: int) -> Self | None:
+        """Return the index of the next part of the file.
+
+        Args:
+            size: Number of bytes to index.
+
+        Returns:
+            The index, with the positions of its records, or None at the end of the file.
+        """
+
+    @property
+    def version(self) -> int:
+        """Version of the file format."""
+
+    @property
+    def start_time(self) -> int:
+        """Time since boot in microseconds at which logging started."""
+
+    @property
+    def appended(self) -> list[int]:
+        """Positions at which appended data begins."""
+
+    @property
+    def end(self) -> int:
+        """Position of the first byte after the indexed part."""
+
+    @property
+    def has_positions(self) -> bool:
+        """Whether the positions of the records are stored."""
+
+    @property
+    def instances(self) -> list[tuple[str, dict[int, int]]]:
+        """Number of records of each instance, by topic."""
+
+    @property
+    def time_span(self) -> tuple[int, int] | None:
+        """Earliest and latest time of a record in microseconds since boot, or None without records."""
+
+    @property
+    def definitions_end(self) -> int | None:
+        """Position of the first subscription or logged text, where the definitions end; None if there is none."""
+
+    @property
+    def damage(self) -> list[tuple[str, int]]:
+        """Numbers of bytes and messages that were not read, by reason."""
+
+    @property
+    def unsubscribed(self) -> dict[int, int]:
+        """Number of records of each id without a usable subscription."""
+
+    @property
+    def unknown_kinds(self) -> dict[str, int]:
+        """Number of messages of each unknown kind."""
+
+    def layout(self, topic: str) -> tuple[int, list[tuple[str, str, int, int]]]:
+        """Return the columns of a topic's table.
+
+        Args:
+            topic: Name of the topic.
+
+        Returns:
+            The size of a row in bytes, and for each column its name, its type as in ULog, the number of elements (0 for
+            a single value) and its position in the row.
+
+        Raises:
+            KeyError: The file has no such topic.
+        """
+
+    def messages(self, kind: str) -> list[tuple[int, int, bytes]]:
+        """Return the messages of one kind that are not records.
+
+        Args:
+            kind: I, M, P, Q, L, C or O.
+
+        Returns:
+            For each message its position, the latest time of a record before it in microseconds since boot, and its
+            body.
+        """
+
+    def decode(
+        self, tables: Sequence[tuple[str, Buffer]], *, utc_offset: int | None = None, threads: int = 1
+    ) -> None:
+        """Decode the rows of several topics in one pass.
+
+        Args:
+            tables: For each topic its name and a writable buffer with the exact size of all its rows.
+            utc_offset: UTC minus time since boot in microseconds; None if it is unknown.
+            threads: Maximum number of threads.
+
+        Raises:
+            KeyError: The file has no such topic.
+            ValueError: A buffer is read-only, has the wrong size or overlaps another, or the positions of the records
+                were not stored.
+        """
+
 class Index:
     """Index of all packets of a buffer by message, built without the interpreter lock.
 

@@ -6,3 +6,4 @@
 
 pub mod dataflash;
 pub mod rows;
+pub mod ulog;

@@ -20,6 +20,7 @@ mod packet;
 mod parser;
 mod signing;
 mod statistics;
+mod ulog;
 mod values;
 
 use buffers::Bytes;
@@ -54,6 +55,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<index::WindowIndexer>()?;
     module.add_class::<dataflash::DataFlashIndex>()?;
     module.add_class::<dataflash::DataFlashLayout>()?;
+    module.add_class::<ulog::UlogIndex>()?;
     module.add("MessageMeta", class::metaclass(py)?)?;
     module.add("MessageBase", message::base_class(py)?)?;
     module.add_function(wrap_pyfunction!(crc16, module)?)?;
