@@ -14,7 +14,6 @@ from tests.logs.files import encoded, stamped
 @pytest.mark.parametrize(
     ("head", "name"),
     [
-        (b"ULog\x01\x12\x35\x01" + bytes(8), "a PX4 ULog (pyulog reads it)"),
         (b"\x1f\x8b\x08\x00", "a gzip archive: unpack it first"),
         (b"PK\x03\x04\x14", "a ZIP archive: unpack it first"),
         (b"\x89MCAP0\r\n", "an MCAP recording"),
@@ -31,6 +30,7 @@ def test_another_format_is_refused_by_name(tmp_path, head, name):
 @pytest.mark.parametrize(
     ("head", "name"),
     [
+        (b"ULog\x01\x12\x35\x01" + bytes(8), "a PX4 ULog (mavstack.open_log reads it)"),
         (b"\xa3\x95\x80\x80\x59FMT", "an ArduPilot dataflash log (mavstack.open_log reads it)"),
         (b"FMT, 128, 89, FMT, BBnNZ", "an ArduPilot dataflash log as text (mavstack.open_log reads it)"),
     ],

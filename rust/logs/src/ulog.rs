@@ -1,7 +1,7 @@
 //! PX4's log format ULog: a header, then messages of a size (u16), a kind (one character) and a body.
 //!
 //! The format describes itself: 'F' defines a record with named fields, 'A' gives a topic and an instance of it a
-//! number, and 'D' is a record of that number. No checksum protects a message. [`scan`] therefore judges each message by
+//! number, and 'D' is a record of that number. No checksum protects a message. [`scan`] therefore assesses each message by
 //! its kind, its size and its successors, and after damage searches for the next place where messages follow each
 //! other. Its decisions depend only on the bytes and on the known subscriptions, so that threads can start in the middle
 //! of a file; [`index`] proves each start correct or discards it. A record becomes a row of its topic's table by copying

@@ -6,7 +6,7 @@ from typing import Final
 
 #: First bytes of a format, and its name with the program that reads or converts it.
 _OTHER_FORMATS: Final = (
-    (b"ULog\x01\x12\x35", "a PX4 ULog (pyulog reads it)"),
+    (b"ULog\x01\x12\x35", "a PX4 ULog (mavstack.open_log reads it)"),
     (b"\xa3\x95\x80", "an ArduPilot dataflash log (mavstack.open_log reads it)"),
     (b"FMT, 128, ", "an ArduPilot dataflash log as text (mavstack.open_log reads it)"),
     (b"\x89MCAP0\r\n", "an MCAP recording"),

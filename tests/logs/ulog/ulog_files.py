@@ -8,15 +8,18 @@ MAGIC = b"ULog\x01\x12\x35"
 SYNC = b"\x2f\x73\x13\x20\x25\x0c\xbb\x12"
 START_US = 1_000_000
 BOOT_UTC_US = 1_700_000_000_000_000
-#: Definitions with arrays, nested definitions, and padding inside and at the end.
+_GPS_FORMAT = (
+    "vehicle_gps_position:uint64_t timestamp;uint64_t time_utc_usec;int32_t timestamp_time_relative;"
+    "uint8_t fix_type;uint8_t[3] _padding0;"
+)
+#: Definitions with arrays, nested definitions, and padding inside and at the end of records.
 FORMATS = (
     "esc_report:uint32_t errors;float[2] rpm;uint8_t state;uint8_t[3] _padding0;",
     "esc_status:uint64_t timestamp;uint16_t counter;uint8_t count;uint8_t[5] _padding0;esc_report[2] esc;",
     "attitude:uint64_t timestamp;float[4] q;double yaw;bool valid;bool[2] flags;uint8_t[5] _padding0;",
     "text:uint64_t timestamp;char[8] name;char letter;int8_t level;int16_t[2] values;",
     "numbers:uint64_t timestamp;int64_t a;int32_t b;uint32_t c;int16_t d;uint16_t e;int8_t f;uint8_t g;",
-    "vehicle_gps_position:uint64_t timestamp;uint64_t time_utc_usec;int32_t timestamp_time_relative;"
-    "uint8_t fix_type;uint8_t[3] _padding0;",
+    _GPS_FORMAT,
 )
 
 

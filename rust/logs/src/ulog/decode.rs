@@ -91,7 +91,9 @@ fn decode_row(data: &[u8], start: usize, layout: &Layout, row: &mut [u8]) {
         clear_after_nul(&mut row[text.clone()]);
     }
     for truths in &layout.truths {
-        row[truths.clone()].iter_mut().for_each(|byte| *byte = u8::from(*byte != 0));
+        for byte in &mut row[truths.clone()] {
+            *byte = u8::from(*byte != 0);
+        }
     }
 }
 

@@ -14,7 +14,7 @@ use std::thread;
 
 /// Number of bytes in which the starting point of a segment is searched.
 const MAX_SPLIT_SEARCH: usize = 1 << 16;
-/// Number of times that the rest of a file is divided anew because subscriptions have changed.
+/// Number of times that the rest of a file is divided again because subscriptions have changed.
 const MAX_ROUNDS: usize = 8;
 /// Number of bytes that the offsets of one part address.
 const MAX_SPAN: usize = u32::MAX as usize;

@@ -121,7 +121,7 @@ impl<'a> Scanner<'a> {
         loop {
             let position = self.state.position;
             if position < self.section_end {
-                let (verdict, message) = self.judge(position);
+                let (verdict, message) = self.assess(position);
                 let found = match (verdict, message) {
                     (Verdict::Certain, found) => found,
                     (Verdict::Bad, _) | (_, None) => None,
@@ -142,9 +142,9 @@ impl<'a> Scanner<'a> {
         }
     }
 
-    /// Judges the message at a position of the section.
+    /// Assesses the message at a position of the section.
     #[inline]
-    fn judge(&self, position: usize) -> (Verdict, Option<Message<'a>>) {
+    fn assess(&self, position: usize) -> (Verdict, Option<Message<'a>>) {
         let section = &self.data[..self.section_end];
         let start = position + MESSAGE_HEADER;
         let (Some(size), Some(&kind)) = (u16_at(section, position), section.get(start - 1)) else {
@@ -154,11 +154,11 @@ impl<'a> Scanner<'a> {
             return (Verdict::Bad, None);
         };
         let message = Message { kind, start: position, body };
-        (self.judge_body(kind, body), Some(message))
+        (self.assess_body(kind, body), Some(message))
     }
 
     #[inline]
-    fn judge_body(&self, kind: u8, body: &[u8]) -> Verdict {
+    fn assess_body(&self, kind: u8, body: &[u8]) -> Verdict {
         let (certain, likely) = match kind {
             b'D' => {
                 let subscription = u16_at(body, 0).and_then(|id| self.state.catalog.subscription(id));
@@ -204,7 +204,7 @@ impl<'a> Scanner<'a> {
             if position == self.section_end {
                 return true;
             }
-            match self.judge(position) {
+            match self.assess(position) {
                 (Verdict::Certain, _) => return true,
                 (Verdict::Likely | Verdict::Possible, Some(next)) => position = next.end(),
                 // A message that the end of the section cuts off.
@@ -252,13 +252,13 @@ impl<'a> Scanner<'a> {
     }
 
     fn is_start(&self, position: usize) -> bool {
-        let (verdict, message) = self.judge(position);
+        let (verdict, message) = self.assess(position);
         let Some(message) = message.filter(|_| matches!(verdict, Verdict::Certain | Verdict::Likely)) else {
             return false;
         };
         let follows = || {
             message.end() == self.section_end
-                || matches!(self.judge(message.end()).0, Verdict::Certain | Verdict::Likely)
+                || matches!(self.assess(message.end()).0, Verdict::Certain | Verdict::Likely)
         };
         message.kind == b'S' || follows()
     }

@@ -21,7 +21,7 @@ fn flags(incompatible: u8, offsets: [u64; 3]) -> Vec<u8> {
     let mut body = vec![0; 8];
     body.push(incompatible);
     body.extend([0; 7]);
-    offsets.iter().for_each(|offset| body.extend(offset.to_le_bytes()));
+    body.extend(offsets.iter().flat_map(|offset| offset.to_le_bytes()));
     message(b'B', &body)
 }
 

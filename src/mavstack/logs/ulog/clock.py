@@ -1,8 +1,8 @@
 """The clock of a ULog: the time since boot, related to UTC by satellite navigation.
 
-A record of `vehicle_gps_position` (in later versions also `sensor_gps`) holds UTC in `time_utc_usec`, which is that of
-the time `timestamp + timestamp_time_relative` since boot, or 0 while it is unknown. Without such records
-`boot_time_utc_us` of the information messages is used, which the autopilot takes from its own clock.
+A record of `vehicle_gps_position` (in later versions also `sensor_gps`) holds UTC in `time_utc_usec`, which
+is that of the time `timestamp + timestamp_time_relative` since boot, or 0 while it is unknown. Without such
+records `boot_time_utc_us` of the information messages is used, which the autopilot takes from its own clock.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """The messages of a ULog that are not records: information, parameters, texts, dropouts.
 
-A value has a key `type name`, such as `uint32_t ver_sw_release` or `char[6] sys_name`. Parameters before the end of the
-definitions are initial values, later ones are changes. A message without a time gets the latest time of a record
-before it.
+A value has a key `type name`, such as `uint32_t ver_sw_release` or `char[6] sys_name`. Parameters before the
+end of the definitions are initial values, later ones are changes. A message without a time gets the latest
+time of a record before it.
 """
 
 from __future__ import annotations

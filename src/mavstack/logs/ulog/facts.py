@@ -1,4 +1,4 @@
-"""Facts about the vehicle in a ULog: its firmware, its parameters, its texts; and what of the file was not read."""
+"""Facts about the vehicle in a ULog: firmware, parameters, texts; and counts of what was not read."""
 
 from __future__ import annotations
 
@@ -93,8 +93,8 @@ def parameters(
     changes = []
     for boot_us, name, value in entries.parameter_changes:
         first.setdefault(name, value)
-        if _is_within(boot_us, base, span):
-            before = latest.get(name)
+        before = latest.get(name)
+        if before != value and _is_within(boot_us, base, span):
             changes.append(ParameterChange(_utc(boot_us, base), name, before, value, boot_us=boot_us))
         latest[name] = value
     return first, changes

@@ -40,8 +40,8 @@ def table_dtype(row_size: int, columns: Sequence[tuple[str, str, int, int]]) -> 
 
     Args:
         row_size: Size of a row in bytes.
-        columns: For each field its name, its type in ULog, the number of elements (0 for a single value) and its
-            position in the row.
+        columns: For each field its name, its type in ULog, the number of elements (0 for a single value) and
+            its position in the row.
     """
     formats = [_format(kind, count) for _, kind, count, _ in columns]
     return np.dtype(

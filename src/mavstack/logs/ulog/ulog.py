@@ -1,7 +1,7 @@
 """PX4's onboard logs (.ulg): a table for each topic, with the instances of the topic in one table.
 
-Opening a file builds an index of all messages; the table of a topic is decoded on first access. The format has no
-checksums: damage is recognised by messages that do not follow each other, and counted.
+Opening a file builds an index of all messages; the table of a topic is decoded on first access. The format
+has no checksums: damage is recognised by messages that do not follow each other, and counted.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ import numpy as np
 
 from mavstack._core import UlogIndex
 from mavstack.errors import LogError
-from mavstack.logs.damage import LogDamage
 from mavstack.logs.log import DEFAULT_WINDOW, Log
 from mavstack.logs.log_bytes import LogBytes
 from mavstack.logs.message_table import MessageTable
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from mavstack.logs.damage import LogDamage
     from mavstack.logs.records import LogText, ParameterChange
     from mavstack.logs.schema import TableSchema
     from mavstack.logs.time_base import TimeBase
@@ -44,9 +44,10 @@ _MAX_STORED: Final = 1 << 30
 class ULog(Log):
     """An onboard log of PX4.
 
-    The names are those of topics, such as `vehicle_attitude`. A table has the columns `_time` (datetime64 in µs UTC,
-    NaT without satellite navigation), `_instance` and the fields of the topic with their raw values; fields of nested
-    definitions have dotted names (`esc[0].esc_rpm`). `log["battery_status[1]"]` is the table of one instance.
+    The names are those of topics, such as `vehicle_attitude`. A table has the columns `_time` (datetime64 in
+    µs UTC, NaT without satellite navigation), `_instance` and the fields of the topic with their raw values;
+    fields of nested definitions have dotted names (`esc[0].esc_rpm`). `log["battery_status[1]"]` is the table
+    of one instance.
 
     Args:
         source: Path of the file, or its bytes.
@@ -198,7 +199,7 @@ class ULog(Log):
 
     @property
     def default_parameters(self) -> Mapping[str, Mapping[str, float]]:
-        """Default values of parameters by group ("system", "configuration") and name, where the file holds them."""
+        """Default values of parameters by group ("system", "configuration") and name."""
         return self._entries.defaults
 
     @property

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from mavstack.logs.ulog import ULog
-from tests.logs.ulog.comparison import PyUlog, assert_same, assert_same_texts, assert_same_values
+from tests.logs.ulog.comparison import PyUlog, assert_same
 from tests.logs.ulog.ulog_files import FORMATS, START_US, UlogBuilder, add_samples, definitions, flight
 
 FOLDER = Path(os.environ.get("MAVSTACK_REALDATA", "/nonexistent"))
@@ -99,7 +99,6 @@ def test_a_definition_without_fields(written):
 @pytest.mark.skipif(not REAL_LOGS, reason="MAVSTACK_REALDATA names no folder with .ulg files")
 @pytest.mark.parametrize("path", REAL_LOGS, ids=lambda path: path.name)
 def test_logs_of_real_vehicles(path):
-    ours, peer = assert_same(path)
+    ours, _ = assert_same(path)
     assert ours.counts
-    assert_same_values(ours, peer)
-    assert_same_texts(ours, peer)
+    assert not ours.skipped
