@@ -33,11 +33,12 @@ from mavstack.dialects import Message, common
 from mavstack.node import Node, RemoteComponent
 from mavstack.vehicle import Connection, Group, Vehicle
 from mavstack.vehicle.guided_session import GuidedSession
+from mavstack.logs.ulog import ULog
 from mavstack.wire import Packet
 
 async def fragment(
     connection: Connection, vehicle: Vehicle, component: RemoteComponent, node: Node, group: Group,
-    guided: GuidedSession, packet: Packet, message: Message, data: bytes,
+    guided: GuidedSession, packet: Packet, message: Message, data: bytes, log: ULog,
 ) -> None:
 """
 MYPY_SETTINGS = f"""\
