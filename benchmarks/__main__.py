@@ -9,7 +9,7 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import c_library, report, rows, simulation, ulog, workload
+from . import c_library, dataflash, report, rows, simulation, ulog, workload
 from .measure import pinned
 from .telemetry import __main__ as telemetry
 from .transfers import __main__ as transfers
@@ -28,9 +28,10 @@ ROWS: dict[str, Callable[[rows.Bench], Iterator[Row]]] = {
     "tlog-1": lambda bench: iter([rows.tlog(bench, threads=1)]),
     "import": rows.first_message,
     "memory": lambda bench: iter([rows.log_memory(bench)]),
+    "dataflash": lambda bench: dataflash.rows(bench, quick=bench.amounts is rows.QUICK),
     "ulog": lambda bench: ulog.rows(bench, quick=bench.amounts is rows.QUICK),
 }
-ON_ALL_CORES = ("tlog", "memory", "ulog")
+ON_ALL_CORES = ("tlog", "memory", "dataflash", "ulog")
 # Benchmarks with separate tables.
 SIMULATION = "simulation"
 TELEMETRY = "telemetry"
