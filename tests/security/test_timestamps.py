@@ -210,6 +210,13 @@ def test_a_run_that_begins_has_the_present_time(store):
     assert list(store.load_last_run().running.values()) == [10 * RUN_TIMEOUT]
 
 
+def test_a_run_that_begins_without_a_clock_has_the_stored_time(store):
+    store.store(10 * RUN_TIMEOUT)
+    store.begin_run()
+    TimestampStore(store.path).store(10 * RUN_TIMEOUT + 1)
+    assert list(store.load_last_run().running.values()) == [10 * RUN_TIMEOUT]
+
+
 def test_runs_that_never_end_are_bounded(store):
     for number in range(MAX_RUNS + 9):
         TimestampStore(store.path).store(number, running=True)

@@ -102,5 +102,6 @@ def test_ranges_are_a_set_of_bytes(pieces, position) -> None:
         missing -= taken
         assert {byte for low, high in ranges for byte in range(low, high)} == missing
         assert ranges.total == len(missing)
+    assert all(low < high for low, high in ranges.after(position))
     after = {byte for low, high in ranges.after(position) for byte in range(low, high)}
     assert after == {byte for byte in missing if byte >= position}

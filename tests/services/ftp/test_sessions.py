@@ -8,10 +8,22 @@ from mavstack.errors import FileTimeout
 from mavstack.links import Impairment
 from mavstack.services import Address
 from mavstack.services.ftp import FtpError, FtpServer, MemoryStore, Opcode
-from mavstack.services.ftp.sessions import IDLE_TIMEOUT_WHEN_FULL
+from mavstack.services.ftp.payload import FtpPayload
+from mavstack.services.ftp.sessions import (
+    IDLE_TIMEOUT_WHEN_FULL,
+    MAX_SESSIONS,
+    MAX_SESSIONS_PER_CLIENT,
+    REPLY_LIFETIME,
+    SHORT_REPLY_LIFETIME,
+    ReplyCache,
+    Sessions,
+)
+from mavstack.services.ftp.stores import BytesFile
 from tests.services.ftp.harness import FtpHarness
 from tests.services.ftp.test_pitfalls import START, VEHICLE, ask
 from tests.services.network import GROUND
+
+OTHER = Address(254, 1)
 
 
 @pytest.fixture
@@ -87,3 +99,36 @@ def test_a_reset_that_no_client_answers_times_out() -> None:
     harness = FtpHarness(connect=False)
     operation = harness.run(harness.client.reset_sessions(harness.now))
     assert isinstance(operation.error, FileTimeout)
+
+
+def full_sessions(owners: list[Address]) -> Sessions:
+    """Return sessions of these owners, which were opened and used lately, one after the other."""
+    sessions = Sessions()
+    for number, owner in enumerate(owners):
+        sessions.add(owner, number, BytesFile(b""), START + (number - len(owners)) / 100, writable=False)
+    return sessions
+
+
+@pytest.mark.parametrize(("more", "replaced"), [(1, False), (2, True)])
+def test_a_client_takes_a_session_of_one_that_has_at_least_two_more(more: int, replaced: bool) -> None:
+    """Otherwise two clients would take one session from each other in turn."""
+    own = MAX_SESSIONS_PER_CLIENT - 2
+    many = [OTHER] * (own + more)
+    rest = [Address(100 + number, 1) for number in range(MAX_SESSIONS - own - len(many))]
+    sessions = full_sessions([*many, *[GROUND] * own, *rest])
+    first = next(iter(sessions))
+    assert sessions.make_room(GROUND, 200, START) is replaced
+    assert (first not in list(sessions)) is replaced
+    assert len(sessions) == MAX_SESSIONS - replaced
+
+
+@pytest.mark.parametrize(("long", "lifetime"), [(True, REPLY_LIFETIME), (False, SHORT_REPLY_LIFETIME)])
+def test_a_reply_is_repeated_to_an_identical_request_of_its_client_for_a_while(long, lifetime) -> None:
+    cache, reply = ReplyCache(), FtpPayload(8, Opcode.ACK).to_message(*GROUND)
+    request = FtpPayload.request(Opcode.REMOVEFILE, b"a").numbered(7)
+    cache.add(GROUND, request, reply, START, long=long)
+    assert cache.find(GROUND, request, START + lifetime) is reply
+    assert cache.find(GROUND, request, START + lifetime + 0.01) is None
+    assert cache.find(OTHER, request, START) is None
+    assert cache.find(GROUND, FtpPayload.request(Opcode.REMOVEFILE, b"b").numbered(7), START) is None
+    assert cache.find(GROUND, request.numbered(9), START) is None

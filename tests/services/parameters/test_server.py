@@ -182,6 +182,13 @@ def test_a_value_that_was_set_is_reported_to_all() -> None:
     assert len(wire.sent()) == 1
 
 
+def test_a_set_of_the_present_value_is_answered_without_an_event() -> None:
+    wire = wire_with(2)
+    wire.set("P001", pack("<i", 1), KIND.INT32)
+    assert names(wire.sent()) == ["P001"]
+    assert wire.server.events() == []
+
+
 @pytest.mark.parametrize(
     ("name", "data", "kind", "error"),
     [
