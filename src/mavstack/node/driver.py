@@ -5,6 +5,9 @@ re-armed for later deadlines, since nearly every packet postpones a deadline; th
 early, never too late. The clock is the Unix time at which the driver was created, advanced by the loop's own
 clock: it never decreases, and with a loop in virtual time it is virtual too.
 
+A driver that stops cancels all operations. It goes on receiving for a moment while clients release what their
+remote components keep for them, such as open files: the request or its answer may be lost.
+
 Exceptions of the program's own functions (handlers, producers, progress callbacks) are reported to the loop's
 exception handler; everything else continues.
 """
@@ -12,6 +15,7 @@ exception handler; everything else continues.
 from __future__ import annotations
 
 import asyncio
+from contextlib import suppress
 from functools import partial
 from time import time
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -31,6 +35,9 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 Result = TypeVar("Result")
+
+#: Seconds for which a driver that stops waits for clients that release state of their remote components.
+RELEASE_TIMEOUT = 1.5
 
 
 class Driver:
@@ -66,6 +73,9 @@ class Driver:
         self._stopped = False
         self._waiting: dict[Operation[Any], asyncio.Future[None]] = {}
         self._progress: dict[Operation[Any], Callable[[int, int], None]] = {}
+        #: Clients that may release state, while the driver runs and when it stops.
+        self._releasing: set[Client] = set()
+        self._operation_ended = asyncio.Event()
 
     def now(self) -> float:
         """Return the Unix time in seconds; it never decreases."""
@@ -114,6 +124,8 @@ class Driver:
         finally:
             self._waiting.pop(operation, None)
             self._progress.pop(operation, None)
+            if client.is_releasing:
+                self._releasing.add(client)
         if not self._receiving and not isinstance(operation.error, RemoteCancelled):
             answer, attempts = "the node was closed", operation.attempts
             raise RemoteCancelled(
@@ -139,7 +151,7 @@ class Driver:
         self._set_timer()
 
     def stop_receiving(self) -> None:
-        """Ignore everything that links report from now on; a batch of datagrams may be under way."""
+        """Report no packet to the program from now on; a batch of datagrams may be under way."""
         self._receiving = False
 
     async def stop(self) -> None:
@@ -148,7 +160,9 @@ class Driver:
         for operation in tuple(self._waiting):
             operation.client.cancel(operation, self.now())
             self.engine.touch(operation.client)
+            self._releasing.add(operation.client)
         self.step()
+        await self._release()
         self._stopped = True
         if self._timer is not None:
             self._timer.cancel()
@@ -156,9 +170,22 @@ class Driver:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
 
+    async def _release(self) -> None:
+        """Wait until the clients have released the state of their remote components, for a moment."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(RELEASE_TIMEOUT):
+                while self._is_releasing():
+                    self._operation_ended.clear()
+                    await self._operation_ended.wait()
+        self._releasing.clear()
+
+    def _is_releasing(self) -> bool:
+        return any(client.is_releasing for client in self._releasing)
+
     def _deliver(self, event: object, service: Service) -> None:
         match event:
             case OperationEnded(operation):
+                self._operation_ended.set()
                 future = self._waiting.get(operation)
                 if future is not None and not future.done():
                     future.set_result(None)
@@ -197,7 +224,7 @@ class Driver:
             self._on_event(LinkDown(str(error), float("inf")), None)
 
     def _handle_events(self, link: Link, events: Iterable[LinkEvent]) -> None:
-        if not self._receiving:
+        if not self._receiving and not self._is_releasing():
             return
         for event in events:
             try:
@@ -214,8 +241,9 @@ class Driver:
         packets = self.engine.receive(state, event.data, self._epoch + self._time())
         if packets and state.proves_validity(packets):
             event.channel.last_valid = event.time
-        for packet in packets:
-            self._on_packet(packet)
+        if self._receiving:
+            for packet in packets:
+                self._on_packet(packet)
 
     def _handle(self, link: Link, event: LinkEvent) -> None:
         match event:

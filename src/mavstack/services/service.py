@@ -81,6 +81,11 @@ class Service:
         self._outbox: deque[Outgoing] = deque()
         self._events: list[Event] = []
 
+    @property
+    def is_releasing(self) -> bool:
+        """True while it releases state that a remote component keeps, such as an open file."""
+        return False
+
     def receive(self, packet: Packet, now: float) -> bool | None:
         """Handle a packet whose id is in `handles`; its message is never None.
 

@@ -24,6 +24,7 @@ from mavstack.cli.ftp.paths import (
     split,
     walk,
 )
+from mavstack.cli.ftp.upload import Upload
 from mavstack.errors import FileDenied, MavstackError, RemoteTimeout
 
 if TYPE_CHECKING:
@@ -151,7 +152,7 @@ def put(arguments: Namespace) -> int:
         if path.endswith("/") or await _is_directory(ftp, path):
             path = join(path, local.name)
         with TransferProgress(f"{local} -> {path}") as progress:
-            await vehicle.ftp.upload(path, data, timeout=ftp.remaining_time(), progress=progress)
+            await Upload(vehicle, ftp, path).run(data, progress)
         text = f"{local} -> {path} ({size_text(len(data))})"
         _report_change(arguments, vehicle, {"local": str(local), "remote": path, "size": len(data)}, text)
         return 0

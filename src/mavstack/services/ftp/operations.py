@@ -368,6 +368,10 @@ class FtpSessionClient(Client):
         self.server = ServerState()
         self._sessions = 0
 
+    @property
+    def is_releasing(self) -> bool:
+        return any(isinstance(operation, EndSession) for operation in (*self._running, *self._waiting))
+
     def new_session(self) -> int:
         """Return the number of the next session; unique, so that late packets of another do no harm."""
         self._sessions = self._sessions % LAST_SESSION + 1
