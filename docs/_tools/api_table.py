@@ -39,6 +39,7 @@ SECTIONS = (
             "mavstack.node.camera:Camera",
             "mavstack.node.camera_settings:CameraSettings",
             "mavstack.node.gimbal:Gimbal",
+            "mavstack.node.terrain:Terrain",
             "mavstack.node.control:ControlStream",
             "mavstack.node.forwarding:Forwarding",
         ),

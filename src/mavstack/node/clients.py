@@ -19,6 +19,7 @@ from mavstack.services.modes import ModeMonitor
 from mavstack.services.parameters import ParameterClient
 from mavstack.services.ping import PingClient
 from mavstack.services.signing_setup import SigningSetupClient
+from mavstack.services.terrain import TerrainCheckClient
 from mavstack.services.timesync import TimesyncClient
 
 if TYPE_CHECKING:
@@ -123,6 +124,11 @@ class ComponentClients:
     def ping(self) -> PingClient:
         """The client of the ping protocol."""
         return self.host.serve(PingClient(self.host.address, self.address))
+
+    @cached_property
+    def terrain(self) -> TerrainCheckClient:
+        """The client that checks the terrain of a vehicle."""
+        return self.host.serve(TerrainCheckClient(self.host.address, self.address))
 
     @cached_property
     def signing(self) -> SigningSetupClient:

@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.node.clients import ComponentClients
-from mavstack.node.control import ControlStream
+from mavstack.node.control_streams import ControlStreams
 from mavstack.node.events import EventParts
 from mavstack.node.extended_params import ExtendedParams
 from mavstack.node.ftp import Ftp
@@ -21,12 +21,10 @@ from mavstack.node.params import Params
 from mavstack.node.payloads import PayloadParts
 from mavstack.node.plans import PlanParts
 from mavstack.node.read_only import ReadOnly
-from mavstack.node.shell import Shell
 from mavstack.node.subscription import DEFAULT_QUEUE
+from mavstack.node.terrain import Terrain
 from mavstack.services.command import Command, CommandOperation
-from mavstack.services.manual_control import ManualControlSender, OverrideSender
 from mavstack.services.message_request import GetMessageInterval, Interval, RequestMessage, SetMessageInterval
-from mavstack.services.setpoints import SetpointStreamer
 from mavstack.services.version import RequestAutopilotVersion, RequestProtocolVersion
 
 if TYPE_CHECKING:
@@ -41,17 +39,15 @@ if TYPE_CHECKING:
     from mavstack.services import Address
     from mavstack.services.command import CommandResult
     from mavstack.services.heartbeat import ComponentInfo
-    from mavstack.services.manual_control import ChannelOverride, ManualInput
     from mavstack.services.message_request import RateSet
     from mavstack.services.ping import PingStatistics
-    from mavstack.services.setpoints import Setpoint
     from mavstack.services.timesync import TimesyncClient
     from mavstack.services.version import AutopilotVersion, ProtocolVersion
 
 AnyMessage = TypeVar("AnyMessage", bound="Message")
 
 
-class RemoteComponent(EventParts, PayloadParts, PlanParts, ReadOnly):
+class RemoteComponent(EventParts, PayloadParts, PlanParts, ControlStreams, ReadOnly):
     """A component of another system; from `Node.component`, `wait_for_autopilot` or `wait_for_component`."""
 
     _constructed = frozenset({"address"})
@@ -329,51 +325,10 @@ class RemoteComponent(EventParts, PayloadParts, PlanParts, ReadOnly):
         name = channel if channel is None or isinstance(channel, str) else channel.name
         await self._clients.setup_signing(key, name, timeout)
 
-    # Control
-
-    def setpoints(self, rate: float = 20.0) -> ControlStream[Setpoint]:
-        """Stream setpoints while a block runs, as the offboard and guided modes need them.
-
-        Args:
-            rate: Hertz at which the last setpoint is repeated.
-
-        Returns:
-            An async context manager with `set(setpoint)`.
-        """
-        streamer = SetpointStreamer(self._host.address, self.address, rate)
-        return ControlStream(self._host, streamer, streamer)
-
-    def manual_control(self, rate: float = 20.0) -> ControlStream[ManualInput]:
-        """Stream stick positions while a block runs (MANUAL_CONTROL).
-
-        Args:
-            rate: Hertz at which the last stick positions are repeated.
-
-        Returns:
-            An async context manager with `set(input)`.
-        """
-        sender = ManualControlSender(self._host.address, self.address, rate)
-        return ControlStream(self._host, sender, sender)
-
-    def override_channels(self, rate: float = 20.0) -> ControlStream[ChannelOverride]:
-        """Override radio control channels while a block runs (RC_CHANNELS_OVERRIDE).
-
-        Args:
-            rate: Hertz at which the last values are repeated.
-
-        Returns:
-            An async context manager with `set(override)`.
-        """
-        sender = OverrideSender(self._host.address, self.address, rate)
-        return ControlStream(self._host, sender, sender)
-
-    def shell(self) -> Shell:
-        """Open a shell on the component while a block runs (SERIAL_CONTROL).
-
-        Returns:
-            An async context manager; write lines to it, iterate over its output.
-        """
-        return Shell(self._host, self.address)
+    @cached_property
+    def terrain(self) -> Terrain:
+        """The terrain that the component, a vehicle, has from ground stations."""
+        return Terrain(self._clients)
 
     @property
     def clock(self) -> TimesyncClient:

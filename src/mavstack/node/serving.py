@@ -12,6 +12,7 @@ from mavstack.services.camera import CameraServer
 from mavstack.services.gimbal import GimbalManagerServer
 from mavstack.services.message_request import MessageServer
 from mavstack.services.statustext import StatustextSender
+from mavstack.services.terrain import TerrainServer
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from mavstack.services.gimbal import GimbalDevice
     from mavstack.services.heartbeat import HeartbeatSender
     from mavstack.services.signing_setup import SigningRequest
+    from mavstack.services.terrain import Heights
 
 AnyService = TypeVar("AnyService", bound="Service")
 AnyHandler = TypeVar("AnyHandler", bound="Callable[..., Any]")
@@ -165,6 +167,19 @@ class Serving:
         server.answer(self.commands.server, self.message_server)
         self.wake(self.message_server)
         return self.serve(server)
+
+    def serve_terrain(self, heights: Heights) -> TerrainServer:
+        """Send the terrain that vehicles ask for (TERRAIN_REQUEST, TERRAIN_DATA).
+
+        Args:
+            heights: Called with a latitude and a longitude in degrees; returns the height of the terrain in
+                metres above mean sea level, or None if it is not known. It must return quickly, since it runs
+                in the event loop, 16 times for each tile.
+
+        Returns:
+            The server; its `sent` and `unknown` count the tiles.
+        """
+        return self.serve(TerrainServer(self._host.address, heights))
 
     @cached_property
     def message_server(self) -> MessageServer:

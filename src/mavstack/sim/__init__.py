@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mavstack.sim.runner import Runner
     from mavstack.sim.simulation import Simulation
     from mavstack.sim.vehicle import SimulatedVehicle
-    from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
+    from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, TerrainSource, VehicleType
     from mavstack.sim.virtual import run_virtually
 
 __all__ = [
@@ -37,6 +37,7 @@ __all__ = [
     "Runner",
     "SimulatedVehicle",
     "Simulation",
+    "TerrainSource",
     "VehicleType",
     "run_virtually",
 ]
@@ -54,6 +55,7 @@ _LAZY_IMPORTS = {
     "Runner": "runner",
     "Simulation": "simulation",
     "SimulatedVehicle": "vehicle",
+    "TerrainSource": "vehicle_types",
     "VehicleType": "vehicle_types",
     "run_virtually": "virtual",
 }

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from mavstack.errors import InvalidArgumentError, LinkURLError
 from mavstack.links import parse_url
 from mavstack.sim.motion import LocalFrame
-from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
+from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, TerrainSource, VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -39,6 +39,7 @@ class Fleet:
     camera: bool = False
     gimbal: bool = False
     rangefinders: Sequence[Rangefinder] = ()
+    terrain: TerrainSource = TerrainSource.FLAT
 
     def add_to(self, simulation: Simulation) -> list[SimulatedVehicle]:
         """Add the fleet to a simulation.
@@ -66,6 +67,7 @@ class Fleet:
                 camera=self.camera,
                 gimbal=self.gimbal,
                 rangefinders=self.rangefinders,
+                terrain=self.terrain,
             )
             for number, ((vehicle_type, firmware), home) in enumerate(zip(types, self.homes(), strict=True))
         ]

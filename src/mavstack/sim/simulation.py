@@ -17,12 +17,13 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError
 from mavstack.services import Address
+from mavstack.services.terrain import TerrainMap
 from mavstack.sim.motion import World
 from mavstack.sim.parameters import Parameters
 from mavstack.sim.profiles import profile_of
 from mavstack.sim.rangefinders import MAX_RANGEFINDERS
 from mavstack.sim.vehicle import SimulatedVehicle
-from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
+from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, TerrainSource, VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -91,6 +92,7 @@ class Simulation:
         gimbal: bool = False,
         rangefinders: Sequence[Rangefinder] = (),
         proximity: bool | None = None,
+        terrain: TerrainSource | str = TerrainSource.FLAT,
     ) -> SimulatedVehicle:
         """Add a vehicle to the world.
 
@@ -103,6 +105,7 @@ class Simulation:
             gimbal: Give the vehicle a gimbal, managed by the autopilot.
             rangefinders: Its rangefinders, at most six; none for the firmware's default.
             proximity: Give the vehicle a proximity sensor; None if there are obstacles.
+            terrain: Where an ArduPilot vehicle has the heights of the terrain from.
 
         Returns:
             The vehicle, disarmed on the ground.
@@ -110,17 +113,11 @@ class Simulation:
         Raises:
             InvalidArgumentError: The system id is taken or out of range, or there are too many rangefinders.
         """
-        taken = {vehicle.address.system for vehicle in self.vehicles}
-        system = system or next((free for free in range(1, MAX_SYSTEMS + 1) if free not in taken), 0)
-        if not 1 <= system <= MAX_SYSTEMS or system in taken:
-            raise InvalidArgumentError(
-                f"adding a vehicle failed: system id {system} is taken or outside 1 to {MAX_SYSTEMS}"
-                if system
-                else f"adding a vehicle failed: all {MAX_SYSTEMS} system ids are taken"
-            )
+        system = self._free_system(system)
         if len(rangefinders) > MAX_RANGEFINDERS:
             raise InvalidArgumentError(f"a vehicle has at most {MAX_RANGEFINDERS} rangefinders")
         vehicle_type, firmware = VehicleType(vehicle_type), Firmware(firmware)
+        asks = TerrainSource(terrain) is TerrainSource.REQUEST and firmware is Firmware.ARDUPILOT
         vehicle = SimulatedVehicle(
             self.world.add(vehicle_type, home),
             vehicle_type,
@@ -134,6 +131,7 @@ class Simulation:
             gimbal=gimbal,
             rangefinders=rangefinders,
             proximity=bool(self.world.obstacles) if proximity is None else proximity,
+            terrain=TerrainMap() if asks else None,
         )
         _enable_payloads(vehicle)
         _enable_distance_sensors(vehicle)
@@ -152,6 +150,18 @@ class Simulation:
             InvalidArgumentError: The numbers of the obstacle are not possible.
         """
         self.world.add_obstacle(obstacle, home)
+
+    def _free_system(self, system: int | None) -> int:
+        """Return a system id, the next free one for None; raises if it is not free."""
+        taken = {vehicle.address.system for vehicle in self.vehicles}
+        system = system or next((free for free in range(1, MAX_SYSTEMS + 1) if free not in taken), 0)
+        if not 1 <= system <= MAX_SYSTEMS or system in taken:
+            raise InvalidArgumentError(
+                f"adding a vehicle failed: system id {system} is taken or outside 1 to {MAX_SYSTEMS}"
+                if system
+                else f"adding a vehicle failed: all {MAX_SYSTEMS} system ids are taken"
+            )
+        return system
 
     def step(self) -> None:
         """Advance by one step."""

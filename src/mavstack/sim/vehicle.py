@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from mavstack.links.settings import Version
     from mavstack.security import SigningKey
     from mavstack.services import Address, Event, Service
+    from mavstack.services.terrain import TerrainMap
     from mavstack.sim.autopilot.interfaces import FirmwareProfile, Mode
     from mavstack.sim.motion import Body
     from mavstack.sim.parameters import Parameters
@@ -66,6 +67,7 @@ class SimulatedVehicle:
         body: The physical body: true motion, estimate, sensors.
         rangefinders: The chosen rangefinders; empty for those of the firmware's default.
         proximity: True if the vehicle has a proximity sensor.
+        terrain: The terrain that the vehicle has from ground stations; None: it knows the flat ground.
     """
 
     def __init__(
@@ -83,11 +85,12 @@ class SimulatedVehicle:
         gimbal: bool = False,
         rangefinders: Sequence[Rangefinder] = (),
         proximity: bool = False,
+        terrain: TerrainMap | None = None,
     ) -> None:
         self.body, self.vehicle_type, self.firmware, self.address = body, vehicle_type, firmware, address
         self.profile = profile
         self.rangefinders: Sequence[Rangefinder] = tuple(rangefinders)
-        self.proximity = proximity
+        self.proximity, self.terrain = proximity, terrain
         self.parameters = parameters
         self.plans = PlanStore()
         self.now = self.booted_at = now

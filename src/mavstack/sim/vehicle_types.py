@@ -62,6 +62,15 @@ class Firmware(StrEnum):
         return common.MavAutopilot.PX4 if self is Firmware.PX4 else common.MavAutopilot.ARDUPILOTMEGA
 
 
+class TerrainSource(StrEnum):
+    """Where a vehicle has the heights of the terrain from."""
+
+    #: It knows the ground of the simulation, which is flat.
+    FLAT = "flat"
+    #: It asks ground stations (ArduPilot).
+    REQUEST = "request"
+
+
 class Home(NamedTuple):
     """A position and heading: degrees, metres above mean sea level, degrees from north."""
 

@@ -15,6 +15,8 @@ from mavstack.links import Channel
 from mavstack.links import Link
 from mavstack.links.settings import Version
 from mavstack.node.channel_state import ChannelState
+from mavstack.node.control_streams import ControlStreams
+from mavstack.node.terrain import Terrain
 from mavstack.security import SigningKey
 from mavstack.security import TimestampStore
 from mavstack.services import Address
@@ -50,8 +52,6 @@ from mavstack.services.gimbal import GimbalStatus
 from mavstack.services.gimbal import GimbalValue
 from mavstack.services.heartbeat import ComponentInfo
 from mavstack.services.log import LogEntry
-from mavstack.services.manual_control import ChannelOverride
-from mavstack.services.manual_control import ManualInput
 from mavstack.services.message_request import Interval
 from mavstack.services.message_request import MessageServer
 from mavstack.services.message_request import RateSet
@@ -70,6 +70,8 @@ from mavstack.services.parameters import Value
 from mavstack.services.ping import PingStatistics
 from mavstack.services.setpoints import Setpoint
 from mavstack.services.signing_setup import SigningRequest
+from mavstack.services.terrain import Heights
+from mavstack.services.terrain import TerrainServer
 from mavstack.services.timesync import TimesyncClient
 from mavstack.services.version import AutopilotVersion
 from mavstack.services.version import ProtocolVersion
@@ -1417,7 +1419,7 @@ class Shell:
     def __next__(self) -> str:
         ...
 
-class RemoteComponent:
+class RemoteComponent(ControlStreams):
     """A component of another system; from `Node.component`, `wait_for_autopilot` or `wait_for_component`."""
 
     def events(self, *, severity: int=..., queue: int=...) -> EventStream:
@@ -1752,42 +1754,9 @@ class RemoteComponent:
             RemoteTimeout: The component does not answer. Both sides keep the present key.
         """
 
-    def setpoints(self, rate: float=20.0) -> ControlStream[Setpoint]:
-        """Stream setpoints while a block runs, as the offboard and guided modes need them.
-
-        Args:
-            rate: Hertz at which the last setpoint is repeated.
-
-        Returns:
-            A context manager with `set(setpoint)`.
-        """
-
-    def manual_control(self, rate: float=20.0) -> ControlStream[ManualInput]:
-        """Stream stick positions while a block runs (MANUAL_CONTROL).
-
-        Args:
-            rate: Hertz at which the last stick positions are repeated.
-
-        Returns:
-            A context manager with `set(input)`.
-        """
-
-    def override_channels(self, rate: float=20.0) -> ControlStream[ChannelOverride]:
-        """Override radio control channels while a block runs (RC_CHANNELS_OVERRIDE).
-
-        Args:
-            rate: Hertz at which the last values are repeated.
-
-        Returns:
-            A context manager with `set(override)`.
-        """
-
-    def shell(self) -> Shell:
-        """Open a shell on the component while a block runs (SERIAL_CONTROL).
-
-        Returns:
-            A context manager; write lines to it, iterate over its output.
-        """
+    @cached_property
+    def terrain(self) -> Terrain:
+        """The terrain that the component, a vehicle, has from ground stations."""
 
     @property
     def clock(self) -> TimesyncClient:
@@ -2020,6 +1989,18 @@ class Node:
 
         Raises:
             InvalidArgumentError: There is no gimbal, or two have one device id.
+        """
+
+    def serve_terrain(self, heights: Heights) -> TerrainServer:
+        """Send the terrain that vehicles ask for (TERRAIN_REQUEST, TERRAIN_DATA).
+
+        Args:
+            heights: Called with a latitude and a longitude in degrees; returns the height of the terrain in
+                metres above mean sea level, or None if it is not known. It must return quickly, since it runs
+                in the event loop, 16 times for each tile.
+
+        Returns:
+            The server; its `sent` and `unknown` count the tiles.
         """
 
     @cached_property
@@ -3301,6 +3282,10 @@ class Vehicle:
     @property
     def logs(self) -> Logs:
         """The logs on the vehicle."""
+
+    @property
+    def terrain(self) -> Terrain:
+        """The terrain that the vehicle has from ground stations; `serve_terrain` of a node sends it."""
 
     def events(self, *, severity: int=..., component: int | None=None, queue: int=...) -> EventStream:
         """Subscribe to the vehicle's events (EVENT): notices that arrive in order and each once.

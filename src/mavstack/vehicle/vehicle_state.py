@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from mavstack.node.modes import Modes
     from mavstack.node.params import Params
     from mavstack.node.shell import Shell
+    from mavstack.node.terrain import Terrain
     from mavstack.services import Address
     from mavstack.services.events import DecodedEvent
     from mavstack.services.heartbeat import ComponentInfo
@@ -163,6 +164,11 @@ class VehicleState(VehiclePayloads, TelemetryStreams, ReadOnly):
     def logs(self) -> Logs:
         """The logs on the vehicle."""
         return self.component.logs
+
+    @property
+    def terrain(self) -> Terrain:
+        """The terrain that the vehicle has from ground stations; `serve_terrain` of a node sends it."""
+        return self.component.terrain
 
     def events(
         self,

@@ -131,6 +131,7 @@ class StubVehicle:
     profile: StubProfile
     now: float = START
     firmware: Firmware = Firmware.ARDUPILOT
+    terrain: Any = None
     address: Address = field(default_factory=lambda: Address(1, 1))
     plans: PlanStore = field(default_factory=PlanStore)
     status_texts: list[str] = field(default_factory=list)

@@ -19,7 +19,7 @@ from mavstack.cli.common.link_options import add_link_options, with_link_options
 from mavstack.cli.common.options import seconds, system_id
 from mavstack.cli.common.output import echo, echo_json
 from mavstack.errors import MavstackError
-from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
+from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, TerrainSource, VehicleType
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -48,8 +48,7 @@ examples:
   mav sim --speed 10                          # ten times as fast
   mav sim --storage flights                   # keep logs and files in a folder
   mav sim --camera --gimbal                   # with a camera and a gimbal
-  mav sim --rangefinder downward:sonar --rangefinder forward --obstacle 30,0,2,15
-                                              # two rangefinders, and a cylinder 30 m north of home
+  mav sim --rangefinder forward --obstacle 30,0,2,15  # a rangefinder, and a cylinder 30 m north of home
 
 Fly it from another terminal:
   mavproxy.py --master=udpin:0.0.0.0:14550
@@ -87,6 +86,12 @@ def add_arguments(parser: ArgumentParser) -> None:
         default=[],
         metavar="ORIENTATION[:KIND]",
         help="rangefinder of each vehicle, such as downward:sonar or forward; may be repeated",
+    )
+    add(
+        "--terrain",
+        choices=tuple(TerrainSource),
+        default=TerrainSource.FLAT,
+        help="heights of the terrain: flat ground, or requests to ground stations (ArduPilot; default: flat)",
     )
     add("--seed", type=int, default=1, metavar="N", help="seed of all random numbers (default: 1)")
     add(
@@ -169,6 +174,7 @@ async def _simulate(arguments: Namespace) -> int:
         camera=arguments.camera,
         gimbal=arguments.gimbal,
         rangefinders=arguments.rangefinder,
+        terrain=arguments.terrain,
     )
     for obstacle in arguments.obstacle:
         simulation.add_obstacle(obstacle, home=arguments.home)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from mavstack.dialects import common
+from mavstack.sim.ardupilot.terrain import terrain_problems
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 Check: TypeAlias = "Callable[[Autopilot], Iterator[str]]"
 
 #: Bits of ARMING_CHECK.
-_ALL, _BAROMETER, _COMPASS, _GPS, _RC, _BATTERY, _MISSION = 0, 1, 2, 3, 6, 8, 14
+_ALL, _BAROMETER, _COMPASS, _GPS, _PARAMETERS, _RC, _BATTERY, _MISSION = 0, 1, 2, 3, 5, 6, 8, 14
 #: Seconds between reports of the problems.
 DISPLAY_INTERVAL = 30.0
 _QUIET_OPTION = 1
@@ -212,6 +213,7 @@ _CHECKS: Final[tuple[tuple[int | None, Check], ...]] = (
     (_BATTERY, _battery),
     (_RC, _radio),
     (_MISSION, _mission),
+    (_PARAMETERS, terrain_problems),
     (None, _fence),
 )
 _ARM_CHECKS: Final[tuple[tuple[int | None, Check], ...]] = ((None, _mode), (_RC, _throttle))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.services.version import AutopilotVersion, FirmwareVersion
+from mavstack.sim.ardupilot.terrain import is_enabled
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
@@ -67,8 +68,9 @@ def firmware_name(vehicle_type: VehicleType) -> str:
 def version_of(vehicle: Vehicle) -> AutopilotVersion:
     """Return the content of AUTOPILOT_VERSION."""
     serial = _SERIAL + bytes([vehicle.address.system])
+    terrain = _CAPABILITY.TERRAIN if vehicle.terrain is not None and is_enabled(vehicle) else 0
     return AutopilotVersion(
-        capabilities=int(_CAPABILITIES),
+        capabilities=int(_CAPABILITIES | terrain),
         flight=VERSION,
         board_version=_BOARD << 16,
         uid=int.from_bytes(serial, "little"),

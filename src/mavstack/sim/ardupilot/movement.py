@@ -149,7 +149,8 @@ class PlaneMovement(ArdupilotMovement):
         rate = abs(command.param3) if isfinite(command.param3) else 0.0
         self.autopilot.maneuvers.climb = self.autopilot.maneuvers.sink = rate or None
         north, east, _ = self.autopilot.target or self.autopilot.maneuvers.place
-        guide_to(self.autopilot, (north, east, down_of(self.autopilot, command.param7, command.frame)))
+        down = down_of(self.autopilot, command.param7, command.frame, (north, east))
+        guide_to(self.autopilot, (north, east, down))
         return _RESULT.ACCEPTED
 
     def change_guided_heading(self, request: CommandRequest) -> common.MavResult:

@@ -20,6 +20,7 @@ from mavstack.sim.ardupilot.mode_switch import ModeSwitch
 from mavstack.sim.ardupilot.modes import BLOCKABLE, MODE_ROLES, MODES
 from mavstack.sim.ardupilot.motor_calibration import CompassMotorCalibration, EscCalibration
 from mavstack.sim.ardupilot.simulation_parameters import SimulationParameters
+from mavstack.sim.ardupilot.terrain import register_terrain
 from mavstack.sim.ardupilot.texts import BootTexts, armed_text, disarmed_text
 from mavstack.sim.autopilot.commands.home import home_position
 from mavstack.sim.autopilot.interfaces import FirmwareProfile
@@ -87,6 +88,7 @@ class ArdupilotProfile(FirmwareProfile):
         autopilot.watches.append(ModeSwitch(autopilot, self.mode_failure))
         SimulationParameters(vehicle)
         register_external_gps(vehicle)
+        register_terrain(vehicle)
         if _QUADPLANE_TYPE in vehicle.parameters:
             vehicle.parameters.on_change(_QUADPLANE_TYPE, lambda _: vehicle.services.refresh_type())
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.sim.autopilot.refusal import CommandRefusedError
+from mavstack.sim.autopilot.terrain import ABOVE_GROUND, ground_down
 
 if TYPE_CHECKING:
     from mavstack.services.command import Command
@@ -21,7 +22,6 @@ _F = common.MavFrame
 #: Frames by the reference of their altitude.
 ABOVE_SEA = frozenset({_F.GLOBAL, _F.GLOBAL_INT})
 ABOVE_HOME = frozenset({_F.GLOBAL_RELATIVE_ALT, _F.GLOBAL_RELATIVE_ALT_INT})
-ABOVE_GROUND = frozenset({_F.GLOBAL_TERRAIN_ALT, _F.GLOBAL_TERRAIN_ALT_INT})
 GLOBAL = ABOVE_SEA | ABOVE_HOME | ABOVE_GROUND
 LOCAL = frozenset({_F.LOCAL_NED, _F.LOCAL_OFFSET_NED})
 
@@ -47,21 +47,30 @@ def place_of(
         point = _local(here, command, offset=frame == _F.LOCAL_OFFSET_NED)
     else:
         north, east = _horizontal(autopilot, command)
-        point = north, east, down_of(autopilot, command.param7, frame)
+        point = north, east, down_of(autopilot, command.param7, frame, (north, east))
     if not all(isfinite(axis) for axis in point) or hypot(*point[:2]) > _FAR or abs(point[2]) > _HIGH:
         raise CommandRefusedError(common.MavResult.DENIED)
     return point
 
 
-def down_of(autopilot: AutopilotState, altitude: float, frame: int) -> float:
-    """Return an altitude of a frame as the third local coordinate; NaN means the current altitude."""
+def down_of(
+    autopilot: AutopilotState, altitude: float, frame: int, place: tuple[float, float] | None = None
+) -> float:
+    """Return an altitude of a frame as the third local coordinate.
+
+    Args:
+        autopilot: The autopilot.
+        altitude: Metres; NaN means the current altitude.
+        frame: The MAV_FRAME.
+        place: Metres north and east of the place whose terrain counts; None for the current one.
+    """
     if not isfinite(altitude):
         return autopilot.maneuvers.place[2]
     if frame in ABOVE_SEA:
         return autopilot.body.frame.to_local(*_origin(autopilot), altitude)[2]
     if frame in ABOVE_HOME:
         return autopilot.home_position[2] - altitude
-    return -altitude  # the ground is level
+    return ground_down(autopilot, *(place or autopilot.maneuvers.place[:2])) - altitude
 
 
 def has_place(command: Command) -> bool:

@@ -42,7 +42,8 @@ def place_of(autopilot: AutopilotState, item: MissionItem, *, zero_is_here: bool
         if has_place(item):
             north, east, _ = autopilot.body.frame.to_local(item.param5, item.param6, 0.0)
         left_out = zero_is_here and item.param7 == 0 and item.frame not in {_F.GLOBAL, _F.GLOBAL_INT}
-        point = north, east, here[2] if left_out else down_of(autopilot, item.param7, item.frame)
+        down = here[2] if left_out else down_of(autopilot, item.param7, item.frame, (north, east))
+        point = north, east, down
     reachable = all(map(isfinite, point)) and hypot(*point[:2]) <= _FAR and abs(point[2]) <= _HIGH
     return point if reachable else here
 

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from mavstack.services.mission import MissionServer, PlanStore
     from mavstack.services.modes import ModeServer
     from mavstack.services.serial_control import ShellServer
+    from mavstack.services.terrain import TerrainMap
     from mavstack.sim.autopilot.flight_parameters import FlightParameters
     from mavstack.sim.autopilot.maneuvers import Maneuvers, Point
     from mavstack.sim.motion import Body
@@ -85,6 +86,8 @@ class VehicleState(Protocol):
     #: The chosen rangefinders, and whether the vehicle has a proximity sensor.
     rangefinders: Sequence[Rangefinder]
     proximity: bool
+    #: The terrain that the vehicle has from ground stations; None: it knows the flat ground.
+    terrain: TerrainMap | None
 
     @property
     def uptime(self) -> float:

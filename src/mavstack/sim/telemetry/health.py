@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from mavstack.dialects import common
+from mavstack.sim.autopilot.terrain import knows_terrain
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
@@ -67,6 +68,8 @@ class SensorHealth:
         faults = self._faults()
         if not view.health.attitude or not autopilot.booted:
             faults |= _AHRS
+        if not knows_terrain(autopilot):
+            faults |= _TERRAIN
         return SensorMasks(present, enabled, present & ~faults)
 
     def px4(self) -> SensorMasks:

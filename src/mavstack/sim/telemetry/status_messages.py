@@ -6,6 +6,7 @@ from math import isfinite, nan
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import ardupilotmega, common
+from mavstack.sim.autopilot.terrain import terrain_report
 from mavstack.sim.telemetry.health import SensorHealth
 from mavstack.sim.telemetry.scaling import (
     INT16_MAX,
@@ -40,7 +41,6 @@ _MAX_MILLIVOLTS = 65_534
 _NO_CELLS = (UINT16_MAX,) * 9
 #: Maximum time remaining in seconds; beyond it the time is unknown.
 _MAX_TIME_REMAINING = 86_400.0
-_GROUND_SPACING = 100
 
 
 class StatusMessages:
@@ -184,17 +184,9 @@ class StatusMessages:
         )
 
     def terrain(self, now: float) -> Message:
-        """Return TERRAIN_REPORT: the ground is flat, at the altitude of the start."""
-        position, ground = self._view.position, self._body.frame.altitude
-        return common.TerrainReport(
-            degrees_e7(position.latitude),
-            degrees_e7(position.longitude),
-            _GROUND_SPACING,
-            ground,
-            position.altitude - ground,
-            pending=0,
-            loaded=504,
-        )
+        """Return TERRAIN_REPORT of the place of the vehicle."""
+        position = self._view.position
+        return terrain_report(self._autopilot, position.latitude, position.longitude)
 
     def _vtol_state(self) -> int:
         """Return the MAV_VTOL_STATE."""

@@ -132,9 +132,14 @@ class Step:
     ) -> Iterator[None]:
         """Fly to a point until it is reached."""
         self.mission.set_course(point, start=start, yaw=yaw)
-        while not self.maneuvers.has_reached(point, radius):
+        while not self.maneuvers.has_reached(self._followed(point), radius):
             self.mission.keep_course()
             yield
+
+    def _followed(self, point: Point) -> Point:
+        """Return the end of the line, at the height that the terrain demands now."""
+        down = self.mission.course.followed_down
+        return point if down is None else (*point[:2], down)
 
     def behave(self, behaviour: RunningBehaviour) -> Iterator[None]:
         """Run the behaviour of a mode as a part of the mission."""

@@ -20,6 +20,7 @@ from mavstack.sim.autopilot.mission.interfaces import Step
 from mavstack.sim.autopilot.mission.leg_flight import ENDED, fly_leg
 from mavstack.sim.autopilot.mission.route import Leg, Route
 from mavstack.sim.autopilot.mission.validation import validate_item, validate_plan
+from mavstack.sim.autopilot.terrain import following
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -242,7 +243,9 @@ class MissionRunner:
 
     def set_course(self, point: Point, *, start: Point | None = None, yaw: float | None = None) -> None:
         """Fly a line to a point, from the last point of the mission unless `start` is given."""
-        self.course.set(point, start=start or self._line_begin(point), yaw=yaw)
+        begin = start or self._line_begin(point)
+        follow = following(self.autopilot, self.flown, begin, point)
+        self.course.set(point, start=begin, yaw=yaw, follow=follow)
         self.origin = point
 
     def keep_course(self) -> None:
