@@ -50,7 +50,7 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
             _entry("demo", "a simulated fleet with a live display, without hardware"),
             _entry("watch", "messages of a link or a file: rates, values, link quality"),
             _entry("record", "record the packets of links to a file that survives a crash"),
-            _entry("data", "logs on disk: facts, tables, conversion, queries"),
+            _entry("data", "logs on disk: facts, conversion, queries, reports, charts"),
             _entry("vehicle", "act on a vehicle: arm, takeoff, goto, mode, info and others"),
             _entry("rate", "how often a vehicle sends a message: show it, set it"),
             _entry("param", "parameters of a vehicle: list, get, set, save, load, diff"),

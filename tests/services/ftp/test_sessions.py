@@ -110,7 +110,7 @@ def full_sessions(owners: list[Address]) -> Sessions:
 
 
 @pytest.mark.parametrize(("more", "replaced"), [(1, False), (2, True)])
-def test_a_client_takes_a_session_of_one_that_has_at_least_two_more(more: int, replaced: bool) -> None:
+def test_a_client_takes_a_session_of_one_that_has_two_more(more: int, replaced: bool) -> None:
     """Otherwise two clients would take one session from each other in turn."""
     own = MAX_SESSIONS_PER_CLIENT - 2
     many = [OTHER] * (own + more)

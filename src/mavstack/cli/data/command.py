@@ -1,11 +1,11 @@
-"""`mav data`: logs on disk, whatever their format: facts, tables, conversion, queries."""
+"""`mav data`: logs on disk, whatever their format: facts, tables, conversion, queries, reports."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.data import convert, info, query
+from mavstack.cli.data import convert, info, query, report
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -25,13 +25,18 @@ examples:
   mav data query flight.tlog "ATTITUDE.roll, ATTITUDE.pitch where abs(roll) > 0.1 and mode = 'LOITER'"
   mav data query flight.tlog "SELECT max(alt) / 1000 FROM GLOBAL_POSITION_INT"
   mav data query flight.tlog "SELECT * FROM VFR_HUD" --csv | head
+  mav data report flight.tlog               # findings, and the page flight.html
+  mav data report flight.tlog --json
+  mav data plot flight.tlog attitude vibration            # on the terminal
+  mav data plot flight.tlog power link -o power.png
+  mav data plot flight.tlog VFR_HUD.alt ATTITUDE.roll -o charts.html
 """
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the actions."""
     actions = Actions(parser, "data", EXAMPLES)
-    for module in (info, convert, query):
+    for module in (info, convert, query, report):
         module.add_actions(actions)
 
 

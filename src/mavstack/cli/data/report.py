@@ -1,0 +1,121 @@
+"""`mav data report` and `mav data plot`: a flight as a page, as pictures, or on the terminal."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from mavstack.atomic_file import write_file_atomically
+from mavstack.cli.common.errors import UsageError
+from mavstack.cli.common.output import echo, echo_json
+from mavstack.cli.data.opening import add_log_options, add_selection_options, open_file, report_damage
+from mavstack.cli.data.terminal_chart import chart_lines
+from mavstack.errors import LogError
+from mavstack.logs.analysis import flights
+from mavstack.logs.report import make_report
+from mavstack.logs.report.charts import Chart, Line, svg_document
+from mavstack.logs.report.page import plot_page
+from mavstack.logs.report.panels import PANELS, charts_of
+from mavstack.logs.report.png import png_of
+from mavstack.logs.report.style import STYLE
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+    from collections.abc import Iterator
+
+    from mavstack.cli.common.actions import Actions
+    from mavstack.logs import Log
+
+
+_USUAL_TOPICS: Final = ("attitude", "altitude")
+
+
+def add_actions(actions: Actions) -> None:
+    """Declare the actions."""
+    parser = actions.add("report", "a page about a flight: findings, track, charts", report)
+    add_log_options(parser)
+    parser.add_argument("-o", "--output", metavar="FILE", help="page to write (default: beside the log)")
+    parser.add_argument("--json", action="store_true", help="print facts and findings instead of a page")
+    add_selection_options(parser)
+    parser = actions.add("plot", "charts of a flight: PNG, SVG, HTML, or on the terminal", plot)
+    add_log_options(parser)
+    parser.add_argument(
+        "what", nargs="*", metavar="TOPIC|MESSAGE.FIELD", help=f"topics ({', '.join(PANELS)}) or fields"
+    )
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", help=".png, .svg or .html to write (default: the terminal)"
+    )
+    add_selection_options(parser)
+
+
+def report(arguments: Namespace) -> int:
+    """Run `mav data report`."""
+    log = open_file(arguments.file, arguments)
+    made = make_report(log)
+    if arguments.json:
+        echo_json(made.data)
+    if not arguments.json or arguments.output is not None:
+        path = Path(arguments.output or Path(arguments.file).with_suffix(".html"))
+        write_file_atomically(path, made.html)
+        write_file_atomically(path.with_suffix(".json"), json.dumps(made.data, indent=1) + "\n")
+        if not arguments.json:
+            _print_findings(made.data, path)
+    return report_damage(log, arguments)
+
+
+def _print_findings(data: dict[str, object], path: Path) -> None:
+    vehicles: list[dict[str, list[dict[str, object]]]] = data["vehicles"]  # type: ignore[assignment]
+    for vehicle in vehicles:
+        for finding in vehicle["findings"]:
+            when = "" if finding["time_s"] is None else f" at {finding['time_s']:.0f} s"
+            echo(f"{finding['severity']}: {finding['title']}{when}")
+        if not vehicle["findings"]:
+            echo("the rules found nothing")
+    echo(f"report: {path}")
+
+
+def plot(arguments: Namespace) -> int:
+    """Run `mav data plot`."""
+    log = open_file(arguments.file, arguments)
+    charts = [chart for what in arguments.what or ("attitude", "altitude") for chart in _charts(log, what)]
+    if not charts:
+        raise LogError(
+            f"{log.path}: it holds none of {', '.join(arguments.what or ('attitude', 'altitude'))}"
+        )
+    if arguments.output is None:
+        width = shutil.get_terminal_size().columns
+        for chart in charts:
+            echo(*chart_lines(chart, width))
+    else:
+        write_file_atomically(arguments.output, _rendered(Path(arguments.output), charts))
+    return report_damage(log, arguments)
+
+
+def _charts(log: Log, what: str) -> Iterator[Chart]:
+    if what in PANELS:
+        for flight in flights(log):
+            yield from charts_of(flight, what)
+        return
+    table, _, field = what.partition(".")
+    if table not in log or not field:
+        topics = ", ".join(PANELS)
+        raise UsageError(
+            f"{what!r} is neither a topic ({topics}) nor a field such as ATTITUDE.roll of this log"
+        )
+    rows = log[table]
+    times = log.seconds_from_start(table, rows)
+    unit = rows.schema[field.partition("[")[0]].unit if field.partition("[")[0] in rows.schema else ""
+    yield Chart(what, unit, [Line(field, times, rows.scaled(field))])
+
+
+def _rendered(path: Path, charts: list[Chart]) -> bytes | str:
+    match path.suffix.lower():
+        case ".png":
+            return png_of(charts)
+        case ".svg":
+            return svg_document(charts, STYLE)
+        case ".html":
+            return plot_page(path.stem, charts)
+    raise UsageError(f"{path}: the suffix must be .png, .svg or .html")

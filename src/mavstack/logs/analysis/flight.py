@@ -1,0 +1,151 @@
+"""A flight: one vehicle in a log, with everything that rules and reports ask for, read once."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from mavstack.logs.analysis.signals import read_signal
+from mavstack.logs.flight_states import FlightStates, States, flight_states
+from mavstack.logs.tracks import tracks
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from mavstack.logs.analysis.signals import Signal
+    from mavstack.logs.flight_states import Span
+    from mavstack.logs.log import Log
+    from mavstack.logs.records import LogText, ParameterChange
+    from mavstack.logs.tracks import Track
+
+_MULTIROTORS: Final = frozenset(
+    {
+        "QUADROTOR", "HEXAROTOR", "OCTOROTOR", "TRICOPTER", "COAXIAL", "DODECAROTOR", "DECAROTOR",
+        "GENERIC_MULTIROTOR",
+    }
+)  # fmt: skip
+
+
+class Flight:
+    """One vehicle in a log.
+
+    Args:
+        log: The log, or a view of it.
+        system: System id of the vehicle; 0 in logs that do not name it.
+    """
+
+    def __init__(self, log: Log, system: int) -> None:
+        self.log = log
+        self.system = system
+        self._signals: dict[str, Signal | None] = {}
+
+    def signal(self, name: str) -> Signal | None:
+        """Return a signal, or None if the log does not have it; see `SIGNALS`."""
+        if name not in self._signals:
+            self._signals[name] = read_signal(self.log, name, self.system or None)
+        return self._signals[name]
+
+    def armed_signal(self, name: str) -> Signal | None:
+        """Return a signal while the vehicle was armed, or None if it has no values then."""
+        signal = self.signal(name)
+        if signal is None:
+            return None
+        armed = signal.during(self.is_armed(signal.times))
+        return armed if len(armed) else None
+
+    def is_armed(self, times: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return whether the vehicle was armed at each of some times; always, if the log does not tell.
+
+        Args:
+            times: Seconds from the beginning of the log.
+        """
+        states = self.states.armed
+        if not len(states.times):
+            return np.ones(len(times), np.bool_)
+        return states.at(times + self.start).astype(np.bool_)
+
+    @cached_property
+    def start(self) -> float:
+        """Time of the beginning of the log, in seconds on its time base."""
+        span = self.log.time_span
+        return 0.0 if span is None else span[0]
+
+    @cached_property
+    def duration(self) -> float:
+        """Length of the log in seconds."""
+        return self.log.duration
+
+    @cached_property
+    def states(self) -> FlightStates:
+        """Armed or not, and the flight mode."""
+        found: Mapping[int, FlightStates] = flight_states(self.log)
+        none = FlightStates(
+            States(np.empty(0), np.empty(0, np.bool_), default=False),
+            States(np.empty(0), np.empty(0, object), ""),
+        )
+        return found.get(self.system, none)
+
+    @property
+    def armed_spans(self) -> list[tuple[float, float]]:
+        """Stretches of time in which the vehicle was armed, in seconds from the beginning."""
+        spans = self.states.armed.spans(self.start + self.duration)
+        return [(span.start - self.start, span.end - self.start) for span in spans if span.value]
+
+    @property
+    def mode_spans(self) -> list[Span[str]]:
+        """The flight modes, in seconds from the beginning."""
+        spans = self.states.mode.spans(self.start + self.duration)
+        return [span._replace(start=span.start - self.start, end=span.end - self.start) for span in spans]
+
+    @cached_property
+    def track(self) -> Track | None:
+        """The track, or None without positions."""
+        return next((track for track in tracks(self.log) if track.system == self.system), None)
+
+    @cached_property
+    def texts(self) -> list[tuple[float, LogText]]:
+        """The texts of the vehicle with their time in seconds from the beginning."""
+        own = [text for text in self.log.texts if text.system in (0, self.system)]
+        return [(self._seconds(text.time, text.boot_us), text) for text in own]
+
+    @cached_property
+    def parameter_changes(self) -> list[tuple[float, ParameterChange]]:
+        """The changes of parameters with their time in seconds from the beginning."""
+        own = [change for change in self.log.parameter_changes if change.system in (0, self.system)]
+        return [(self._seconds(change.time, change.boot_us), change) for change in own]
+
+    @property
+    def vehicle_type(self) -> str:
+        """Name of the MAV_TYPE, or empty."""
+        vehicle = self.log.vehicles.get(self.system)
+        return vehicle.vehicle_type if vehicle is not None else self.log.info.get("vehicle_type", "")
+
+    @property
+    def is_multirotor(self) -> bool:
+        """True for vehicles that are held up by several rotors."""
+        return self.vehicle_type in _MULTIROTORS
+
+    def _seconds(self, time: np.datetime64, boot_us: int | None) -> float:
+        """Return a time of the log in seconds from the beginning; NaN if it is not known."""
+        if self.log.time_base.kind == "boot":
+            return float("nan") if boot_us is None else boot_us / 1e6 - self.start
+        if np.isnat(time):
+            return float("nan")
+        return float(time.astype("M8[us]").astype(np.int64)) / 1e6 - self.start
+
+
+def flights(log: Log) -> list[Flight]:
+    """Return the flights of a log, one for each vehicle.
+
+    Args:
+        log: The log, or a view of it.
+
+    Returns:
+        The flights by ascending system id; a log without a vehicle has one, with the system id 0.
+    """
+    systems = sorted(log.vehicles) or [int(log.info.get("system", 0) or 0)]
+    return [Flight(log, system) for system in systems]

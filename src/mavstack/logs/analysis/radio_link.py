@@ -1,0 +1,92 @@
+"""Rules about the links to the vehicle: silence, lost packets, and the margin of a telemetry radio."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from mavstack.logs.analysis.findings import Finding, Severity
+from mavstack.logs.analysis.rules import Rule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.logs.analysis.flight import Flight
+
+#: Seconds between two heartbeats from which ground stations tell that the link is lost.
+_SILENCE: Final = 5.0
+_LOSS: Final = 0.05
+#: SiK radios: dBm = value / 1.9 - 127, so that this difference is about 10 dB.
+_DECIBELS: Final = 1.9
+_LOW_MARGIN: Final = 10.0
+
+
+def lost_link(flight: Flight) -> Iterator[Finding]:
+    """Look for more than 5 s between two heartbeats of the vehicle while armed."""
+    if "HEARTBEAT" not in flight.log:
+        return
+    table = flight.log["HEARTBEAT"]
+    rows = table.where(table["_system"] == flight.system)
+    times = np.sort(flight.log.seconds_from_start("HEARTBEAT", rows))
+    times = times[np.isfinite(times)]
+    gaps = np.diff(times)
+    lost = np.flatnonzero(gaps > _SILENCE)
+    lost = lost[flight.is_armed(times[lost])]
+    if not len(lost):
+        return
+    max_gap = float(gaps[lost].max())
+    yield Finding(
+        "lost_link",
+        Severity.WARNING,
+        f"link lost for {max_gap:.0f} s",
+        f"The vehicle was not heard {len(lost)} times for more than {_SILENCE:.0f} s while armed, at most "
+        f"for "
+        f"{max_gap:.0f} s.",
+        float(times[lost[gaps[lost].argmax()]]),
+        {"max_gap_s": max_gap, "times": float(len(lost))},
+    )
+
+
+def packet_loss(flight: Flight) -> Iterator[Finding]:
+    """Look for more than 5 % of lost packets, by the gaps in the sequence numbers."""
+    sources: dict[tuple[int, int], Any] = getattr(flight.log, "sources", {})
+    counts = [item for (system, _), item in sources.items() if system == flight.system]
+    received, lost = sum(item.received for item in counts), sum(item.lost for item in counts)
+    if not received or lost / (lost + received) <= _LOSS:
+        return
+    share = lost / (lost + received)
+    text = f"{lost:,} of {lost + received:,} packets of the vehicle are missing in the recording."
+    title = f"{share:.0%} of the packets lost"
+    yield Finding("packet_loss", Severity.WARNING, title, text, None, {"share": share, "lost": float(lost)})
+
+
+def radio_margin(flight: Flight) -> Iterator[Finding]:
+    """Look for a telemetry radio whose signal is less than 10 dB above the noise while armed (SiK scale)."""
+    for near, noise, side in (
+        ("radio_rssi", "radio_noise", "local"),
+        ("radio_remrssi", "radio_remnoise", "remote"),
+    ):
+        signal, floor = flight.armed_signal(near), flight.armed_signal(noise)
+        if signal is None or floor is None:
+            continue
+        margin = (signal.values - np.interp(signal.times, floor.times, floor.values)) / _DECIBELS
+        low = float(np.percentile(margin, 5))
+        if low < _LOW_MARGIN:
+            yield Finding(
+                "radio_margin",
+                Severity.WARNING,
+                f"{side} radio: {low:.0f} dB above the noise",
+                f"For 5 % of the flight the signal of the {side} radio was at most {low:.0f} dB above the "
+                f"noise; "
+                f"{_LOW_MARGIN:.0f} dB or more are needed for a link without losses.",
+                float(signal.times[margin.argmin()]),
+                {"margin_db": low},
+            )
+
+
+RULES: Final = (
+    Rule("lost_link", str(lost_link.__doc__), lost_link),
+    Rule("packet_loss", str(packet_loss.__doc__), packet_loss),
+    Rule("radio_margin", str(radio_margin.__doc__), radio_margin),
+)

@@ -1,0 +1,254 @@
+"""Line charts as SVG: signals over time, spectra, and tracks, drawn for the style sheet of the page.
+
+A chart has at most two points for each of its columns of pixels, the lowest and the highest value, so that
+spikes stay visible and a long flight costs no more than a short one. Colours come from the style sheet, which
+has a light and a dark theme.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from html import escape
+from math import ceil, floor, log10
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from mavstack.logs.tracks import Track
+
+_WIDTH: Final = 860
+_HEIGHT: Final = 190
+_LEFT, _RIGHT, _TOP, _BOTTOM = 52, 12, 12, 24
+_TITLE: Final = 24
+_MAP_SIZE: Final = 420
+_COLOURS: Final = 6
+_METRES_PER_DEGREE: Final = 111_195.0
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A line of a chart."""
+
+    label: str
+    xs: NDArray[np.float64]
+    ys: NDArray[np.float64]
+
+
+class Band(NamedTuple):
+    """A stretch of the horizontal axis with a name, such as a flight mode."""
+
+    start: float
+    end: float
+    label: str
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A chart with one or several lines.
+
+    Attributes:
+        title: Title.
+        unit: Unit of the vertical axis.
+        lines: The lines; a chart without points is not drawn.
+        bands: Stretches in the background.
+        marks: Positions of findings on the horizontal axis.
+        axis: Name of the horizontal axis.
+    """
+
+    title: str
+    unit: str
+    lines: Sequence[Line]
+    bands: Sequence[Band] = ()
+    marks: Sequence[float] = ()
+    axis: str = "s"
+
+
+def draw(chart: Chart) -> str:
+    """Return a chart as a figure with an SVG; empty if it has no points."""
+    content = _content(chart)
+    if not content:
+        return ""
+    lines = [line for line in chart.lines if len(line.xs)]
+    unit = f" <small>{escape(chart.unit)}</small>" if chart.unit else ""
+    legend = "".join(
+        f'<span class="key c{number % _COLOURS}">{escape(line.label)}</span>'
+        for number, line in enumerate(lines)
+    )
+    return (
+        f"<figure><figcaption>{escape(chart.title)}{unit}{legend}</figcaption>"
+        f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" role="img" aria-label="{escape(chart.title)}">'
+        f"{content}</svg></figure>"
+    )
+
+
+def _content(chart: Chart) -> str:
+    """Return the elements of a chart; empty if it has no points."""
+    lines = [line for line in chart.lines if len(line.xs)]
+    if not lines:
+        return ""
+    left, right = min(float(line.xs[0]) for line in lines), max(float(line.xs[-1]) for line in lines)
+    low, high = min(float(line.ys.min()) for line in lines), max(float(line.ys.max()) for line in lines)
+    scale = _Scale(left, right if right > left else left + 1, *_padded(low, high))
+    parts = [_bands(chart.bands, scale), _grid(scale, chart.axis), *_marks(chart.marks, scale)]
+    parts += [_polyline(line, scale, number % _COLOURS) for number, line in enumerate(lines)]
+    return "".join(parts)
+
+
+def svg_document(charts: Sequence[Chart], style: str) -> str:
+    """Return charts below each other as one SVG file.
+
+    Args:
+        charts: The charts.
+        style: The style sheet.
+    """
+    drawn = [(chart, content) for chart in charts if (content := _content(chart))]
+    parts = []
+    for number, (chart, content) in enumerate(drawn):
+        unit = f" [{chart.unit}]" if chart.unit else ""
+        title = f"{chart.title}{unit}: {', '.join(line.label for line in chart.lines)}"
+        parts.append(
+            f'<g transform="translate(0 {number * (_HEIGHT + _TITLE)})">'
+            f'<text class="title" x="{_LEFT}" y="16">{escape(title)}</text>'
+            f'<g transform="translate(0 {_TITLE})">{content}</g></g>'
+        )
+    height = max(len(drawn), 1) * (_HEIGHT + _TITLE)
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height}" width="{_WIDTH}">'
+        f"<style>{escape(style)}</style>{''.join(parts)}</svg>\n"
+    )
+
+
+def draw_track(track: Track, marks: Sequence[tuple[float, float]] = ()) -> str:
+    """Return a track as an SVG map, north up, with a scale; `marks` are latitudes and longitudes.
+
+    Args:
+        track: The track.
+        marks: Positions to mark.
+    """
+    thin = track.thinned(4000)
+    north = np.cos(np.radians(float(np.median(thin.latitudes))))
+    xs, ys = thin.longitudes * north, -thin.latitudes
+    span = max(float(np.ptp(xs)), float(np.ptp(ys)), 10 / _METRES_PER_DEGREE) * 1.15
+    middle_x, middle_y = (xs.max() + xs.min()) / 2, (ys.max() + ys.min()) / 2
+
+    def place(x: float, y: float) -> tuple[float, float]:
+        return ((x - middle_x) / span + 0.5) * _MAP_SIZE, ((y - middle_y) / span + 0.5) * _MAP_SIZE
+
+    points = " ".join(
+        "{:.1f},{:.1f}".format(*place(x, y)) for x, y in zip(xs.tolist(), ys.tolist(), strict=True)
+    )
+    start, end = place(float(xs[0]), float(ys[0])), place(float(xs[-1]), float(ys[-1]))
+    placed = [place(longitude * north, -latitude) for latitude, longitude in marks]
+    found = "".join(f'<circle class="mark" cx="{x:.1f}" cy="{y:.1f}" r="6"/>' for x, y in placed)
+    length = _round_down(span * _METRES_PER_DEGREE / 3)
+    pixels = length / (span * _METRES_PER_DEGREE) * _MAP_SIZE
+    return (
+        f'<svg class="map" viewBox="0 0 {_MAP_SIZE} {_MAP_SIZE}" role="img" aria-label="track">'
+        f'<polyline class="line c0" points="{points}"/>{found}'
+        f'<circle class="start" cx="{start[0]:.1f}" cy="{start[1]:.1f}" r="5"/>'
+        f'<circle class="end" cx="{end[0]:.1f}" cy="{end[1]:.1f}" r="5"/>'
+        f'<path class="axis" d="M12 {_MAP_SIZE - 14}h{pixels:.1f}"/>'
+        f'<text x="12" y="{_MAP_SIZE - 20}">{_length_text(length)}</text></svg>'
+    )
+
+
+class _Scale(NamedTuple):
+    """The range of values that a chart shows."""
+
+    left: float
+    right: float
+    low: float
+    high: float
+
+    def x(self, value: float) -> float:
+        share = (value - self.left) / (self.right - self.left)
+        return _LEFT + min(max(share, 0), 1) * (_WIDTH - _LEFT - _RIGHT)
+
+    def y(self, value: float) -> float:
+        return _HEIGHT - _BOTTOM - (value - self.low) / (self.high - self.low) * (_HEIGHT - _TOP - _BOTTOM)
+
+
+def _padded(low: float, high: float) -> tuple[float, float]:
+    """Return a range with some room, also around a constant value."""
+    room = (high - low) * 0.05 or abs(high) * 0.1 or 1.0
+    return low - room, high + room
+
+
+def _polyline(line: Line, scale: _Scale, colour: int) -> str:
+    xs, ys = envelope(line.xs, line.ys, _WIDTH - _LEFT - _RIGHT)
+    points = " ".join(
+        f"{scale.x(x):.1f},{scale.y(y):.1f}" for x, y in zip(xs.tolist(), ys.tolist(), strict=True)
+    )
+    return f'<polyline class="line c{colour}" points="{points}"/>'
+
+
+def envelope(
+    xs: NDArray[np.float64], ys: NDArray[np.float64], columns: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the lowest and the highest point in each of `columns` parts of a line, in their order."""
+    if len(xs) <= 2 * columns:
+        return xs, ys
+    edges = np.unique(np.linspace(0, len(xs), columns + 1).astype(np.intp))[:-1]
+    kept: list[int] = []
+    for first, last in zip(edges.tolist(), [*edges[1:].tolist(), len(xs)], strict=True):
+        part = ys[first:last]
+        kept += sorted({first + int(part.argmin()), first + int(part.argmax())})
+    return xs[kept], ys[kept]
+
+
+def _grid(scale: _Scale, axis: str) -> str:
+    parts = []
+    for value in _ticks(scale.low, scale.high, 4):
+        y = scale.y(value)
+        parts.append(f'<path class="grid" d="M{_LEFT} {y:.1f}H{_WIDTH - _RIGHT}"/>')
+        parts.append(f'<text class="y" x="{_LEFT - 6}" y="{y + 4:.1f}">{value:g}</text>')
+    for value in _ticks(scale.left, scale.right, 8):
+        x = scale.x(value)
+        parts.append(f'<text class="x" x="{x:.1f}" y="{_HEIGHT - 6}">{value:g} {axis}</text>')
+    return "".join(parts)
+
+
+def _ticks(low: float, high: float, count: int) -> list[float]:
+    step = _round_down((high - low) / count) or 1.0
+    first = ceil(low / step)
+    return [round(number * step, 10) for number in range(first, floor(high / step) + 1)]
+
+
+def _round_down(value: float) -> float:
+    """Return the next lower number of the series 1, 2, 5, 10 …."""
+    if value <= 0:
+        return 0.0
+    power = 10.0 ** floor(log10(value))
+    return next(step * power for step in (5, 2, 1) if step * power <= value * (1 + 1e-9))
+
+
+def _length_text(metres: float) -> str:
+    return f"{metres / 1000:g} km" if metres >= 1000 else f"{metres:g} m"
+
+
+def _bands(bands: Sequence[Band], scale: _Scale) -> str:
+    parts = []
+    for number, band in enumerate(bands):
+        x, end = scale.x(band.start), scale.x(band.end)
+        if end - x < 1:
+            continue
+        parts.append(
+            f'<rect class="band b{number % 2}" x="{x:.1f}" y="{_TOP}" width="{end - x:.1f}" '
+            f'height="{_HEIGHT - _TOP - _BOTTOM}"><title>{escape(band.label)}</title></rect>'
+        )
+        if end - x > 7 * len(band.label) + 4:
+            parts.append(f'<text class="band" x="{x + 3:.1f}" y="{_TOP + 10}">{escape(band.label)}</text>')
+    return "".join(parts)
+
+
+def _marks(marks: Sequence[float], scale: _Scale) -> list[str]:
+    return [
+        f'<path class="mark" d="M{scale.x(mark):.1f} {_TOP}V{_HEIGHT - _BOTTOM}"/>'
+        for mark in marks
+        if scale.left <= mark <= scale.right
+    ]

@@ -1,0 +1,189 @@
+"""The HTML page of a report."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from mavstack.logs.report.charts import draw, draw_track
+from mavstack.logs.report.panels import PANELS, charts_of
+from mavstack.logs.report.style import STYLE
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from mavstack.logs.analysis import Finding, Flight
+    from mavstack.logs.log import Log
+    from mavstack.logs.report.charts import Chart
+
+_TITLES: Final = {
+    "attitude": "Attitude",
+    "altitude": "Altitude",
+    "speed": "Speed",
+    "power": "Power",
+    "vibration": "Vibration",
+    "estimator": "Estimator",
+    "gps": "Satellite navigation",
+    "outputs": "Motors and servos",
+    "link": "Radio links",
+    "processor": "Processor",
+}
+_FACTS: Final = {
+    "armed_s": ("armed", "s"),
+    "takeoffs": ("takeoffs", ""),
+    "distance_m": ("distance", "m"),
+    "max_altitude_m": ("highest above home", "m"),
+    "max_ground_speed_m_s": ("fastest over ground", "m/s"),
+    "max_climb_rate_m_s": ("fastest climb", "m/s"),
+    "min_voltage_v": ("lowest voltage", "V"),
+    "max_current_a": ("highest current", "A"),
+    "used_mah": ("used", "mAh"),
+}
+_MAX_ROWS: Final = 500
+#: Seconds without a message, in multiples of its usual interval, that are a gap.
+_GAP: Final = 5.0
+
+
+def render_page(log: Log, found: Sequence[tuple[Flight, Sequence[Finding], Mapping[str, float]]]) -> str:
+    """Return the page of a log.
+
+    Args:
+        log: The log.
+        found: The flights with their findings and figures.
+    """
+    body = "".join(_vehicle(flight, findings, facts, len(found) > 1) for flight, findings, facts in found)
+    damage = f'<p class="dim">Skipped: {escape(log.skipped.describe())}.</p>' if log.skipped else ""
+    head = f'<h1>{escape(log.path.name)}</h1><p class="dim">{escape(_subtitle(log))}</p>'
+    return _document(log.path.name, f"{head}{damage}{body}{_messages(log)}")
+
+
+def _subtitle(log: Log) -> str:
+    parts = [log.format, f"{log.size / 1e6:.1f} MB", f"{log.duration:.0f} s"]
+    if log.start is not None:
+        parts.insert(0, f"{str(log.start)[:19].replace('T', ' ')} UTC")
+    parts += [f"{name.replace('_', ' ')} {value}" for name, value in log.info.items()]
+    return " · ".join(parts)
+
+
+def _vehicle(flight: Flight, findings: Sequence[Finding], facts: Mapping[str, float], named: bool) -> str:
+    parts = [f"<h2>Vehicle {flight.system}: {escape(flight.vehicle_type or 'unknown')}</h2>" if named else ""]
+    parts += [_cards(facts), "<h2>Findings</h2>", *(_finding(finding) for finding in findings)]
+    if not findings:
+        parts.append("<p>The rules found nothing.</p>")
+    if flight.track is not None and len(flight.track):
+        parts += ["<h2>Track</h2>", draw_track(flight.track, list(_places(flight, findings)))]
+    marks = [finding.time for finding in findings if finding.time is not None]
+    for topic in PANELS:
+        charts = "".join(draw(chart) for chart in charts_of(flight, topic, marks))
+        if charts:
+            parts.append(f"<h2>{_TITLES[topic]}</h2>{charts}")
+    parts += [_timeline(flight), _changes(flight)]
+    return "".join(parts)
+
+
+def _cards(facts: Mapping[str, float]) -> str:
+    cards = "".join(
+        f'<div class="card"><b>{value:,.4g} {unit}</b><span>{label}</span></div>'
+        for name, (label, unit) in _FACTS.items()
+        if (value := facts.get(name)) is not None
+    )
+    return f'<div class="cards">{cards}</div>'
+
+
+def _finding(finding: Finding) -> str:
+    when = "" if finding.time is None else f" <small>at {finding.time:.1f} s</small>"
+    return (
+        f'<div class="finding {finding.severity.name.lower()}"><b>{escape(finding.title)}{when}</b>'
+        f"{escape(finding.text)}</div>"
+    )
+
+
+def _places(flight: Flight, findings: Sequence[Finding]) -> Iterator[tuple[float, float]]:
+    """Yield the positions at which there are findings."""
+    track = flight.track
+    if track is None:
+        return
+    seconds = track.times - flight.start
+    for finding in findings:
+        if finding.time is not None and seconds[0] <= finding.time <= seconds[-1]:
+            index = int(np.searchsorted(seconds, finding.time).clip(0, len(track) - 1))
+            yield float(track.latitudes[index]), float(track.longitudes[index])
+
+
+def _timeline(flight: Flight) -> str:
+    rows = [(span.start, "mode", span.value) for span in flight.mode_spans]
+    rows += [(start, "state", "armed") for start, _ in flight.armed_spans]
+    rows += [(end, "state", "disarmed") for _, end in flight.armed_spans if end < flight.duration]
+    rows += [(time, "text", text.text) for time, text in flight.texts if np.isfinite(time)]
+    return _table("Modes and texts", ("time", "kind", "event"), sorted(rows, key=lambda row: row[0]))
+
+
+def _changes(flight: Flight) -> str:
+    rows = [
+        (time, change.name, f"{'' if change.before is None else f'{change.before:g} -> '}{change.value:g}")
+        for time, change in flight.parameter_changes
+        if np.isfinite(time)
+    ]
+    return _table("Parameter changes", ("time", "parameter", "value"), rows)
+
+
+def _table(title: str, head: Sequence[str], rows: Sequence[tuple[float, str, str]]) -> str:
+    if not rows:
+        return ""
+    body = "".join(
+        f'<tr><td class="n">{time:.1f} s</td><td>{escape(kind)}</td><td>{escape(text)}</td></tr>'
+        for time, kind, text in rows[:_MAX_ROWS]
+    )
+    more = f'<p class="dim">{len(rows) - _MAX_ROWS} more.</p>' if len(rows) > _MAX_ROWS else ""
+    heads = f'<th class="n">{head[0]}</th><th>{head[1]}</th><th>{head[2]}</th>'
+    return (
+        f"<details><summary>{title} ({len(rows)})</summary>"
+        f"<table><tr>{heads}</tr>{body}</table>{more}</details>"
+    )
+
+
+def _messages(log: Log) -> str:
+    rows = "".join(
+        f'<tr><td>{escape(name)}</td><td class="n">{count:,}</td><td class="n">{_rate(log, count)}</td>'
+        f'<td class="n">{_max_gap(log, name)}</td></tr>'
+        for name, count in sorted(log.counts.items())
+    )
+    return (
+        f'<details><summary>Messages ({len(log)})</summary><table><tr><th>message</th><th class="n">rows</th>'
+        f'<th class="n">Hz</th><th class="n">longest gap</th></tr>{rows}</table></details>'
+    )
+
+
+def _rate(log: Log, count: int) -> str:
+    return f"{count / log.duration:.3g}" if log.duration > 0 else "-"
+
+
+def _max_gap(log: Log, name: str) -> str:
+    """Return the longest gap of a message that is sent regularly, in seconds."""
+    times = log.times(name)
+    times = np.sort(times[np.isfinite(times)])
+    if len(times) < 10:
+        return ""
+    steps = np.diff(times)
+    max_gap, usual = float(steps.max()), float(np.median(steps))
+    return f"{max_gap:.1f} s" if max_gap > max(_GAP * usual, 1.0) else ""
+
+
+def plot_page(title: str, charts: Sequence[Chart]) -> str:
+    """Return a page with charts.
+
+    Args:
+        title: Title of the page.
+        charts: The charts.
+    """
+    return _document(title, f"<h1>{escape(title)}</h1>{''.join(map(draw, charts))}")
+
+
+def _document(title: str, body: str) -> str:
+    return (
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width,initial-scale=1">'
+        f"<title>{escape(title)}</title><style>{STYLE}</style></head><body><main>{body}</main></body></html>\n"
+    )

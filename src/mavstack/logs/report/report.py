@@ -1,0 +1,119 @@
+"""The report of a log: facts and findings of each vehicle, with charts, as HTML and as values for JSON."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from mavstack.logs.analysis import analyse, flights
+from mavstack.logs.report.page import render_page
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from mavstack.logs.analysis import Finding, Flight
+    from mavstack.logs.log import Log
+
+#: Metres above home from which a vehicle has taken off, and below which it has landed.
+_AIRBORNE: Final = 1.5
+_LANDED: Final = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """The report of a log.
+
+    Attributes:
+        html: The page, which needs no other file and no network.
+        data: The facts and findings as values that JSON can hold.
+    """
+
+    html: str
+    data: dict[str, Any]
+
+
+def make_report(log: Log) -> Report:
+    """Make the report of a log.
+
+    Args:
+        log: The log, or a view of it.
+
+    Returns:
+        The report.
+
+    Raises:
+        LogError: The log cannot be read.
+    """
+    found = [(flight, analyse(flight), flight_facts(flight)) for flight in flights(log)]
+    data = {
+        "file": log.path.name,
+        "format": log.format,
+        "size": log.size,
+        "start": None if log.start is None else f"{log.start}Z",
+        "duration_s": round(log.duration, 3),
+        "time_base": log.time_base.describe(),
+        "info": dict(log.info),
+        "skipped": log.skipped.to_dict(),
+        "vehicles": [_vehicle_data(flight, findings, facts) for flight, findings, facts in found],
+    }
+    return Report(render_page(log, found), data)
+
+
+def flight_facts(flight: Flight) -> dict[str, float]:
+    """Return the figures of a flight: times in s, distances in m, speeds in m/s.
+
+    Args:
+        flight: The flight.
+    """
+    facts: dict[str, float] = {
+        "armed_s": sum(end - start for start, end in flight.armed_spans),
+        "takeoffs": float(_takeoffs(flight)),
+    }
+    if flight.track is not None and len(flight.track) > 1:
+        facts["distance_m"] = flight.track.distance
+    for name, key, choose in (
+        ("altitude", "max_altitude_m", np.max),
+        ("ground_speed", "max_ground_speed_m_s", np.max),
+        ("climb_rate", "max_climb_rate_m_s", np.max),
+        ("voltage", "min_voltage_v", np.min),
+        ("current", "max_current_a", np.max),
+    ):
+        signal = flight.armed_signal(name)
+        if signal is not None:
+            facts[key] = float(choose(signal.values))
+    current = flight.armed_signal("current")
+    if current is not None and len(current) > 1:
+        # A gap in the log is no consumption.
+        steps = np.clip(np.diff(current.times), 0, 5)
+        facts["used_mah"] = float((current.values[:-1] * steps).sum() / 3.6)
+    return {name: round(value, 3) for name, value in facts.items()}
+
+
+def _takeoffs(flight: Flight) -> int:
+    """Return how often the vehicle rose from the ground while armed."""
+    altitude = flight.armed_signal("altitude")
+    if altitude is None:
+        return 0
+    count, on_ground = 0, altitude.values[0] < _AIRBORNE
+    for value in altitude.values.tolist():
+        if on_ground and value > _AIRBORNE:
+            count, on_ground = count + 1, False
+        elif value < _LANDED:
+            on_ground = True
+    return count
+
+
+def _vehicle_data(flight: Flight, findings: Sequence[Finding], facts: dict[str, float]) -> dict[str, Any]:
+    return {
+        "system": flight.system,
+        "vehicle_type": flight.vehicle_type,
+        "facts": facts,
+        "findings": [finding.to_dict() for finding in findings],
+        "modes": [
+            {"mode": span.value, "start_s": round(span.start, 3), "end_s": round(span.end, 3)}
+            for span in flight.mode_spans
+        ],
+        "armed": [{"start_s": round(start, 3), "end_s": round(end, 3)} for start, end in flight.armed_spans],
+    }

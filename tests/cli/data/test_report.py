@@ -1,0 +1,69 @@
+"""`mav data report` and `mav data plot`."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from tests.logs.flights import flight_tlog
+
+
+@pytest.fixture
+def tlog(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "flight.tlog"
+    path.write_bytes(flight_tlog())
+    return path
+
+
+def test_a_page_and_its_facts_beside_the_log(mav, tlog, tmp_path):
+    result = mav("data", "report", tlog)
+    assert (result.code, result.err) == (0, "")
+    assert result.out.splitlines()[-1] == f"report: {tmp_path / 'flight.html'}"
+    assert (tmp_path / "flight.html").read_text("utf-8").startswith("<!doctype html>")
+    data = json.loads((tmp_path / "flight.json").read_text("utf-8"))
+    printed = json.loads(mav("data", "report", tlog, "--json").out)
+    assert data == printed
+
+
+def test_another_path_and_a_part_of_the_log(mav, tlog, tmp_path):
+    result = mav("data", "report", tlog, "-o", "part.html", "--end", "5", "--system", "1")
+    assert result.code == 0
+    data = json.loads((tmp_path / "part.json").read_text("utf-8"))
+    assert [vehicle["system"] for vehicle in data["vehicles"]] == [1]
+    assert data["duration_s"] <= 5
+
+
+def test_charts_on_the_terminal(mav, tlog, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "60")
+    lines = mav("data", "plot", tlog, "altitude", "BATTERY_STATUS.voltages[0]").out.splitlines()
+    assert lines[0] == "Altitude above home [m]: altitude above home"
+    assert any(any(0x2800 < ord(letter) < 0x2900 for letter in line) for line in lines)
+    assert all(len(line) <= 60 for line in lines)
+    assert "BATTERY_STATUS.voltages[0] [V]: voltages[0]" in lines
+
+
+@pytest.mark.parametrize(
+    ("name", "start"), [("x.png", b"\x89PNG"), ("x.svg", b"<svg"), ("x.html", b"<!doctype")]
+)
+def test_charts_as_files(mav, tlog, tmp_path, name, start):
+    assert mav("data", "plot", tlog, "attitude", "-o", name).code == 0
+    assert (tmp_path / name).read_bytes().startswith(start)
+
+
+@pytest.mark.parametrize(
+    ("words", "problem"),
+    [
+        (("nonsense",), "neither a topic"),
+        (("ATTITUDE",), "neither a topic"),
+        (("attitude", "-o", "x.jpg"), "must be .png, .svg or .html"),
+        (("vibration",), "holds none of vibration"),
+        (("ATTITUDE.nothing",), "has no field nothing"),
+    ],
+)
+def test_wrong_usage_is_reported_in_one_line(mav, tlog, words, problem):
+    result = mav("data", "plot", tlog, *words)
+    assert result.code in (1, 2)
+    assert problem in result.err
+    assert result.err.count("\n") == 1
