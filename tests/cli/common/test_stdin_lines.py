@@ -9,11 +9,19 @@ from textwrap import dedent
 
 import pytest
 
-#: Prints whether it is in the background, then the lines of standard input until `end`.
+#: Prints whether it is in the background, each pause after a read in the background, and the lines of
+#: standard input until `end`.
 READER = dedent(
     """
-    import asyncio
+    import asyncio, time
+    from mavstack.cli.common import stdin_lines as module
     from mavstack.cli.common.stdin_lines import is_in_background, stdin_lines
+
+    def pause(seconds):
+        print("waiting", flush=True)
+        time.sleep(seconds)
+
+    module.sleep = pause
 
     async def main():
         print("background" if is_in_background() else "foreground", flush=True)
@@ -29,7 +37,14 @@ READER = dedent(
 #: foreground when a line arrives on descriptor 3.
 SHELL = dedent(
     """
-    import os, signal, subprocess, sys
+    import os, signal, subprocess, sys, threading
+
+    def wait():
+        status = os.waitpid(reader.pid, os.WUNTRACED)[1]
+        if os.WIFSTOPPED(status):
+            print("stopped", flush=True)
+            reader.kill()
+        os._exit(os.waitstatus_to_exitcode(status) if os.WIFEXITED(status) else 1)
 
     signal.signal(signal.SIGTTOU, signal.SIG_IGN)
     terminal = os.open(sys.argv[1], os.O_RDWR)  # the first terminal of a session controls it
@@ -37,13 +52,10 @@ SHELL = dedent(
     reader = subprocess.Popen(
         [sys.executable, "-c", sys.argv[3]], stdin=terminal, process_group=0, close_fds=True
     )
+    threading.Thread(target=wait, daemon=True).start()
     commands.readline()
     os.tcsetpgrp(terminal, reader.pid)
-    status = os.waitpid(reader.pid, os.WUNTRACED)[1]
-    if os.WIFSTOPPED(status):
-        print("stopped", flush=True)
-        reader.kill()
-    os._exit(status)
+    threading.Event().wait()
     """
 )
 
@@ -77,9 +89,12 @@ def test_a_process_in_the_background_is_not_stopped_and_reads_in_the_foreground(
         assert shell.stdout is not None
         os.close(reading)
         assert shell.stdout.readline() == "background\n"
+        assert shell.stdout.readline() == "waiting\n"
+        os.write(writing, b"foreground\n")
         os.write(ours, b"fault\n")
-        os.write(writing, b"check\n")
-        assert shell.stdout.readline() == "read fault\n"
+        while (line := shell.stdout.readline()) == "waiting\n":
+            pass
+        assert line == "read fault\n"
         os.write(ours, b"end\n")
         assert shell.stdout.readline() == "read end\n"
         assert shell.wait(60) == 0

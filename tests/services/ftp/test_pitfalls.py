@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from random import Random
 
 import pytest
@@ -151,6 +152,24 @@ def test_a_repeated_removal_that_finds_nothing_has_worked(client) -> None:
     assert operation.error is None
 
 
+def test_the_first_refusal_of_a_removal_is_final(client) -> None:
+    operation = client.remove("f", START)
+    nak(client, asked(client)[0], FtpError.FILENOTFOUND)
+    with pytest.raises(FileDenied):
+        operation.result()
+
+
+def test_repetitions_wait_longer_each_time(client) -> None:
+    client.remove("f", START)
+    times = [START]
+    for _ in range(5):
+        asked(client, times[-1])
+        times.append(client.next_timeout())
+        client.handle_timeout(times[-1])
+    waits = [round(after - before, 3) for before, after in pairwise(times)]
+    assert waits == [0.5, 1.0, 2.0, 2.0, 2.0]
+
+
 def test_a_repeated_creation_of_a_directory_that_reports_eexist_has_worked(client) -> None:
     operation = client.make_directory("d", START)
     (request,) = asked(client)
@@ -165,6 +184,8 @@ def test_a_reply_remembered_from_another_client_is_requested_again_under_a_new_n
     reply(client, request, req_opcode=Opcode.TERMINATESESSION)
     (again,) = asked(client)
     assert again.sequence != request.sequence
+    reply(client, again, req_opcode=Opcode.TERMINATESESSION)
+    assert asked(client) == [], "a second number would not help either"
     reply(client, again)
     assert operation.done
 
