@@ -41,3 +41,22 @@ async def test_keep_all_drops_nothing() -> None:
         subscription.put(number)
     assert subscription.drain() == list(range(10))
     assert subscription.dropped == 0
+
+
+async def test_a_full_queue_drops_its_oldest_items_and_counts_them() -> None:
+    subscription: Subscription[int] = Subscription(lambda _: None, queue=3)
+    for number in range(10):
+        subscription.put(number)
+    assert subscription.drain() == [7, 8, 9]
+    assert subscription.dropped == 7
+
+
+async def test_several_readers_share_the_items() -> None:
+    subscription: Subscription[int] = Subscription(lambda _: None)
+    readers = [asyncio.ensure_future(anext(subscription)) for _ in range(3)]
+    await asyncio.sleep(0)
+    subscription.put(1)
+    await asyncio.sleep(0)
+    subscription.put(2)
+    subscription.put(3)
+    assert sorted(await asyncio.gather(*readers)) == [1, 2, 3]
