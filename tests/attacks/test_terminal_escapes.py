@@ -46,6 +46,7 @@ WITH_VEHICLE = [
     "vehicle hold", "vehicle goto 47.3 8.5 10", "vehicle orbit 47.3 8.5 10", "vehicle mode LOITER",
     "vehicle mode NOSUCH", "vehicle modes", "vehicle speed 5", "vehicle yaw 90 --no-wait", "vehicle home",
     "vehicle reboot --no-wait", "vehicle info", "vehicle health", "vehicle statustext hello",
+    "vehicle events --for 2",
     "vehicle servo 9 1500", "vehicle relay 1 on", "vehicle actuator 1 0.5", "vehicle motor-test 1 --yes",
     "vehicle gripper grip", "vehicle winch relax", "vehicle roi none", "vehicle transition multicopter",
     "vehicle ekf-source 1", "vehicle calibrate gyroscope", "vehicle terminate --yes",

@@ -13,7 +13,7 @@ from tests.vehicle.world import kind_name
 
 BOTH = [COPTER, PX4_COPTER]
 #: Actions of PX4, of VTOLs, of equipment that has to be set up, and of vehicles on the ground.
-NOT_OF_A_COPTER = {"actuator", "transition", "gripper", "winch", "motor-test", "calibrate"}
+NOT_OF_A_COPTER = {"actuator", "transition", "gripper", "winch", "motor-test", "calibrate", "events"}
 #: Actions that ask before they begin.
 CONFIRMED = {"terminate"}
 
