@@ -15,6 +15,7 @@ from mavstack.errors import (
     InvalidArgumentError,
 )
 from mavstack.sim.vehicle_types import VehicleType
+from tests.vehicle.failures.scripted_autopilot import ARDUPILOT as ARDUPILOT_NUMBER
 from tests.vehicle.failures.scripted_autopilot import run_scenario
 from tests.vehicle.firmware.received_requests import requests_of
 from tests.vehicle.world import ARDUPILOT, PX4, fly
@@ -164,6 +165,22 @@ def test_arming_interrupts_a_motor_test():
             await harness.vehicle.actuators.test_motor(3, duration=30)
 
     run_scenario(scenario)
+
+
+def test_a_vehicle_that_stays_armed_after_a_motor_test_was_armed():
+    """ArduPilot's heartbeat is armed during the test, so that it cannot tell."""
+
+    async def scenario(harness):
+        harness.autopilot.arm(False)
+        await asyncio.sleep(1.5)
+        asyncio.get_running_loop().call_later(1.0, harness.autopilot.arm)
+        asyncio.get_running_loop().call_later(8.0, harness.autopilot.arm, False)
+        await harness.vehicle.actuators.test_motor(3, duration=6)
+        asyncio.get_running_loop().call_later(1.0, harness.autopilot.arm)
+        with pytest.raises(ActionInterrupted, match="test of motor 3 of 1/1 failed: it was armed"):
+            await harness.vehicle.actuators.test_motor(3, duration=4)
+
+    run_scenario(scenario, autopilot=ARDUPILOT_NUMBER)
 
 
 def test_the_number_of_an_actuator_selects_its_set():

@@ -168,6 +168,20 @@ def test_old_messages_do_not_count():
     with_telemetry(scenario)
 
 
+@pytest.mark.parametrize("kind", COPTERS[:1], ids=named)
+def test_messages_from_before_a_reboot_do_not_count(kind):
+    async def scenario(world, vehicle):
+        await vehicle.wait_until_ready()
+        assert vehicle.health.ready
+        await vehicle.reboot()
+        assert not vehicle.health.ready
+        await vehicle.wait_until_ready()
+        await vehicle.set_mode("GUIDED")
+        await vehicle.arm()
+
+    fly(kind, scenario)
+
+
 # Readiness in the mode to be flown
 
 

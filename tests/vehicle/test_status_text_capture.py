@@ -38,13 +38,29 @@ def denied():
 
 
 @pytest.mark.parametrize("severity", list(SEVERITY))
-def test_warnings_and_worse_are_reasons(severity):
+def test_texts_of_a_refusal_are_reasons(severity):
     async def scenario(harness):
         harness.autopilot.on_refusal = lambda: harness.send_statustext("because", severity)
         harness.autopilot.refuse(CMD.COMPONENT_ARM_DISARM)
         with pytest.raises(CommandDenied) as error:
             await harness.vehicle.arm()
-        assert error.value.status_texts == (("because",) if severity <= SEVERITY.WARNING else ())
+        assert error.value.status_texts == (("because",) if severity <= SEVERITY.INFO else ())
+
+    run_scenario(scenario)
+
+
+def test_a_warning_is_a_better_reason_than_a_remark():
+    async def scenario(harness):
+        harness.autopilot.refuse(CMD.COMPONENT_ARM_DISARM)
+        harness.autopilot.on_refusal = lambda: harness.send_statustext("mission changed", SEVERITY.INFO)
+        harness.send_statustext("because", after=0.3)
+        with pytest.raises(CommandDenied) as error:
+            await harness.vehicle.arm()
+        assert error.value.status_texts == ("because",)
+        harness.autopilot.on_refusal = lambda: harness.send_statustext("later", SEVERITY.INFO, after=0.2)
+        with pytest.raises(CommandDenied) as error:
+            await harness.vehicle.arm()
+        assert error.value.status_texts == ()
 
     run_scenario(scenario)
 

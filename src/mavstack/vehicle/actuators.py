@@ -40,6 +40,8 @@ MAX_PULSE: Final = 2500
 MAX_MOTOR_TEST: Final = 600.0
 #: A repeated motor test is extended this long before its end, in seconds.
 _OVERLAP: Final = 1.0
+#: The time after a motor test in which the heartbeat may still say that the vehicle is armed, in seconds.
+_DISARMING_TIME: Final = 5.0
 
 
 class Actuators(ReadOnly):
@@ -148,25 +150,42 @@ class Actuators(ReadOnly):
         _check_range("throttle", throttle, 0.0, 100.0)
         _check_range("duration", duration, 0.0, MAX_MOTOR_TEST)
         vehicle = self._vehicle
-        firmware, now = firmware_of(vehicle), vehicle.connection.now
         async with ActionMonitor(vehicle, f"test of motor {number} of", timeout) as monitor:
-            end, started = now() + duration, False
-            try:
-                while (left := end - now()) > 0:
-                    if started and vehicle.armed:
-                        raise monitor.error(ActionInterrupted, "it was armed")
-                    step = min(left, firmware.MAX_MOTOR_TEST)
-                    await with_status_texts(vehicle, firmware.test_motor(number, throttle, step))
-                    started = True
-                    if not wait:
-                        return
-                    until = end if step == left else now() + step - _OVERLAP
-                    goal = ActionGoal(lambda: now() >= until, armed=False, stall_timeout=inf)  # noqa: B023
-                    await monitor.wait_until_reached(goal)
-            except BaseException:
-                if started and vehicle.connection.is_open:
-                    firmware.stop_motor(number)
-                raise
+            await self._run_motor(monitor, number, throttle, duration, wait=wait)
+
+    async def _run_motor(
+        self, monitor: ActionMonitor, number: int, throttle: float, duration: float, *, wait: bool
+    ) -> None:
+        vehicle = self._vehicle
+        firmware, now = firmware_of(vehicle), vehicle.connection.now
+        armed = None if firmware.MOTOR_TEST_ARMS else False
+        end, started = now() + duration, False
+        try:
+            while (left := end - now()) > 0:
+                if started and vehicle.armed and armed is False:
+                    raise monitor.error(ActionInterrupted, "it was armed")
+                step = min(left, firmware.MAX_MOTOR_TEST)
+                await with_status_texts(vehicle, firmware.test_motor(number, throttle, step))
+                started = True
+                if not wait:
+                    return
+                until = end if step == left else now() + step - _OVERLAP
+                goal = ActionGoal(lambda: now() >= until, armed=armed, stall_timeout=inf)  # noqa: B023
+                await monitor.wait_until_reached(goal)
+            await self._wait_until_disarmed(monitor)
+        except BaseException:
+            if started and vehicle.connection.is_open:
+                firmware.stop_motor(number)
+            raise
+
+    async def _wait_until_disarmed(self, monitor: ActionMonitor) -> None:
+        """Wait for the heartbeat after the test; a vehicle that stays armed was armed by another program."""
+        vehicle, now = self._vehicle, self._vehicle.connection.now
+        late = now() + _DISARMING_TIME
+        goal = ActionGoal(lambda: not vehicle.armed or now() >= late, stall_timeout=inf)
+        await monitor.wait_until_reached(goal)
+        if vehicle.armed:
+            raise monitor.error(ActionInterrupted, "it was armed")
 
     # Gripper and winch
 

@@ -30,7 +30,8 @@ Result = TypeVar("Result")
 REASON_TIMEOUT = 0.6
 #: The time in which the texts of one reason arrive, in seconds.
 REASON_SPAN = 0.1
-#: Texts that are less severe are no reasons.
+#: Less severe texts are reasons only of a refusal, if they arrive before it and no warning does: ArduPilot
+#: says by a text of severity INFO why a servo output cannot be set.
 MIN_SEVERITY = common.MavSeverity.WARNING
 MAX_TEXTS = 6
 
@@ -56,17 +57,28 @@ class StatusTextCapture:
         self._vehicle = vehicle
         self._texts = vehicle.connection.events(StatusText)
         self._warnings: dict[str, None] = {}
+        self._remarks: dict[str, None] = {}
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """The last texts of severity WARNING and above, each once, oldest first."""
-        for text in self._texts.drain():
-            if text.source.system == self._vehicle.system and text.severity <= MIN_SEVERITY:
-                self._warnings.pop(text.text, None)
-                self._warnings[text.text] = None
-        while len(self._warnings) > MAX_TEXTS:
-            del self._warnings[next(iter(self._warnings))]
+        self._collect()
         return tuple(self._warnings)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """The last texts of severity NOTICE and INFO, each once, oldest first."""
+        self._collect()
+        return tuple(self._remarks)
+
+    def _collect(self) -> None:
+        for text in self._texts.drain():
+            if text.source.system == self._vehicle.system and text.severity <= common.MavSeverity.INFO:
+                texts = self._warnings if text.severity <= MIN_SEVERITY else self._remarks
+                texts.pop(text.text, None)
+                texts[text.text] = None
+                if len(texts) > MAX_TEXTS:
+                    del texts[next(iter(texts))]
 
     async def wait_for_warning(self, timeout: float) -> None:
         """Wait for a warning for `timeout` seconds, unless there is one."""
@@ -99,12 +111,14 @@ def attach_status_texts(error: RemoteError, texts: Iterable[values.StatusText]) 
 
 
 async def with_status_texts(vehicle: StatusTextSource, operation: Coroutine[Any, Any, Result]) -> Result:
-    """Await an operation; attach the vehicle's warnings to the error that it raises."""
+    """Await an operation; attach the vehicle's warnings, or the reasons of a refusal, to its error."""
     with StatusTextCapture(vehicle) as capture:
         try:
             return await operation
         except RemoteError as error:
+            remarks: tuple[str, ...] = ()
             if isinstance(error, RemoteDenied):
+                remarks = capture.remarks
                 await capture.wait_for_warning(REASON_TIMEOUT)
-            error.status_texts = error.status_texts or capture.warnings
+            error.status_texts = error.status_texts or capture.warnings or remarks
             raise

@@ -83,7 +83,9 @@ class VehicleTracker:
             case ComponentReturned(info, after):
                 yield from self._returned(info, after)
             case ComponentRebooted(info):
-                yield from (VehicleRebooted(vehicle) for vehicle in self._with_autopilot(info))
+                for vehicle in self._with_autopilot(info):
+                    vehicle.telemetry.rebooted_at = vehicle.telemetry.now()
+                    yield VehicleRebooted(vehicle)
             case AddressConflict(info, senders):
                 yield from (SystemIdConflict(vehicle, senders) for vehicle in self._with_autopilot(info))
             case AddressConflictEnded(info):

@@ -10,7 +10,7 @@ from mavstack.dialects import common
 from mavstack.errors import CommandDenied, CommandTimeout, InvalidArgumentError
 from mavstack.services import Address
 from mavstack.services.command import Command, CommandCancelRequested, CommandClient, CommandServer
-from mavstack.services.command.client import ATTEMPTS, PROGRESS_TIMEOUT
+from mavstack.services.command.client import ATTEMPTS, PROGRESS_TIMEOUT, SLOW_TIMEOUT
 from mavstack.wire import Packet, encode
 from tests.services.network import GROUND, START, VEHICLE
 
@@ -71,6 +71,18 @@ def test_command_long_repeats_with_a_higher_confirmation(client) -> None:
         CommandTimeout, match=f"DO_SET_SERVO on 1/1 failed after {ATTEMPTS} attempts: no answer"
     ):
         operation.result()
+
+
+def test_a_command_that_is_executed_before_its_answer_is_not_repeated_after_a_round_trip(client) -> None:
+    for _ in range(5):  # a fast link
+        operation = client.command(Command(SERVO), START)
+        client.receive(ack(SERVO), START + 0.01)
+    calibration = common.MavCmd.PREFLIGHT_CALIBRATION
+    operation = client.command(Command(calibration, param1=1), START)
+    assert operation.next_timeout() == START + SLOW_TIMEOUT
+    client.receive(ack(calibration), START + 2.0)
+    operation = client.command(Command(SERVO), START)
+    assert operation.next_timeout() < START + 0.5  # the calibration was no sample of the round trip
 
 
 def test_command_int_repeats_as_it_is(client) -> None:

@@ -256,7 +256,7 @@ CASES: dict[int, Case] = {
     ),
     CMD.ACCELCAL_VEHICLE_POS: Case(
         (1,),
-        has_text("Place vehicle on its LEFT side"),
+        lambda harness: calibrations_of(harness.autopilot).position == 2,
         lambda harness: harness.accepted(CMD.PREFLIGHT_CALIBRATION, 0, 0, 0, 0, 1),
     ),
     CMD.BATTERY_RESET: Case(

@@ -6,11 +6,13 @@ from math import nan
 
 import pytest
 
-from mavstack.dialects import common
+from mavstack.dialects import ardupilotmega, common
 from mavstack.sim.vehicle_types import VehicleType
 
 from .effects import CASES, arm, take_off
 from .harness import CMD, RELATIVE, RESULT, ArdupilotHarness
+
+SUCCESS = ardupilotmega.AccelcalVehiclePos.SUCCESS
 
 TYPES = list(VehicleType)
 #: Supported, but never ACCEPTED: there are no standard modes, and a plane takes off in a mode.
@@ -171,10 +173,52 @@ def test_cancel_calibration() -> None:
 def test_accelerometer_calibration_in_six_positions() -> None:
     harness = ArdupilotHarness("copter")
     harness.accepted(CMD.PREFLIGHT_CALIBRATION, 0, 0, 0, 0, 1, wait=3)
-    requests = [m for m in harness.received if isinstance(m, common.CommandLong) and m.param1 == 1]
-    assert len(requests) >= 2
+    assert requested_positions(harness).count(1) >= 2
     for position in range(1, 7):
+        assert harness.command(CMD.ACCELCAL_VEHICLE_POS, position % 6 + 1) == RESULT.FAILED
         harness.accepted(CMD.ACCELCAL_VEHICLE_POS, position)
-    assert "Place vehicle on its BACK and press any key." in harness.texts
+        assert harness.command(CMD.ACCELCAL_VEHICLE_POS, position) == RESULT.FAILED  # it is measured
+        harness.run(0.6)
+    assert placing_texts(harness) == ["Place vehicle level and press any key."]
     assert harness.texts[-1] == "Calibration successful"
     assert harness.command(CMD.ACCELCAL_VEHICLE_POS, 1) == RESULT.FAILED
+    harness.received.clear()
+    harness.run(3.2)
+    assert requested_positions(harness)[-3:] == [SUCCESS] * 3  # until the next calibration
+
+
+def test_accelerometer_calibration_by_acknowledgements() -> None:
+    """Older ground stations answer the texts: only this result, and commands up to 6, count."""
+    harness = ArdupilotHarness("copter")
+    harness.accepted(CMD.PREFLIGHT_CALIBRATION, 0, 0, 0, 0, 1)
+    for count in range(1, 7):
+        harness.accepted(CMD.PREFLIGHT_CALIBRATION, 0, 0, 0, 0, 1)  # it runs already, and goes on
+        for command, result in ((7, 1), (count, 0), (count, 1), (count, 1)):
+            harness.send(common.CommandAck(command=command, result=result))
+        harness.run(1.2)
+        if count < 6:
+            assert requested_positions(harness)[-1] == count + 1
+    assert len(placing_texts(harness)) == 6
+    assert harness.texts[-1] == "Calibration successful"
+
+
+def requested_positions(harness: ArdupilotHarness) -> list[float]:
+    commands = harness.received_of(common.CommandLong)
+    return [each.param1 for each in commands if each.command == CMD.ACCELCAL_VEHICLE_POS]
+
+
+def placing_texts(harness: ArdupilotHarness) -> list[str]:
+    return [text for text in harness.texts if text.startswith("Place vehicle")]
+
+
+def test_the_heartbeat_is_armed_during_a_motor_test() -> None:
+    harness = ArdupilotHarness("copter")
+    harness.accepted(CMD.DO_MOTOR_TEST, 1, 0, 20, 2)
+    assert is_armed(harness)
+    assert not harness.autopilot.armed
+    harness.run(2.5)
+    assert not is_armed(harness)
+
+
+def is_armed(harness: ArdupilotHarness) -> bool:
+    return bool(harness.received_of(common.Heartbeat)[-1].base_mode & common.MavModeFlag.SAFETY_ARMED)

@@ -7,7 +7,13 @@ import asyncio
 import pytest
 
 from mavstack.dialects import ardupilotmega, common
-from mavstack.errors import ActionInterrupted, ActionUnsupported, CommandDenied, InvalidArgumentError
+from mavstack.errors import (
+    ActionInterrupted,
+    ActionTimeout,
+    ActionUnsupported,
+    CommandDenied,
+    InvalidArgumentError,
+)
 from mavstack.sim.ardupilot.motor_calibration import compass_motor_of
 from mavstack.sim.ardupilot.sensor_calibration import calibrations_of
 from mavstack.sim.vehicle_types import VehicleType
@@ -184,6 +190,29 @@ def test_a_failed_compass():
             await harness.vehicle.calibration.run("compass")
         assert str(failed.value) == "compass calibration of 1/1 failed: compass 1: FAILED_ORIENTATION"
         await reporting
+
+    run_scenario(scenario, autopilot=ARDUPILOT_NUMBER)
+
+
+@pytest.mark.parametrize(
+    ("kind", "reports"),
+    [
+        ("compass", [ardupilotmega.MagCalProgress(compass_id=0, cal_mask=1, completion_pct=0)]),
+        ("radio", [common.RcChannels(chan1_raw=65535)]),
+    ],
+)
+def test_reports_without_progress(kind, reports):
+    """A vehicle that is not turned, or has no receiver, reports that for ever."""
+
+    async def scenario(harness):
+        harness.autopilot.arm(False)
+        harness.autopilot.commands.server.support(
+            ardupilotmega.MavCmd.DO_START_MAG_CAL, lambda request: RESULT.ACCEPTED
+        )
+        for report in reports:
+            harness.autopilot.publish(type(report), lambda now: report, interval=0.5)  # noqa: B023
+        with pytest.raises(ActionTimeout, match=f"{kind} calibration of 1/1 failed: no progress for 120 s"):
+            await calibrate(harness.vehicle, kind)
 
     run_scenario(scenario, autopilot=ARDUPILOT_NUMBER)
 

@@ -159,6 +159,8 @@ COMPASS = [
     "up orientation detected",
     "Rotate vehicle around the detected orientat",
     "Continue rotation for up 7 s",
+    "up side calibration: progress <4>",
+    "up side calibration: progress <8>",
     "calibration failed: mag",
 ]
 
@@ -184,6 +186,8 @@ def test_recorded_conversations(kind, texts, tasks, reason):
         assert [task for task, _ in groupby(step.task for step in steps)] == tasks
         if kind == "accelerometer":
             assert (steps[-1].pending, steps[-1].progress) == (tuple(POSES[:5]), 17)
+        else:
+            assert (steps[-1].pose, steps[-1].progress) == (Pose.BACK, 8)
 
     run_scenario(scenario)
 

@@ -10,6 +10,11 @@
 An acknowledgement names the command but carries no number, so two commands of the same id to one target
 queue. TEMPORARILY_REJECTED in answer to a repetition may mean that the first request is in progress and its
 IN_PROGRESS was lost: then the client waits for its end.
+
+A repetition after the measured round trip is wrong for commands that the vehicle executes before it answers.
+ArduPilot calibrates its gyroscopes for half a second or more: it would do it again, and its second answer
+would be taken for that of the next command. A repeated reboot arrives after the boot. These commands are
+repeated after `SLOW_TIMEOUT`.
 """
 
 from __future__ import annotations
@@ -30,6 +35,15 @@ if TYPE_CHECKING:
 ATTEMPTS = 6
 #: Seconds without a message after which a command in progress fails.
 PROGRESS_TIMEOUT = 30.0
+#: Commands that a vehicle may execute before it answers, and the seconds after which they are sent again.
+SLOW_COMMANDS = frozenset(
+    {
+        common.MavCmd.PREFLIGHT_CALIBRATION,
+        common.MavCmd.PREFLIGHT_STORAGE,
+        common.MavCmd.PREFLIGHT_REBOOT_SHUTDOWN,
+    }
+)
+SLOW_TIMEOUT = 5.0
 #: `progress` of an acknowledgement without progress.
 PROGRESS_UNKNOWN = 255
 
@@ -112,10 +126,10 @@ class CommandOperation(Operation[CommandResult]):
         self.attempts += 1
         self._sent_in_form += 1
         self._sent_at = now
-        self.timer = now + self._round_trip.timeout(self._sent_in_form)
+        self.timer = now + (SLOW_TIMEOUT if self._slow else self._round_trip.timeout(self._sent_in_form))
 
     def _acknowledged(self, ack: common.CommandAck, now: float) -> None:
-        if self._sent_in_form == 1 and not self._in_progress:
+        if self._sent_in_form == 1 and not self._in_progress and not self._slow:
             self._round_trip.add_sample(now - self._sent_at)
         if ack.result == common.MavResult.ACCEPTED:
             self.finish(CommandResult(int(ack.result), ack.result_param2, self.attempts))
@@ -153,6 +167,10 @@ class CommandOperation(Operation[CommandResult]):
         )
         error.detail = ack.result_param2
         self.fail(error)
+
+    @property
+    def _slow(self) -> bool:
+        return self.command.command in SLOW_COMMANDS
 
     @property
     def _round_trip(self) -> RoundTrip:

@@ -62,7 +62,7 @@ class ArdupilotMaintenance(MaintenanceCommands):
         motors.
         """
         if whole(request.command.param5) == _SIX_POSITIONS and not self.autopilot.armed:
-            calibrations_of(self.autopilot).begin_accelerometers()
+            calibrations_of(self.autopilot).begin_accelerometers(request.source)
             return _RESULT.ACCEPTED
         compass_motor = compass_motor_of(self.autopilot)
         if compass_motor is not None and whole(request.command.param6) == 1 and not self.autopilot.armed:
@@ -77,7 +77,7 @@ class ArdupilotMaintenance(MaintenanceCommands):
     def start_compass(self, request: CommandRequest) -> common.MavResult:
         """Answer DO_START_MAG_CAL; param3 = 1 accepts the result automatically."""
         if self.autopilot.armed:
-            raise CommandRefusedError(_RESULT.FAILED, "Disarm to allow calibration")
+            raise CommandRefusedError(_RESULT.FAILED, "Disarm to allow compass calibration")
         calibrations_of(self.autopilot).begin_compass(accept=request.command.param3 == 1)
         return _RESULT.ACCEPTED
 

@@ -6,7 +6,7 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.services.addressing import message_ids
+from mavstack.services.addressing import Address, message_ids
 from mavstack.services.command import Command
 from mavstack.services.service import Service
 from mavstack.sim.ardupilot.identity import banner_of
@@ -45,8 +45,9 @@ class ArdupilotMessages(Service):
                     self._vehicle.send_statustext(line, common.MavSeverity.INFO)
             case common.SetHomePosition(target_system=self.local.system) as message:
                 self._set_home(message)
-            case common.CommandAck():
-                calibrations_of(self._vehicle.autopilot).confirm_position()
+            case common.CommandAck() as message:
+                source = Address(packet.system, packet.component)
+                calibrations_of(self._vehicle.autopilot).acknowledged(message, source)
                 if (compass_motor := compass_motor_of(self._vehicle.autopilot)) is not None:
                     compass_motor.end()
 

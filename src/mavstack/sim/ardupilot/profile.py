@@ -18,7 +18,11 @@ from mavstack.sim.ardupilot.identity import version_of
 from mavstack.sim.ardupilot.messages import ArdupilotMessages, guided_item
 from mavstack.sim.ardupilot.mode_switch import ModeSwitch
 from mavstack.sim.ardupilot.modes import BLOCKABLE, MODE_ROLES, MODES
-from mavstack.sim.ardupilot.motor_calibration import CompassMotorCalibration, EscCalibration
+from mavstack.sim.ardupilot.motor_calibration import (
+    CompassMotorCalibration,
+    EscCalibration,
+    compass_motor_of,
+)
 from mavstack.sim.ardupilot.simulation_parameters import SimulationParameters
 from mavstack.sim.ardupilot.terrain import register_terrain
 from mavstack.sim.ardupilot.texts import BootTexts, armed_text, disarmed_text
@@ -125,6 +129,14 @@ class ArdupilotProfile(FirmwareProfile):
         autopilot.vehicle.send_statustext(disarmed_text(self.vehicle_type), common.MavSeverity.INFO)
         autopilot.mission.reset()
         autopilot.mission.restore(autopilot.mission.first)
+
+    def reports_armed(self, autopilot: Autopilot) -> bool:
+        """Return whether the motors may run: also in tests and calibrations, except those of a quadplane."""
+        if autopilot.armed or self.vehicle_type is VehicleType.VTOL:
+            return autopilot.armed
+        calibration = compass_motor_of(autopilot)
+        calibrating = calibration is not None and calibration.started is not None
+        return calibrating or bool(autopilot.payload.motor_tested)
 
     # Modes
 

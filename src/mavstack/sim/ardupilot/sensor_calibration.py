@@ -1,9 +1,11 @@
 """Calibrations by hand: accelerometers in six positions, compasses by rotation.
 
-The accelerometer calibration requests six positions, as a status text and every second as COMMAND_LONG with
-MAV_CMD_ACCELCAL_VEHICLE_POS; the ground station answers with the same command, or any COMMAND_ACK, when the
-vehicle is in position. A compass is rotated for some time, reported by MAG_CAL_PROGRESS and finally
-MAG_CAL_REPORT; then the result is accepted, or was accepted automatically.
+The accelerometer calibration requests six positions, every second as COMMAND_LONG with
+MAV_CMD_ACCELCAL_VEHICLE_POS; the ground station confirms a position with the same command. Older ones answer
+the status text of a position with a COMMAND_ACK; the texts end with the first ACCELCAL_VEHICLE_POS. The result
+is repeated every second until the next calibration. A compass is rotated for some time, reported by
+MAG_CAL_PROGRESS in two steps and finally MAG_CAL_REPORT, which is repeated; the result is accepted by command,
+or was accepted automatically.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ from typing import TYPE_CHECKING, Final
 from mavstack.dialects import ardupilotmega, common
 
 if TYPE_CHECKING:
+    from mavstack.services import Address
     from mavstack.sim.autopilot.interfaces import Autopilot
 
 _POSITIONS: Final = (
@@ -24,14 +27,18 @@ _POSITIONS: Final = (
     "on its BACK",
 )
 _SUCCESS: Final = int(ardupilotmega.AccelcalVehiclePos.SUCCESS)
+#: The COMMAND_ACK of an older ground station has a command up to this one, and this result.
+_MAX_ACK_COMMAND, _ACK_RESULT = 6, int(common.MavResult.TEMPORARILY_REJECTED)
 _STATUS = ardupilotmega.MagCalStatus
 _REQUEST_INTERVAL = 1.0
+#: Seconds in which a position is measured.
+_SAMPLING_TIME = 0.5
 _COMPASS_TIME = 10.0
 _PROGRESS_INTERVAL = 0.5
+#: Percent at the end of the first step and of the second.
+_FIRST_STEP, _SECOND_STEP = 33, 99
 _FITNESS, _SCALE = 5.0, 1.0
 _COMPASSES = 0b1
-#: A report is repeated, since it may be lost.
-_REPORTS = 5
 
 
 class Calibrations:
@@ -41,40 +48,63 @@ class Calibrations:
         self._autopilot = autopilot
         #: Requested accelerometer position, 1 to 6; 0 for none.
         self.position = 0
+        #: The end of the measurement of the position; None while it is waited for.
+        self._measured_at: float | None = None
+        self._uses_texts = True
+        #: The ground station whose COMMAND_ACK is awaited.
+        self._awaited: Address | None = None
+        self._starter: Address | None = None
+        #: True once the accelerometers have been calibrated.
+        self._succeeded = False
         #: Start of the compass calibration; None if not running.
         self.compass_started: float | None = None
         #: True if a compass calibration waits for acceptance.
         self.compass_ready = False
         self._auto_accept = False
         self._due = 0.0
-        #: Reports of the last compass calibration that are left to send.
-        self._reports = 0
+        #: True if the last compass calibration is reported.
+        self._reporting = False
 
     # Accelerometers
 
-    def begin_accelerometers(self) -> None:
-        """Request the first position."""
-        self.position = 1
-        self._request_position()
+    def begin_accelerometers(self, starter: Address) -> None:
+        """Request the first position; a calibration that runs goes on."""
+        if self.position:
+            return
+        self._uses_texts, self._starter = True, starter
+        self._request_position(1)
 
-    def confirm_position(self, position: int | None = None) -> bool:
+    def confirm_position(self, position: int) -> bool:
         """Continue with the next position; return False if this one was not requested."""
-        if not self.position or position not in (None, self.position):
+        self._uses_texts = False
+        if not self.position or position != self.position or self._measured_at is not None:
             return False
-        if self.position < len(_POSITIONS):
-            self.position += 1
-            self._request_position()
-        else:
-            self.position = 0
-            self._send_position(_SUCCESS)
-            self._autopilot.vehicle.send_statustext("Calibration successful", common.MavSeverity.CRITICAL)
+        self._measured_at = self._autopilot.now + _SAMPLING_TIME
         return True
 
-    def _request_position(self) -> None:
+    def acknowledged(self, message: common.CommandAck, source: Address) -> None:
+        """Take in a COMMAND_ACK, which older ground stations confirm a position with."""
+        if source != self._awaited or not self.position:
+            return
+        if message.command <= _MAX_ACK_COMMAND and message.result == _ACK_RESULT:
+            self._awaited = None
+            self._measured_at = self._autopilot.now + _SAMPLING_TIME
+
+    def _next_position(self) -> None:
+        self._measured_at = None
+        if self.position < len(_POSITIONS):
+            self._request_position(self.position + 1)
+        else:
+            self.position, self._succeeded = 0, True
+            self._autopilot.vehicle.send_statustext("Calibration successful", common.MavSeverity.CRITICAL)
+
+    def _request_position(self, position: int) -> None:
         """Send the request for a position."""
-        text = f"Place vehicle {_POSITIONS[self.position - 1]} and press any key."
-        self._autopilot.vehicle.send_statustext(text, common.MavSeverity.CRITICAL)
-        self._due = self._autopilot.now
+        self.position, self._due = position, self._autopilot.now
+        if self._uses_texts:
+            text = f"Place vehicle {_POSITIONS[position - 1]} and press any key."
+            self._autopilot.vehicle.send_statustext(text, common.MavSeverity.CRITICAL)
+            self._awaited = self._starter
 
     def _send_position(self, position: int) -> None:
         """Send ACCELCAL_VEHICLE_POS."""
@@ -85,7 +115,7 @@ class Calibrations:
 
     def begin_compass(self, *, accept: bool) -> None:
         """Start the compass calibration."""
-        self._reports = 0
+        self._reporting = False
         self.compass_started, self.compass_ready, self._auto_accept = self._autopilot.now, False, accept
         self._due = self._autopilot.now
 
@@ -98,43 +128,47 @@ class Calibrations:
 
     def cancel_compass(self) -> None:
         """Discard the calibration."""
-        self._reports = 0
+        self._reporting = False
         self.compass_started, self.compass_ready = None, False
 
     # Time
 
     def tick(self, now: float) -> None:
-        """Repeat the request, and report progress."""
+        """Repeat the request or the result, and report progress."""
+        if self._measured_at is not None:
+            if now >= self._measured_at:
+                self._next_position()
+            return
         if self._autopilot.armed or now < self._due:
             return
-        if self.position:
-            self._due = now + _REQUEST_INTERVAL
-            self._send_position(self.position)
-        elif self.compass_started is not None:
+        if self.compass_started is not None:
             self._due = now + _PROGRESS_INTERVAL
-            self._update_compass(min((now - self.compass_started) / _COMPASS_TIME, 1.0))
-        elif self._reports:
-            self._due = now + _REQUEST_INTERVAL
-            self._reports -= 1
+            self._update_compass((now - self.compass_started) / _COMPASS_TIME)
+            return
+        self._due = now + _REQUEST_INTERVAL
+        if self.position or self._succeeded:
+            self._send_position(self.position or _SUCCESS)
+        if self._reporting:
             self._autopilot.vehicle.services.send(self._report())
 
     def _update_compass(self, share: float) -> None:
         """Report the progress (0 to 1), and finish at 1."""
-        services = self._autopilot.vehicle.services
-        services.send(
-            ardupilotmega.MagCalProgress(
-                cal_mask=_COMPASSES,
-                cal_status=_STATUS.RUNNING_STEP_ONE if share < 0.5 else _STATUS.RUNNING_STEP_TWO,
-                attempt=1,
-                completion_pct=int(share * 100),
-            )
-        )
         if share < 1.0:
+            percent = int(share * _SECOND_STEP)
+            status = _STATUS.RUNNING_STEP_ONE if percent < _FIRST_STEP else _STATUS.RUNNING_STEP_TWO
+            self._autopilot.vehicle.services.send(
+                ardupilotmega.MagCalProgress(
+                    cal_mask=_COMPASSES,
+                    cal_status=status,
+                    attempt=1,
+                    completion_pct=percent,
+                )
+            )
             return
         self.compass_started, self.compass_ready = None, True
         if self._auto_accept:
             self.accept_compass()
-        self._reports = _REPORTS
+        self._reporting = True
 
     def _report(self) -> common.MagCalReport:
         """Return MAG_CAL_REPORT."""

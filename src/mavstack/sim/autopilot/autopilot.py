@@ -119,7 +119,7 @@ class SimulatedAutopilot:
     def base_mode(self) -> int:
         """The flags of HEARTBEAT's `base_mode`."""
         flags = int(self.mode.flags) | _CUSTOM
-        return flags | _ARMED if self.armed else flags
+        return flags | _ARMED if self.profile.reports_armed(self) else flags
 
     @property
     def has_position(self) -> bool:

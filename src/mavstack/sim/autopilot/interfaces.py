@@ -176,6 +176,10 @@ class FirmwareProfile(ABC):
         """Return the MAV_STATE of a disarmed vehicle."""
         return common.MavState.STANDBY if autopilot.booted else common.MavState.BOOT
 
+    def reports_armed(self, autopilot: Autopilot) -> bool:
+        """Return whether HEARTBEAT says that the vehicle is armed."""
+        return autopilot.armed
+
     def mode_refusal(self, autopilot: Autopilot, mode: Mode) -> str | None:
         """Return the firmware's text of why a mode cannot be entered now; None if it can."""
         if mode.needs_position and not autopilot.has_position and autopilot.armed:

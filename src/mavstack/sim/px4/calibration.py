@@ -32,6 +32,8 @@ _WINGED: Final = (VehicleType.PLANE, VehicleType.VTOL)
 _STEP_TIME: Final = 0.2
 #: Seconds in which the person turns the vehicle, and in which one side is measured.
 _TURN_TIME, _MEASURING_TIME = 1.0, 0.8
+#: Seconds of rotation for each side, as PX4 announces them.
+_ROTATION_TIME: Final = 7
 #: Seconds until the person blows, or connects the battery; and until the ESCs are calibrated.
 _HAND_TIME, _ESC_TIME = 2.0, 3.0
 
@@ -136,12 +138,22 @@ class Px4CalibrationCommands(CommandGroup):
             self._send("detected rest position, hold still...")
             for _ in range(2):
                 self._send(f"{side} orientation detected")
-            rotation = "Rotate vehicle around the detected orientation"
-            self._send(rotation if rotates else f"Hold still, measuring {side} side")
-            yield from self._pause(_MEASURING_TIME)
+            if rotates:
+                yield from self._rotating(side, done=len(SIDES) - len(pending) - 1)
+            else:
+                self._send(f"Hold still, measuring {side} side")
+                yield from self._pause(_MEASURING_TIME)
             for _ in range(2):
                 self._send(f"{side} side done, rotate to a different side")
             self._send(f"progress <{min(17 * (len(SIDES) - len(pending)), 100)}>")
+
+    def _rotating(self, side: str, *, done: int) -> Steps:
+        """Measure the compass while the person rotates the vehicle with one side down."""
+        self._send("Rotate vehicle around the detected orientation")
+        self._send(f"Continue rotation for {side} {_ROTATION_TIME} s")
+        for part in (1, 2):
+            yield from self._pause(_MEASURING_TIME / 2)
+            self._send(f"{side} side calibration: progress <{done * 100 // len(SIDES) + part * 8}>")
 
     def _blowing(self) -> Steps:
         """Measure the airspeed sensor without wind, then with pressure."""

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias, cast
 from mavstack.dialects import ardupilotmega, common
 from mavstack.errors import CommandDenied
 from mavstack.services.heartbeat import ComponentFound, ComponentRebooted, ComponentReturned
+from mavstack.vehicle.calibration.conversation import TURN_TIMEOUT
 from mavstack.vehicle.calibration.kinds import (
     CalibrationKind,
     CalibrationResult,
@@ -144,7 +145,8 @@ async def _compass(conversation: Conversation) -> None:
     conversation.listen(ardupilotmega.MagCalProgress, progressed)
     conversation.listen(common.MagCalReport, reported)
     await conversation.wait(
-        lambda: bool(reports) and all(mask >> each & 1 == 0 or each in reports for each in range(8))
+        lambda: bool(reports) and all(mask >> each & 1 == 0 or each in reports for each in range(8)),
+        TURN_TIMEOUT,
     )
     conversation.running = False
     failed = {each.compass_id: each for each in reports.values() if each.cal_status != _COMPASS.SUCCESS}
@@ -168,12 +170,11 @@ def _fit(report: common.MagCalReport) -> CompassFit:
 async def _compass_motor(conversation: Conversation) -> None:
     ended = False
 
-    def on_text(text: str) -> bool:
+    def on_text(text: str) -> None:
         nonlocal ended
         if text == "Failed":
             conversation.problem = "the throttle was not raised enough"
         ended = ended or text == "Calibration successful"
-        return ended or conversation.problem is not None
 
     def receive(message: Message) -> None:
         status = cast("ardupilotmega.CompassmotStatus", message)

@@ -50,8 +50,8 @@ class Conversation:
         self.result = CalibrationResult(kind)
         #: True once the vehicle has accepted the calibration, until it reports its end.
         self.running = False
-        #: Called with each status text of the vehicle; returns whether it belongs to the calibration.
-        self.on_text: Callable[[str], bool] = lambda _: False
+        #: Called with each status text of the vehicle.
+        self.on_text: Callable[[str], object] = lambda _: None
         #: The reason of the failure that the vehicle reported.
         self.problem: str | None = None
         #: The armed state in which the calibration goes on; None: either.
@@ -75,10 +75,10 @@ class Conversation:
         progress: int | None = None,
         needs_confirmation: bool = False,
     ) -> None:
-        """Pass a step on to the program, unless it is the same as the last one."""
+        """Pass a step on to the program, unless it is the same as the last one; a new step is progress."""
         step = CalibrationStep(self.kind, task, text, pose, pending, progress, needs_confirmation)
-        self._signs += 1
         if step != self.step:
+            self._signs += 1
             self.step = step
             self._steps.put_nowait(step)
 
@@ -115,12 +115,7 @@ class Conversation:
 
     def listen(self, message: type[Message], callback: Callable[[Message], None]) -> None:
         """Call a function with each message of a class until the calibration ends."""
-
-        def receive(received: Message) -> None:
-            self._signs += 1
-            callback(received)
-
-        self._listeners.append(self.vehicle.telemetry.add_listener(message, receive))
+        self._listeners.append(self.vehicle.telemetry.add_listener(message, callback))
 
     async def wait(
         self,
@@ -166,5 +161,5 @@ class Conversation:
 
     def _read_texts(self) -> None:
         for event in self._texts.drain():
-            if event.source == self.vehicle.address and self.on_text(event.text):
-                self._signs += 1
+            if event.source == self.vehicle.address:
+                self.on_text(event.text)

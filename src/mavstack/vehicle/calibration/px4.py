@@ -2,7 +2,7 @@
 
     [cal] calibration started: 2 accel          [cal] progress <17>
     [cal] pending: back front left right up     [cal] left orientation detected
-    [cal] left side done, rotate to a different side
+    [cal] left side done, rotate to a different side       [cal] left side calibration: progress <21>
     [cal] calibration done: accel               [cal] calibration failed: …      [cal] calibration cancelled
 
 The vehicle detects by itself which side is down. Each text may arrive twice or be lost. The same command with
@@ -71,7 +71,8 @@ _TASKS: Final[tuple[tuple[str, CalibrationTask], ...]] = (
 #: The number of requests to cancel, and the time between two, in seconds.
 _CANCELLATIONS: Final = 4
 _CANCEL_INTERVAL: Final = 1.0
-_PROGRESS: Final = re.compile(r"progress <(\d+)>")
+#: The compass reports its progress with the side that is turned.
+_PROGRESS: Final = re.compile(r"(?:\w+ side calibration: )?progress <(\d+)>")
 _SIDE: Final = re.compile(r"(\w+) (orientation detected|side done|side already completed)")
 
 
@@ -86,10 +87,10 @@ class _Reader:
         self._progress: int | None = None
         self._turns = conversation.kind in _TURNED
 
-    def read(self, text: str) -> bool:
-        """Take in a status text; return whether it belongs to a calibration."""
+    def read(self, text: str) -> None:
+        """Take in a status text."""
         if not text.startswith(PREFIX):
-            return False
+            return
         words = text.removeprefix(PREFIX).strip()
         if words.startswith("calibration "):
             self._read_state(words.removeprefix("calibration "))
@@ -104,7 +105,6 @@ class _Reader:
             self._read_side(_POSES[found[1]], found[2])
         else:
             self._emit_text(words)
-        return True
 
     def _read_state(self, words: str) -> None:
         conversation = self._conversation

@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
+from mavstack.vehicle.calibration.conversation import TURN_TIMEOUT
 from mavstack.vehicle.calibration.kinds import CalibrationResult, CalibrationTask, ChannelRange
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ async def calibrate_radio(
     conversation.running = True
     conversation.listen(common.RcChannels, channels.update)
     conversation.emit_step(CalibrationTask.WAIT, "Waiting for the radio control receiver.")
-    await conversation.wait(lambda: bool(channels.now))
+    await conversation.wait(lambda: bool(channels.now), TURN_TIMEOUT)
     await conversation.ask(CalibrationTask.MOVE_STICKS, _MOVE, progress=0)
     await conversation.ask(CalibrationTask.CENTER_STICKS, _CENTER, progress=50)
     ranges = channels.ranges()

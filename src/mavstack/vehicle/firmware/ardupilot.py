@@ -85,6 +85,7 @@ class ArduPilot(Firmware):
     PREARM_LIFETIME: ClassVar[float] = 40.0
     RAW_IMU_IS_SCALED: ClassVar[bool] = True
     HEARTBEAT_SHOWS_IN_AIR: ClassVar[bool] = True
+    MOTOR_TEST_ARMS: ClassVar[bool] = True
 
     @staticmethod
     def high_latency_armed(summary: common.HighLatency2) -> bool | None:

@@ -78,6 +78,8 @@ class Firmware:
     EQUIPMENT_PARAMETERS: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
     #: The longest motor test that one command starts, in seconds.
     MAX_MOTOR_TEST: ClassVar[float] = inf
+    #: True if the heartbeat of a vehicle says that it is armed while a motor is tested.
+    MOTOR_TEST_ARMS: ClassVar[bool] = False
 
     def __init__(self, vehicle: FirmwareVehicle) -> None:
         self.vehicle = vehicle

@@ -50,9 +50,11 @@ class Problem:
 
 
 def recent(telemetry: Telemetry, message: type[AnyMessage]) -> AnyMessage | None:
-    """Return the last message of a class, or None if it is too old to count."""
-    age = telemetry.age(message)
-    return telemetry.latest(message) if age is not None and age <= MAX_AGE else None
+    """Return the last message of a class, or None if it is too old to count, or from before a reboot."""
+    received_at = telemetry.received_at(message)
+    if received_at is None or received_at < max(telemetry.now() - MAX_AGE, telemetry.rebooted_at):
+        return None
+    return telemetry.latest(message)
 
 
 def problems_of(telemetry: Telemetry, *, ready: bool | None) -> tuple[Problem, ...]:

@@ -56,6 +56,8 @@ class Telemetry:
         self.status_texts = StatusTexts(node.address, self.now)
         #: The time when the vehicle last reported that it is ready to arm, in Unix seconds.
         self.ready_at: float | None = None
+        #: The time of the last reboot, in Unix seconds; the health is not read from messages before it.
+        self.rebooted_at = 0.0
         #: True if HOME_POSITION was requested and the vehicle had none.
         self.home_refused = False
         self._set_rates: dict[int, RateRequest] = {}
