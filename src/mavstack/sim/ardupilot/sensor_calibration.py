@@ -1,11 +1,11 @@
 """Calibrations by hand: accelerometers in six positions, compasses by rotation.
 
 The accelerometer calibration requests six positions, every second as COMMAND_LONG with
-MAV_CMD_ACCELCAL_VEHICLE_POS; the ground station confirms a position with the same command. Older ones answer
-the status text of a position with a COMMAND_ACK; the texts end with the first ACCELCAL_VEHICLE_POS. The result
-is repeated every second until the next calibration. A compass is rotated for some time, reported by
-MAG_CAL_PROGRESS in two steps and finally MAG_CAL_REPORT, which is repeated; the result is accepted by command,
-or was accepted automatically.
+MAV_CMD_ACCELCAL_VEHICLE_POS; the ground station confirms a position with the same command. Older ones
+answer the status text of a position with a COMMAND_ACK; the texts end with the first ACCELCAL_VEHICLE_POS.
+The result is repeated every second until the next calibration. A compass is rotated for some time, reported
+by MAG_CAL_PROGRESS in two steps and finally MAG_CAL_REPORT, which is repeated; the result is accepted by
+command, or was accepted automatically.
 """
 
 from __future__ import annotations
