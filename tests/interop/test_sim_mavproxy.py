@@ -360,3 +360,21 @@ async def test_a_px4_copter(tmp_path) -> None:
         flight.ground.send_line("nsh start")
         await flight.ground.send_until_answered("ver hw", "HW arch", "nsh>")
         assert not flight.ground.errors()
+
+
+async def test_calibrations(tmp_path) -> None:
+    """MAVProxy confirms the poses of the accelerometers by COMMAND_ACK, in answer to the status texts."""
+    async with mavproxy_flight("copter", "ardupilot", tmp_path) as flight:
+        ground, texts = flight.ground, flight.texts
+        await flight.wait_for_parameters()
+        for command, kind in (("gyrocal", "gyros"), ("ahrstrim", "Trim OK"), ("calpress", "Barometer")):
+            await flight.send_and_wait(command, "PREFLIGHT_CALIBRATION: ACCEPTED")
+            assert any(kind in text for text in texts), kind
+        ground.send_line("accelcal")
+        for pose in ("level", "on its LEFT side", "on its RIGHT side", "nose DOWN", "nose UP", "on its BACK"):
+            await ground.wait_for_output(f"Place vehicle {pose} and press any key.")
+            ground.send_line("")
+        await ground.wait_for_output("Calibration successful")
+        ground.send_line("magcal start")
+        await ground.wait_for_output("DO_START_MAG_CAL: ACCEPTED", "Calibration of compass 0 SUCCESS")
+        assert not ground.errors()

@@ -8,6 +8,7 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.sim import Simulation
+from mavstack.sim.payloads.camera import IMAGE_SIZES
 from tests.interop.mavproxy import mavproxy, needs_mavproxy
 from tests.interop.test_sim_mavproxy import MavproxyFlight
 from tests.sim.running import running
@@ -45,25 +46,37 @@ async def test_camera(tmp_path) -> None:
         ground.send_line("camera mode video")
         await flight.wait_until(lambda: camera.server.mode() == common.CameraMode.VIDEO)
         ground.send_line("camera record start")
-        await flight.wait_until(lambda: camera.server.recording)
+        await flight.wait_until(lambda: device.storages[0].used > 3 * IMAGE_SIZES[0])
         ground.send_line("camera record stop")
-        await flight.wait_until(lambda: not camera.server.recording)
         ground.send_line("camera zoom 40")
         ground.send_line("camera focus 60")
         await flight.wait_until(lambda: (device.zoom, device.focus) == (40.0, 60.0))
         await ground.send_until_answered("camera streams", "rtsp://127.0.0.1:8554/camera")
-        await ground.send_until_answered("camera params", "CAM_PHOTOFMT")
+        await ground.send_until_answered("camera params", "CAM_PHOTOFMT 0")  # by its definition file, over FTP
+        ground.send_line("camera param CAM_VIDRES 0")
+        await flight.wait_until(lambda: camera.settings["CAM_VIDRES"] == 0)
         assert not ground.errors()
 
 
-@pytest.mark.parametrize("firmware", ["px4", "ardupilot"])
-async def test_gimbal(firmware: str, tmp_path) -> None:
-    async with equipped_flight(firmware, tmp_path) as flight:
-        gimbal = flight.vehicle.gimbal
+async def test_gimbal(tmp_path) -> None:
+    async with equipped_flight("ardupilot", tmp_path) as flight:
+        gimbal, ground = flight.vehicle.gimbal, flight.ground
 
         def attitude():
             return gimbal.advance(flight.vehicle.now, 0.0)
 
-        flight.ground.send_line("camera mount angle -30 20")
+        ground.send_line("camera mount angle -30 20")
         await flight.wait_until(lambda: attitude().pitch == pytest.approx(-30, abs=1))
-        assert not flight.ground.errors()
+        assert attitude().yaw == pytest.approx(20, abs=1)
+        ground.send_line("camera mount rate -20 0")
+        await flight.wait_until(lambda: attitude().pitch < -50)
+        ground.send_line("camera mount center")
+        await flight.wait_until(lambda: attitude().pitch == pytest.approx(0, abs=1))
+        assert not ground.errors()
+
+
+async def test_px4_needs_gimbal_control(tmp_path) -> None:
+    """MAVProxy does not take control of a gimbal, which PX4's gimbal manager requires."""
+    async with equipped_flight("px4", tmp_path) as flight:
+        flight.ground.send_line("camera mount angle -30 20")
+        await flight.ground.wait_for_output("DO_GIMBAL_MANAGER_PITCHYAW: DENIED")
