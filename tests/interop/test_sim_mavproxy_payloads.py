@@ -52,7 +52,7 @@ async def test_camera(tmp_path) -> None:
         ground.send_line("camera focus 60")
         await flight.wait_until(lambda: (device.zoom, device.focus) == (40.0, 60.0))
         await ground.send_until_answered("camera streams", "rtsp://127.0.0.1:8554/camera")
-        await ground.send_until_answered("camera params", "CAM_PHOTOFMT 0")  # by its definition file, over FTP
+        await ground.send_until_answered("camera params", "CAM_PHOTOFMT 0")  # the definition came over FTP
         ground.send_line("camera param CAM_VIDRES 0")
         await flight.wait_until(lambda: camera.settings["CAM_VIDRES"] == 0)
         assert not ground.errors()

@@ -168,7 +168,7 @@ def test_old_messages_do_not_count():
     with_telemetry(scenario)
 
 
-@pytest.mark.parametrize("kind", COPTERS[:1], ids=named)
+@pytest.mark.parametrize("kind", COPTERS[:1], ids=kind_name)
 def test_messages_from_before_a_reboot_do_not_count(kind):
     async def scenario(world, vehicle):
         await vehicle.wait_until_ready()
