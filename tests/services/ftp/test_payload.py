@@ -93,6 +93,13 @@ def test_any_page_is_read(page) -> None:
     assert len(found) <= count
 
 
+def test_the_ranges_after_the_end_of_one_begin_with_the_next() -> None:
+    ranges = MissingRanges(5, 50)
+    assert ranges.remove(20, 30) == [(20, 30)]
+    assert list(ranges.after(20)) == [(30, 50)]
+    assert list(ranges.after(19)) == [(19, 20), (30, 50)]
+
+
 @given(st.lists(st.tuples(st.integers(0, 60), st.integers(0, 60))), st.integers(0, 60))
 def test_ranges_are_a_set_of_bytes(pieces, position) -> None:
     ranges, missing = MissingRanges(5, 50), set(range(5, 50))

@@ -158,7 +158,7 @@ def test_the_map_survives_a_reboot_and_not_another_spacing():
     assert one.vehicle.terrain.loaded == 0
 
 
-def test_capability_and_health_tell_of_the_terrain():
+def test_capability_and_health_report_the_terrain():
     one = vehicle().run(30)
     one.command(CMD.REQUEST_MESSAGE, message_id_of(common.AutopilotVersion))
     flag = common.MavProtocolCapability.TERRAIN

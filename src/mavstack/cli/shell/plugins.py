@@ -1,7 +1,7 @@
 """Commands of the shell from other packages: entry points of the group `mavstack.console_commands`.
 
 An entry point has the name of the command and loads a `Command`. A plug-in that cannot be loaded, or whose
-names are taken, is told in one line, and the shell starts without it.
+names are taken, is reported in one line, and the shell starts without it.
 """
 
 from __future__ import annotations
