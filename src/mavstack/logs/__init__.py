@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from mavstack.logs.damage import LogDamage
 from mavstack.logs.log import Log
+from mavstack.logs.merge import merge_logs
+from mavstack.logs.merged_log import MergedLog
+from mavstack.logs.merged_source import LogOffset
 from mavstack.logs.message_table import MessageTable
 from mavstack.logs.opening import open_log
 from mavstack.logs.packets import HEADER_COLUMNS, PacketLog, table_dtype
@@ -20,14 +23,17 @@ __all__ = [
     "Log",
     "LogDamage",
     "LogFormat",
+    "LogOffset",
     "LogRecord",
     "LogText",
     "LogVehicle",
+    "MergedLog",
     "MessageTable",
     "PacketLog",
     "ParameterChange",
     "TableSchema",
     "TimeBase",
+    "merge_logs",
     "open_log",
     "table_dtype",
 ]

@@ -122,6 +122,18 @@ class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
             raise InvalidArgumentError(f"the values of {field} have no names")
         return named_column(self[field], enum)
 
+    def require_field(self, field: str) -> str:
+        """Return the name of a column, or of an element such as `q[0]`, that the table has.
+
+        Args:
+            field: The name.
+
+        Raises:
+            InvalidArgumentError: The table has no such column.
+        """
+        self._field(field)
+        return field
+
     def _field(self, field: str) -> tuple[str, int | None]:
         """Return the name of a column and the index of an element."""
         names = self.dtype.names or ()
