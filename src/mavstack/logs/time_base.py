@@ -54,7 +54,7 @@ class TimeBase:
         if self.offset_us is None:
             return self.kind
         boot = str(np.datetime64(self.offset_us, "us")).replace("T", " ")[:19]
-        uncertainty = "" if self.uncertainty_us is None else f" ± {self.uncertainty_us / 1000:g} ms"
+        uncertainty = "" if self.uncertainty_us is None else f" ± {self.uncertainty_us / 1000:.3g} ms"
         return f"{self.kind}; boot at {boot} UTC{uncertainty} ({self.source})"
 
 

@@ -67,8 +67,9 @@ def info(log: Log) -> dict[str, str]:
         facts["firmware_git"] = (
             bytes(version["flight_custom_version"]).split(b"\0")[0].decode("ascii", "replace")
         )
-        facts["hardware"] = f"board {int(version['board_version']) >> 16}"
-        facts["uid"] = f"{int(version['uid']):x}"
+        board, uid = int(version["board_version"]) >> 16, int(version["uid"])
+        facts["hardware"] = f"board {board}" if board else ""
+        facts["uid"] = f"{uid:x}" if uid else ""
     return {name: text for name, text in facts.items() if text}
 
 
@@ -115,9 +116,9 @@ def texts(log: Log) -> list[LogText]:
         key = (int(row["_system"]), int(row["_component"]), int(row["id"]))
         text, chunk = bytes(row["text"]), int(row["chunk_seq"])
         place, before = open_texts.pop(key, (len(found), b"")) if key[2] and chunk else (len(found), b"")
-        entry = LogText(
-            row["_time"], int(row["severity"]), (before + text).decode("utf-8", "replace"), key[0]
-        )
+        # PX4 marks a text that it also sends as an event by a tab at the end.
+        whole = (before + text).decode("utf-8", "replace").removesuffix("\t")
+        entry = LogText(row["_time"], int(row["severity"]), whole, key[0])
         found[place : place + 1] = [entry]
         if key[2] and len(text) == _TEXT_LENGTH:
             open_texts[key] = (place, before + text)
