@@ -97,11 +97,11 @@ def _source(log: Log, label: str, reference: Log, fixes: _Fixes, reference_clock
             _offset(log, label, clock, offset, uncertainty, "GPS positions", matches),
         )
     if shares_clock:
-        uncertainty = _combined(log.time_base.uncertainty_us, reference.time_base.uncertainty_us)
+        spread = _combined(log.time_base.uncertainty_us, reference.time_base.uncertainty_us)
         difference, matches = (0, 0) if remainder is None else (abs(remainder[0]), remainder[2])
         if remainder is not None:
-            uncertainty = max(uncertainty or 0, difference)
-        return MergedSource(log, clock, 0.0, _offset(log, label, clock, 0, uncertainty, "GPS time", matches))
+            spread = max(spread or 0, difference)
+        return MergedSource(log, clock, 0.0, _offset(log, label, clock, 0, spread, "GPS time", matches))
     raise LogError(
         f"cannot merge {log.path} with {reference.path}: one has no GPS time, and they have "
         f"fewer than {_MIN_MATCHES} positions in common"
