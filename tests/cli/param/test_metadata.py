@@ -93,6 +93,16 @@ def test_a_file_describes_and_is_remembered(mav, simulate, tmp_path):
     )
 
 
+def test_values_are_listed_by_number(mav, simulate, tmp_path):
+    """ArduPilot's own JSON file lists them as texts: 0, 1, 10, 2."""
+    simulate(COPTER)
+    names = {"10": "Ten", "2": "Two", "3": "Three"}
+    file = tmp_path / "apm.pdef.json"
+    file.write_text(json.dumps({"FRAME": {"FRAME_CLASS": {"DisplayName": "Frame", "Values": names}}}))
+    lines = mav("param", "get", "-v", "FRAME_CLASS", "--metadata", file).out.splitlines()
+    assert [line.split()[-1] for line in lines if ": " in line] == ["Two", "Three", "Ten"]
+
+
 def test_a_file_that_is_none(mav, simulate, tmp_path):
     simulate(COPTER)
     file = tmp_path / "notes.xml"

@@ -87,7 +87,7 @@ def description_lines(parameter: Parameter, metadata: ParameterMetadata | None) 
     facts = ", ".join(_facts(metadata))
     if facts:
         yield _INDENT + facts
-    for value, name in metadata.values.items():
+    for value, name in sorted(metadata.values.items()):
         mark = "*" if value == parameter.value else " "
         yield f"{_INDENT}{mark} {number_text(value)}: {name}"
     for bit, name in sorted(metadata.bitmask.items()):
@@ -120,7 +120,7 @@ def json_metadata(metadata: ParameterMetadata | None) -> dict[str, object] | Non
         "maximum": metadata.maximum,
         "default": metadata.default,
         "increment": metadata.increment,
-        "values": {number_text(value): name for value, name in metadata.values.items()},
+        "values": {number_text(value): name for value, name in sorted(metadata.values.items())},
         "bitmask": {str(bit): name for bit, name in metadata.bitmask.items()},
         "reboot_required": metadata.reboot_required,
         "read_only": metadata.read_only,
