@@ -10,6 +10,7 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, LinkURLError, MavstackError, RemoteTimeout
+from mavstack.services.events import LogLevel
 from mavstack.sync import Node
 from tests.interrupts import interrupt_main_thread, keyboard_interrupts
 
@@ -102,6 +103,20 @@ def test_a_blocking_call_in_a_listener_is_an_error(vehicle: Node) -> None:
     vehicle.add_listener(common.Heartbeat, call)
     with Node(url_of(vehicle)):
         assert "a callback would wait for its own thread" in caught.get(timeout=10)
+
+
+def test_events_by_iteration_and_by_a_listener(vehicle: Node) -> None:
+    heard: Queue[int] = Queue()
+    with Node(url_of(vehicle)) as ground:
+        remote = ground.wait_for_autopilot(timeout=10)
+        listener = remote.add_event_listener(lambda event: heard.put(event.id))
+        with remote.events(severity=LogLevel.WARNING) as events:
+            for number, levels in ((1, 0x66), (2, 0x64)):
+                vehicle.send(common.Event(id=number, sequence=number, log_levels=levels))
+            event = next(events)
+        assert (event.id, event.severity, events.lost) == (2, LogLevel.WARNING, 0)
+        assert [heard.get(timeout=10) for _ in range(2)] == [1, 2]
+        listener.close()
 
 
 def test_ctrl_c_cancels_the_operation_on_both_ends(vehicle: Node) -> None:

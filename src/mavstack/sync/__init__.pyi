@@ -15,8 +15,6 @@ from mavstack.links import Channel
 from mavstack.links import Link
 from mavstack.links.settings import Version
 from mavstack.node.channel_state import ChannelState
-from mavstack.node.control_streams import ControlStreams
-from mavstack.node.terrain import Terrain
 from mavstack.security import SigningKey
 from mavstack.security import TimestampStore
 from mavstack.services import Address
@@ -52,6 +50,8 @@ from mavstack.services.gimbal import GimbalStatus
 from mavstack.services.gimbal import GimbalValue
 from mavstack.services.heartbeat import ComponentInfo
 from mavstack.services.log import LogEntry
+from mavstack.services.manual_control import ChannelOverride
+from mavstack.services.manual_control import ManualInput
 from mavstack.services.message_request import Interval
 from mavstack.services.message_request import MessageServer
 from mavstack.services.message_request import RateSet
@@ -71,7 +71,9 @@ from mavstack.services.ping import PingStatistics
 from mavstack.services.setpoints import Setpoint
 from mavstack.services.signing_setup import SigningRequest
 from mavstack.services.terrain import Heights
+from mavstack.services.terrain import Position
 from mavstack.services.terrain import TerrainServer
+from mavstack.services.terrain import TerrainState
 from mavstack.services.timesync import TimesyncClient
 from mavstack.services.version import AutopilotVersion
 from mavstack.services.version import ProtocolVersion
@@ -95,7 +97,7 @@ from typing import Self
 from typing import TypeVar
 from typing import Unpack
 
-__all__ = ['Actuators', 'Calibration', 'CalibrationSession', 'Camera', 'CameraSettings', 'CommandHandlers', 'Connection', 'ControlStream', 'EventListener', 'EventStream', 'ExtendedParams', 'Ftp', 'Gimbal', 'Group', 'GuidedSession', 'Listener', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'Recording', 'RegionOfInterest', 'RemoteComponent', 'Results', 'Shell', 'Subscription', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
+__all__ = ['Actuators', 'Calibration', 'CalibrationSession', 'Camera', 'CameraSettings', 'CommandHandlers', 'Connection', 'ControlStream', 'EventListener', 'EventStream', 'ExtendedParams', 'Ftp', 'Gimbal', 'Group', 'GuidedSession', 'Listener', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'Recording', 'RegionOfInterest', 'RemoteComponent', 'Results', 'Shell', 'Subscription', 'Terrain', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
 AnyEvent = TypeVar('AnyEvent')
 AnyHandler = TypeVar('AnyHandler', bound='Callable[..., Any]')
 AnyMessage = TypeVar('AnyMessage', bound=Message)
@@ -1419,7 +1421,43 @@ class Shell:
     def __next__(self) -> str:
         ...
 
-class RemoteComponent(ControlStreams):
+class Terrain:
+    """The terrain that a vehicle has from ground stations (TERRAIN_CHECK, TERRAIN_REPORT)."""
+
+    def check(self, latitude: float, longitude: float, *, timeout: float | None=None) -> TerrainState:
+        """Ask for the terrain that the vehicle has at a position; it requests what it lacks there.
+
+        Args:
+            latitude: Degrees.
+            longitude: Degrees.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The height of the terrain if the vehicle has it, and how many tiles it has and waits for.
+
+        Raises:
+            InvalidTypeError: An argument is not a number.
+            InvalidArgumentError: The position is not on Earth.
+            RemoteTimeout: The vehicle does not answer; PX4 does not have this protocol.
+            RemoteCancelled: The node was closed.
+        """
+
+    def wait_until_loaded(self, *positions: Position, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> None:
+        """Wait until the vehicle has the terrain of all positions, such as the waypoints of a mission.
+
+        Args:
+            positions: Latitudes and longitudes in degrees.
+            timeout: Seconds for the whole call; None: until no tile arrived for a minute.
+            progress: Called with the positions whose terrain the vehicle has, and all positions.
+
+        Raises:
+            InvalidTypeError: A position is not two numbers.
+            InvalidArgumentError: A position is not on Earth.
+            RemoteTimeout: The vehicle does not answer, or no ground station sends it the terrain.
+            RemoteCancelled: The node was closed.
+        """
+
+class RemoteComponent:
     """A component of another system; from `Node.component`, `wait_for_autopilot` or `wait_for_component`."""
 
     def events(self, *, severity: int=..., queue: int=...) -> EventStream:
@@ -1547,6 +1585,43 @@ class RemoteComponent(ControlStreams):
     def rally(self) -> Plans:
         """The component's rally points."""
     address: Address
+
+    def setpoints(self, rate: float=20.0) -> ControlStream[Setpoint]:
+        """Stream setpoints while a block runs, as the offboard and guided modes need them.
+
+        Args:
+            rate: Hertz at which the last setpoint is repeated.
+
+        Returns:
+            A context manager with `set(setpoint)`.
+        """
+
+    def manual_control(self, rate: float=20.0) -> ControlStream[ManualInput]:
+        """Stream stick positions while a block runs (MANUAL_CONTROL).
+
+        Args:
+            rate: Hertz at which the last stick positions are repeated.
+
+        Returns:
+            A context manager with `set(input)`.
+        """
+
+    def override_channels(self, rate: float=20.0) -> ControlStream[ChannelOverride]:
+        """Override radio control channels while a block runs (RC_CHANNELS_OVERRIDE).
+
+        Args:
+            rate: Hertz at which the last values are repeated.
+
+        Returns:
+            A context manager with `set(override)`.
+        """
+
+    def shell(self) -> Shell:
+        """Open a shell on the component while a block runs (SERIAL_CONTROL).
+
+        Returns:
+            A context manager; write lines to it, iterate over its output.
+        """
 
     @property
     def info(self) -> ComponentInfo | None:
