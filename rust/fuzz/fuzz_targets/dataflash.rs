@@ -17,7 +17,7 @@ fn layout(length: u8) -> Option<Layout> {
             target += 8;
         }
     }
-    let field = |character, size| (3 + size <= length).then_some(HeaderField { character, source: 3 });
+    let field = |character, size: usize| (3 + size <= length).then_some(HeaderField { character, source: 3 });
     let time = field(b'Q', 8).map(|field| Time { field, factor: 1000, offset: 1 });
     Layout::new(length, target, &fields, time, field(b'B', 1))
 }

@@ -18,6 +18,7 @@ from mavstack._core import DataFlashIndex
 from mavstack.errors import LogError
 from mavstack.logs.damage import LogDamage
 from mavstack.logs.dataflash.ardupilot_log import ArduPilotLog
+from mavstack.logs.dataflash.mapped_pages import release
 from mavstack.logs.dataflash.record_type import RecordType, table_names
 from mavstack.logs.dataflash.units import SlotFinder, units_by_slot
 from mavstack.logs.log import DEFAULT_WINDOW
@@ -61,7 +62,7 @@ class DataFlashLog(ArduPilotLog):
         super().__init__(self._bytes.path, self._bytes.size)
         self._threads = threads or os.cpu_count() or 1
         with self._bytes.access() as data:
-            self._index = DataFlashIndex(data, threads=self._threads)
+            self._index = self._indexed(data)
             self._data = data
         self._types = [RecordType.of(*definition) for definition in self._index.definitions]
         counts = self._index.counts
@@ -100,9 +101,12 @@ class DataFlashLog(ArduPilotLog):
             self._index.decode(requests, threads=self._threads)
         return tables
 
+    def _indexed(self, data: mmap.mmap | bytes) -> DataFlashIndex:
+        return DataFlashIndex(data, threads=self._threads)
+
     def _use_copy(self, data: mmap.mmap | bytes) -> None:
         """Continue with a copy of the file, which another process has opened for writing meanwhile."""
-        index = DataFlashIndex(data, threads=self._threads)
+        index = self._indexed(data)
         if index.counts != self._index.counts or index.definitions != self._index.definitions:
             raise LogError(f"cannot read {self.path}: it was rewritten since it was opened; open it again")
         self._index, self._data = index, data
@@ -155,6 +159,7 @@ class DataFlashLog(ArduPilotLog):
             }
             if parts:
                 yield parts
+            release(self._data, end - size, min(end, self.size))
             before = until
             if progress is not None:
                 progress(min(end, self.size), self.size)
@@ -182,8 +187,8 @@ class DataFlashLog(ArduPilotLog):
 
     def rows_without_time(self, name: str) -> NDArray[np.void]:
         """Return a table whose column `_time` is not filled."""
-        (table,) = self._decode([(self._slots[name], 0, self._counts[name])], None)
-        return table
+        windows = self._windows(DEFAULT_WINDOW, [name], None)
+        return np.concatenate([self._decode([parts[name]], None)[0] for parts in windows])
 
     def first_and_last(self) -> dict[str, tuple[NDArray[np.void], NDArray[np.void]]]:
         """Return the first and the last row of each table, as tables of one row without `_time`."""
