@@ -52,6 +52,7 @@ FORMATS: Final[Mapping[str, str]] = MappingProxyType(
         "dataflash-text": "dataflash.formats:DATAFLASH_TEXT",
         "tlog": "packets.formats:TLOG",
         "raw": "packets.formats:RAW",
+        "pcap": "packets.pcap.format:PCAP",
         "ulog": "ulog.format:ULOG",
     }
 )

@@ -199,7 +199,7 @@ class PacketLog(Log):
 
     def _packets(self) -> Iterator[Packet]:
         parser = Parser(self.dialect, timestamped=self.timestamped)
-        for start in range(0, self.size, _RECORDS_CHUNK):
+        for start in range(0, self._bytes.size, _RECORDS_CHUNK):
             yield from parser.feed(self._bytes.read(start, _RECORDS_CHUNK))
         yield from parser.flush()
 
@@ -276,4 +276,5 @@ class PacketLog(Log):
         return packet_facts.vehicles(log)
 
     def __repr__(self) -> str:
-        return f"<PacketLog {self.path.name}: {self.statistics.packets} packets, {len(self)} messages>"
+        kind, packets = type(self).__name__, self.statistics.packets
+        return f"<{kind} {self.path.name}: {packets} packets, {len(self)} messages>"
