@@ -38,7 +38,7 @@ from mavstack.wire import Packet
 
 async def fragment(
     connection: Connection, vehicle: Vehicle, component: RemoteComponent, node: Node, group: Group,
-    guided: GuidedSession, packet: Packet, message: Message, data: bytes, log: ULog,
+    guided: GuidedSession, packet: Packet, message: Message, data: bytes, ulog: ULog,
 ) -> None:
 """
 MYPY_SETTINGS = f"""\
