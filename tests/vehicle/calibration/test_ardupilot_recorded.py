@@ -1,10 +1,14 @@
-"""The conversations of a real ArduCopter (4.1-dev, in its own simulation) with the client."""
+"""The conversations of real ArduPilot vehicles (4.1-dev, in their own simulation) with the client."""
 
 from __future__ import annotations
 
 import asyncio
+from contextlib import nullcontext
+
+import pytest
 
 from mavstack.dialects import ardupilotmega, common
+from mavstack.errors import ActionInterrupted
 from mavstack.vehicle import CalibrationTask, Pose
 from tests.vehicle.calibration.pilot import calibrate
 from tests.vehicle.failures.scripted_autopilot import ARDUPILOT, CMD, RESULT, run_scenario
@@ -52,6 +56,30 @@ def test_accelerometer():
         assert result.reboot_needed
 
     run_scenario(scenario, autopilot=ARDUPILOT)
+
+
+@pytest.mark.parametrize("end", ["Airspeed 1 calibrated", "Airspeed 1 unhealthy", None])
+def test_airspeed_of_a_plane(end):
+    """ArduPlane 4.1-dev acknowledged the start; its text reported the end after 3.7 s."""
+
+    async def scenario(harness):
+        harness.autopilot.arm(False)
+
+        def started(request):
+            harness.send_statustext("Airspeed 1 calibration started", common.MavSeverity.INFO)
+            if end is not None:
+                harness.send_statustext(end, common.MavSeverity.INFO, after=3.7)
+            return RESULT.ACCEPTED
+
+        harness.autopilot.commands.server.support(CMD.PREFLIGHT_CALIBRATION, started)
+        begun = harness.connection.now()
+        failure = pytest.raises(ActionInterrupted, match="airspeed sensor 1 is unhealthy")
+        with failure if end == "Airspeed 1 unhealthy" else nullcontext():
+            await harness.vehicle.calibration.run("airspeed")
+        duration = harness.connection.now() - begun
+        assert duration == pytest.approx(15 if end is None else 3.7, abs=0.6)
+
+    run_scenario(scenario, autopilot=ARDUPILOT, kind=common.MavType.FIXED_WING)
 
 
 def test_three_compasses():

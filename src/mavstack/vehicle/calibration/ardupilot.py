@@ -11,6 +11,7 @@ radio           RC_CHANNELS and parameters, see `radio`
 
 from __future__ import annotations
 
+import re
 from contextlib import suppress
 from math import inf
 from types import MappingProxyType
@@ -70,18 +71,37 @@ _ESC_PARAMETER: Final = "ESC_CALIBRATION"
 _CALIBRATE_AT_POWER_UP: Final = 3
 _RAISE_THROTTLE: Final = "Raise the throttle slowly, lower it again, then confirm."
 _HOLD_STILL: Final = "Hold the vehicle still."
+_AIRSPEED: Final = re.compile(r"Airspeed (\d+) (calibration started|calibrated|unhealthy)")
+#: The time in which the airspeed sensors are calibrated, in seconds.
+_AIRSPEED_TIME: Final = 15.0
 
 
 async def _simple(conversation: Conversation) -> None:
     """Calibrate what needs one command."""
-    kind = conversation.kind
-    if kind is CalibrationKind.AIRSPEED:
-        text = "Keep the wind off the pitot tube."
-        conversation.emit_step(CalibrationTask.SHIELD_PITOT, text)
-    else:
-        text = "Keep the vehicle level and still." if kind is CalibrationKind.LEVEL else _HOLD_STILL
-        conversation.emit_step(CalibrationTask.HOLD_STILL, text)
-    await conversation.start(*_ARGUMENTS[kind], progress=text)
+    text = "Keep the vehicle level and still." if conversation.kind is CalibrationKind.LEVEL else _HOLD_STILL
+    conversation.emit_step(CalibrationTask.HOLD_STILL, text)
+    await conversation.start(*_ARGUMENTS[conversation.kind], progress=text)
+    conversation.running = False
+
+
+async def _airspeed(conversation: Conversation) -> None:
+    """Calibrate the airspeed sensors; earlier versions acknowledge the start, and report the end by text."""
+    started: set[str] = set()
+    ended: set[str] = set()
+
+    def on_text(text: str) -> None:
+        if found := _AIRSPEED.match(text):
+            (started if found[2] == "calibration started" else ended).add(found[1])
+            if found[2] == "unhealthy":
+                conversation.problem = f"airspeed sensor {found[1]} is unhealthy"
+
+    conversation.on_text = on_text
+    text = "Keep the wind off the pitot tube."
+    conversation.emit_step(CalibrationTask.SHIELD_PITOT, text)
+    await conversation.start(*_ARGUMENTS[conversation.kind], progress=text)
+    now = conversation.vehicle.connection.now
+    late = now() + _AIRSPEED_TIME  # the text may be lost
+    await conversation.wait(lambda: started <= ended or now() >= late)
     conversation.running = False
 
 
@@ -264,7 +284,7 @@ PROCEDURES: Final[Mapping[CalibrationKind, Procedure]] = MappingProxyType(
         CalibrationKind.GYROSCOPE: Procedure(_simple, _cancel_nothing),
         CalibrationKind.COMPASS: Procedure(_compass, _cancel_compass),
         CalibrationKind.LEVEL: Procedure(_simple, _cancel_nothing),
-        CalibrationKind.AIRSPEED: Procedure(_simple, _cancel_nothing),
+        CalibrationKind.AIRSPEED: Procedure(_airspeed, _cancel_nothing),
         CalibrationKind.BAROMETER: Procedure(_simple, _cancel_nothing),
         CalibrationKind.RADIO: Procedure(_radio, _cancel_radio, needs_confirmation=True),
         CalibrationKind.ESC: Procedure(_esc, _cancel_esc),
