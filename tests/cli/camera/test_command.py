@@ -32,7 +32,7 @@ def test_information(harness, capsys):
     assert found["camera"] == "1/100"
     assert found["status"]["mode"] == "image"
     assert "tracking" in found["abilities"]
-    assert mav(capsys, "camera", "list").out == "100\n"
+    assert mav(capsys, "camera", "list").out == "camera 100\n"
     assert json.loads(mav(capsys, "camera", "list", "--json").out) == [{"id": 100, "attached": False}]
 
 

@@ -54,6 +54,13 @@ def test_contents():
     assert "SOURCE" in text
 
 
+def test_a_name_that_is_cut_off_ends_with_an_ellipsis():
+    observer = observed()
+    data = Encoder(1, 1).encode(common.GimbalDeviceAttitudeStatus())
+    observer.receive("udpin 127.0.0.1:0", data, 2.0)
+    assert " GIMBAL_DEVICE_ATTITUDE_STAT… " in "\n".join(lines(observer, 120, 40))
+
+
 def test_hidden_rows_are_counted():
     observer = observed()
     for name in Dialect.load("common").names[:60]:

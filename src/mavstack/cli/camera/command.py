@@ -116,7 +116,8 @@ def list_cameras(arguments: Namespace) -> int:
         if arguments.json:
             echo_json(rows)
         elif rows:
-            echo(*(f"{row['id']}" + (" (attached)" if row["attached"] else "") for row in rows))
+            attached = " (attached to the autopilot)"
+            echo(*(f"camera {row['id']}{attached if row['attached'] else ''}" for row in rows))
         else:
             echo("there are no cameras", error=True)
         return 0

@@ -43,7 +43,7 @@ def show(arguments: Namespace) -> int:
     async def work(vehicle: Vehicle) -> int:
         chosen = tuple(dict.fromkeys(plan_types))
         plan = await download_plans(vehicle, chosen, strict=bool(arguments.plan_types))
-        _print(f"system {vehicle.system}", plan, arguments)
+        _print(f"vehicle {vehicle.system}", plan, arguments)
         return 0
 
     return run_on_vehicle(arguments, work)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.cli.common.live_display import LiveDisplay, Text
 from mavstack.cli.common.text import size_text
-from mavstack.cli.watch.snapshot import elapsed_text, loss_text, rate_text
+from mavstack.cli.watch.snapshot import elapsed_text, loss_text, rate_text, shorten
 from mavstack.cli.watch.sources import take_picture
 from mavstack.cli.watch.summary import message_order
 from mavstack.cli.watch.trend import MAX_SAMPLES, sparkline
@@ -189,7 +189,7 @@ def _table(rows: list[MessageRow], width: int, source: int) -> Iterator[Text]:
     yield head
     for row in rows:
         silent = row.rate.packets <= 0 and row.count > 1
-        line = Text(f" {row.name[:name]:<{name}}", style="dim" if silent else "")
+        line = Text(f" {shorten(row.name, name):<{name}}", style="dim" if silent else "")
         line.stylize("" if silent else "cyan")
         line.append(f"{row.source:>{source}}" if source else "", "magenta")
         line.append(f"{row.count:>{count}}" if count else "", "default")
