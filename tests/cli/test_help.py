@@ -18,7 +18,19 @@ NOWHERE = ("--out", "udpout://127.0.0.1:9")
 #: Arguments that end an example that would run without end.
 BRIEFLY = {"sim": ("--for", "1", "--speed", "max", *NOWHERE), "demo": ("--for", "2", "--once")}
 #: These are run by tests of their own, against a simulated vehicle.
-WITH_VEHICLE = ("vehicle", "rate", "param", "mission", "ftp", "log", "camera", "gimbal", "key", "shell")
+WITH_VEHICLE = (
+    "vehicle",
+    "rate",
+    "param",
+    "mission",
+    "ftp",
+    "log",
+    "camera",
+    "gimbal",
+    "terrain",
+    "key",
+    "shell",
+)
 
 
 def examples_of(name: str) -> list[list[str]]:

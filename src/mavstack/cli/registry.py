@@ -60,6 +60,7 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
             _entry("camera", "cameras of a vehicle: info, photo, video, mode, settings and others"),
             _entry("gimbal", "gimbals of a vehicle: info, point, turn, center, roi, take, release"),
             _entry("key", "signing keys: new, list, remove; install one on a vehicle, turn signing off"),
+            _entry("terrain", "heights of the terrain: serve them to vehicles, check what a vehicle has"),
             _entry("shell", "interactive console: arm, mode, takeoff, wp, param, ftp, log"),
             _entry("dialect", "list, show, check, compare and import message definitions"),
             _entry("completion", "print a completion script for bash, zsh or fish"),

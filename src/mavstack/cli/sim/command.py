@@ -48,7 +48,7 @@ examples:
   mav sim --speed 10                          # ten times as fast
   mav sim --storage flights                   # keep logs and files in a folder
   mav sim --camera --gimbal                   # with a camera and a gimbal
-  mav sim --rangefinder forward --obstacle 30,0,2,15  # a rangefinder, and a cylinder 30 m north of home
+  mav sim --rangefinder forward --obstacle 30,0,2,15   # a rangefinder, and a cylinder 30 m north of home
 
 Fly it from another terminal:
   mavproxy.py --master=udpin:0.0.0.0:14550
