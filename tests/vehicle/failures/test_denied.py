@@ -116,7 +116,7 @@ def test_each_code_without_a_reason(call, code):
 
 @pytest.mark.parametrize("call", REFUSED, ids=call_name)
 def test_texts_that_are_no_reasons(call):
-    """An older text, the text of another system, and texts of low severity are no reasons."""
+    """An older text, the text of another system, a debug text and a later information are no reasons."""
 
     async def run() -> None:
         network = MemoryNetwork()
@@ -129,8 +129,8 @@ def test_texts_that_are_no_reasons(call):
             await asyncio.sleep(2)
 
             def send_unrelated_texts() -> None:
-                harness.send_statustext("information", SEVERITY.INFO)
-                harness.send_statustext("notice", SEVERITY.NOTICE)
+                harness.send_statustext("debug", SEVERITY.DEBUG)
+                harness.send_statustext("information", SEVERITY.INFO, after=0.3)
                 other.send_statustext("of another", SEVERITY.CRITICAL)
 
             harness.autopilot.on_refusal = send_unrelated_texts
