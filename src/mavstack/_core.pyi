@@ -807,12 +807,21 @@ class DataFlashIndex:
     Args:
         data: A read-only buffer, such as bytes or a map opened for reading; it must not change.
         threads: Maximum number of threads.
+        step: Number of bytes that are indexed at a time; None for all.
+        done: Called with the beginning and the end of each part of the data that is indexed; its result is ignored.
 
     Raises:
         BufferError: The buffer is writable or not contiguous.
     """
 
-    def __new__(cls, data: Buffer, *, threads: int = 1) -> Self: ...
+    def __new__(
+        cls,
+        data: Buffer,
+        *,
+        threads: int = 1,
+        step: int | None = None,
+        done: Callable[[int, int], object] | None = None,
+    ) -> Self: ...
     @property
     def definitions(self) -> list[tuple[bytes, bytes, bytes, int]]:
         """The definitions as (name, format, labels, length of a record); their numbers are the slots of the tables."""

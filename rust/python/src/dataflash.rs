@@ -9,6 +9,7 @@ use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Format character, conversion, position in the record, position in the row.
 type FieldPlan = (char, char, usize, usize);
@@ -84,6 +85,8 @@ fn field((character, conversion, source, target): FieldPlan) -> Option<Field> {
 /// Args:
 ///     data: A read-only buffer, such as bytes or a map opened for reading; it must not change.
 ///     threads: Maximum number of threads.
+///     step: Number of bytes that are indexed at a time; None for all.
+///     done: Called with the beginning and the end of each part of the data that is indexed; its result is ignored.
 ///
 /// Raises:
 ///     BufferError: The buffer is writable or not contiguous.
@@ -96,14 +99,27 @@ pub struct DataFlashIndex {
 #[pymethods]
 impl DataFlashIndex {
     #[new]
-    #[pyo3(signature = (data, *, threads = 1))]
-    fn new(py: Python<'_>, data: PyBuffer<u8>, threads: usize) -> PyResult<Self> {
+    #[pyo3(signature = (data, *, threads = 1, step = None, done = None))]
+    fn new(
+        py: Python<'_>,
+        data: PyBuffer<u8>,
+        threads: usize,
+        step: Option<usize>,
+        done: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
         require_read_only(&data)?;
         // SAFETY: the buffer is read-only for Python. Another process may still write to a mapped file; the core
         // then reads old or new bytes, and checks every index it derives from them.
         let bytes = unsafe { shared(&data) }?;
-        let core = py.detach(|| Index::build(bytes, threads));
-        Ok(Self { core, data })
+        let mut failed = None;
+        let mut call = |part: Range<usize>| {
+            if let Some(done) = &done {
+                let called = Python::attach(|py| done.call1(py, (part.start, part.end)).map(drop));
+                failed = failed.take().or(called.err());
+            }
+        };
+        let core = py.detach(|| Index::build_in_steps(bytes, threads, step.unwrap_or(bytes.len()), &mut call));
+        failed.map_or(Ok(Self { core, data }), Err)
     }
 
     /// The definitions as (name, format, labels, length of a record); their numbers are the slots of the tables.

@@ -7,6 +7,7 @@ import random
 import numpy as np
 import pytest
 
+from mavstack._core import DataFlashIndex
 from mavstack.errors import LogError, UnknownMessageError
 from mavstack.logs import open_log
 from mavstack.logs.dataflash import DataFlashLog
@@ -221,3 +222,12 @@ def test_a_rewritten_file_is_refused(path):
         file.write(writer.data)
         with pytest.raises(LogError, match="rewritten"):
             log.load()
+
+
+def test_indexed_parts_are_reported(path):
+    data = bytes(flight(records=50).data)
+    parts = []
+    DataFlashIndex(data, step=1 << 21, done=lambda start, end: parts.append((start, end)))
+    assert parts == [(0, len(data))]
+    with pytest.raises(ZeroDivisionError):
+        DataFlashIndex(data, done=lambda start, end: 1 // start)

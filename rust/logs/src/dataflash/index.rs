@@ -14,6 +14,7 @@ use super::scan::{Damage, Place, Record, Walk};
 use crate::rows::run_jobs;
 use memchr::memmem;
 use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -51,7 +52,7 @@ impl Segment {
         self.base() + SEGMENT
     }
 
-    fn range(&self, slot: usize) -> std::ops::Range<usize> {
+    fn range(&self, slot: usize) -> Range<usize> {
         match self.sums.get(slot..slot + 2) {
             Some(sums) => sums[0] as usize..sums[1] as usize,
             None => 0..0,
@@ -142,24 +143,42 @@ impl Index {
     /// Indexes `data` on up to `threads` threads.
     #[must_use]
     pub fn build(data: &[u8], threads: usize) -> Self {
+        Self::build_in_steps(data, threads, data.len(), |_| {})
+    }
+
+    /// Indexes `data` in steps of about `step` bytes. `done` is called with each part of the data that is indexed, so
+    /// that the caller can give its memory back.
+    pub fn build_in_steps(data: &[u8], threads: usize, step: usize, mut done: impl FnMut(Range<usize>)) -> Self {
         let mut index = Self::default();
         let mut place = Place::START;
-        for round in 1..=MAX_ROUNDS {
-            let assumed = index.formats.clone();
-            let begins = run_begins(data, place, &assumed.types, if round < MAX_ROUNDS { threads } else { 1 });
-            for run in walk_runs(data, &begins, &assumed, index.kept()) {
-                if run.begin != place || index.formats != assumed {
-                    break;
-                }
-                place = run.end;
-                index.append(run);
-            }
-            if place.position >= data.len() {
-                break;
-            }
+        while place.position < data.len() {
+            let begin = place.position;
+            let end = (segment_at(begin) + (step / SEGMENT).max(1)) * SEGMENT;
+            place = index.extend(data, place, end.min(data.len()), threads);
+            done(begin..place.position);
         }
         index.count_rows();
         index
+    }
+
+    /// Indexes the records from `place` to `end`. Returns the place after them.
+    fn extend(&mut self, data: &[u8], mut place: Place, end: usize, threads: usize) -> Place {
+        for round in 1..=MAX_ROUNDS {
+            let assumed = self.formats.clone();
+            let threads = if round < MAX_ROUNDS { threads } else { 1 };
+            let begins = run_begins(data, place, end, &assumed.types, threads);
+            for run in walk_runs(data, &begins, end, &assumed, self.kept()) {
+                if run.begin != place || self.formats != assumed {
+                    break;
+                }
+                place = run.end;
+                self.append(run);
+            }
+            if place.position >= end {
+                break;
+            }
+        }
+        place
     }
 
     /// Number of records whose positions are kept.
@@ -278,16 +297,16 @@ impl Index {
 }
 
 /// A segment and parts of tables: the layout, the records by their place among the offsets, the rows.
-type Job<'index, 'rows> = (&'index Segment, Vec<(&'rows Layout, std::ops::Range<usize>, &'rows mut [u8])>);
+type Job<'index, 'rows> = (&'index Segment, Vec<(&'rows Layout, Range<usize>, &'rows mut [u8])>);
 
 /// Number of the segment in which `position` is.
 fn segment_at(position: usize) -> usize {
     position / SEGMENT
 }
 
-/// Divides the log from `place` on into runs; returns the places where they begin.
-fn run_begins(data: &[u8], place: Place, types: &Types, threads: usize) -> Vec<Place> {
-    let (first, last) = (segment_at(place.position), data.len().div_ceil(SEGMENT));
+/// Divides the log from `place` to `end` into runs; returns the places where they begin.
+fn run_begins(data: &[u8], place: Place, end: usize, types: &Types, threads: usize) -> Vec<Place> {
+    let (first, last) = (segment_at(place.position), end.div_ceil(SEGMENT));
     let segments = last.saturating_sub(first);
     let runs = threads.clamp(1, segments.max(1));
     let nominal = (1..runs).map(|run| (first + segments * run / runs) * SEGMENT);
@@ -295,9 +314,9 @@ fn run_begins(data: &[u8], place: Place, types: &Types, threads: usize) -> Vec<P
 }
 
 /// Walks runs that begin at the given places, each on its own thread.
-fn walk_runs(data: &[u8], begins: &[Place], formats: &Formats, kept: usize) -> Vec<Run> {
+fn walk_runs(data: &[u8], begins: &[Place], end: usize, formats: &Formats, kept: usize) -> Vec<Run> {
     let kept = AtomicUsize::new(kept);
-    let ends = begins.iter().skip(1).map(|begin| segment_at(begin.position)).chain([data.len().div_ceil(SEGMENT)]);
+    let ends = begins.iter().skip(1).map(|begin| segment_at(begin.position)).chain([end.div_ceil(SEGMENT)]);
     thread::scope(|scope| {
         let running: Vec<_> = begins
             .iter()

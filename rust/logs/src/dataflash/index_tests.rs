@@ -33,6 +33,23 @@ fn several_threads_give_the_result_of_one() {
 }
 
 #[test]
+fn steps_give_the_result_of_one_and_cover_the_data() {
+    for seed in 0..10 {
+        let data = random_log(seed, 40 * SEGMENT);
+        let one = Index::build(&data, 1);
+        for (step, threads) in [(1, 1), (3 * SEGMENT, 2), (7 * SEGMENT + 5, 3)] {
+            let mut covered = 0;
+            let index = Index::build_in_steps(&data, threads, step, |part| {
+                assert_eq!(part.start, covered);
+                covered = part.end;
+            });
+            assert_eq!(covered, data.len());
+            assert_eq!(content(&index, &data), content(&one, &data), "seed {seed}");
+        }
+    }
+}
+
+#[test]
 fn records_are_found_in_file_order() {
     let data = random_log(3, 10 * SEGMENT);
     let index = Index::build(&data, 3);

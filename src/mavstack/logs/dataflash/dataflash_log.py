@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -18,7 +19,7 @@ from mavstack._core import DataFlashIndex
 from mavstack.errors import LogError
 from mavstack.logs.damage import LogDamage
 from mavstack.logs.dataflash.ardupilot_log import ArduPilotLog
-from mavstack.logs.dataflash.mapped_pages import release
+from mavstack.logs.dataflash.mapped_pages import STEP, release
 from mavstack.logs.dataflash.record_type import RecordType, table_names
 from mavstack.logs.dataflash.units import SlotFinder, units_by_slot
 from mavstack.logs.log import DEFAULT_WINDOW
@@ -102,7 +103,7 @@ class DataFlashLog(ArduPilotLog):
         return tables
 
     def _indexed(self, data: mmap.mmap | bytes) -> DataFlashIndex:
-        return DataFlashIndex(data, threads=self._threads)
+        return DataFlashIndex(data, threads=self._threads, step=STEP, done=partial(release, data))
 
     def _use_copy(self, data: mmap.mmap | bytes) -> None:
         """Continue with a copy of the file, which another process has opened for writing meanwhile."""
