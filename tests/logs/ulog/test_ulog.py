@@ -85,6 +85,7 @@ def test_times_of_the_autopilots_own_clock(written):
 def test_facts(log):
     facts = {"autopilot": "PX4", "hardware": "PX4_V5", "firmware_version": "1.14.3", "key": "010203"}
     assert facts.items() <= log.info.items()
+    assert not log.info.keys() & {"sys_name", "ver_sw_release"}, "each fact has one name"
     assert log.parameters == {"MAV_TYPE": 2, "MAV_SYS_ID": 7, "MC_P": 0.5, "COUNT": 3, "NEW": 20}
     assert [(change.name, change.before, change.value) for change in log.parameter_changes][:4] == [
         ("MC_P", 0.5, 2.5),

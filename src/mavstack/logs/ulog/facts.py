@@ -53,16 +53,17 @@ def damage(index: UlogIndex, damaged_entries: int) -> LogDamage:
 
 
 def info(information: Mapping[str, Value]) -> dict[str, str]:
-    """Return the information messages as text.
+    """Return the information messages as text; some have the names that other formats use.
 
     Args:
         information: The information messages by name.
     """
     texts = {name: _text(value) for name, value in information.items()}
-    known = {common_name: texts[name] for name, common_name in _COMMON_NAMES.items() if texts.get(name)}
+    known = {common_name: texts.pop(name) for name, common_name in _COMMON_NAMES.items() if texts.get(name)}
     release = information.get("ver_sw_release")
     if isinstance(release, int) and 0 < release < 1 << 32:
         known["firmware_version"] = _version_text(release)
+        del texts["ver_sw_release"]
     return known | texts
 
 
