@@ -9,9 +9,12 @@ import mavstack
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError, LogError
 from mavstack.logs import merge_logs
+from mavstack.services.ftp import MemoryStore
+from mavstack.sim.storage import DataflashLogs, UlogLogs
 from tests.logs.conformance import column_bytes
 from tests.logs.files import encoded
 from tests.logs.memory_log import MemoryLog
+from tests.sim.storage.samples import Sensors, content, log_start, sample
 
 BOOT = 1_700_000_000_000_000  # UTC of the boot, in µs
 LATE = 3_000_000  # the clock of the ground station is 3 s ahead
@@ -153,3 +156,21 @@ def test_vehicles_in_one_file_are_kept_apart(tmp_path):
     merged = merge_logs(mine, onboard())
     assert merged.offsets[0].matches == 60
     assert merged.counts["ATTITUDE"] == 60
+
+
+@pytest.mark.parametrize("logs_class", [DataflashLogs, UlogLogs], ids=["dataflash", "ulog"])
+def test_the_onboard_logs_of_both_firmwares(tmp_path, logs_class):
+    logs = logs_class(MemoryStore(), log_start)
+    logs.begin(10_000_000)
+    for second in range(10, 40):
+        lat, lon = position(second)
+        sensors = Sensors(gps_latitude=lat / 1e7, gps_longitude=lon / 1e7)
+        logs.write(sample(second * 1_000_000, sensors=sensors))
+    logs.end()
+    path = tmp_path / "onboard"
+    path.write_bytes(content(logs, logs.logs()[0].id))
+    own = mavstack.open_log(path)
+    merged = merge_logs(tlog(tmp_path), own)
+    assert merged.offsets[1].source == "reference"
+    assert merged.offsets[0].offset_us == pytest.approx(-(LATE + 100_000), abs=300_000)
+    assert merged.offsets[0].matches >= 20

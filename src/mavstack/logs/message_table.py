@@ -218,7 +218,7 @@ class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
                 columns[name] = pd.Series(column.tolist(), dtype=object)
             elif column.dtype.kind == "M":
                 columns[name] = pd.Series(column).dt.tz_localize("UTC")
-        frame: pandas.DataFrame = pd.DataFrame(columns)
+        frame: pandas.DataFrame = pd.DataFrame(columns, copy=False)
         return frame
 
     def to_polars(

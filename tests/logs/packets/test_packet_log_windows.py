@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -64,6 +65,20 @@ def test_an_abandoned_pass_leaves_no_totals(path):
     log = mavstack.open_log(path)
     next(log.windows(100))
     assert log.counts == {"ATTITUDE": 200}
+
+
+def test_memory_is_that_of_a_window_not_of_the_file(path):
+    path.write_bytes(stamped(PACKETS) * 300)
+    log, size = mavstack.open_log(path), 32 << 10
+    list(log.windows(size))  # what is imported and cached once
+    tracemalloc.start()
+    try:
+        rows = sum(len(window["ATTITUDE"]) for window in log.windows(size))
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert rows == 90_000
+    assert peak < 8 * size < log.size / 6
 
 
 def test_views_of_a_large_file_need_no_index(path):
