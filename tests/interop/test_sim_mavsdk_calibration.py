@@ -9,6 +9,8 @@ from tests.interop.simulated import Flight, simulated_flight
 
 pytestmark = [pytest.mark.interop, needs_mavsdk]
 
+#: Slow enough for MAVSDK to receive all status texts on a busy machine.
+SPEED = 4.0
 SIDES = ("back", "front", "left", "right", "up", "down")
 
 
@@ -32,7 +34,7 @@ def instructions(received: list[tuple[str, dict]]) -> list[str]:
 
 
 async def test_sensors_at_rest() -> None:
-    async with simulated_flight("copter", "px4") as flight:
+    async with simulated_flight("copter", "px4", speed=SPEED) as flight:
         for kind in ("gyro", "level_horizon"):
             received = await calibrate(flight, kind)
             assert received[-1][0] == "SUCCESS"
@@ -43,7 +45,7 @@ async def test_sensors_at_rest() -> None:
 
 @pytest.mark.parametrize("kind", ["accelerometer", "magnetometer"])
 async def test_sensors_that_are_turned(kind: str) -> None:
-    async with simulated_flight("copter", "px4") as flight:
+    async with simulated_flight("copter", "px4", speed=SPEED) as flight:
         received = await calibrate(flight, kind)
         assert received[-1][0] == "SUCCESS"
         texts = instructions(received)
@@ -55,7 +57,7 @@ async def test_sensors_that_are_turned(kind: str) -> None:
 
 
 async def test_cancel() -> None:
-    async with simulated_flight("copter", "px4") as flight:
+    async with simulated_flight("copter", "px4", speed=SPEED) as flight:
         reports = await flight.ground.stream("calibration", "calibrate_accelerometer_async")
         await reports.wait_for(lambda report: "orientation detected" in report[1]["status_text"])
         await flight.call_ok("calibration", "cancel")
@@ -64,7 +66,7 @@ async def test_cancel() -> None:
 
 
 async def test_an_armed_vehicle_is_not_calibrated() -> None:
-    async with simulated_flight("copter", "px4") as flight:
+    async with simulated_flight("copter", "px4", speed=SPEED) as flight:
         await flight.wait_for_telemetry("health_all_ok", True)
         await flight.call_ok("action", "arm")
         await flight.wait_for_telemetry("armed", True)
@@ -72,5 +74,5 @@ async def test_an_armed_vehicle_is_not_calibrated() -> None:
 
 
 async def test_the_plugin_does_not_support_ardupilot() -> None:
-    async with simulated_flight("copter", "ardupilot") as flight:
+    async with simulated_flight("copter", "ardupilot", speed=SPEED) as flight:
         assert [result for result, _ in await calibrate(flight, "gyro")] == ["UNSUPPORTED"]
