@@ -21,6 +21,8 @@ const MAX_UNKNOWN: usize = 10_000;
 const LOOKAHEAD: usize = 8;
 /// Number of bytes of a text that are examined, so that the search takes constant time per byte.
 const MAX_EXAMINED: usize = 300;
+/// Size of the flag bits, in the version of the format that is known.
+const FLAG_BITS: usize = 40;
 /// Sizes of the fixed parts of logged texts.
 const TEXT: usize = 9;
 const TAGGED_TEXT: usize = 11;
@@ -192,7 +194,7 @@ impl<'a> Scanner<'a> {
             b'A' if body.len() <= MAX_EXAMINED => {
                 Catalog::parse_subscription(body).is_some_and(|(_, _, name)| self.state.catalog.defines(name))
             }
-            b'B' => body.len() >= 40,
+            b'B' => body.len() == FLAG_BITS,
             _ => false,
         }
     }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.data import convert, info, query, report
+from mavstack.cli.data import convert, files, info, query, report
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -27,6 +27,11 @@ examples:
   mav data query flight.tlog "SELECT * FROM VFR_HUD" --csv | head
   mav data report flight.tlog               # findings, and the page flight.html
   mav data report flight.tlog --json
+  mav data diff before.tlog after.tlog      # parameters and missions
+  mav data repair damaged.tlog -o sound.tlog
+  mav data replay flight.tlog --to udpout://127.0.0.1:14550 --speed 5
+  mav data book logs/                       # a table of all flights, kept in logs/flights.duckdb
+  mav data book logs/ --csv flights.csv --incident 2026/flight.tlog "propeller lost"
   mav data plot flight.tlog attitude vibration            # on the terminal
   mav data plot flight.tlog power link -o power.png
   mav data plot flight.tlog VFR_HUD.alt ATTITUDE.roll -o charts.html
@@ -36,7 +41,7 @@ examples:
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the actions."""
     actions = Actions(parser, "data", EXAMPLES)
-    for module in (info, convert, query, report):
+    for module in (info, convert, query, report, files):
         module.add_actions(actions)
 
 

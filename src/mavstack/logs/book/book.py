@@ -1,0 +1,233 @@
+"""The flight book: a row for each vehicle in each log below a folder.
+
+A log is read once; it is read again when its size or its time of change differs. Logs that were removed leave
+the book. The remarks that a pilot writes into `incidents` stay.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from mavstack.errors import LogError, MavstackError, MissingExtraError
+from mavstack.logs.analysis import analyse, flights
+from mavstack.logs.opening import open_log
+from mavstack.logs.report.report import flight_facts
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable, Iterator, Sequence
+    from types import TracebackType
+    from typing import Self
+
+    from mavstack.logs.analysis import Flight
+
+#: Suffixes of the files that are opened; their content tells the format.
+SUFFIXES: Final = frozenset({".tlog", ".bin", ".log", ".ulg", ".mavlink", ".raw", ".pcap", ".pcapng"})
+#: Columns of the book and their types in SQL; lengths in m, times in s, positions in degrees.
+COLUMNS: Final = {
+    "file": "VARCHAR",
+    "vehicle": "INTEGER",
+    "vehicle_type": "VARCHAR",
+    "date": "DATE",
+    "start": "TIMESTAMP",
+    "duration_s": "DOUBLE",
+    "flight_time_s": "DOUBLE",
+    "takeoffs": "INTEGER",
+    "first_takeoff_s": "DOUBLE",
+    "last_landing_s": "DOUBLE",
+    "first_latitude": "DOUBLE",
+    "first_longitude": "DOUBLE",
+    "last_latitude": "DOUBLE",
+    "last_longitude": "DOUBLE",
+    "distance_m": "DOUBLE",
+    "max_altitude_m": "DOUBLE",
+    "max_ground_speed_m_s": "DOUBLE",
+    "used_mah": "DOUBLE",
+    "findings": "VARCHAR",
+    "incidents": "VARCHAR",
+}
+_FACTS: Final = ("takeoffs", "distance_m", "max_altitude_m", "max_ground_speed_m_s", "used_mah")
+
+
+@dataclass
+class BookUpdate:
+    """The result of an update: files that were read, unchanged, removed, or failed with their problem."""
+
+    read: int = 0
+    unchanged: int = 0
+    removed: int = 0
+    failed: dict[str, str] = field(default_factory=dict)
+
+
+class FlightBook:
+    """A flight book, open; a context manager that closes it.
+
+    Args:
+        path: Path of the DuckDB file, which is made if it does not exist.
+
+    Raises:
+        MissingExtraError: DuckDB is not installed.
+        LogError: The file cannot be opened, or is no flight book.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        try:
+            self._duckdb: Any = import_module("duckdb")
+        except ImportError:
+            raise MissingExtraError("the flight book", "data") from None
+        self.path = Path(path)
+        columns = ", ".join(f"{name} {kind}" for name, kind in COLUMNS.items())
+        try:
+            self._connection = self._duckdb.connect(str(path))
+            self._connection.execute(
+                "CREATE TABLE IF NOT EXISTS files (path VARCHAR, size BIGINT, changed BIGINT)"
+            )
+            self._connection.execute(f"CREATE TABLE IF NOT EXISTS flights ({columns})")
+        except self._duckdb.Error as error:
+            reason = str(error).splitlines()[0]
+            raise LogError(f"cannot open the flight book {path}: {reason}") from error
+
+    def update(
+        self, folder: str | os.PathLike[str], progress: Callable[[int, int], None] | None = None
+    ) -> BookUpdate:
+        """Read the logs below a folder that are new or changed.
+
+        Args:
+            folder: The folder.
+            progress: Called with the number of files that were looked at, and with that of all.
+
+        Returns:
+            Counts of files, and those that cannot be read.
+
+        Raises:
+            LogError: The folder cannot be read.
+        """
+        root = Path(folder)
+        if not root.is_dir():
+            raise LogError(f"{root}: it is not a folder")
+        files = sorted(path for path in root.rglob("*") if path.suffix.lower() in SUFFIXES and path.is_file())
+        result = BookUpdate()
+        known = dict(self._known())
+        for done, path in enumerate(files, 1):
+            name, state = str(path.relative_to(root)), (path.stat().st_size, path.stat().st_mtime_ns)
+            if known.pop(name, None) == state:
+                result.unchanged += 1
+            else:
+                self._read(path, name, state, result)
+            if progress is not None:
+                progress(done, len(files))
+        for name in known:
+            self._forget(name)
+            result.removed += 1
+        return result
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return the flights, the oldest first."""
+        result = self._connection.execute("SELECT * FROM flights ORDER BY start NULLS LAST, file, vehicle")
+        names = [column[0] for column in result.description]
+        return [dict(zip(names, row, strict=True)) for row in result.fetchall()]
+
+    def add_incident(self, file: str, text: str) -> int:
+        """Write a remark about the flights of a log.
+
+        Args:
+            file: Path of the log as in the book.
+            text: The remark; it replaces an earlier one.
+
+        Returns:
+            Number of flights with the remark.
+        """
+        self._connection.execute("UPDATE flights SET incidents = ? WHERE file = ?", [text, file])
+        count = self._connection.execute("SELECT count(*) FROM flights WHERE file = ?", [file]).fetchone()
+        return int(count[0])
+
+    def export_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the book as CSV.
+
+        Args:
+            path: Path of the file.
+
+        Raises:
+            LogError: The file cannot be written.
+        """
+        try:
+            # Results of earlier queries must not be open on the connection of this one.
+            with self._connection.cursor() as cursor:
+                cursor.table("flights").order("start, file, vehicle").write_csv(str(path))
+        except self._duckdb.Error as error:
+            raise LogError(f"cannot write {path}: {str(error).splitlines()[0]}") from error
+
+    def close(self) -> None:
+        """Close the file. Idempotent."""
+        self._connection.close()
+
+    def _known(self) -> Iterator[tuple[str, tuple[int, int]]]:
+        for path, size, changed in self._connection.execute("SELECT * FROM files").fetchall():
+            yield path, (size, changed)
+
+    def _read(self, path: Path, name: str, state: tuple[int, int], result: BookUpdate) -> None:
+        try:
+            with open_log(path) as log:
+                if not len(log):
+                    raise LogError(f"{path}: it holds no record")
+                rows = [_row(name, flight) for flight in flights(log)]
+        except (MavstackError, OSError) as error:
+            result.failed[name] = str(error)
+            return
+        remarks = self._connection.execute(
+            "SELECT any_value(incidents) FROM flights WHERE file = ?", [name]
+        ).fetchone()
+        self._forget(name)
+        insert = f"INSERT INTO flights VALUES ({', '.join('?' * len(COLUMNS))})"  # noqa: S608 (only marks)
+        for row in rows:
+            self._connection.execute(insert, [*row, remarks[0] or ""])
+        self._connection.execute("INSERT INTO files VALUES (?, ?, ?)", [name, *state])
+        result.read += 1
+
+    def _forget(self, name: str) -> None:
+        self._connection.execute("DELETE FROM flights WHERE file = ?", [name])
+        self._connection.execute("DELETE FROM files WHERE path = ?", [name])
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def _row(name: str, flight: Flight) -> list[object]:
+    """Return the values of a flight in the order of the columns, without the remarks."""
+    facts = flight_facts(flight)
+    start = flight.log.start
+    known = start is not None and not np.isnat(start)
+    armed = flight.armed_spans
+    return [
+        name,
+        flight.system,
+        flight.vehicle_type,
+        str(start.astype("M8[D]")) if start is not None and known else None,
+        str(start) if known else None,
+        round(flight.duration, 3),
+        facts["armed_s"],
+        int(facts["takeoffs"]),
+        armed[0][0] if armed else None,
+        armed[-1][1] if armed else None,
+        *_positions(flight),
+        *(facts.get(key) for key in _FACTS[1:]),
+        "; ".join(finding.title for finding in analyse(flight)),
+    ]
+
+
+def _positions(flight: Flight) -> Sequence[float | None]:
+    track = flight.track
+    if track is None or not len(track):
+        return [None] * 4
+    ends = ((track.latitudes[index], track.longitudes[index]) for index in (0, -1))
+    return [float(value) for pair in ends for value in pair]

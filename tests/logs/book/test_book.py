@@ -1,0 +1,91 @@
+"""The flight book of a folder of logs."""
+
+from __future__ import annotations
+
+import csv
+import datetime
+from pathlib import Path
+
+import pytest
+
+from mavstack.errors import LogError
+from mavstack.logs.book import COLUMNS, FlightBook
+from tests.logs.files import stamped
+from tests.logs.flights import flight_tlog, packets
+
+ONE = str(Path("2023", "one.tlog"))
+
+
+@pytest.fixture
+def folder(tmp_path):
+    logs = tmp_path / "logs"
+    (logs / "2023").mkdir(parents=True)
+    (logs / "2023" / "one.tlog").write_bytes(flight_tlog())
+    (logs / "notes.txt").write_text("no log")
+    return logs
+
+
+def test_a_flight_has_a_row(folder, tmp_path):
+    with FlightBook(tmp_path / "book.duckdb") as book:
+        update = book.update(folder)
+        assert (update.read, update.unchanged, update.failed) == (1, 0, {})
+        first, second = book.rows()
+    assert list(first) == list(COLUMNS)
+    assert first["file"] == ONE
+    assert (first["vehicle"], second["vehicle"]) == (1, 2)
+    assert (first["vehicle_type"], first["date"]) == ("QUADROTOR", datetime.date(2023, 11, 14))
+    assert first["flight_time_s"] == pytest.approx(6.0)
+    assert (first["first_takeoff_s"], first["last_landing_s"]) == (2.0, 8.0)
+    assert first["first_latitude"] == pytest.approx(47.0)
+    assert first["last_latitude"] == pytest.approx(47.0009)
+    assert first["distance_m"] == pytest.approx(100.1, abs=0.1)
+    assert first["max_altitude_m"] == 7.0
+    assert second["flight_time_s"] == 0.0
+
+
+def test_only_changed_logs_are_read_again_and_remarks_stay(folder, tmp_path):
+    path = tmp_path / "book.duckdb"
+    with FlightBook(path) as book:
+        book.update(folder)
+        assert book.add_incident(ONE, "propeller lost") == 2
+    (folder / "two.tlog").write_bytes(stamped(packets(), start=1_800_000_000_000_000))
+    with FlightBook(path) as book:
+        update = book.update(folder)
+        assert (update.read, update.unchanged) == (1, 1)
+        (folder / "2023" / "one.tlog").write_bytes(flight_tlog() + b"x")
+        calls = []
+        update = book.update(folder, lambda *done: calls.append(done))
+        assert (update.read, update.unchanged) == (1, 1)
+        assert calls == [(1, 2), (2, 2)]
+        assert [row["incidents"] for row in book.rows()] == ["propeller lost"] * 2 + [""] * 2
+        (folder / "two.tlog").unlink()
+        assert book.update(folder).removed == 1
+        assert len(book.rows()) == 2
+
+
+def test_a_log_that_cannot_be_read_does_not_stop_the_others(folder, tmp_path):
+    (folder / "bad.bin").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(100))
+    with FlightBook(tmp_path / "book.duckdb") as book:
+        update = book.update(folder)
+        assert list(update.failed) == ["bad.bin"]
+        assert len(book.rows()) == 2
+
+
+def test_the_book_as_csv(folder, tmp_path):
+    with FlightBook(tmp_path / "book.duckdb") as book:
+        book.update(folder)
+        book.export_csv(tmp_path / "book.csv")
+        with pytest.raises(LogError, match="cannot write"):
+            book.export_csv(tmp_path / "none" / "book.csv")
+    with (tmp_path / "book.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["vehicle"] for row in rows] == ["1", "2"]
+
+
+def test_wrong_paths_are_reported(folder, tmp_path):
+    other = tmp_path / "other.duckdb"
+    other.write_bytes(b"no database" * 1000)
+    with pytest.raises(LogError, match=f"cannot open the flight book {other}"):
+        FlightBook(other)
+    with FlightBook(tmp_path / "book.duckdb") as book, pytest.raises(LogError, match="it is not a folder"):
+        book.update(tmp_path / "nowhere")
