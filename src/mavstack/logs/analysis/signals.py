@@ -9,19 +9,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import degrees
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
 
 import numpy as np
 
 from mavstack.errors import LogError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import NDArray
 
     from mavstack.logs.log import Log
     from mavstack.logs.message_table import MessageTable
+
+Column: TypeAlias = "NDArray[np.float64]"
 
 
 class Source(NamedTuple):
@@ -204,6 +206,10 @@ SIGNALS: Final[Mapping[str, SignalDefinition]] = MappingProxyType(
 _OF_THE_LINK: Final = frozenset({"radio_rssi", "radio_remrssi", "radio_noise", "radio_remnoise"})
 
 
+#: PX4 logs the attitude as a quaternion (w, x, y, z).
+_QUATERNIONS: Final = "vehicle_attitude"
+
+
 def read_signal(log: Log, name: str, system: int | None = None) -> Signal | None:
     """Read a signal.
 
@@ -219,6 +225,8 @@ def read_signal(log: Log, name: str, system: int | None = None) -> Signal | None
         LogError: The log cannot be read.
     """
     definition = SIGNALS[name]
+    if name in _ANGLES and _QUATERNIONS in log:
+        return _angle(log, name, definition)
     for source in definition.sources:
         if source.table not in log or source.field.partition("[")[0] not in log.schema(source.table):
             continue
@@ -235,6 +243,35 @@ def read_signal(log: Log, name: str, system: int | None = None) -> Signal | None
             times, values = times[known][order], values[known][order]
             return Signal(name, definition.title, definition.unit, column, times, values)
     return None
+
+
+def _roll(w: Column, x: Column, y: Column, z: Column) -> Column:
+    return np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+
+
+def _pitch(w: Column, x: Column, y: Column, z: Column) -> Column:
+    return np.arcsin(np.clip(2 * (w * y - z * x), -1, 1))
+
+
+def _yaw(w: Column, x: Column, y: Column, z: Column) -> Column:
+    return np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+
+_ANGLES: Final[Mapping[str, Callable[[Column, Column, Column, Column], Column]]] = MappingProxyType(
+    {"roll": _roll, "pitch": _pitch, "yaw": _yaw}
+)
+
+
+def _angle(log: Log, name: str, definition: SignalDefinition) -> Signal | None:
+    """Return an angle of the attitude quaternion in degrees."""
+    table = _rows(log[_QUATERNIONS], None)
+    times = log.seconds_from_start(_QUATERNIONS, table)
+    values = np.degrees(_ANGLES[name](*np.asarray(table["q"]).astype(np.float64).T))
+    known = np.isfinite(values) & np.isfinite(times)
+    if not known.any():
+        return None
+    column = f"{_QUATERNIONS}.q"
+    return Signal(name, definition.title, definition.unit, column, times[known], values[known])
 
 
 def _rows(table: MessageTable, system: int | None) -> MessageTable:
