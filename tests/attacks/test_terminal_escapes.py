@@ -75,6 +75,7 @@ WITHOUT_VEHICLE = [
     "watch hostile.tlog --once --json", "record udpin://127.0.0.1:0 new.tlog --for 0.1",
     "data info hostile.tlog", "data info hostile.tlog --json", "data messages hostile.tlog STATUSTEXT",
     "data diff hostile.tlog hostile.tlog", "data repair hostile.tlog -o new.tlog", "data book .",
+    "data merge hostile.tlog hostile.tlog",
     "data replay hostile.tlog --to udpout://127.0.0.1:9 --speed max", "data report hostile.tlog",
     "data report hostile.tlog --json",
     "data plot hostile.tlog STATUSTEXT.severity",

@@ -26,6 +26,17 @@ def test_diff(mav, tlog):
     assert mav("data", "diff", tlog).code == 2
 
 
+def test_merge(mav, tlog, tmp_path):
+    (tmp_path / "other.tlog").write_bytes(tlog.read_bytes())
+    result = mav("data", "merge", tlog, "other.tlog", "--to", "geojson", "-o", "both.geojson")
+    assert (result.code, result.err) == (0, "")
+    assert result.out.splitlines()[-1].endswith("rows -> both.geojson")
+    offsets = json.loads(mav("data", "merge", tlog, "other.tlog", "--json").out)["offsets"]
+    assert len(offsets) == 2
+    assert mav("data", "merge", tlog).code == 2
+    assert mav("data", "merge", tlog, "other.tlog", "--to", "csv").code == 2
+
+
 def test_repair(mav, tlog, tmp_path):
     tlog.write_bytes(tlog.read_bytes() + b"junk")
     result = mav("data", "repair", tlog, "-o", "new.tlog")

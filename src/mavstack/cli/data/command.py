@@ -28,6 +28,8 @@ examples:
   mav data report flight.tlog               # findings, and the page flight.html
   mav data report flight.tlog --json
   mav data diff before.tlog after.tlog      # parameters and missions
+  mav data merge flight.tlog 00000042.BIN   # how far their clocks are apart
+  mav data merge flight.tlog 00000042.BIN --to parquet -o dataset/
   mav data repair damaged.tlog -o sound.tlog
   mav data replay flight.tlog --to udpout://127.0.0.1:14550 --speed 5
   mav data book logs/                       # a table of all flights, kept in logs/flights.duckdb

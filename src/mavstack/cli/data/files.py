@@ -1,4 +1,4 @@
-"""`mav data diff`, `repair`, `replay` and `book`: whole files, and folders of them."""
+"""`mav data diff`, `merge`, `repair`, `replay` and `book`: whole files, and folders of them."""
 
 from __future__ import annotations
 
@@ -13,8 +13,10 @@ from mavstack.cli.common.output import echo, echo_json, table_lines
 from mavstack.cli.common.text import duration_text, size_text
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.data.opening import add_log_options, open_file, report_damage
+from mavstack.logs import merge_logs
 from mavstack.logs.book import FlightBook
 from mavstack.logs.compare import mission_differences, parameter_differences
+from mavstack.logs.export import export_log, exporter_names
 from mavstack.logs.repair import repair_log
 
 if TYPE_CHECKING:
@@ -28,6 +30,11 @@ def add_actions(actions: Actions) -> None:
     """Declare the actions."""
     parser = actions.add("diff", "parameters and missions that differ between logs", diff)
     add_log_options(parser, several=True)
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser = actions.add("merge", "logs of one flight on one timeline, such as a tlog and a .BIN", merge)
+    add_log_options(parser, several=True)
+    parser.add_argument("--to", choices=exporter_names(), metavar="FORMAT", help="write the merged log")
+    parser.add_argument("-o", "--output", metavar="PATH", help="file or folder to write")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser = actions.add("repair", "copy what a damaged tlog still holds", repair)
     add_log_options(parser)
@@ -77,6 +84,27 @@ def _print_differences(title: str, differences: list[Difference]) -> None:
 
 def _value(value: float | str | None) -> str:
     return "-" if value is None else value if isinstance(value, str) else f"{value:.9g}"
+
+
+def merge(arguments: Namespace) -> int:
+    """Run `mav data merge`."""
+    if len(arguments.files) < 2:
+        raise UsageError("name two logs of one flight, or more")
+    if (arguments.to is None) != (arguments.output is None):
+        raise UsageError("--to and -o belong together")
+    logs = [open_file(path, arguments) for path in arguments.files]
+    merged = merge_logs(*logs)
+    written = {}
+    if arguments.to is not None:
+        with TransferProgress("writing") as progress:
+            written = export_log(merged, arguments.to, arguments.output, progress=progress).to_dict()
+    if arguments.json:
+        echo_json({"offsets": [offset.to_dict() for offset in merged.offsets], **written})
+    else:
+        echo(*(offset.describe() for offset in merged.offsets))
+        if written:
+            echo(f"{sum(written['rows'].values()):,} rows -> {arguments.output}")
+    return max(report_damage(log, arguments) for log in logs)
 
 
 def repair(arguments: Namespace) -> int:
