@@ -105,6 +105,7 @@ def test_a_blocking_call_in_a_listener_is_an_error(vehicle: Node) -> None:
         assert "a callback would wait for its own thread" in caught.get(timeout=10)
 
 
+@pytest.mark.flight
 def test_events_by_iteration_and_by_a_listener(vehicle: Node) -> None:
     heard: Queue[int] = Queue()
     with Node(url_of(vehicle)) as ground:

@@ -73,6 +73,7 @@ def test_wrong_usage(harness, capsys):
     assert "roi takes LAT LON [ALT]" in mav(capsys, "gimbal", "roi", "here", code=2).err
 
 
+@pytest.mark.flight
 def test_examples_of_the_help_run(harness, capsys):
     for words in examples_of(EXAMPLES):
         if words[1] == "follow":  # simulated vehicles do not receive positions of others

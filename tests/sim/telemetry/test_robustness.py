@@ -165,6 +165,7 @@ def test_every_state_of_a_flight(vehicle_type, firmware):
         "EscTelemetry1To4",
         "DistanceSensor",
         "Rangefinder",
+        "WinchStatus",
     }
     missing = {
         message_type.__name__
