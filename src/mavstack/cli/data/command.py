@@ -20,6 +20,8 @@ examples:
   mav data convert flight.tlog --to csv -o columns/ --only ATTITUDE,GPS_RAW_INT
   mav data convert flight.tlog --to kml     # the track, into flight.kml
   mav data convert logs/*.tlog --to parquet -o dataset/ --jobs 4
+  mav data convert 's3://bucket/*.ulg' --to parquet -o s3://bucket/dataset --dask tcp://10.0.0.1:8786
+  mav data convert logs/*.BIN --to parquet -o dataset/ --resume done.txt
   mav data query flight.tlog "ATTITUDE.roll"
   mav data query flight.tlog "ATTITUDE.roll where armed"
   mav data query flight.tlog "ATTITUDE.roll, ATTITUDE.pitch where abs(roll) > 0.1 and mode = 'LOITER'"

@@ -2,41 +2,24 @@
 
 from __future__ import annotations
 
-import os
 from argparse import ArgumentTypeError
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import get_context
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING
 
-from mavstack.cli.common.errors import UsageError, failure_text
+from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.output import echo, echo_json
-from mavstack.cli.common.transfer_progress import TransferProgress
-from mavstack.cli.data.opening import add_log_options, add_selection_options, open_file
-from mavstack.errors import MavstackError
-from mavstack.logs.export import ExportOptions, export_log, exporter, exporter_names
+from mavstack.cli.data.conversion import ConvertedLogs, Job, run_jobs
+from mavstack.cli.data.opening import add_log_options, add_selection_options
+from mavstack.cli.data.remote import expand, is_remote
+from mavstack.logs.export import exporter, exporter_names
 
 if TYPE_CHECKING:
     from argparse import Namespace
     from collections.abc import Iterator
 
     from mavstack.cli.common.actions import Actions
-
-
-class Job(NamedTuple):
-    """The conversion of one file."""
-
-    source: str
-    target: str
-
-
-class Outcome(NamedTuple):
-    """The result of a job: what was written as values for JSON, and the problem if it failed."""
-
-    job: Job
-    written: dict[str, Any]
-    skipped: str
-    problem: str = ""
+    from mavstack.cli.data.conversion import Outcome
+    from mavstack.logs.export import LogExporter
 
 
 def add_actions(actions: Actions) -> None:
@@ -57,6 +40,12 @@ def add_actions(actions: Actions) -> None:
     parser.add_argument(
         "--jobs", type=_jobs, default=0, metavar="N", help="processes (default: one per processor)"
     )
+    parser.add_argument(
+        "--resume", metavar="FILE", help="skip the logs that this file lists, and add those that are done"
+    )
+    parser.add_argument(
+        "--dask", metavar="ADDRESS", help="convert on a Dask cluster, such as tcp://10.0.0.1:8786"
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object per log")
     add_selection_options(parser)
 
@@ -69,69 +58,45 @@ def _jobs(text: str) -> int:
 
 def convert(arguments: Namespace) -> int:
     """Run `mav data convert`; a log that fails does not stop the others."""
-    jobs = [Job(source, str(target)) for source, target in _targets(arguments)]
+    jobs = list(_jobs_of(arguments))
+    done = None if arguments.resume is None else ConvertedLogs(arguments.resume)
+    waiting = [job for job in jobs if done is None or not done.has(job)]
+    if len(waiting) < len(jobs):
+        echo(f"mav data: {len(jobs) - len(waiting)} logs were converted before", error=True)
     failed = False
-    for outcome in _outcomes(jobs, arguments):
+    for outcome in run_jobs(waiting, arguments):
         failed |= bool(outcome.problem) or (bool(outcome.skipped) and arguments.strict)
+        if done is not None and not outcome.problem:
+            done.add(outcome.job)
         _print(outcome, arguments)
     return 1 if failed else 0
 
 
-def _targets(arguments: Namespace) -> Iterator[tuple[str, Path]]:
-    """Yield the path to write for each log."""
+def _jobs_of(arguments: Namespace) -> Iterator[Job]:
+    """Yield the conversion of each log."""
     chosen = exporter(arguments.to)
-    files = [Path(name) for name in arguments.files]
-    output = None if arguments.output is None else Path(arguments.output)
-    if output is not None and len(files) > 1 and not chosen.makes_folder and output.is_file():
+    files = expand(arguments.files)
+    output = arguments.output
+    if output is None and any(map(is_remote, files)):
+        raise UsageError("logs at URLs need -o PATH")
+    if output is not None and len(files) > 1 and not chosen.makes_folder and Path(output).is_file():
         raise UsageError(f"{output} is a file; several logs need a folder")
     for file in files:
-        if chosen.name == "parquet":
-            yield str(file), output or file.parent / "dataset"
-        elif chosen.makes_folder:
-            own = file.parent / f"{file.stem}-{chosen.name}" if output is None else output
-            yield str(file), own / file.stem if output is not None and len(files) > 1 else own
-        elif output is None or output.is_dir() or len(files) > 1:
-            yield str(file), (output or file.parent) / f"{file.stem}{chosen.suffix}"
-        else:
-            yield str(file), output
+        yield Job(file, _target(chosen, file, output, several=len(files) > 1))
 
 
-def _outcomes(jobs: list[Job], arguments: Namespace) -> Iterator[Outcome]:
-    if len(jobs) == 1:
-        with TransferProgress(f"converting {jobs[0].source}") as progress:
-            yield _convert(jobs[0], arguments, progress)
-        return
-    workers = min(arguments.jobs or os.cpu_count() or 1, len(jobs))
-    # A forked process would inherit the threads of pyarrow in an undefined state.
-    with (
-        TransferProgress(f"converting {len(jobs)} logs", in_bytes=False) as progress,
-        ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool,
-    ):
-        running = [pool.submit(_convert, job, arguments) for job in jobs]
-        try:
-            for done, future in enumerate(as_completed(running), 1):
-                progress(done, len(jobs))
-                yield future.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-
-
-def _convert(job: Job, arguments: Namespace, progress: Any = None) -> Outcome:  # noqa: ANN401 (a callback)
-    """Convert one log."""
-    options = ExportOptions(scaled=arguments.scaled, enums=arguments.enums)
-    names = [name.strip() for name in arguments.only.split(",")] if arguments.only else ()
-    try:
-        with open_file(job.source, arguments) as log:
-            summary = export_log(
-                log, arguments.to, job.target, names=names, options=options, progress=progress
-            )
-    except (MavstackError, OSError) as error:
-        if progress is not None:
-            raise
-        return Outcome(job, {}, "", failure_text(error))
-    damage = summary.skipped
-    return Outcome(job, summary.to_dict(), damage.describe() if damage else "")
+def _target(chosen: LogExporter, file: str, output: str | None, *, several: bool) -> str:
+    """Return the path to write for a log."""
+    stem, folder = PurePosixPath(file.replace("\\", "/")).stem, str(Path(file).parent)
+    if chosen.name == "parquet":
+        return output or str(Path(folder) / "dataset")
+    if chosen.makes_folder:
+        if output is None:
+            return str(Path(folder) / f"{stem}-{chosen.name}")
+        return f"{output.rstrip('/')}/{stem}" if several else output
+    if output is None or several or (not is_remote(output) and Path(output).is_dir()):
+        return f"{(output or folder).rstrip('/')}/{stem}{chosen.suffix}"
+    return output
 
 
 def _print(outcome: Outcome, arguments: Namespace) -> None:

@@ -1,0 +1,86 @@
+"""Conversions of many logs: resumed, from and to URLs, and on a Dask cluster."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from mavstack.cli.data.conversion import ConvertedLogs, Job
+from mavstack.errors import LogError
+from tests.logs.flights import flight_tlog
+
+
+@pytest.fixture
+def logs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("a.tlog", "b.tlog"):
+        (tmp_path / name).write_bytes(flight_tlog())
+    return tmp_path
+
+
+def test_a_conversion_is_resumed(mav, logs):
+    words = ("data", "convert", "a.tlog", "--to", "geojson", "-o", "out", "--resume", "done.txt")
+    (logs / "out").mkdir()
+    assert mav(*words).code == 0
+    again = mav(*words)
+    assert (again.code, again.out) == (0, "")
+    assert "1 logs were converted before" in again.err
+    (logs / "a.tlog").write_bytes(flight_tlog() * 2)
+    assert "200 rows" in mav(*words).out, "a log that has changed is converted again"
+    assert len((logs / "done.txt").read_text().splitlines()) == 2
+
+
+def test_a_file_that_is_no_list_of_logs_is_refused(logs):
+    (logs / "done.txt").write_text("not json\n")
+    with pytest.raises(LogError, match="no list of converted logs"):
+        ConvertedLogs("done.txt")
+    (logs / "done.txt").unlink()
+    assert not ConvertedLogs("done.txt").has(Job("a.tlog", "x"))
+
+
+def test_logs_and_results_at_urls(mav, logs):
+    url = f"file://{logs}"
+    result = mav("data", "convert", f"{url}/a.tlog", "--to", "kml", "-o", f"{url}/out/a.kml")
+    assert (result.code, result.err) == (0, "")
+    assert (logs / "out" / "a.kml").read_text().startswith("<?xml")
+    result = mav("data", "convert", f"{url}/a.tlog", "--to", "parquet", "-o", f"{url}/set")
+    assert result.code == 0
+    assert list((logs / "set").rglob("message=ATTITUDE/*.parquet"))
+    assert mav("data", "convert", f"{url}/a.tlog", "--to", "kml").code == 2
+    nothing = mav("data", "convert", f"{url}/*.ulg", "--to", "kml", "-o", "out")
+    assert (nothing.code, "no file matches" in nothing.err) == (1, True)
+    unknown = mav("data", "convert", "nonsense://x/a.tlog", "--to", "kml", "-o", "out")
+    assert (unknown.code, "cannot open nonsense://x/a.tlog" in unknown.err) == (1, True)
+    missing = mav("data", "convert", f"{url}/c.tlog", "--to", "kml", "-o", "out")
+    assert (missing.code, missing.err.count("\n")) == (1, 1)
+
+
+@pytest.mark.flight
+@pytest.mark.filterwarnings("ignore")
+def test_a_dask_cluster_writes_one_dataset(mav, logs):
+    import duckdb
+    from distributed import LocalCluster
+
+    (logs / "bad.tlog").write_bytes(b"no log")
+    with LocalCluster(n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None) as cluster:
+        result = mav(
+            "data", "convert", "a.tlog", "b.tlog", "bad.tlog", "--to", "parquet", "-o", "set",
+            "--dask", cluster.scheduler_address, "--json",
+        )  # fmt: skip
+    assert result.code == 1
+    outcomes = {outcome["file"]: outcome for outcome in map(json.loads, result.out.splitlines())}
+    assert "nothing to write" in outcomes["bad.tlog"]["problem"]
+    count = duckdb.sql("SELECT count(*) FROM 'set/**/message=ATTITUDE/*.parquet'").fetchall()
+    assert count == [(20,)]
+
+
+def test_a_cluster_that_is_not_there_is_reported(mav, logs, monkeypatch):
+    import distributed
+
+    def refuse(address, timeout):
+        raise OSError(f"timed out connecting to {address}")
+
+    monkeypatch.setattr(distributed, "Client", refuse)
+    result = mav("data", "convert", "a.tlog", "--to", "kml", "--dask", "tcp://127.0.0.1:9")
+    assert (result.code, "cannot reach the Dask scheduler" in result.err) == (1, True)
