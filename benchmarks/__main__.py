@@ -9,7 +9,7 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import c_library, dataflash, report, rows, simulation, ulog, workload
+from . import c_library, dataflash, exports, report, rows, simulation, ulog, workload
 from .measure import pinned
 from .telemetry import __main__ as telemetry
 from .transfers import __main__ as transfers
@@ -30,8 +30,9 @@ ROWS: dict[str, Callable[[rows.Bench], Iterator[Row]]] = {
     "memory": lambda bench: iter([rows.log_memory(bench)]),
     "dataflash": lambda bench: dataflash.rows(bench, quick=bench.amounts is rows.QUICK),
     "ulog": lambda bench: ulog.rows(bench, quick=bench.amounts is rows.QUICK),
+    "exports": exports.rows,
 }
-ON_ALL_CORES = ("tlog", "memory", "dataflash", "ulog")
+ON_ALL_CORES = ("tlog", "memory", "dataflash", "ulog", "exports")
 # Benchmarks with separate tables.
 SIMULATION = "simulation"
 TELEMETRY = "telemetry"

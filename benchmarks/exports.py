@@ -1,0 +1,94 @@
+"""A tlog to files: to Parquet, beside mavlogdump to CSV, and to the page of a report.
+
+mavlogdump is asked for all messages. Its start is subtracted, which is measured with an empty log. The memory
+of the export is the peak of a process of its own.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from functools import partial
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Final
+
+import mavstack
+from mavstack.logs.export import export_log
+from mavstack.logs.report import make_report
+
+from .measure import OURS, Ratio, Row, rates, speed_ratio, take_turns
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from .rows import Bench
+
+DUMP: Final = "mavlogdump"
+_REPORT_SECONDS: Final = 5.0
+_MEMORY: Final = 300e6
+
+
+def rows(bench: Bench) -> Iterator[Row]:
+    """Measure the export to Parquet, its memory, and the report."""
+    many, few = bench.amounts.log, bench.amounts.slow
+    whole = bench.file("flight.tlog", partial(bench.flight.tlog, many))
+    slice_ = bench.file("slice.tlog", partial(bench.flight.tlog, few))
+    empty = bench.file("empty.tlog", lambda: b"")
+    work: dict[str, Callable[[], float]] = {
+        DUMP: partial(_dump, slice_, empty, few),
+        OURS: partial(_export, whole, bench.folder / "dataset", many),
+    }
+    results = take_turns(work, max(bench.amounts.turns // 2, 3))
+    yield Row("tlog to Parquet, all messages", rates(results), (speed_ratio(results, DUMP, 100),))
+    peak = _peak(whole, bench.folder / "dataset")
+    figures = {OURS: f"{peak / 1e6:.0f} MB"}
+    ratio = Ratio("of 300 MB", (peak / _MEMORY,), 1, higher_is_better=False)
+    yield Row("memory of the export", figures, (ratio,))
+    seconds = [_report(whole) for _ in range(3)]
+    size = whole.stat().st_size
+    share = tuple(each * 100e6 / size / _REPORT_SECONDS for each in seconds)
+    figures = {OURS: f"{min(seconds):.1f} s for {size / 1e6:.0f} MB"}
+    yield Row("report of a log", figures, (Ratio("of 5 s for 100 MB", share, 1, higher_is_better=False),))
+
+
+def _export(log: Path, target: Path, count: int) -> float:
+    shutil.rmtree(target, ignore_errors=True)
+    started = perf_counter()
+    export_log(mavstack.open_log(log), "parquet", target)
+    return (perf_counter() - started) / count
+
+
+def _dump(log: Path, empty: Path, count: int) -> float:
+    return (_dump_seconds(log) - _dump_seconds(empty)) / count
+
+
+def _dump_seconds(log: Path) -> float:
+    script = Path(sys.executable).with_name("mavlogdump.py")
+    started = perf_counter()
+    subprocess.run(
+        [sys.executable, str(script), "--format", "csv", "--types", "*", str(log)],
+        check=False,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    return perf_counter() - started
+
+
+def _report(log: Path) -> float:
+    started = perf_counter()
+    make_report(mavstack.open_log(log))
+    return perf_counter() - started
+
+
+def _peak(log: Path, target: Path) -> int:
+    """Return the peak memory of a process that exports a log, in bytes."""
+    shutil.rmtree(target, ignore_errors=True)
+    words = [sys.executable, "-m", "mavstack", "data", "convert", str(log), "--to", "parquet"]
+    process = subprocess.Popen([*words, "-o", str(target)], stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    if status:
+        raise RuntimeError(f"the export ended with status {status}")
+    return usage.ru_maxrss * 1024
