@@ -38,7 +38,7 @@ def rows(bench: Bench) -> Iterator[Row]:
     slice_ = bench.file("slice.tlog", partial(bench.flight.tlog, few))
     empty = bench.file("empty.tlog", lambda: b"")
     work: dict[str, Callable[[], float]] = {
-        DUMP: partial(_dump, slice_, empty, few),
+        DUMP: partial(_dump, slice_, empty, few, ",".join(mavstack.open_log(slice_))),
         OURS: partial(_export, whole, bench.folder / "dataset", many),
     }
     results = take_turns(work, max(bench.amounts.turns // 2, 3))
@@ -61,15 +61,15 @@ def _export(log: Path, target: Path, count: int) -> float:
     return (perf_counter() - started) / count
 
 
-def _dump(log: Path, empty: Path, count: int) -> float:
-    return (_dump_seconds(log) - _dump_seconds(empty)) / count
+def _dump(log: Path, empty: Path, count: int, names: str) -> float:
+    return (_dump_seconds(log, names) - _dump_seconds(empty, names)) / count
 
 
-def _dump_seconds(log: Path) -> float:
+def _dump_seconds(log: Path, names: str) -> float:
     script = Path(sys.executable).with_name("mavlogdump.py")
     started = perf_counter()
     subprocess.run(
-        [sys.executable, str(script), "--format", "csv", "--types", "*", str(log)],
+        [sys.executable, str(script), "--format", "csv", "--types", names, str(log)],
         check=False,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
