@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from random import Random
 
 import pytest
 
@@ -110,3 +111,22 @@ def test_a_recorder_that_is_ended_leaves_complete_records(tmp_path, number):
     assert log.statistics.bad_bytes == 0
     if number == signal.SIGINT:
         assert f"mav record: recorded {log.statistics.packets} packets to {path}" in errors
+
+
+@pytest.mark.nightly
+@pytest.mark.skipif(sys.platform == "win32", reason="SIGKILL")
+def test_a_hundred_kills_at_random_moments_lose_at_most_a_second(tmp_path):
+    random = Random(13)
+    for number in range(100):
+        path = tmp_path / f"{number}.tlog"
+        with sender(b"".join(flight(20))) as url:
+            words = [sys.executable, "-m", "mavstack", "record", url, str(path)]
+            recorder = subprocess.Popen(words, stderr=subprocess.DEVNULL)
+            wait_for_packets(path)
+            time.sleep(random.uniform(0, 0.5))
+            killed = time.time()
+            recorder.kill()
+            recorder.wait()
+        log = open_log(path)
+        assert log.statistics.bad_bytes == 0
+        assert killed - float(log["ATTITUDE"]["_time"][-1].astype("i8")) / 1e6 < 1
