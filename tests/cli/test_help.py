@@ -17,8 +17,10 @@ LINKS = ("udpin://0.0.0.0:14550", "/dev/ttyACM0,57600", "tcp:127.0.0.1:5760")
 NOWHERE = ("--out", "udpout://127.0.0.1:9")
 #: Arguments that end an example that would run without end.
 BRIEFLY = {"sim": ("--for", "1", "--speed", "max", *NOWHERE), "demo": ("--for", "2", "--once")}
-#: These are run by tests of their own, against a simulated vehicle.
+#: These are run by tests of their own, against a simulated vehicle, or with files of their own.
 WITH_VEHICLE = (
+    "record",
+    "data",
     "vehicle",
     "rate",
     "param",

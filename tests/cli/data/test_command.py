@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import shlex
+from pathlib import Path
 
 import pytest
 
+from mavstack.cli.data.command import EXAMPLES
 from tests.logs.flights import flight_tlog
 
 
@@ -117,3 +120,28 @@ def test_failures_are_one_line(mav, tlog, words):
     assert result.code == 1
     assert result.err.startswith("mav data: ")
     assert result.err.count("\n") == 1
+
+
+def matches(word: str) -> list[str]:
+    """Return the files that a word of a shell stands for."""
+    return sorted(map(str, Path().glob(word))) if "*." in word else [word]
+
+
+#: Examples that need other machines.
+ELSEWHERE = "s3://"
+LINES = [
+    line.strip() for line in EXAMPLES.splitlines() if line.startswith("  mav ") and ELSEWHERE not in line
+]
+
+
+@pytest.mark.fast_cases(4)
+@pytest.mark.parametrize("line", LINES)
+def test_examples_of_the_help_run(mav, tlog, tmp_path, line):
+    (tmp_path / "logs" / "2026").mkdir(parents=True)
+    names = ("before.tlog", "after.tlog", "damaged.tlog", "00000042.BIN", "logs/a.tlog", "logs/b.tlog")
+    for name in (*names, "logs/c.BIN", "logs/2026/flight.tlog"):
+        (tmp_path / name).write_bytes(tlog.read_bytes())
+    words = shlex.split(line.partition(" | ")[0], comments=True)[1:]
+    result = mav(*(found for word in words for found in matches(word)))
+    # The recordings of this test have no vibration and no power.
+    assert result.code == 0 or "holds none of" in result.err or "neither a topic" in result.err, result.err

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -12,6 +13,8 @@ from random import Random
 import pytest
 
 from mavstack import open_log
+from mavstack.cli.record.command import EXAMPLES
+from mavstack.cli.registry import command_parser
 from mavstack.dialects import common
 from mavstack.wire import encode
 from tests.cli.conftest import flight, setup_signing
@@ -86,6 +89,13 @@ def test_a_link_without_packets_is_a_failure(mav, tmp_path):
     result = mav("record", "udpin://127.0.0.1:0", tmp_path / "flight.tlog", "--for", "0.2")
     assert result.code == 1
     assert "no data received" in result.err
+
+
+def test_examples_of_the_help_parse():
+    for line in EXAMPLES.splitlines():
+        if line.startswith("  mav record"):
+            words = shlex.split(line.partition(" | ")[0], comments=True)[2:]
+            assert command_parser("record").parse_args(words).record == words[-1] or "--" in line
 
 
 def wait_for_packets(path):

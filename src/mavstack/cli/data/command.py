@@ -17,7 +17,7 @@ examples:
   mav data messages flight.tlog             # the messages with their rates
   mav data messages flight.tlog ATTITUDE    # the columns of one, with units and enums
   mav data convert flight.tlog --to parquet -o dataset/
-  mav data convert flight.tlog --to csv -o columns/ --only ATTITUDE,GPS_RAW_INT
+  mav data convert flight.tlog --to csv -o columns/ --only ATTITUDE,VFR_HUD
   mav data convert flight.tlog --to kml     # the track, into flight.kml
   mav data convert logs/*.tlog --to parquet -o dataset/ --jobs 4
   mav data convert 's3://bucket/*.ulg' --to parquet -o s3://bucket/dataset --dask tcp://10.0.0.1:8786
