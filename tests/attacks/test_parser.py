@@ -51,7 +51,8 @@ def test_the_work_for_bytes_full_of_false_magics_is_bounded(pattern):
     junk = (pattern * 1400)[:1400]
     ordinary = b"".join(Encoder(1, 1).encode(HEARTBEAT) for _ in range(66))
     # A datagram full of valid packets takes about 10 us.
-    assert seconds(junk) < 8 * seconds(ordinary)
+    # Without the bound it is more than 18 times; a busy machine disturbs the ratio.
+    assert seconds(junk) < 14 * seconds(ordinary)
 
 
 def test_a_packet_from_the_future_is_refused_without_a_current_time():

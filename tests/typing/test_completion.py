@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 jedi = pytest.importorskip("jedi")
 
@@ -23,6 +27,16 @@ PROGRAMS = {
 }
 
 
+@pytest.fixture(scope="module", autouse=True)
+def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Keep the cache of jedi, which several processes cannot write at once, in a folder of this process."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(jedi.settings, "cache_directory", str(tmp_path_factory.mktemp("jedi")))
+        yield
+
+
+# One process parses the sources for all of them.
+@pytest.mark.xdist_group("completions")
 @pytest.mark.parametrize("program", PROGRAMS)
 def test_an_editor_completes_names(program: str, tmp_path: Path) -> None:
     project = jedi.Project(tmp_path, added_sys_path=[str(SOURCE)], smart_sys_path=False)
