@@ -199,7 +199,7 @@ CASES: dict[int, Case] = {
     ),
     CMD.DO_PARACHUTE: Case((2,), lambda harness: not harness.autopilot.armed, enable_parachute),
     CMD.DO_WINCH: Case(
-        (1, 1, 0.4, 0), lambda harness: harness.autopilot.payload.winch == 0.4, enable("WINCH_TYPE")
+        (1, 1, 0.5, 0), lambda harness: harness.autopilot.payload.winch == 0.5, enable("WINCH_TYPE")
     ),
     CMD.DO_SPRAYER: Case((1,), lambda harness: harness.autopilot.payload.sprayer, enable("SPRAY_ENABLE")),
     CMD.IMAGE_START_CAPTURE: Case(
