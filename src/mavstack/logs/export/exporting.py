@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import LogError, UnknownMessageError
 from mavstack.logs.export.registry import exporter
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
     from mavstack.logs.damage import LogDamage
     from mavstack.logs.log import Log
+
+#: Bytes of a log that are decoded at a time; writers hold several copies of their rows.
+_WINDOW: Final = 8 << 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +82,7 @@ def export_log(
     writer = exporter(to).open(log, Path(path), options or ExportOptions())
     rows: Counter[str] = Counter()
     try:
-        for tables in log.windows(names=names or None, progress=progress):
+        for tables in log.windows(_WINDOW, names or None, progress=progress):
             writer.write(tables)
             rows.update({name: len(table) for name, table in tables.items()})
         if not rows:

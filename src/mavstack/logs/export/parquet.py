@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 Key = tuple[int, str]
 
 #: Rows of a row group, which readers skip or read as a whole.
-_GROUP_ROWS: Final = 1 << 17
+_GROUP_ROWS: Final = 1 << 16
 #: Bytes of rows that wait for their row group to be full, of all files together.
-_MAX_WAITING: Final = 48 << 20
+_MAX_WAITING: Final = 24 << 20
 #: Files that are open at a time; a log with more systems continues the oldest one in another file.
 _MAX_OPEN: Final = 256
 _THREADS: Final = 4
