@@ -77,7 +77,7 @@ $(VENV)/bin/python: | rust
 	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
 
 $(VENV)/package: $(VENV)/bin/python $(SOURCES) | rust
-	$(BIN)/python -m pip install --quiet --editable ".[all]"
+	$(BIN)/python -m pip install --quiet --editable ".[cli,serial,web]"
 	@touch $@
 
 # The tools of developers too, several hundred megabytes.

@@ -155,7 +155,7 @@ def _duckdb() -> Any:  # noqa: ANN401 (optional)
         import_module("pyarrow")
         return import_module("duckdb")
     except ImportError:
-        raise MissingExtraError("queries of logs", "data") from None
+        raise MissingExtraError("a query of logs", "data") from None
 
 
 def _first_line(error: Exception) -> str:

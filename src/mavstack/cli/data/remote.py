@@ -102,7 +102,7 @@ def _open(path: str) -> tuple[Any, str]:
     try:
         core = import_module("fsspec.core")
     except ImportError:
-        raise MissingExtraError("files at URLs", "remote") from None
+        raise MissingExtraError("a file at a URL", "remote") from None
     try:
         system, name = core.url_to_fs(path)
     except (ImportError, ValueError) as error:

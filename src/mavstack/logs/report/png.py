@@ -34,7 +34,7 @@ def png_of(charts: Sequence[Chart]) -> bytes:
         # Without pyplot, which would open a window where there is a display.
         figures = import_module("matplotlib.figure")
     except ImportError:
-        raise MissingExtraError("plots as PNG", "plot") from None
+        raise MissingExtraError("a plot as PNG", "plot") from None
     figure = figures.Figure(figsize=(_WIDTH, _HEIGHT * len(charts)), dpi=_DOTS, layout="constrained")
     for axes, chart in zip(figure.subplots(len(charts), squeeze=False)[:, 0], charts, strict=True):
         _draw(axes, chart)
