@@ -6,30 +6,27 @@ usual LOG_BITMASK, with random values. numpy writes it; neither reader takes par
 
 from __future__ import annotations
 
-import statistics
 from collections import defaultdict
 from dataclasses import dataclass
-from functools import partial
-from time import perf_counter
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 import mavstack
 
-from . import memory
-from .measure import OURS, PYMAVLINK, Ratio, Row, rates, speed_ratio, take_turns
+from .measure import PYMAVLINK
+from .onboard_logs import OnboardLog, measure
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator, Mapping
     from pathlib import Path
 
     from numpy.typing import NDArray
 
+    from .measure import Row
     from .rows import Bench
 
 SEED: Final = 20150101
-FULL_SIZE, QUICK_SIZE = 420_000_000, 60_000_000
 SLICE_SIZE: Final = 4_000_000
 #: Length of a field by format character.
 LENGTHS: Final = {
@@ -41,7 +38,6 @@ LENGTHS: Final = {
     "N": 16,
     "Z": 64,
 }
-ONE_THREAD: Final = "one thread"
 _HEADER, _FMT, _FIRST_TYPE = b"\xa3\x95", 128, 140
 
 
@@ -158,15 +154,8 @@ def our_columns(path: Path, threads: int = 0) -> dict[str, Any]:
     return dict(log)
 
 
-def _timed(read: Callable[[Path], dict[str, Any]], path: Path, records: int) -> float:
-    """Return the seconds per record."""
-    start = perf_counter()
-    tables = read(path)
-    seconds = perf_counter() - start
-    rows = sum(len(table["Type" if name == "FMT" else "TimeUS"]) for name, table in tables.items())
-    if rows != records:
-        raise RuntimeError(f"{rows} of {records} records were read")
-    return seconds / records
+def _count(tables: Mapping[str, Any]) -> int:
+    return sum(len(table["Type" if name == "FMT" else "TimeUS"]) for name, table in tables.items())
 
 
 def _assert_equal(path: Path) -> None:
@@ -178,32 +167,11 @@ def _assert_equal(path: Path) -> None:
                 raise RuntimeError(f"{name}.{field} differs")
 
 
+LOG: Final = OnboardLog(
+    ".BIN", SLICE_SIZE, write, _assert_equal, _count, our_columns, PYMAVLINK, pymavlink_columns, 100
+)
+
+
 def rows(bench: Bench, *, quick: bool) -> Iterator[Row]:
     """Compare speed and memory of decoding a log; the peer reads a part of it."""
-    turns, size = bench.amounts.turns, QUICK_SIZE if quick else FULL_SIZE
-    whole, part = bench.folder / "flight.BIN", bench.folder / "part.BIN"
-    many, few = write(whole, size), write(part, SLICE_SIZE)
-    _assert_equal(part)
-    work: dict[str, Callable[[], float]] = {
-        PYMAVLINK: partial(_timed, pymavlink_columns, part, few),
-        OURS: partial(_timed, our_columns, whole, many),
-        ONE_THREAD: partial(_timed, partial(our_columns, threads=1), whole, many),
-    }
-    results = take_turns(work, turns)
-    one_thread = zip(results[PYMAVLINK], results.pop(ONE_THREAD), strict=True)
-    yield Row(
-        f".BIN of {whole.stat().st_size / 1e6:.0f} MB to columns",
-        rates(results),
-        (
-            speed_ratio(results, PYMAVLINK, 100),
-            Ratio("with one thread", tuple(theirs / ours for theirs, ours in one_thread), None),
-        ),
-    )
-    growth = [memory.growth("columns", OURS, part, whole) for _ in range(turns)]
-    columns = growth[0].columns
-    shares = tuple(one.anonymous / columns for one in growth)
-    yield Row(
-        f"memory of a .BIN, {columns / 1e6:.0f} MB of columns",
-        {OURS: f"{statistics.median(one.anonymous for one in growth) / 1e6:.0f} MB"},
-        (Ratio("times its columns", shares, 1.5, higher_is_better=False),),
-    )
+    return measure(bench, LOG, quick=quick)

@@ -6,22 +6,18 @@ default logging profile, with random values. numpy writes it; neither reader tak
 
 from __future__ import annotations
 
-import statistics
 from dataclasses import dataclass
-from functools import partial
 from struct import pack
-from time import perf_counter
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 import mavstack
 
-from . import memory
-from .measure import OURS, Ratio, Row, rates, speed_ratio, take_turns
+from .onboard_logs import OnboardLog, measure
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Iterator, Mapping
     from pathlib import Path
     from typing import Any
 
@@ -29,13 +25,12 @@ if TYPE_CHECKING:
 
     from mavstack.logs import MessageTable
 
+    from .measure import Row
     from .rows import Bench
 
 SEED: Final = 20150101
-FULL_SIZE, QUICK_SIZE = 420_000_000, 60_000_000
 SLICE_SIZE: Final = 8_000_000
 PYULOG: Final = "pyulog"
-ONE_THREAD: Final = "one thread"
 START_US: Final = 1_000_000
 SYNC: Final = b"\x2f\x73\x13\x20\x25\x0c\xbb\x12"
 SIZES: Final = {
@@ -167,15 +162,8 @@ def our_columns(path: Path, threads: int = 0) -> dict[str, MessageTable]:
     return dict(log)
 
 
-def _timed(read: Callable[[Path], Mapping[str, Any]], path: Path, records: int) -> float:
-    """Return the seconds per record."""
-    start = perf_counter()
-    tables = read(path)
-    seconds = perf_counter() - start
-    found = sum(len(table["timestamp"]) for table in tables.values())
-    if found != records:
-        raise RuntimeError(f"{found} of {records} records were read")
-    return seconds / records
+def _count(tables: Mapping[str, Any]) -> int:
+    return sum(len(table["timestamp"]) for table in tables.values())
 
 
 def _assert_equal(path: Path) -> None:
@@ -187,32 +175,11 @@ def _assert_equal(path: Path) -> None:
                 raise RuntimeError(f"{name}.{field} differs")
 
 
+LOG: Final = OnboardLog(
+    ".ulg", SLICE_SIZE, write, _assert_equal, _count, our_columns, PYULOG, pyulog_columns, 5
+)
+
+
 def rows(bench: Bench, *, quick: bool) -> Iterator[Row]:
     """Compare speed and memory of decoding a log; the peer reads a part of it."""
-    turns, size = bench.amounts.turns, QUICK_SIZE if quick else FULL_SIZE
-    whole, part = bench.folder / "flight.ulg", bench.folder / "part.ulg"
-    many, few = write(whole, size), write(part, SLICE_SIZE)
-    _assert_equal(part)
-    work: dict[str, Callable[[], float]] = {
-        PYULOG: partial(_timed, pyulog_columns, part, few),
-        OURS: partial(_timed, our_columns, whole, many),
-        ONE_THREAD: partial(_timed, partial(our_columns, threads=1), whole, many),
-    }
-    results = take_turns(work, turns)
-    one_thread = zip(results[PYULOG], results.pop(ONE_THREAD), strict=True)
-    yield Row(
-        f".ulg of {whole.stat().st_size / 1e6:.0f} MB to columns",
-        rates(results),
-        (
-            speed_ratio(results, PYULOG, 5),
-            Ratio("with one thread", tuple(theirs / ours for theirs, ours in one_thread), None),
-        ),
-    )
-    growth = [memory.growth("columns", OURS, part, whole) for _ in range(turns)]
-    columns = growth[0].columns
-    shares = tuple(one.anonymous / columns for one in growth)
-    yield Row(
-        f"memory of a .ulg, {columns / 1e6:.0f} MB of columns",
-        {OURS: f"{statistics.median(one.anonymous for one in growth) / 1e6:.0f} MB"},
-        (Ratio("times its columns", shares, 1.5, higher_is_better=False),),
-    )
+    return measure(bench, LOG, quick=quick)

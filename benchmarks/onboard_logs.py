@@ -1,0 +1,87 @@
+"""The rows of an onboard log: its columns beside a peer that reads a part of it, and the memory they take."""
+
+from __future__ import annotations
+
+import statistics
+from dataclasses import dataclass
+from functools import partial
+from time import perf_counter
+from typing import TYPE_CHECKING, Final
+
+from . import memory
+from .measure import OURS, Ratio, Row, rates, speed_ratio, take_turns
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+    from pathlib import Path
+    from typing import Any
+
+    from .rows import Bench
+
+FULL_SIZE, QUICK_SIZE = 420_000_000, 60_000_000
+ONE_THREAD: Final = "one thread"
+
+
+@dataclass(frozen=True, slots=True)
+class OnboardLog:
+    """A kind of log: its suffix, how it is made, and who reads it.
+
+    `write` makes a file of a size and returns the number of its records. `check` raises if the readers
+    differ. `count` returns the number of records in the tables of a reader.
+    """
+
+    suffix: str
+    part_size: int
+    write: Callable[[Path, int], int]
+    check: Callable[[Path], None]
+    count: Callable[[Mapping[str, Any]], int]
+    ours: Callable[..., Mapping[str, Any]]
+    peer: str
+    theirs: Callable[[Path], Mapping[str, Any]]
+    target: float
+
+
+def measure(bench: Bench, log: OnboardLog, *, quick: bool) -> Iterator[Row]:
+    """Compare speed and memory of decoding a log; the peer reads a part of it."""
+    turns, size = bench.amounts.turns, QUICK_SIZE if quick else FULL_SIZE
+    whole, part = bench.folder / f"flight{log.suffix}", bench.folder / f"part{log.suffix}"
+    many, few = log.write(whole, size), log.write(part, log.part_size)
+    log.check(part)
+    work: dict[str, Callable[[], float]] = {
+        log.peer: partial(_timed, log.count, log.theirs, part, few),
+        OURS: partial(_timed, log.count, log.ours, whole, many),
+        ONE_THREAD: partial(_timed, log.count, partial(log.ours, threads=1), whole, many),
+    }
+    results = take_turns(work, turns)
+    one_thread = zip(results[log.peer], results.pop(ONE_THREAD), strict=True)
+    yield Row(
+        f"{log.suffix} of {whole.stat().st_size / 1e6:.0f} MB to columns",
+        rates(results),
+        (
+            speed_ratio(results, log.peer, log.target),
+            Ratio("with one thread", tuple(theirs / ours for theirs, ours in one_thread), None),
+        ),
+    )
+    growth = [memory.growth("columns", OURS, part, whole) for _ in range(turns)]
+    columns = growth[0].columns
+    shares = tuple(one.anonymous / columns for one in growth)
+    yield Row(
+        f"memory of a {log.suffix}, {columns / 1e6:.0f} MB of columns",
+        {OURS: f"{statistics.median(one.anonymous for one in growth) / 1e6:.0f} MB"},
+        (Ratio("times its columns", shares, 1.5, higher_is_better=False),),
+    )
+
+
+def _timed(
+    count: Callable[[Mapping[str, Any]], int],
+    read: Callable[[Path], Mapping[str, Any]],
+    path: Path,
+    records: int,
+) -> float:
+    """Return the seconds per record."""
+    start = perf_counter()
+    tables = read(path)
+    seconds = perf_counter() - start
+    if count(tables) != records:
+        raise RuntimeError(f"{count(tables)} of {records} records were read")
+    return seconds / records
