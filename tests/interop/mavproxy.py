@@ -80,11 +80,11 @@ class Console:
 
 
 @asynccontextmanager
-async def mavproxy(port: int, directory: Path, *, modules: str | None = None):
-    """Run MAVProxy with the given modules, or its default ones."""
+async def mavproxy(port: int, directory: Path, *, modules: str | None = None, transport: str = "udpout"):
+    """Run MAVProxy with the given modules, or its default ones; `transport` is udpout or tcp."""
     command = (
         *(sys.executable, "-W", "ignore", "-u", "-m", "MAVProxy.mavproxy"),
-        *(f"--master=udpout:127.0.0.1:{port}", "--nowait"),
+        *(f"--master={transport}:127.0.0.1:{port}", "--nowait"),
         *(f"--state-basedir={directory}", f"--logfile={directory / 'telemetry.log'}"),
         *(() if modules is None else (f"--default-modules={modules}",)),
     )
