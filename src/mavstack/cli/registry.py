@@ -63,6 +63,7 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
             _entry("terrain", "heights of the terrain: serve them to vehicles, check what a vehicle has"),
             _entry("shell", "interactive console: arm, mode, takeoff, wp, param, ftp, log"),
             _entry("dialect", "list, show, check, compare and import message definitions"),
+            _entry("gen", "libraries in C, C++, TypeScript and other languages from a dialect"),
             _entry("completion", "print a completion script for bash, zsh or fish"),
             _entry("doctor", "check the installation"),
         ]

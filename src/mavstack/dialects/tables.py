@@ -19,7 +19,7 @@ from mavstack.errors import UnknownDialectError
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
     from typing import Any, TypeAlias
 
 #: id, name, CRC_EXTRA, base length, length, and [name, type, array length, offset, enum] of each field.
@@ -67,6 +67,11 @@ class Table:
         """Rows of all messages."""
         rows: list[MessageRow] = json.loads(f"[{','.join(self._rows.values())}]")
         return rows
+
+    def content(self) -> Iterator[str]:
+        """Yield the messages and enums as lines of text, the same for equal definitions."""
+        for lines in (self._rows, self._metadata, self._enums):
+            yield from (f"{key}\t{text}" for key, text in lines.items())
 
     def row(self, number: int) -> MessageRow:
         """Return the row of a message, always the same object."""

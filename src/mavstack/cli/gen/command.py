@@ -1,0 +1,104 @@
+"""`mav gen`: generate libraries in other languages from the definitions of a dialect."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from mavstack.cli.common.errors import UsageError
+from mavstack.cli.common.options import load_dialect
+from mavstack.cli.common.output import echo, echo_json
+
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+    from pathlib import Path
+
+    from mavstack.codegen import GeneratedFile
+
+EXAMPLES: Final = """\
+examples:
+  mav gen --list                                    # the languages
+  mav gen c common -o include                       # header-only C99: #include "common/mavlink.h"
+  mav gen typescript mine.xml -o mavlink-ts         # a custom dialect, with the files that it includes
+  mav gen c common --only HEARTBEAT,ATTITUDE,GPS* -o include   # a few messages, for a small device
+  mav gen java common --package org.example.mavlink -o java
+  mav gen python ardupilotmega -o src --check       # for the build: fail if a file is out of date
+"""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("language", metavar="LANGUAGE", nargs="?", help="language of the library")
+    parser.add_argument(
+        "dialect", metavar="DIALECT|FILE.xml", nargs="?", help="official dialect or definition file"
+    )
+    parser.add_argument("-o", "--output", metavar="DIR", help="folder of the library")
+    parser.add_argument(
+        "--only", metavar="MESSAGES", default="", help="messages to generate: names and patterns with commas"
+    )
+    parser.add_argument(
+        "--exclude", metavar="MESSAGES", default="", help="messages to leave out: names and patterns"
+    )
+    parser.add_argument(
+        "--package", metavar="NAME", default="", help="name of the package, module or namespace"
+    )
+    parser.add_argument(
+        "--check", action="store_true", help="write nothing; exit with 1 if a file is out of date"
+    )
+    parser.add_argument("--list", action="store_true", help="list the languages")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def run(arguments: Namespace) -> int:
+    """Run `mav gen`."""
+    if arguments.list:
+        return _list(arguments)
+    if not (arguments.language and arguments.dialect and arguments.output):
+        raise UsageError("name a language, a dialect and a folder: mav gen c common -o include")
+    from mavstack.codegen import outdated_files, write_files
+
+    files = _generate(arguments)
+    if arguments.check:
+        return _check(outdated_files(files, arguments.output), arguments)
+    changed = write_files(files, arguments.output)
+    if arguments.json:
+        echo_json({"files": [file.path for file in files], "changed": [str(path) for path in changed]})
+    else:
+        echo(f"{arguments.output}: {len(files) - 1} files, {len(changed)} changed")
+    return 0
+
+
+def _generate(arguments: Namespace) -> list[GeneratedFile]:
+    from mavstack.codegen import generate, make_library
+
+    library = make_library(
+        load_dialect(arguments.dialect),
+        only=_words(arguments.only),
+        exclude=_words(arguments.exclude),
+        package=arguments.package,
+    )
+    return generate(library, arguments.language)
+
+
+def _words(text: str) -> list[str]:
+    return [word.strip() for word in text.split(",") if word.strip()]
+
+
+def _check(outdated: list[Path], arguments: Namespace) -> int:
+    if arguments.json:
+        echo_json({"outdated": [str(path) for path in outdated]})
+    else:
+        for path in outdated:
+            echo(f"mav gen: out of date: {path}", error=True)
+    return 1 if outdated else 0
+
+
+def _list(arguments: Namespace) -> int:
+    from mavstack.codegen import language, language_names
+
+    titles = {name: language(name).title for name in language_names()}
+    if arguments.json:
+        echo_json(titles)
+    else:
+        for name, title in titles.items():
+            echo(f"{name:<12} {title}")
+    return 0
