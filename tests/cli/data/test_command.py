@@ -59,7 +59,7 @@ def test_messages(mav, tlog):
 def test_convert_one_log(mav, tlog, tmp_path):
     result = mav("data", "convert", tlog, "--to", "kml")
     assert (result.code, result.err) == (0, "")
-    assert result.out == f"{tlog}: 100 rows of 7 messages -> {tmp_path / 'flight.kml'}\n"
+    assert result.out == f"{tlog}: 20 points of 2 vehicles -> {tmp_path / 'flight.kml'}\n"
     assert mav("data", "convert", tlog, "--to", "parquet", "-o", "set").code == 0
     assert list((tmp_path / "set").rglob("*ATTITUDE*/*.parquet"))
     assert mav("data", "convert", tlog, "--to", "csv", "--only", "ATTITUDE", "--end", "4.5").code == 0

@@ -30,7 +30,7 @@ def test_merge(mav, tlog, tmp_path):
     (tmp_path / "other.tlog").write_bytes(tlog.read_bytes())
     result = mav("data", "merge", tlog, "other.tlog", "--to", "geojson", "-o", "both.geojson")
     assert (result.code, result.err) == (0, "")
-    assert result.out.splitlines()[-1].endswith("rows -> both.geojson")
+    assert result.out.splitlines()[-1].endswith("points of 2 vehicles -> both.geojson")
     offsets = json.loads(mav("data", "merge", tlog, "other.tlog", "--json").out)["offsets"]
     assert len(offsets) == 2
     assert mav("data", "merge", tlog).code == 2

@@ -14,6 +14,9 @@ from mavstack.errors import InvalidArgumentError, LogError, UnknownMessageError
 from mavstack.logs.export import ExportOptions, export_log, exporter, exporter_names
 from tests.logs.files import encoded, stamped
 
+#: The rows that formats of tracks write: those with positions of both vehicles.
+TRACK_ROWS = {key: {"GLOBAL_POSITION_INT": 20} for key in ("kml", "gpx", "geojson")}
+
 
 @pytest.mark.parametrize("name", exporter_names())
 def test_an_export_leaves_complete_files_only(flight, tmp_path, name):
@@ -24,7 +27,7 @@ def test_an_export_leaves_complete_files_only(flight, tmp_path, name):
     written = sorted(path for path in tmp_path.rglob("*") if path.is_file() and path != flight.path)
     assert written == sorted(summary.files)
     assert all(path.suffix == chosen.suffix and path.stat().st_size for path in written)
-    assert summary.rows == flight.counts
+    assert summary.rows == TRACK_ROWS.get(name, flight.counts)
     assert summary.to_dict()["skipped"]["total"] == 0
     assert calls[-1] == (flight.size, flight.size)
 
@@ -195,6 +198,24 @@ def test_geojson(flight, tmp_path):
     assert first["geometry"]["coordinates"][1] == [8.5, 47.0001, 489.0]
     assert len(first["properties"]["coordTimes"]) == 10
     assert second["properties"]["system"] == 2
+
+
+@pytest.mark.parametrize("name", ["kml", "gpx", "geojson"])
+def test_a_track_is_described_by_its_points_and_vehicles(flight, tmp_path, name):
+    assert export_log(flight, name, tmp_path / "a").description == "20 points of 2 vehicles"
+    one = flight.select(system=2, end=0.9)
+    assert export_log(one, name, tmp_path / "b").description == "1 point of 1 vehicle"
+    summary = export_log(flight, name, tmp_path / "c", names=["GLOBAL_POSITION_INT"])
+    assert summary.to_dict()["description"] == "20 points of 2 vehicles"
+    with pytest.raises(LogError, match="it holds no position"):
+        export_log(flight, name, tmp_path / "d", names=["ATTITUDE"])
+
+
+def test_a_log_is_never_written_over_itself(flight):
+    content = flight.path.read_bytes()
+    with pytest.raises(LogError, match="it is the log itself"):
+        export_log(flight, "tlog", flight.path)
+    assert flight.path.read_bytes() == content
 
 
 @pytest.mark.parametrize("name", ["kml", "gpx", "geojson"])

@@ -19,6 +19,7 @@ examples:
   mav data convert flight.tlog --to parquet -o dataset/
   mav data convert flight.tlog --to csv -o columns/ --only ATTITUDE,VFR_HUD
   mav data convert flight.tlog --to kml     # the track, into flight.kml
+  mav data convert capture.pcap --to tlog   # for ground stations, without signatures and keys
   mav data convert logs/*.tlog --to parquet -o dataset/ --jobs 4
   mav data convert 's3://bucket/*.ulg' --to parquet -o s3://bucket/dataset --dask tcp://10.0.0.1:8786
   mav data convert logs/*.BIN --to parquet -o dataset/ --resume done.txt

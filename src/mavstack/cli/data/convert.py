@@ -111,6 +111,6 @@ def _print(outcome: Outcome, arguments: Namespace) -> None:
     if outcome.skipped:
         echo(f"mav data: {source}: skipped {outcome.skipped}", error=True)
     if not outcome.problem:
-        rows, files = outcome.written["rows"], outcome.written["files"]
+        files = outcome.written["files"]
         where = files[0] if len(files) == 1 else f"{outcome.job.target} ({len(files)} files)"
-        echo(f"{source}: {sum(rows.values()):,} rows of {len(rows)} messages -> {where}")
+        echo(f"{source}: {outcome.written['description']} -> {where}")

@@ -103,7 +103,7 @@ def merge(arguments: Namespace) -> int:
     else:
         echo(*(offset.describe() for offset in merged.offsets))
         if written:
-            echo(f"{sum(written['rows'].values()):,} rows -> {arguments.output}")
+            echo(f"{written['description']} -> {arguments.output}")
     return max(report_damage(log, arguments) for log in logs)
 
 

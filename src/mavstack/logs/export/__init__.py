@@ -1,4 +1,4 @@
-"""Export of logs to other formats: Parquet, Arrow, CSV, MCAP, MAT, KML, GPX, GeoJSON."""
+"""Export of logs to other formats: Parquet, Arrow, CSV, MCAP, MAT, tlog, KML, GPX, GeoJSON."""
 
 from __future__ import annotations
 

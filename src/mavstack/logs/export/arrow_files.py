@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.errors import MissingExtraError
 from mavstack.logs.export.registry import LogExporter
-from mavstack.logs.export.writer import ExportOptions, ExportWriter, PartFile
+from mavstack.logs.export.writer import ExportOptions, PartFile, TableWriter
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from mavstack.logs.message_table import MessageTable
 
 
-class ArrowWriter(ExportWriter):
+class ArrowWriter(TableWriter):
     """Writes an Arrow file for each message."""
 
     def __init__(self, log: Log, path: Path, options: ExportOptions) -> None:
@@ -29,7 +29,7 @@ class ArrowWriter(ExportWriter):
         self._files: dict[str, tuple[PartFile, Any]] = {}
 
     def write(self, tables: Mapping[str, MessageTable]) -> None:
-        """Write the next rows; see `ExportWriter.write`."""
+        """Write the next rows; see `TableWriter.write`."""
         for name, table in tables.items():
             rows = table.to_arrow("lists", scaled=self.options.scaled, enums=self.options.enums)
             if name not in self._files:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.errors import MissingExtraError
 from mavstack.logs.export.registry import LogExporter
-from mavstack.logs.export.writer import ExportOptions, ExportWriter, PartFile
+from mavstack.logs.export.writer import ExportOptions, PartFile, TableWriter
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mavstack.logs.message_table import MessageTable
 
 
-class CsvWriter(ExportWriter):
+class CsvWriter(TableWriter):
     """Writes a CSV file for each message; to a path with the suffix `.csv`, one message into that file."""
 
     def __init__(self, log: Log, path: Path, options: ExportOptions) -> None:
@@ -32,7 +32,7 @@ class CsvWriter(ExportWriter):
         self._files: dict[str, tuple[PartFile, Any]] = {}
 
     def write(self, tables: Mapping[str, MessageTable]) -> None:
-        """Write the next rows; see `ExportWriter.write`."""
+        """Write the next rows; see `TableWriter.write`."""
         for name, table in tables.items():
             rows = table.to_arrow("columns", scaled=self.options.scaled, enums=self.options.enums)
             if name not in self._files:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from mavstack.errors import LogError, UnknownMessageError
 from mavstack.logs.export.registry import exporter
@@ -19,9 +18,6 @@ if TYPE_CHECKING:
     from mavstack.logs.damage import LogDamage
     from mavstack.logs.log import Log
 
-#: Bytes of a log that are decoded at a time; writers hold several copies of their rows.
-_WINDOW: Final = 8 << 20
-
 
 @dataclass(frozen=True, slots=True)
 class ExportSummary:
@@ -31,15 +27,18 @@ class ExportSummary:
         rows: Number of rows written, by table.
         files: Paths of the files.
         skipped: Counts of everything in the log that was not read.
+        description: What was written, such as "200 rows of 8 messages" or "50 points of 2 vehicles".
     """
 
     rows: Mapping[str, int]
     files: Sequence[Path]
     skipped: LogDamage
+    description: str
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as values that JSON can hold."""
         return {
+            "description": self.description,
             "rows": dict(sorted(self.rows.items())),
             "files": [str(path) for path in self.files],
             "skipped": self.skipped.to_dict(),
@@ -79,17 +78,14 @@ def export_log(
         raise UnknownMessageError(
             f"{log.path} contains no {', '.join(unknown)}; it contains {', '.join(log)}"
         )
+    if Path(path).exists() and Path(path).samefile(log.path):
+        raise LogError(f"cannot write {path}: it is the log itself; choose another path")
     writer = exporter(to).open(log, Path(path), options or ExportOptions())
-    rows: Counter[str] = Counter()
     try:
-        for tables in log.windows(_WINDOW, names or None, progress=progress):
-            writer.write(tables)
-            rows.update({name: len(table) for name, table in tables.items()})
-        if not rows:
-            raise LogError(f"{log.path}: there is nothing to write; skipped: {log.skipped.describe()}")
+        rows = writer.write_log(names, progress)
         files = writer.finish()
     except OSError as error:
         raise LogError(f"cannot write {error.filename or path}: {error.strerror or error}") from error
     finally:
         writer.discard()
-    return ExportSummary(dict(rows), files, log.skipped)
+    return ExportSummary(dict(rows), files, log.skipped, writer.describe(rows))

@@ -14,7 +14,7 @@ import numpy as np
 
 from mavstack.errors import MissingExtraError
 from mavstack.logs.export.registry import LogExporter
-from mavstack.logs.export.writer import ExportOptions, ExportWriter, PartFile
+from mavstack.logs.export.writer import ExportOptions, PartFile, TableWriter
 from mavstack.logs.time_base import unix_seconds
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 _MAX_NAME: Final = 63
 
 
-class MatWriter(ExportWriter):
+class MatWriter(TableWriter):
     """Writes a MAT file."""
 
     def __init__(self, log: Log, path: Path, options: ExportOptions) -> None:
@@ -43,7 +43,7 @@ class MatWriter(ExportWriter):
         self._file = PartFile(path)
 
     def write(self, tables: Mapping[str, MessageTable]) -> None:
-        """Keep the next rows; see `ExportWriter.write`."""
+        """Keep the next rows; see `TableWriter.write`."""
         for name, table in tables.items():
             self._tables[name].append(table)
 

@@ -16,7 +16,7 @@ import numpy as np
 from mavstack.errors import MissingExtraError
 from mavstack.logs.export.flights import by_vehicle
 from mavstack.logs.export.registry import LogExporter
-from mavstack.logs.export.writer import ExportOptions, ExportWriter, PartFile
+from mavstack.logs.export.writer import ExportOptions, PartFile, TableWriter
 from mavstack.logs.tracks import tracks
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ _LOG_SCHEMA: Final = {
 }
 
 
-class McapWriter(ExportWriter):
+class McapWriter(TableWriter):
     """Writes an MCAP file."""
 
     def __init__(self, log: Log, path: Path, options: ExportOptions) -> None:
@@ -79,7 +79,7 @@ class McapWriter(ExportWriter):
         self._start = log.time_span or (0.0, 0.0)
 
     def write(self, tables: Mapping[str, MessageTable]) -> None:
-        """Write the next rows; see `ExportWriter.write`."""
+        """Write the next rows; see `TableWriter.write`."""
         for system, name, table in by_vehicle(self.log, tables):
             self._write_table(f"/{system}/{name}" if system else f"/{name}", name, table)
 

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Final
 from mavstack.errors import MissingExtraError
 from mavstack.logs.export.flights import by_vehicle, flight_date, flight_name
 from mavstack.logs.export.registry import LogExporter
-from mavstack.logs.export.writer import ExportOptions, ExportWriter, PartFile
+from mavstack.logs.export.writer import ExportOptions, PartFile, TableWriter
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -80,7 +80,7 @@ class _Part:
             self.writer.close()
 
 
-class ParquetWriter(ExportWriter):
+class ParquetWriter(TableWriter):
     """Writes a log into a Parquet dataset."""
 
     def __init__(self, log: Log, path: Path, options: ExportOptions) -> None:
@@ -99,7 +99,7 @@ class ParquetWriter(ExportWriter):
         self._threads = ThreadPoolExecutor(_THREADS)
 
     def write(self, tables: Mapping[str, MessageTable]) -> None:
-        """Write the next rows; see `ExportWriter.write`."""
+        """Write the next rows; see `TableWriter.write`."""
         work = list(by_vehicle(self.log, tables))
         for (system, name, _), rows in zip(work, self._threads.map(self._convert, work), strict=True):
             self._part((system, name)).add(rows)

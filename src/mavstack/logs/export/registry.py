@@ -52,6 +52,7 @@ EXPORTERS: Final[Mapping[str, str]] = MappingProxyType(
         "arrow": "arrow_files:ARROW",
         "mcap": "mcap_file:MCAP",
         "mat": "mat_file:MAT",
+        "tlog": "tlog_file:TLOG",
         "kml": "track_files:KML",
         "gpx": "track_files:GPX",
         "geojson": "track_files:GEOJSON",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from typing import TYPE_CHECKING, Final
 from xml.sax.saxutils import escape
 
@@ -10,7 +11,7 @@ import numpy as np
 
 from mavstack.errors import LogError
 from mavstack.logs.export.registry import LogExporter
-from mavstack.logs.export.writer import ExportOptions, ExportWriter, PartFile
+from mavstack.logs.export.writer import ExportOptions, ExportWriter, PartFile, counted
 from mavstack.logs.tracks import tracks
 
 if TYPE_CHECKING:
@@ -18,8 +19,8 @@ if TYPE_CHECKING:
     from pathlib import Path
     from typing import Any
 
+    from mavstack.logs.export.writer import Progress
     from mavstack.logs.log import Log
-    from mavstack.logs.message_table import MessageTable
     from mavstack.logs.tracks import Track
 
 #: Digits of degrees, which resolve a centimetre.
@@ -27,7 +28,7 @@ _DEGREE_DIGITS: Final = 7
 
 
 class TrackWriter(ExportWriter):
-    """Writes the tracks of a log into one file; the other tables are not needed."""
+    """Writes the tracks of a log into one file; no other table is decoded."""
 
     def __init__(
         self, log: Log, path: Path, options: ExportOptions, render: Callable[[Log, Sequence[Track]], str]
@@ -35,16 +36,27 @@ class TrackWriter(ExportWriter):
         super().__init__(log, path, options)
         self._render = render
         self._file = PartFile(path)
+        self._tracks: list[Track] = []
 
-    def write(self, tables: Mapping[str, MessageTable]) -> None:
-        """Do nothing: the positions are read in `finish`."""
+    def write_log(self, names: Sequence[str], progress: Progress) -> Mapping[str, int]:
+        """Find the tracks; see `ExportWriter.write_log`."""
+        self._tracks = tracks(self.log.select(*names) if names else self.log)
+        if not self._tracks:
+            raise LogError(f"{self.log.path}: it holds no position")
+        if progress is not None:
+            progress(self.log.size, self.log.size)
+        points: Counter[str] = Counter()
+        for track in self._tracks:
+            points[track.source] += len(track)
+        return points
+
+    def describe(self, rows: Mapping[str, int]) -> str:
+        """Return the number of points and of vehicles; see `ExportWriter.describe`."""
+        return f"{counted(sum(rows.values()), 'point')} of {counted(len(self._tracks), 'vehicle')}"
 
     def finish(self) -> list[Path]:
         """Write the file; see `ExportWriter.finish`."""
-        found = tracks(self.log)
-        if not found:
-            raise LogError(f"{self.log.path}: it holds no position")
-        self._file.temporary.write_text(self._render(self.log, found), "utf-8")
+        self._file.temporary.write_text(self._render(self.log, self._tracks), "utf-8")
         return [self._file.complete()]
 
     def discard(self) -> None:

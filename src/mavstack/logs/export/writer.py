@@ -8,16 +8,25 @@ from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
+from collections import Counter
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+from mavstack.errors import LogError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
     from mavstack.logs.log import Log
     from mavstack.logs.message_table import MessageTable
+
+    #: Called with the bytes of the log that were read, and with its size.
+    Progress: TypeAlias = Callable[[int, int], None] | None
+
+#: Bytes of a log that are decoded at a time; writers hold several copies of their rows.
+_WINDOW: Final = 8 << 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +67,7 @@ class PartFile:
 
 
 class ExportWriter(ABC):
-    """Writes the tables of one log; used by `export_log`.
+    """Writes one log; used by `export_log`. Formats of tables derive from `TableWriter`.
 
     Args:
         log: The log, for its schemas and its vehicles.
@@ -72,6 +81,58 @@ class ExportWriter(ABC):
         self.options = options
 
     @abstractmethod
+    def write_log(self, names: Sequence[str], progress: Progress) -> Mapping[str, int]:
+        """Write the log.
+
+        Args:
+            names: Names of the tables to write; none: all.
+            progress: Called with the bytes of the log that were read, and with its size.
+
+        Returns:
+            Number of rows that were written, by name of the table.
+
+        Raises:
+            OSError: The file cannot be written.
+            LogError: The log cannot be read, or has nothing that the format holds.
+        """
+
+    def describe(self, rows: Mapping[str, int]) -> str:
+        """Return what was written, such as "200 rows of 8 messages".
+
+        Args:
+            rows: The result of `write_log`.
+        """
+        return f"{counted(sum(rows.values()), 'row')} of {counted(len(rows), 'message')}"
+
+    @abstractmethod
+    def finish(self) -> list[Path]:
+        """Complete the files, and return their paths.
+
+        Raises:
+            OSError: A file cannot be written.
+        """
+
+    @abstractmethod
+    def discard(self) -> None:
+        """Remove all files of this export that are not complete. Idempotent."""
+
+
+class TableWriter(ExportWriter):
+    """Writes the tables of a log, piece by piece."""
+
+    def write_log(self, names: Sequence[str], progress: Progress) -> Mapping[str, int]:
+        """Write the tables; see `ExportWriter.write_log`."""
+        rows: Counter[str] = Counter()
+        for tables in self.log.windows(_WINDOW, names or None, progress=progress):
+            self.write(tables)
+            rows.update({name: len(table) for name, table in tables.items()})
+        if not rows:
+            raise LogError(
+                f"{self.log.path}: there is nothing to write; skipped: {self.log.skipped.describe()}"
+            )
+        return rows
+
+    @abstractmethod
     def write(self, tables: Mapping[str, MessageTable]) -> None:
         """Write the next rows of some tables.
 
@@ -82,15 +143,7 @@ class ExportWriter(ABC):
             OSError: The file cannot be written.
         """
 
-    @abstractmethod
-    def finish(self) -> list[Path]:
-        """Complete the files, and return their paths.
 
-        Raises:
-            OSError: A file cannot be written.
-            LogError: The log has nothing that the format holds.
-        """
-
-    @abstractmethod
-    def discard(self) -> None:
-        """Remove all files of this export that are not complete. Idempotent."""
+def counted(count: int, noun: str) -> str:
+    """Return a number with its noun, such as "1,234 points"."""
+    return f"{count:,} {noun}{'' if count == 1 else 's'}"
