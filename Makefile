@@ -46,10 +46,10 @@ lint-python: $(VENV)/installed
 
 lint-rust: | rust
 	cargo fmt --all --check
-	cargo clippy --quiet --all-targets --release --locked -- -D warnings
+	cargo clippy --quiet --all-targets --profile checks --locked -- -D warnings
 
 rust-tests: lint-rust
-	cargo test --quiet --release --locked -p mavstack-core -p mavstack-logs
+	cargo test --quiet --profile checks --locked -p mavstack-core -p mavstack-logs
 
 docs: $(VENV)/installed ## Build the documentation site in site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
