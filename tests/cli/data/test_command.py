@@ -139,7 +139,7 @@ LINES = [
 def test_examples_of_the_help_run(mav, tlog, tmp_path, line):
     (tmp_path / "logs" / "2026").mkdir(parents=True)
     names = ("before.tlog", "after.tlog", "damaged.tlog", "00000042.BIN", "logs/a.tlog", "logs/b.tlog")
-    for name in (*names, "logs/c.BIN", "logs/2026/flight.tlog"):
+    for name in (*names, "capture.pcap", "logs/c.BIN", "logs/2026/flight.tlog"):
         (tmp_path / name).write_bytes(tlog.read_bytes())
     words = shlex.split(line.partition(" | ")[0], comments=True)[1:]
     result = mav(*(found for word in words for found in matches(word)))

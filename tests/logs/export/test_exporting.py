@@ -227,8 +227,9 @@ def test_a_track_needs_positions(tmp_path, name):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_file_without_records_is_no_export(tmp_path):
+@pytest.mark.parametrize("name", ["csv", "tlog", "kml"])
+def test_a_file_without_records_is_no_export(tmp_path, name):
     path = tmp_path / "letter.tlog"
     path.write_bytes(b"no packets here")
     with pytest.raises(LogError, match="there is nothing to write; skipped: 15 bad bytes"):
-        export_log(open_log(path, "common"), "csv", tmp_path / "csv")
+        export_log(open_log(path, "common"), name, tmp_path / "out")

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import LogError
 from mavstack.logs.export.registry import LogExporter
-from mavstack.logs.export.writer import ExportOptions, ExportWriter, PartFile, counted
+from mavstack.logs.export.writer import ExportOptions, ExportWriter, PartFile, counted, nothing_to_write
 from mavstack.logs.packets.packet_record import PacketRecord
 from mavstack.logs.recorder.formats import TLOG as TLOG_FORMAT
 from mavstack.security import carries_signing_key, redact
@@ -70,9 +70,7 @@ class TlogWriter(ExportWriter):
                 if progress is not None and not number % _PROGRESS_STEP:
                     progress(min(done, self.log.size), self.log.size)
         if not rows:
-            raise LogError(
-                f"{self.log.path}: there is nothing to write; skipped: {self.log.skipped.describe()}"
-            )
+            raise nothing_to_write(self.log)
         if progress is not None:
             progress(self.log.size, self.log.size)
         return rows

@@ -11,7 +11,7 @@ import numpy as np
 
 from mavstack.errors import LogError
 from mavstack.logs.export.registry import LogExporter
-from mavstack.logs.export.writer import ExportOptions, ExportWriter, PartFile, counted
+from mavstack.logs.export.writer import ExportOptions, ExportWriter, PartFile, counted, nothing_to_write
 from mavstack.logs.tracks import tracks
 
 if TYPE_CHECKING:
@@ -41,6 +41,8 @@ class TrackWriter(ExportWriter):
     def write_log(self, names: Sequence[str], progress: Progress) -> Mapping[str, int]:
         """Find the tracks; see `ExportWriter.write_log`."""
         self._tracks = tracks(self.log.select(*names) if names else self.log)
+        if not self.log:
+            raise nothing_to_write(self.log)
         if not self._tracks:
             raise LogError(f"{self.log.path}: it holds no position")
         if progress is not None:

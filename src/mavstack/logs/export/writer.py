@@ -127,9 +127,7 @@ class TableWriter(ExportWriter):
             self.write(tables)
             rows.update({name: len(table) for name, table in tables.items()})
         if not rows:
-            raise LogError(
-                f"{self.log.path}: there is nothing to write; skipped: {self.log.skipped.describe()}"
-            )
+            raise nothing_to_write(self.log)
         return rows
 
     @abstractmethod
@@ -142,6 +140,11 @@ class TableWriter(ExportWriter):
         Raises:
             OSError: The file cannot be written.
         """
+
+
+def nothing_to_write(log: Log) -> LogError:
+    """Return the error about a log without any row."""
+    return LogError(f"{log.path}: there is nothing to write; skipped: {log.skipped.describe()}")
 
 
 def counted(count: int, noun: str) -> str:
