@@ -17,6 +17,7 @@ demo: $(VENV)/package ## Fly seven simulated vehicles and show their live pictur
 	@$(BIN)/mav demo
 
 test: $(VENV)/installed ## Run the fast tier: lint, types, unit and property tests, one smoke test per peer
+	@$(BIN)/python -m tools.compilers test
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync lint-python rust-tests
 	$(BIN)/pytest -n $(FAST_WORKERS) --dist loadgroup --durations 10 -m "not nightly and not flight and (not interop or smoke)" --seeds $(or $(SEEDS),60)
 
@@ -24,9 +25,11 @@ flights: $(VENV)/installed ## Run the tests that take seconds of processor time 
 	$(BIN)/pytest -n $(or $(WORKERS),auto) --dist loadgroup --durations 10 -m "flight and not nightly and not interop" --seeds $(or $(SEEDS),60)
 
 interop: $(VENV)/installed ## Run the other tests with programs that are not ours, several at a time: they mostly wait
+	@$(BIN)/python -m tools.compilers interop
 	$(BIN)/pytest -n $(or $(WORKERS),4) --dist loadgroup --durations 10 -m "interop and not smoke and not nightly"
 
 nightly: $(VENV)/installed ## Run the long tests, the randomised ones over SEEDS (10000) each
+	@$(BIN)/python -m tools.compilers nightly
 	$(BIN)/pytest -n auto --dist loadgroup -m nightly --seeds 300 --timeout 1800
 	$(BIN)/pytest -n auto --dist loadgroup -m "properties and not interop" --hypothesis-profile thorough --timeout 7200
 	$(BIN)/pytest -n auto --dist loadgroup -m seeds --seeds $(or $(SEEDS),10000) --timeout 7200

@@ -39,6 +39,7 @@ METHODS = {"client_server", "pitfalls", "properties", "pymavlink", "random", "ro
 #: Tests of a package by subject.
 SUBJECTS = {
     ".": {"api_docs", "build_backend", "examples"},
+    "codegen": {"conformance"},
     "cli": {"help", "process", "realdata", "redaction"},
     "cli/vehicle": {"modes"},
     "files/parameter_metadata": {"formats"},
