@@ -32,6 +32,7 @@ WITH_VEHICLE = (
     "terrain",
     "key",
     "shell",
+    "gen",
 )
 
 

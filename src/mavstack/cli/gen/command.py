@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from mavstack.cli.common.errors import UsageError
+from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.options import load_dialect
 from mavstack.cli.common.output import echo, echo_json
+from mavstack.errors import InvalidArgumentError
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -44,6 +45,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--check", action="store_true", help="write nothing; exit with 1 if a file is out of date"
     )
+    parser.add_argument("--force", action="store_true", help="overwrite files that mav gen did not write")
     parser.add_argument("--list", action="store_true", help="list the languages")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
@@ -59,7 +61,12 @@ def run(arguments: Namespace) -> int:
     files = _generate(arguments)
     if arguments.check:
         return _check(outdated_files(files, arguments.output), arguments)
-    changed = write_files(files, arguments.output)
+    try:
+        changed = write_files(files, arguments.output, overwrite=arguments.force)
+    except FileExistsError as error:
+        raise CommandError(
+            f"{error.filename} was not written by mav gen; choose another folder, or overwrite with --force"
+        ) from None
     if arguments.json:
         echo_json({"files": [file.path for file in files], "changed": [str(path) for path in changed]})
     else:
@@ -70,13 +77,16 @@ def run(arguments: Namespace) -> int:
 def _generate(arguments: Namespace) -> list[GeneratedFile]:
     from mavstack.codegen import generate, make_library
 
-    library = make_library(
-        load_dialect(arguments.dialect),
-        only=_words(arguments.only),
-        exclude=_words(arguments.exclude),
-        package=arguments.package,
-    )
-    return generate(library, arguments.language)
+    try:
+        library = make_library(
+            load_dialect(arguments.dialect),
+            only=_words(arguments.only),
+            exclude=_words(arguments.exclude),
+            package=arguments.package,
+        )
+        return generate(library, arguments.language)
+    except InvalidArgumentError as error:
+        raise UsageError(str(error)) from None
 
 
 def _words(text: str) -> list[str]:

@@ -1,0 +1,56 @@
+from __future__ import annotations
+
+import sys
+
+import pytest
+
+from mavstack.codegen.templates import Templates, camel_case, one_line
+from mavstack.errors import MissingExtraError
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """A package with templates."""
+    folder = tmp_path / "own_language" / "templates"
+    folder.mkdir(parents=True)
+    (folder.parent / "__init__.py").write_text("")
+    (folder / "list.j2").write_text(
+        "{% for name in names %}\n{{ name | pascal }} {{ name | camel }} {{ name | shout }}\n"
+        "{% endfor %}\n{{ end }}\n"
+    )
+    (folder / "wrong.j2").write_text("{{ nothing }}\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    yield "own_language"
+    sys.modules.pop("own_language", None)
+
+
+def test_a_template_becomes_a_file_without_lines_of_tags(package):
+    templates = Templates(package, filters={"shout": str.upper}, end="end")
+    file = templates.file("a/b.txt", "list.j2", names=["gps_raw", "<a&b>"])
+    assert file.path == "a/b.txt"
+    assert file.text == "GpsRaw gpsRaw GPS_RAW\n<a&b> <a&b> <A&B>\nend\n"
+
+
+def test_a_variable_that_does_not_exist_is_an_error(package):
+    from jinja2 import UndefinedError
+
+    with pytest.raises(UndefinedError, match="nothing"):
+        Templates(package).file("a.txt", "wrong.j2")
+
+
+def test_without_jinja_the_extra_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "jinja2", None)
+    with pytest.raises(MissingExtraError, match=r"mav gen needs an extra: pip install 'mavstack\[gen\]'"):
+        Templates("mavstack.codegen.languages")
+
+
+@pytest.mark.parametrize(
+    ("name", "camel"),
+    [("time_boot_ms", "timeBootMs"), ("roll", "roll"), ("_x__y_", "xY"), ("Vcc", "vcc"), ("q1", "q1")],
+)
+def test_camel_case(name, camel):
+    assert camel_case(name) == camel
+
+
+def test_a_comment_cannot_be_ended_by_its_text():
+    assert one_line(" a\n\tb */ c ]] d ") == "a b * / c ] ] d"
