@@ -1,0 +1,219 @@
+"""The files of a TypeScript library.
+
+A module for the messages and one for the enums of each definition file keep the number of modules small, which
+a browser or Node loads one by one; bundlers leave out the classes that a program does not use.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any, Final
+
+from mavstack.codegen.language import Language
+from mavstack.codegen.languages.typescript.fields import Property, is_wide, make_property
+from mavstack.codegen.languages.typescript.names import (
+    RESERVED_WORDS,
+    Names,
+    file_names,
+    property_names,
+)
+from mavstack.codegen.languages.typescript.package import package_files
+from mavstack.codegen.templates import Templates, one_line
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from mavstack.codegen.language import GeneratedFile
+    from mavstack.codegen.library import Library
+    from mavstack.dialects.model import EnumDefinition, EnumEntry, MessageDefinition, Replacement
+
+_RUNTIME: Final = (
+    "builder crc enums message packet parser read sha256 signing table utf8 write".split()
+)
+_ARRAYS: Final = (
+    ("i8", "number", 1),
+    ("i16", "number", 2),
+    ("u16", "number", 2),
+    ("i32", "number", 4),
+    ("u32", "number", 4),
+    ("i64", "bigint", 8),
+    ("u64", "bigint", 8),
+    ("f32", "number", 4),
+    ("f64", "number", 8),
+)
+_READERS: Final = (
+    ("u16", "Uint16", 2, "number"),
+    ("i16", "Int16", 2, "number"),
+    ("u32", "Uint32", 4, "number"),
+    ("i32", "Int32", 4, "number"),
+    ("u64", "BigUint64", 8, "bigint"),
+    ("i64", "BigInt64", 8, "bigint"),
+    ("f32", "Float32", 4, "number"),
+    ("f64", "Float64", 8, "number"),
+)
+_WRITERS: Final = tuple(
+    (
+        f"{sign}{bits}",
+        f"{'Uint' if sign == 'u' else 'Int'}{bits}",
+        "" if bits == 8 else ", true",
+        0 if sign == "u" else -(1 << bits - 1),
+        (1 << bits) - 1 if sign == "u" else (1 << bits - 1) - 1,
+        f"{'u' if sign == 'u' else ''}int{bits}_t",
+    )
+    for bits in (8, 16, 32)
+    for sign in "ui"
+)
+
+
+def render(library: Library) -> Iterator[GeneratedFile]:
+    """Yield the files of a TypeScript library."""
+    templates = _templates()
+    names, modules = Names(library), file_names(file.name for file in library.files)
+    for name in _RUNTIME:
+        yield templates.file(
+            f"src/runtime/{name}.ts",
+            f"runtime/{name}.ts.j2",
+            library=library,
+            numbers=_READERS,
+            integers=_WRITERS,
+            arrays=_ARRAYS,
+        )
+    enums, messages = _by_module(library, modules)
+    wide = _wide_enums(library)
+    for module, items in enums.items():
+        views = [_enum(item, names, wide) for item in items]
+        yield templates.file(f"src/enums/{module}.ts", "enums.ts.j2", library=library, enums=views)
+    homes = {item.name: module for module, items in enums.items() for item in items}
+    for module, members in messages.items():
+        yield templates.file(
+            f"src/messages/{module}.ts",
+            "messages.ts.j2",
+            library=library,
+            **_messages(members, library, names, homes),
+        )
+    yield from package_files(templates, library, names, enums, messages)
+
+
+@cache
+def _templates() -> Templates:
+    return Templates("mavstack.codegen.languages.typescript")
+
+
+def _by_module(
+    library: Library, modules: dict[str, str]
+) -> tuple[dict[str, list[EnumDefinition]], dict[str, list[MessageDefinition]]]:
+    """Return the merged enums by the module of the file that first defines each, and the messages by module."""
+    merged = {enum.name: enum for enum in library.enums}
+    enums: dict[str, list[EnumDefinition]] = {}
+    messages: dict[str, list[MessageDefinition]] = {}
+    for file in library.files:
+        own = [merged.pop(enum.name) for enum in file.enums if enum.name in merged]
+        if own:
+            enums[modules[file.name]] = own
+        if file.messages:
+            messages[modules[file.name]] = list(file.messages)
+    return enums, messages
+
+
+def _wide_enums(library: Library) -> frozenset[str]:
+    uses: dict[str, set[str]] = {}
+    for message in library.messages:
+        for field in message.fields:
+            if field.enum:
+                uses.setdefault(field.enum, set()).add(field.type)
+    return frozenset(name for name, types in uses.items() if is_wide(types))
+
+
+def _enum(enum: EnumDefinition, names: Names, wide: frozenset[str]) -> dict[str, Any]:
+    suffix = "n" if enum.name in wide else ""
+    members = zip(names.members(enum), enum.entries, strict=True)
+    lines = [line for name, entry in members for line in _member(name, entry, suffix)]
+    if enum.bitmask or suffix:
+        alias = "bigint" if suffix else "number"
+    else:
+        alias = f"(typeof {names.enums[enum.name]})[keyof typeof {names.enums[enum.name]}]"
+    return {
+        "name": names.enums[enum.name],
+        "type": alias,
+        "lines": lines,
+        "doc": _doc([f"{enum.name}: {enum.description}" if enum.description else enum.name], enum.deprecated),
+    }
+
+
+def _member(name: str, entry: EnumEntry, suffix: str) -> list[str]:
+    texts = [entry.description] if entry.description else []
+    for param in entry.params:
+        text = " ".join(filter(None, (param.label, f"({param.units})" if param.units else "", param.description)))
+        if text and not param.reserved:
+            texts.append(f"Param {param.index}: {text}")
+    doc = _doc(texts, entry.deprecated)
+    return [*(f"  {line}" for line in doc), f"  {name}: {entry.value}{suffix},"]
+
+
+def _doc(texts: Iterable[str], deprecated: Replacement | None = None) -> list[str]:
+    """Return the lines of a documentation comment; none without text."""
+    lines = [one_line(text) for text in texts]
+    if deprecated is not None:
+        replaced = f" since {deprecated.since}" if deprecated.since else ""
+        lines.append(f"@deprecated{replaced}" + (f", use {deprecated.replaced_by}" if deprecated.replaced_by else ""))
+    if not lines:
+        return []
+    if len(lines) == 1:
+        return [f"/** {lines[0]} */"]
+    return ["/**", *(f" * {line}" for line in lines), " */"]
+
+
+def _messages(
+    messages: list[MessageDefinition], library: Library, names: Names, homes: dict[str, str]
+) -> dict[str, Any]:
+    """Return the values of the template of a module with messages."""
+    enums = {enum.name: enum for enum in library.enums}
+    views, imports, used = [], dict[str, set[str]](), set[str]()
+    for message in messages:
+        properties = []
+        for field, name in zip(message.fields, property_names(message), strict=True):
+            alias = names.enums.get(field.enum, "")
+            item = make_property(field, name, alias, enums.get(field.enum), library.version)
+            properties.append(item)
+            if alias and alias in item.type:
+                imports.setdefault(homes[field.enum], set()).add(alias)
+            if item.type.startswith("Open<"):
+                used.add("Open")
+        views.append(_message(message, names.messages[message.name], properties))
+    return {
+        "messages": views,
+        "imports": [(module, sorted(items)) for module, items in sorted(imports.items())],
+        "used": sorted(used | {"Init", "MessageInfo"}),
+    }
+
+
+def _message(message: MessageDefinition, name: str, properties: list[Property]) -> dict[str, Any]:
+    optional = [item.name for item in properties if item.field.extension or item.field.protocol_version]
+    options = " | ".join(f'"{item}"' for item in optional)
+    lines = [line for item in properties for line in _property(item)]
+    text = f"{message.name} ({message.id})" + (f": {message.description}" if message.description else "")
+    return {
+        "name": name,
+        "info": message,
+        "doc": _doc([text], message.deprecated),
+        "lines": lines,
+        "properties": properties,
+        "init": f"Init<{name}Fields, {options}>" if options else f"Init<{name}Fields>",
+        "object": ", ".join(f"{item.name}: this.{item.name}" for item in properties),
+    }
+
+
+def _property(item: Property) -> list[str]:
+    field = item.field
+    notes = [field.description] if field.description else []
+    if field.units:
+        notes.append(f"Unit: {field.units}{f' × {field.multiplier}' if field.multiplier else ''}.")
+    if field.array_length and field.enum:
+        notes.append(f"Values of {field.enum}.")
+    if field.extension:
+        notes.append("Extension, MAVLink 2 only.")
+    doc = _doc([" ".join(notes)]) if notes else []
+    return [*(f"  {line}" for line in doc), f"  readonly {item.name}: {item.type};"]
+
+
+LANGUAGE: Final = Language("typescript", "TypeScript (ES modules)", render, RESERVED_WORDS)
