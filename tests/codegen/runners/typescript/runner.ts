@@ -1,6 +1,7 @@
 // Runner of the conformance corpus, over the message tables of a generated TypeScript library.
 //
-// It reads lines `NAME KEY|- NOW|- HEX` and prints the packets, the packets built again, and the counters.
+// It reads lines `NAME KEY|- NOW|- HEX` and prints the packets, the packets built again, and the counters. Its argument
+// is the length of the chunks that the parser gets.
 
 import { readFileSync } from "node:fs";
 
@@ -47,18 +48,25 @@ function packedAgain(packet: AnyPacket, key: Uint8Array | undefined): Uint8Array
   return encode(packet.type as AnyMessageType, packet.fields.toObject() as never, header);
 }
 
+function pushed(parser: Parser<(typeof messages)[number]>, data: Uint8Array): AnyPacket[] {
+  const size = Number(process.argv[2] ?? data.length);
+  const packets: AnyPacket[] = [];
+  for (let start = 0; start < data.length; start += size) packets.push(...parser.push(data.subarray(start, start + size)));
+  return packets;
+}
+
 function run(line: string, out: string[]): void {
   const [name = "", keyHex = "-", now = "-", data = ""] = line.split(" ");
   const key = keyHex === "-" ? undefined : new Uint8Array(Buffer.from(keyHex, "hex"));
   const time = now === "-" ? undefined : Number(now);
   const options = key === undefined ? {} : { signing: new Signing(key, { now: () => time, timestamp: time ?? 0 }) };
   const parser = new Parser(messages, options);
-  for (const packet of parser.push(new Uint8Array(Buffer.from(data, "hex")))) {
+  for (const packet of pushed(parser, new Uint8Array(Buffer.from(data, "hex")))) {
     const { id, version, sequence, system, component, signed } = packet;
     const object = packet.fields.toObject() as unknown as Readonly<Record<string, unknown>>;
     const fields = packet.info.fields.map((field) => `${field.name}=${fieldHex(field, object[field.property])}`);
-    out.push(`packet ${name} ${id} ${version} ${sequence} ${system} ${component} ${Number(signed)} ${fields.join(" ")}`);
-    out.push(`packed ${name} ${hex(packedAgain(packet, key))}`);
+    out.push(`packet ${packet.name} ${id} ${version} ${sequence} ${system} ${component} ${Number(signed)} ${fields.join(" ")}`);
+    out.push(`packed ${packet.name} ${hex(packedAgain(packet, key))}`);
   }
   const { good, badCrc, badSignature, unknown } = parser.counters;
   out.push(`end ${name} good=${good} bad_crc=${badCrc} bad_signature=${badSignature} unknown=${unknown}`);

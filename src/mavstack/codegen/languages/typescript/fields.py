@@ -109,8 +109,8 @@ def _default(field: FieldDefinition, version: int) -> str:
 
 def _info(field: FieldDefinition, name: str) -> str:
     parts = [
-        f'name: "{field.name}", property: "{name}", type: "{field.type}", '
-        f"offset: {field.offset}, arrayLength: {field.array_length}"
+        f'name: "{field.name}", property: "{name}", type: "{field.type}"',
+        f"offset: {field.offset}, arrayLength: {field.array_length}",
     ]
     if field.units:
         parts.append(f'units: "{field.units}"')
@@ -126,4 +126,3 @@ def _info(field: FieldDefinition, name: str) -> str:
 def is_wide(uses: set[str]) -> bool:
     """Return whether the values of an enum are bigints: it is used by 64-bit fields alone."""
     return bool(uses) and uses <= WIDE
-

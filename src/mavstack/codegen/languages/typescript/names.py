@@ -1,7 +1,7 @@
 """Names in TypeScript: classes, properties and enum members.
 
-Messages and enums are classes and objects in PascalCase, fields properties in camelCase. Property names may be
-reserved words; the names of classes may be neither reserved words nor names that the modules use themselves.
+Messages and enums are classes and objects in PascalCase, fields properties in camelCase. Property names may
+be reserved words; the names of classes may be neither reserved words nor names that the modules use.
 """
 
 from __future__ import annotations
@@ -17,19 +17,25 @@ if TYPE_CHECKING:
     from mavstack.codegen.library import Library
     from mavstack.dialects.model import EnumDefinition, MessageDefinition
 
-#: Reserved words of ECMAScript in strict mode and of TypeScript.
-RESERVED_WORDS: Final = frozenset(
-    "any as async await bigint boolean break case catch class const constructor continue debugger default "
-    "delete do else enum export extends false finally for from function get if implements import in instanceof "
-    "interface let new null number object of package private protected public return set static string super "
-    "switch symbol this throw true try type typeof undefined unknown var void while with yield".split()
-)
+_ECMASCRIPT: Final = """
+    await break case catch class const continue debugger default delete do else enum export extends
+    false finally for function if implements import in instanceof interface let new null package
+    private protected public return static super switch this throw true try typeof var void while
+    with yield
+"""
+_TYPESCRIPT: Final = """
+    any as async bigint boolean constructor from get never number object of set string symbol type
+    undefined unknown
+"""
 #: Names that the generated modules use or export.
-_USED: Final = frozenset(
-    "ArrayLike BigInt DataView Init Math MessageFields Number Object Open Packet PacketBuilder Parser RawPacket "
-    "Signing String Symbol Uint8Array Record Readonly MessageType MessageInfo FieldInfo FieldType InitOf PacketOf "
-    "AnyMessageType MessageTable Counters ParserOptions SigningOptions Refusal PacketHeader".split()
-)
+_USED: Final = """
+    AnyMessageType ArrayLike BigInt Counters DataView FieldInfo FieldType Init InitOf Math
+    MessageFields MessageInfo MessageTable MessageType Number Object Open Packet PacketBuilder
+    PacketHeader PacketOf Parser ParserOptions RawPacket Readonly Record Refusal Signing
+    SigningOptions String Symbol Uint8Array
+"""
+#: Reserved words of ECMAScript in strict mode and of TypeScript.
+RESERVED_WORDS: Final = frozenset((_ECMASCRIPT + _TYPESCRIPT).split())
 #: Properties of every message class.
 _METHODS: Final = frozenset({"constructor", "toObject", "toJSON"})
 
@@ -42,7 +48,7 @@ class Names:
     """
 
     def __init__(self, library: Library) -> None:
-        taken = set(_USED)
+        taken = set(_USED.split())
         self.messages = {item.name: _unique(class_name(item.name), taken) for item in library.messages}
         taken |= {f"{name}Fields" for name in self.messages.values()}
         self.enums = {item.name: _unique(class_name(item.name), taken) for item in library.enums}

@@ -1,7 +1,7 @@
 """The files of a TypeScript library.
 
-A module for the messages and one for the enums of each definition file keep the number of modules small, which
-a browser or Node loads one by one; bundlers leave out the classes that a program does not use.
+A module for the messages and one for the enums of each definition file keep the number of modules small,
+which a browser or Node loads one by one; bundlers leave out the classes that a program does not use.
 """
 
 from __future__ import annotations
@@ -28,7 +28,18 @@ if TYPE_CHECKING:
     from mavstack.dialects.model import EnumDefinition, EnumEntry, MessageDefinition, Replacement
 
 _RUNTIME: Final = (
-    "builder crc enums message packet parser read sha256 signing table utf8 write".split()
+    "builder",
+    "crc",
+    "enums",
+    "message",
+    "packet",
+    "parser",
+    "read",
+    "sha256",
+    "signing",
+    "table",
+    "utf8",
+    "write",
 )
 _ARRAYS: Final = (
     ("i8", "number", 1),
@@ -102,7 +113,7 @@ def _templates() -> Templates:
 def _by_module(
     library: Library, modules: dict[str, str]
 ) -> tuple[dict[str, list[EnumDefinition]], dict[str, list[MessageDefinition]]]:
-    """Return the merged enums by the module of the file that first defines each, and the messages by module."""
+    """Return the enums by the module of the file that first defines each, and the messages by module."""
     merged = {enum.name: enum for enum in library.enums}
     enums: dict[str, list[EnumDefinition]] = {}
     messages: dict[str, list[MessageDefinition]] = {}
@@ -143,7 +154,9 @@ def _enum(enum: EnumDefinition, names: Names, wide: frozenset[str]) -> dict[str,
 def _member(name: str, entry: EnumEntry, suffix: str) -> list[str]:
     texts = [entry.description] if entry.description else []
     for param in entry.params:
-        text = " ".join(filter(None, (param.label, f"({param.units})" if param.units else "", param.description)))
+        text = " ".join(
+            filter(None, (param.label, f"({param.units})" if param.units else "", param.description))
+        )
         if text and not param.reserved:
             texts.append(f"Param {param.index}: {text}")
     doc = _doc(texts, entry.deprecated)
@@ -155,7 +168,9 @@ def _doc(texts: Iterable[str], deprecated: Replacement | None = None) -> list[st
     lines = [one_line(text) for text in texts]
     if deprecated is not None:
         replaced = f" since {deprecated.since}" if deprecated.since else ""
-        lines.append(f"@deprecated{replaced}" + (f", use {deprecated.replaced_by}" if deprecated.replaced_by else ""))
+        lines.append(
+            f"@deprecated{replaced}" + (f", use {deprecated.replaced_by}" if deprecated.replaced_by else "")
+        )
     if not lines:
         return []
     if len(lines) == 1:
@@ -207,7 +222,7 @@ def _property(item: Property) -> list[str]:
     field = item.field
     notes = [field.description] if field.description else []
     if field.units:
-        notes.append(f"Unit: {field.units}{f' × {field.multiplier}' if field.multiplier else ''}.")
+        notes.append(f"Unit: {field.units}{f', times {field.multiplier}' if field.multiplier else ''}.")
     if field.array_length and field.enum:
         notes.append(f"Values of {field.enum}.")
     if field.extension:
