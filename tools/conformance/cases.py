@@ -146,8 +146,9 @@ class Cases:
         for length in (0, heartbeat.base_length - 1):
             packet = packet_v1(heartbeat.id, heartbeat.crc_extra, bytes(length), Sender())
             yield Case(f"header/v1_too_short_{length}", packet + self._packet("ATTITUDE", version=1))
-        packet = packet_v2(heartbeat.id, heartbeat.crc_extra, b"", Sender())
-        yield Case("header/v2_empty_payload", self._packet("ATTITUDE") + packet + self._packet("ATTITUDE"))
+        attitude = self._by_name["ATTITUDE"]
+        packet = packet_v2(attitude.id, attitude.crc_extra, b"", Sender())
+        yield Case("header/v2_empty_payload", self._packet("HEARTBEAT") + packet + self._packet("HEARTBEAT"))
 
     def _corrupt(self) -> Iterator[Case]:
         """Yield packets with each byte wrong in turn, between valid ones."""

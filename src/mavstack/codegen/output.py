@@ -10,7 +10,6 @@ import errno
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Final
 
-from mavstack.atomic_file import write_file_atomically
 from mavstack.codegen.language import GeneratedFile, language
 from mavstack.errors import InvalidArgumentError
 
@@ -80,7 +79,7 @@ def write_files(
             path.unlink()
             continue
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_file_atomically(path, texts[path])
+        path.write_bytes(texts[path].encode())
     return outdated
 
 

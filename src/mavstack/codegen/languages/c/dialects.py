@@ -1,8 +1,8 @@
 """The parts of a dialect's header: tables of its messages, and the enums with all their entries.
 
-Each definition file has a folder of its own, whose headers work without the files that include it. An enum that
-several files extend is complete in the folder of each file that adds entries, or that joins such files; the
-first definition that the compiler reads counts, which is that of the including file.
+Each definition file has a folder of its own, whose headers work without the files that include it. An enum
+that several files extend is complete in the folder of each file that adds entries, or that joins such files;
+the first definition that the compiler reads counts, which is that of the including file.
 """
 
 from __future__ import annotations
@@ -50,11 +50,13 @@ def dialect_parts(library: Library, file: DialectFile) -> DialectParts:
         includes=file.includes,
         message_files=tuple(message.name.lower() for message in file.messages),
         max_payload_length=max((message.length for message in messages), default=0),
-        entries=", \\\n".join(f"    {entry(message)}" for message in messages) or "    {0xFFFFFFFF, 0, 0, 0, 0, 0, 0}",
+        entries=", \\\n".join(f"    {entry(message)}" for message in messages)
+        or "    {0xFFFFFFFF, 0, 0, 0, 0, 0, 0}",
         infos=", \\\n".join(f"    MAVLINK_MESSAGE_INFO_{message.name}" for message in messages)
         or '    {0xFFFFFFFF, "", 0, {{NULL, NULL, MAVLINK_TYPE_CHAR, 0, 0, 0, NULL, NULL}}}',
         names=", \\\n".join(
-            f'    {{"{message.name}", {message.id}}}' for message in sorted(messages, key=lambda item: item.name)
+            f'    {{"{message.name}", {message.id}}}'
+            for message in sorted(messages, key=lambda item: item.name)
         )
         or '    {"", 0xFFFFFFFF}',
         enums="\n".join(_enum(enum, entries) for enum, entries in enums(library, file)),
@@ -112,9 +114,10 @@ def _enum(enum: EnumDefinition, entries: tuple[EnumEntry, ...]) -> str:
         for name, value, note in values
         if value > _INT_MAX
     )
+    comment, guard = _note(one_line(enum.description)).strip(), f"HAVE_ENUM_{enum.name}"
     return (
-        f"{_note(one_line(enum.description)).strip()}\n#ifndef HAVE_ENUM_{enum.name}\n#define HAVE_ENUM_{enum.name}\n"
-        f"typedef enum {enum.name} {{\n{lines[:-1] if lines.endswith(',') else lines}\n}} {enum.name};\n{macros}#endif\n"
+        f"{comment}\n#ifndef {guard}\n#define {guard}\n"
+        f"typedef enum {enum.name} {{\n{lines.removesuffix(',')}\n}} {enum.name};\n{macros}#endif\n"
     ).lstrip("\n")
 
 

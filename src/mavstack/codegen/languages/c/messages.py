@@ -114,14 +114,12 @@ def _info(field: FieldDefinition, lower: str) -> str:
 
 
 def _getter(field: FieldDefinition, lower: str, attribute: str) -> str:
-    head = f"{attribute}static inline %s mavlink_msg_{lower}_get_{field.name}(const mavlink_message_t *msg%s)\n"
+    head = f"{attribute}static inline %s mavlink_msg_{lower}_get_{field.name}(const mavlink_message_t *msg%s)"
     if field.array_length:
         name = identifier(field.name)
-        return (
-            head % ("uint16_t", f", {field.type} *{name}") + "{\n"
-            f"    return _MAV_RETURN_{field.type}_array(msg, {name}, {field.array_length}, {field.offset});\n}}\n\n"
-        )
-    return (
-        head % (field.type, "")
-        + f"{{\n    return _MAV_RETURN_{field.type}(msg, {field.offset});\n}}\n\n"
-    )
+        head %= "uint16_t", f", {field.type} *{name}"
+        value = f"_MAV_RETURN_{field.type}_array(msg, {name}, {field.array_length}, {field.offset})"
+    else:
+        head %= field.type, ""
+        value = f"_MAV_RETURN_{field.type}(msg, {field.offset})"
+    return f"{head}\n{{\n    return {value};\n}}\n\n"

@@ -1,0 +1,120 @@
+"""The library in C99: its files, its warnings with several compilers, and the conformance corpus."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from mavstack.codegen import generate, make_library
+from mavstack.dialects import Dialect
+from tests.codegen.compilers import needs
+from tests.codegen.conformance import check_runner
+from tests.codegen.languages.compiling import C99, RUNNERS, build, build_runner, run, write_library
+
+DEFINITION = """<mavlink><enums><enum name="BIG" bitmask="true">
+<entry value="1" name="BIG_LOW"/><entry value="2147483648" name="BIG_HIGH"/></enum></enums><messages>
+<message id="50000" name="WORDS"><field type="uint8_t" name="default" enum="BIG">a */ b</field>
+<field type="char[4]" name="class">c</field></message></messages></mavlink>
+"""
+
+
+def texts(library):
+    return {file.path: file.text for file in generate(library, "c")}
+
+
+def program(compiler, folder, dialect, *flags):
+    """Compile the program that sends and receives all messages of a dialect."""
+    headers = [
+        f'-D{name}_HEADER="{dialect}/{file}.h"'
+        for name, file in (("DIALECT", "mavlink"), ("TESTSUITE", "testsuite"))
+    ]
+    suite = f"-DTESTSUITE=mavlink_test_{dialect}"
+    return build(compiler, RUNNERS / "c" / "program.c", folder / "program", *headers, suite, *flags)
+
+
+@pytest.fixture(scope="module")
+def common(tmp_path_factory):
+    return write_library("c", "common", tmp_path_factory.mktemp("common"))
+
+
+@pytest.fixture(scope="module")
+def everything(tmp_path_factory):
+    return write_library("c", "all", tmp_path_factory.mktemp("all"))
+
+
+def test_each_definition_file_has_a_folder():
+    files = texts(make_library(Dialect.load("common"), only=["HEARTBEAT", "ATTITUDE"]))
+    assert {path.partition("/")[0] for path in files if "/" in path} == {"common", "minimal", "standard"}
+    assert {"common/mavlink_msg_attitude.h", "minimal/mavlink_msg_heartbeat.h", "protocol.h"} < set(files)
+    entries = re.findall(r"\{(\d+), \d+, \d+, \d+, \d, \d, \d\}", files["common/common.h"])
+    assert entries == ["0", "30"]
+
+
+def test_words_of_c_and_big_values(tmp_path):
+    (tmp_path / "words.xml").write_text(DEFINITION)
+    files = texts(make_library(Dialect.from_xml(tmp_path / "words.xml")))
+    message = files["words/mavlink_msg_words.h"]
+    assert "uint8_t default_;" in message
+    assert "char class_[4];" in message
+    assert '"default"' in message
+    assert "#define BIG_HIGH 2147483648U" in files["words/words.h"]
+    assert "BIG_LOW = 1\n" in files["words/words.h"]
+
+
+def test_an_enum_of_several_files_is_complete_in_the_file_that_joins_them():
+    files = texts(make_library(Dialect.load("all")))
+    everything, common = (
+        re.findall(r"^    (MAV_CMD_\w+) =", files[f"{name}/{name}.h"], re.MULTILINE)
+        for name in ("all", "common")
+    )
+    assert set(common) < set(everything)
+    assert len(everything) == len(set(everything))
+
+
+@pytest.mark.interop
+@pytest.mark.smoke
+def test_common_passes_the_corpus_with_gcc(common):
+    runner = build_runner(needs("gcc"), "common", common, "-O0")
+    check_runner([runner, "0"], "common")
+    check_runner([runner, "64"], "common")
+
+
+@pytest.mark.interop
+@pytest.mark.smoke
+def test_a_program_for_the_official_library_runs(common):
+    assert run(program(needs("gcc"), common, "common", *C99)) == "376 packets\n"
+
+
+@pytest.mark.interop
+def test_clang_and_cpp_accept_the_headers(common):
+    run(program(needs("clang"), common, "common", *C99))
+    for standard in ("c++11", "c++20"):
+        flags = ("-x", "c++", *C99[1:], f"-std={standard}")
+        run(program(needs("g++"), common, "common", *flags))
+
+
+@pytest.mark.interop
+def test_everything_passes_the_corpus(everything):
+    runner = build_runner(needs("gcc"), "all", everything, "-O1", "-DMAVLINK_CRC_BITWISE")
+    check_runner([runner, "7"], "all")
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", ["gcc", "clang", "gcc-multilib", "powerpc-gcc", "s390x-gcc"])
+def test_everything_passes_the_corpus_on_other_processors(everything, name):
+    flags = {"gcc-multilib": ["-m32"], "powerpc-gcc": ["-static"], "s390x-gcc": ["-static"]}.get(name, [])
+    emulator = {"powerpc-gcc": "qemu-ppc", "s390x-gcc": "qemu-s390x"}.get(name)
+    command = [needs(emulator)] if emulator else []
+    runner = build_runner(needs(name), "all", everything, *flags, "-O2")
+    for chunk in ("0", "1", "100000"):
+        check_runner([*command, runner, chunk], "all")
+    run(*command, program(needs(name), everything, "all", *C99, *flags))
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("dialect", Dialect.official_names() if hasattr(Dialect, "official_names") else [])
+def test_every_official_dialect_compiles(dialect, tmp_path):
+    write_library("c", dialect, tmp_path)
+    for compiler in ("gcc", "clang"):
+        program(needs(compiler), tmp_path, dialect, *C99, "-fsyntax-only")
