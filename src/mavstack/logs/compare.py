@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isfinite
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -78,7 +79,7 @@ def mission_of(log: Log) -> dict[int, tuple[float, ...]]:
         log: The log.
     """
     for name, fields in _ITEM_FIELDS.items():
-        if name in log:
+        if name in log and log.schema(name).has_numbers(fields[0]):
             return _items(log[name], fields)
     return {}
 
@@ -87,9 +88,14 @@ def _items(table: MessageTable, fields: tuple[str, ...]) -> dict[int, tuple[floa
     names = table.dtype.names or ()
     if "mission_type" in names:
         table = table.where(np.asarray(table["mission_type"]) == 0)
-    columns = [np.asarray(table[name]).astype(np.float64).tolist() for name in fields if name in names]
+    known = [name for name in fields if table.schema.has_numbers(name)]
+    columns = [np.asarray(table[name]).astype(np.float64).tolist() for name in known]
     # A later transfer replaces the items of an earlier one.
-    return {int(row[0]): tuple(_plain(value) for value in row[1:]) for row in zip(*columns, strict=True)}
+    return {
+        int(row[0]): tuple(_plain(value) for value in row[1:])
+        for row in zip(*columns, strict=True)
+        if isfinite(row[0])
+    }
 
 
 def _plain(value: float) -> float:

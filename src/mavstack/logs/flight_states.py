@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 Value = TypeVar("Value")
 
 _ARMED_FLAG: Final = int(common.MavModeFlag.SAFETY_ARMED)
+_HEARTBEAT_FIELDS: Final = ("_system", "_component", "autopilot", "type", "base_mode", "custom_mode")
 _NO_AUTOPILOT: Final = int(common.MavAutopilot.INVALID)
 #: Ids of DataFlash events.
 _EVENT_ARMED, _EVENT_DISARMED = 10, 11
@@ -121,14 +122,24 @@ def flight_states(log: Log) -> dict[int, FlightStates]:
     Raises:
         LogError: The log cannot be read.
     """
+    if _has(log, "HEARTBEAT", *_HEARTBEAT_FIELDS):
+        return _of_heartbeats(log)
+    if _has(log, "vehicle_status", "arming_state", "nav_state"):
+        return {_own_system(log): _of_vehicle_status(log)}
+    return {_own_system(log): _of_dataflash(log)}
+
+
+def _has(log: Log, table: str, *columns: str) -> bool:
+    """Return whether a log has these columns: a log that defines its own tables may lack some."""
+    return table in log and log.schema(table).has_numbers(*columns)
+
+
+def _times(log: Log, name: str, table: MessageTable) -> NDArray[np.float64]:
+    """Return the times of rows, NaN where the log holds none, as in a stream without times."""
     try:
-        if "HEARTBEAT" in log:
-            return _of_heartbeats(log)
-        if "vehicle_status" in log:
-            return {_own_system(log): _of_vehicle_status(log)}
-        return {_own_system(log): _of_dataflash(log)}
-    except (ValueError, KeyError) as error:  # a table without the usual columns
-        raise LogError(f"cannot read the states in {log.path}: {error}") from error
+        return log.times_of(name, table)
+    except LogError:
+        return np.full(len(table), np.nan)
 
 
 def _of_heartbeats(log: Log) -> dict[int, FlightStates]:
@@ -138,7 +149,7 @@ def _of_heartbeats(log: Log) -> dict[int, FlightStates]:
     for system in np.unique(table["_system"]).tolist():
         rows = table.where(table["_system"] == system)
         rows = rows.where(rows["_component"] == rows["_component"].min())
-        times = log.times_of("HEARTBEAT", rows)
+        times = _times(log, "HEARTBEAT", rows)
         autopilot, vehicle = int(rows["autopilot"][-1]), int(rows["type"][-1])
 
         def name(mode: int, autopilot: int = autopilot, vehicle: int = vehicle) -> str:
@@ -153,7 +164,7 @@ def _of_heartbeats(log: Log) -> dict[int, FlightStates]:
 
 def _of_vehicle_status(log: Log) -> FlightStates:
     table = log["vehicle_status"]
-    times = log.times_of("vehicle_status", table)
+    times = _times(log, "vehicle_status", table)
     armed = np.asarray(table["arming_state"]) == _ULOG_ARMED
     modes = _modes(times, table["nav_state"], lambda mode: _NAV_STATES.get(mode, str(mode)))
     return FlightStates(_states(times, armed, default=False), modes)
@@ -161,25 +172,27 @@ def _of_vehicle_status(log: Log) -> FlightStates:
 
 def _of_dataflash(log: Log) -> FlightStates:
     armed: States[bool] = States(np.empty(0), np.empty(0, np.bool_), default=False)
-    if "ARM" in log:
-        armed = _states(log.times("ARM"), log["ARM"]["ArmState"] != 0, default=False)
-    elif "EV" in log:
-        events = log["EV"].where(np.isin(log["EV"]["Id"], (_EVENT_ARMED, _EVENT_DISARMED)))
-        armed = _states(log.times_of("EV", events), events["Id"] == _EVENT_ARMED, default=False)
+    if _has(log, "ARM", "ArmState"):
+        table = log["ARM"]
+        armed = _states(_times(log, "ARM", table), table["ArmState"] != 0, default=False)
+    elif _has(log, "EV", "Id"):
+        table = log["EV"].where(np.isin(log["EV"]["Id"], (_EVENT_ARMED, _EVENT_DISARMED)))
+        armed = _states(_times(log, "EV", table), table["Id"] == _EVENT_ARMED, default=False)
     modes: States[str] = States(np.empty(0), np.empty(0, object), default="")
-    if "MODE" in log:
-        modes = _modes(log.times("MODE"), _mode_numbers(log["MODE"]), _dataflash_mode(log))
+    field = next((name for name in ("ModeNum", "Mode") if _has(log, "MODE", name)), None)
+    if field is not None:
+        table = log["MODE"]
+        modes = _modes(_times(log, "MODE", table), np.asarray(table[field]), _dataflash_mode(log))
     return FlightStates(armed, modes)
-
-
-def _mode_numbers(table: MessageTable) -> NDArray[Any]:
-    names = table.dtype.names or ()
-    return np.asarray(table["ModeNum" if "ModeNum" in names else "Mode"])
 
 
 def _dataflash_mode(log: Log) -> Callable[[int], str]:
     vehicle = common.MavType.__members__.get(log.info.get("vehicle_type", ""), common.MavType.GENERIC)
     return lambda mode: mode_name(common.MavAutopilot.ARDUPILOTMEGA, vehicle, mode) or str(mode)
+
+
+def _mode_text(number: float, name: Callable[[int], str]) -> str:
+    return name(int(number)) if float(number).is_integer() else str(number)
 
 
 def _own_system(log: Log) -> int:
@@ -197,5 +210,5 @@ def _modes(times: NDArray[np.float64], numbers: NDArray[Any], name: Callable[[in
     order = np.argsort(times[known], kind="stable")
     kept = np.asarray(numbers)[known][order]
     distinct, positions = np.unique(kept, return_inverse=True)
-    names = np.array([name(int(number)) for number in distinct.tolist()], dtype=object)
+    names = np.array([_mode_text(number, name) for number in distinct.tolist()], dtype=object)
     return States(times[known][order], names[positions] if len(kept) else np.empty(0, object), "")

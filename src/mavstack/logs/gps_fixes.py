@@ -46,9 +46,9 @@ def gps_fixes(log: Log, clock: ClockChoice) -> tuple[NDArray[np.int64], NDArray[
         Distinct numbers, each of one position, in ascending order; and their times in seconds.
     """
     found = [
-        (_fingerprints(table, latitude, longitude, unit), log.times_of(name, table, clock))
+        (_fingerprints(log[name], latitude, longitude, unit), log.times(name, clock))
         for name, latitude, longitude, unit in _SOURCES
-        if name in log and {latitude, longitude} <= set((table := log[name]).dtype.names or ())
+        if name in log and log.schema(name).has_numbers(latitude, longitude)
     ]
     if not found:
         return np.empty(0, np.int64), np.empty(0)
@@ -65,6 +65,9 @@ def gps_fixes(log: Log, clock: ClockChoice) -> tuple[NDArray[np.int64], NDArray[
 def _fingerprints(table: MessageTable, latitude: str, longitude: str, unit: float) -> NDArray[np.int64]:
     """Return one number for each position: 0 for the position 0, 0, which stands for "no fix"."""
     factor = unit * _UNITS_PER_DEGREE
-    north, east = (np.rint(table[name] * factor).astype(np.int64) for name in (latitude, longitude))
+    columns = [np.asarray(table[name]).astype(np.float64) * factor for name in (latitude, longitude)]
+    limits = 90 * _UNITS_PER_DEGREE, 180 * _UNITS_PER_DEGREE
+    on_earth = (np.abs(columns[0]) <= limits[0]) & (np.abs(columns[1]) <= limits[1])
+    north, east = (np.rint(np.where(on_earth, column, 0.0)).astype(np.int64) for column in columns)
     keys: NDArray[np.int64] = (north << 32) ^ (east & 0xFFFFFFFF)
     return keys

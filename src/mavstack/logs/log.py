@@ -1,7 +1,7 @@
 """The interface of all logs, whatever their format: a mapping from names to tables.
 
 A format derives from `Log` and implements what differs: `counts`, `schema`, `decode_tables`, `skipped`, and
-the methods named `_read_…`, which take the log or a view of it. Everything else is here, so that a program,
+the methods named `read_…`, which take the log or a view of it. Everything else is here, so that a program,
 an exporter or a report works with any format.
 """
 
@@ -43,8 +43,7 @@ class Log(LogTables):
     the table of one instance. A table is decoded on first access and kept until `clear_cache`.
     """
 
-    # what a format implements, besides `counts`, `schema` and `decode_tables`; `log` is the log or a view of
-    # it
+    # what a format implements besides `counts`, `schema`, `decode_tables`; `log` is the log or a view of it
 
     @property
     @abstractmethod
@@ -195,7 +194,9 @@ class Log(LogTables):
         span = self.time_span
         if span is None or self.clock == "boot":
             return None
-        return np.datetime64(round(span[index] * 1e6), "us")
+        microseconds = round(span[index] * 1e6)
+        # A damaged record may have any time.
+        return np.datetime64(microseconds, "us") if abs(microseconds) < 1 << 63 else None
 
     @property
     def duration(self) -> float:

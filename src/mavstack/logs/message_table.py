@@ -134,6 +134,20 @@ class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
         self._field(field)
         return field
 
+    def has_number(self, field: str) -> bool:
+        """Return whether the table has a column, or an element such as `q[0]`, with one number in each row.
+
+        Args:
+            field: The name.
+        """
+        names = self.dtype.names or ()
+        if field in names:
+            return not self.dtype[field].shape and self.dtype[field].kind in "iufb"
+        name, index = element_of(field) or (field, 0)
+        if name not in names or not self.dtype[name].shape:
+            return False
+        return index < self.dtype[name].shape[0] and self.dtype[name].base.kind in "iufb"
+
     def _field(self, field: str) -> tuple[str, int | None]:
         """Return the name of a column and the index of an element."""
         names = self.dtype.names or ()

@@ -55,6 +55,16 @@ class ParameterChange(NamedTuple):
     boot_us: int | None = None
 
 
+def differs(before: float | None, value: float) -> bool:
+    """Return whether a parameter has another value than before; NaN stays NaN.
+
+    Args:
+        before: The value before, or None.
+        value: The new value.
+    """
+    return before != value and not (before != before and value != value)
+
+
 class LogRecord(Mapping[str, object]):
     """One record of a log: a mapping from field names to values.
 

@@ -85,6 +85,11 @@ class FieldSchema:
         """Number of elements of an array field; 0 for a single value."""
         return int(self.dtype.shape[0]) if self.dtype.shape else 0
 
+    @property
+    def is_number(self) -> bool:
+        """True for a column with one number in each row."""
+        return self.dtype.kind in "iufb" and not self.dtype.shape
+
     def to_dict(self) -> dict[str, Any]:
         """Return the schema as values that JSON can hold, without those that say nothing."""
         values: dict[str, Any] = {"name": self.name, "type": self.dtype.base.str}
@@ -145,6 +150,16 @@ class TableSchema:
 
     def __len__(self) -> int:
         return len(self.fields)
+
+    def has_numbers(self, *names: str) -> bool:
+        """Return whether the table has these columns, each with one number in a row.
+
+        A log that defines its own tables may give a known name to anything.
+
+        Args:
+            names: Names of the columns.
+        """
+        return all(name in self.by_name and self.by_name[name].is_number for name in names)
 
     def restricted_to(self, names: Iterable[str]) -> TableSchema:
         """Return the schema of some columns.

@@ -2,7 +2,7 @@
 
 A log holds the position several times: as the estimator computed it, and as each receiver of satellite
 navigation measured it. The first source in `_SOURCES` that the log has is taken, the estimate first. Rows
-without a position (no fix, 0/0, out of range) are left out.
+without a position (no fix, 0/0, out of range, no altitude) are left out.
 """
 
 from __future__ import annotations
@@ -36,6 +36,12 @@ class _Source(NamedTuple):
     metres: float = 1.0
     fix: str = ""
     min_fix: int = 3
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns that are read."""
+        names = (self.latitude, self.longitude, self.altitude)
+        return (*names, self.fix) if self.fix else names
 
 
 _SOURCES: Final = (
@@ -109,7 +115,7 @@ def tracks(log: Log) -> list[Track]:
     """
     found: dict[int, Track] = {}
     for source in _SOURCES:
-        if source.table in log and source.latitude in log.schema(source.table):
+        if source.table in log and log.schema(source.table).has_numbers(*source.columns):
             for track in _tracks_of(log, source):
                 found.setdefault(track.system, track)
     return [track for _, track in sorted(found.items())]
@@ -162,7 +168,7 @@ def _track(
     longitudes = np.asarray(table[source.longitude]).astype(np.float64) * source.degrees
     altitudes = np.asarray(table[source.altitude]).astype(np.float64) * source.metres
     valid = rows & ((latitudes != 0) | (longitudes != 0)) & np.isfinite(times)
-    valid &= (np.abs(latitudes) <= 90) & (np.abs(longitudes) <= 180)
+    valid &= (np.abs(latitudes) <= 90) & (np.abs(longitudes) <= 180) & np.isfinite(altitudes)
     if source.fix:
         valid &= np.asarray(table[source.fix]) >= source.min_fix
     return Track(system, source.table, times[valid], latitudes[valid], longitudes[valid], altitudes[valid])

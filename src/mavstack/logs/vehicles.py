@@ -4,6 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+_MAX_ID = 255
+
+
+def is_system_id(value: float) -> bool:
+    """Return whether the value of a parameter can be a system id."""
+    return 1 <= value <= _MAX_ID
+
 
 @dataclass(frozen=True, slots=True)
 class LogVehicle:

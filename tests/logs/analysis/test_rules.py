@@ -194,6 +194,101 @@ def test_a_fault_is_found(findings_of, name):
     assert set(found) <= usual, "no other rule takes this fault for its own"
 
 
+#: Faults that are none while the vehicle is disarmed: a bench test, a battery that is changed, a start-up.
+ON_THE_GROUND = {
+    "vibration": 70.0,
+    "clipping": 500,
+    "fix": 1,
+    "satellites": 3,
+    "hdop": 9.0,
+    "ratio": 1.5,
+    "voltage": 5.0,
+    "remaining": 3,
+    "noise": 190,
+    "roll": 3.0,
+    "outputs": (1990, 1000, 1000, 1000),
+    "north": 5000.0,
+}
+
+
+@pytest.mark.parametrize("name", ON_THE_GROUND)
+def test_nothing_is_found_before_arming(findings_of, name):
+    assert findings_of(during(0, ARMED - 1, **{name: ON_THE_GROUND[name]})) == {}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Failsafe activated: offboard control lost",
+        "Radio Failsafe - Continuing Landing",
+        "Battery Failsafe, sending home",
+    ],
+)
+def test_a_failsafe_is_found_whatever_it_mentions(findings_of, text):
+    (finding,) = findings_of(during(30, 30.1, texts=((4, text),)))["failsafes"]
+    assert finding.title == text
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "EKF Failsafe Cleared",
+        "Throttle failsafe off",
+        "PreArm: Radio failsafe on",
+        "Arm: Throttle below failsafe",
+        "PreArm: CrashDump data detected",
+    ],
+)
+def test_a_failsafe_that_ended_or_kept_the_vehicle_on_the_ground_is_none(findings_of, text):
+    assert findings_of(during(30, 30.1, texts=((6, text),))) == {}
+
+
+def test_a_repeated_text_is_one_finding(findings_of):
+    found = findings_of(during(20, 40, texts=((4, "Radio Failsafe"), (2, "Crash: Disarming"))))
+    assert [finding.time for finding in found["failsafes"] + found["crash"]] == pytest.approx(
+        [20, 20], abs=0.1
+    )
+
+
+def test_values_that_stand_for_unknown_have_no_time(findings_of):
+    def unknown_first(telemetry):
+        telemetry.remaining = -1 if telemetry.time < 20 else 15
+        telemetry.voltage = 0.5 if 10 <= telemetry.time < 11 else 9.0 if telemetry.time > 30 else 12.4
+
+    found = findings_of(unknown_first)
+    assert found["charge"][0].time == pytest.approx(20, abs=0.1)
+    assert found["voltage_sag"][0].time == pytest.approx(30, abs=0.2)
+
+
+def test_the_heartbeats_of_a_payload_do_not_hide_a_lost_link(tmp_path):
+    autopilot, camera = Encoder(1, 1), Encoder(1, 100)
+    beat = common.Heartbeat(type=2, autopilot=3, base_mode=129)
+    camera_beat = common.Heartbeat(type=common.MavType.CAMERA, autopilot=common.MavAutopilot.INVALID)
+    packets = []
+    for second in range(60):
+        packets.append(camera.encode(camera_beat))
+        packets.append(
+            (camera if 20 <= second < 40 else autopilot).encode(camera_beat if 20 <= second < 40 else beat)
+        )
+    path = tmp_path / "silent.tlog"
+    path.write_bytes(stamped(packets, step=500_000))
+    (flight,) = flights(open_log(path))
+    (finding,) = analyse(flight)
+    assert (finding.rule, round(finding.numbers["max_gap_s"])) == ("lost_link", 21)
+
+
+def test_two_links_with_counters_of_their_own_are_no_loss(tmp_path):
+    first, second = Encoder(1, 1), Encoder(1, 1)
+    beat = common.Heartbeat(type=2, autopilot=3)
+    for _ in range(100):
+        second.encode(beat)
+    packets = [encoder.encode(beat) for _ in range(200) for encoder in (first, second)]
+    path = tmp_path / "two.tlog"
+    path.write_bytes(stamped(packets))
+    (flight,) = flights(open_log(path))
+    assert analyse(flight) == []
+
+
 def test_packets_that_are_missing_are_counted(tmp_path):
     encoder = Encoder(1, 1)
     beat = common.Heartbeat(type=2, autopilot=3)

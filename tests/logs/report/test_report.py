@@ -118,6 +118,14 @@ def test_a_log_without_a_vehicle_has_a_report(tmp_path):
     assert report.data["vehicles"][0]["findings"] == []
 
 
+def test_a_stream_without_times_has_a_report(tmp_path):
+    path = tmp_path / "stream.raw"
+    path.write_bytes(b"".join(encoded([common.Heartbeat(type=2, autopilot=3)] * 5)))
+    report = make_report(open_log(path, timestamped=False))
+    assert report.data["vehicles"][0]["vehicle_type"] == "QUADROTOR"
+    assert "HEARTBEAT" in report.html
+
+
 def test_values_that_are_no_numbers_are_left_out(tmp_path):
     messages = [common.Attitude(roll=value) for value in (0.1, float("nan"), 0.3, float("inf"), 0.2)]
     path = tmp_path / "nan.tlog"

@@ -11,12 +11,17 @@ from mavstack.logs.analysis.findings import Finding, Severity
 from mavstack.logs.analysis.rules import Rule
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from mavstack.logs.analysis.flight import Flight
+    from mavstack.logs.records import LogText
 
 _FAILSAFE: Final = re.compile(r"fail-?safe|emergency", re.IGNORECASE)
-_CLEARED: Final = re.compile(r"clear|off|end|recover|cancel|restored", re.IGNORECASE)
+_CLEARED: Final = re.compile(
+    r"\b(clear(ed)?|off|end(ed)?|recover(ed|y)?|cancel(l?ed)?|restored)\b", re.IGNORECASE
+)
+#: Reasons why a vehicle on the ground refuses to arm, such as "PreArm: CrashDump data detected".
+_REFUSED: Final = re.compile(r"(pre-?arm|arm|preflight fail|arming denied)\b[^:]*:", re.IGNORECASE)
 _CRASH: Final = re.compile(r"crash|potential thrust loss|engine failure", re.IGNORECASE)
 _ERROR_SEVERITY: Final = 3
 _MAX_LISTED: Final = 5
@@ -28,11 +33,8 @@ _UPSIDE_DOWN: Final = 80.0
 
 def failsafes(flight: Flight) -> Iterator[Finding]:
     """Look for texts that tell a failsafe, and for errors of DataFlash logs (ERR)."""
-    for time, text in flight.texts:
-        if _FAILSAFE.search(text.text) and not _CLEARED.search(text.text):
-            report = f"The vehicle reported: {text.text}"
-            yield Finding("failsafes", Severity.CRITICAL, text.text, report, _known(time))
-    if "ERR" in flight.log:
+    yield from _reported(flight, "failsafes", _is_failsafe)
+    if "ERR" in flight.log and flight.log.schema("ERR").has_numbers("Subsys", "ECode"):
         errors = flight.log["ERR"]
         errors = errors.where(errors["ECode"] != 0)
         times = flight.log.seconds_from_start("ERR", errors)
@@ -46,10 +48,7 @@ def failsafes(flight: Flight) -> Iterator[Finding]:
 
 def crash(flight: Flight) -> Iterator[Finding]:
     """Look for texts that tell a crash or a loss of thrust, and for a multirotor beyond 80 degrees."""
-    for time, text in flight.texts:
-        if _CRASH.search(text.text):
-            report = f"The vehicle reported: {text.text}"
-            yield Finding("crash", Severity.CRITICAL, text.text, report, _known(time))
+    yield from _reported(flight, "crash", _is_crash)
     if not flight.is_multirotor:
         return
     for name in ("roll", "pitch"):
@@ -72,12 +71,9 @@ def errors(flight: Flight) -> Iterator[Finding]:
         (time, text)
         for time, text in flight.texts
         if text.severity <= _ERROR_SEVERITY
-        and not _FAILSAFE.search(text.text)
-        and not _CRASH.search(text.text)
+        and (_REFUSED.match(text.text) or not (_FAILSAFE.search(text.text) or _CRASH.search(text.text)))
     ]
-    distinct: dict[str, float] = {}
-    for time, text in grave:
-        distinct.setdefault(text.text, time)
+    distinct = _first_times(grave)
     for title, time in list(distinct.items())[:_MAX_LISTED]:
         yield Finding("errors", Severity.WARNING, title, f"The vehicle reported: {title}", _known(time))
     if len(distinct) > _MAX_LISTED:
@@ -97,9 +93,32 @@ def parameter_changes(flight: Flight) -> Iterator[Finding]:
     if in_flight:
         listed = ", ".join(f"{change.name} = {change.value:g}" for _, change in in_flight[:10])
         text = f"Changed while armed: {listed}."
-        title = f"{len(in_flight)} parameters changed in flight"
+        noun = "parameter" if len(in_flight) == 1 else "parameters"
+        title = f"{len(in_flight)} {noun} changed in flight"
         numbers = {"changes": float(len(in_flight))}
         yield Finding("parameter_changes", Severity.INFO, title, text, in_flight[0][0], numbers)
+
+
+def _is_failsafe(text: str) -> bool:
+    return bool(_FAILSAFE.search(text)) and not _CLEARED.search(text) and not _REFUSED.match(text)
+
+
+def _is_crash(text: str) -> bool:
+    return bool(_CRASH.search(text)) and not _REFUSED.match(text)
+
+
+def _reported(flight: Flight, rule: str, concerns: Callable[[str], bool]) -> Iterator[Finding]:
+    """Yield a critical finding for each distinct text, at its first time."""
+    found = _first_times([(time, text) for time, text in flight.texts if concerns(text.text)])
+    for title, time in found.items():
+        yield Finding(rule, Severity.CRITICAL, title, f"The vehicle reported: {title}", _known(time))
+
+
+def _first_times(texts: list[tuple[float, LogText]]) -> dict[str, float]:
+    found: dict[str, float] = {}
+    for time, text in texts:
+        found.setdefault(text.text, time)
+    return found
 
 
 def _known(time: float) -> float | None:

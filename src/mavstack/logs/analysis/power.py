@@ -29,11 +29,10 @@ _END: Final = 3.0
 def voltage_sag(flight: Flight) -> Iterator[Finding]:
     """Look for a battery that falls below 80 % of its voltage at the beginning while armed."""
     signal = flight.armed_signal("voltage")
+    signal = None if signal is None else signal.during(signal.values > 1)
     if signal is None or len(signal) < 10:
         return
-    values = signal.values[signal.values > 1]
-    if len(values) < 10:
-        return
+    values = signal.values
     full, lowest = float(np.median(values[: max(len(values) // 20, 3)])), float(values.min())
     if lowest < full * _USUAL_SAG:
         yield Finding(
@@ -50,12 +49,10 @@ def voltage_sag(flight: Flight) -> Iterator[Finding]:
 def charge(flight: Flight) -> Iterator[Finding]:
     """Look for a battery below 20 % (warning) or 10 % (critical) while armed."""
     signal = flight.armed_signal("remaining")
-    if signal is None:
+    signal = None if signal is None else signal.during(signal.values >= 0)
+    if signal is None or not len(signal) or signal.values.min() >= _LOW_CHARGE:
         return
-    values = signal.values[signal.values >= 0]
-    if not len(values) or values.min() >= _LOW_CHARGE:
-        return
-    lowest = float(values.min())
+    lowest = float(signal.values.min())
     yield Finding(
         "charge",
         Severity.CRITICAL if lowest < _EMPTY else Severity.WARNING,

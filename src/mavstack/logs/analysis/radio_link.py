@@ -17,19 +17,20 @@ if TYPE_CHECKING:
 #: Seconds between two heartbeats from which ground stations tell that the link is lost.
 _SILENCE: Final = 5.0
 _LOSS: Final = 0.05
+#: Steps between two sequence numbers that lead back, and their largest share in one count of packets: after
+#: long gaps, and of packets that arrive late.
+_BACKWARD: Final = 128
+_MAX_BACKWARD: Final = 0.2
 #: SiK radios: dBm = value / 1.9 - 127, so that this difference is about 10 dB.
 _DECIBELS: Final = 1.9
 _LOW_MARGIN: Final = 10.0
 
 
 def lost_link(flight: Flight) -> Iterator[Finding]:
-    """Look for more than 5 s between two heartbeats of the vehicle while armed."""
+    """Look for more than 5 s between two heartbeats of the autopilot while armed."""
     if "HEARTBEAT" not in flight.log:
         return
-    table = flight.log["HEARTBEAT"]
-    rows = table.where(table["_system"] == flight.system)
-    times = np.sort(flight.log.seconds_from_start("HEARTBEAT", rows))
-    times = times[np.isfinite(times)]
+    times = flight.states.armed.times - flight.start  # of its heartbeats
     gaps = np.diff(times)
     lost = np.flatnonzero(gaps > _SILENCE)
     lost = lost[flight.is_armed(times[lost])]
@@ -49,16 +50,37 @@ def lost_link(flight: Flight) -> Iterator[Finding]:
 
 
 def packet_loss(flight: Flight) -> Iterator[Finding]:
-    """Look for more than 5 % of lost packets, by the gaps in the sequence numbers."""
+    """Look for more than 5 % of lost packets, by the gaps in the sequence numbers.
+
+    A vehicle counts the packets of each of its links by itself. A recording of several links holds several
+    counts of one component, which tell nothing about losses.
+    """
     sources: dict[tuple[int, int], Any] = getattr(flight.log, "sources", {})
     counts = [item for (system, _), item in sources.items() if system == flight.system]
     received, lost = sum(item.received for item in counts), sum(item.lost for item in counts)
-    if not received or lost / (lost + received) <= _LOSS:
+    if not received or lost / (lost + received) <= _LOSS or _has_several_counters(flight):
         return
     share = lost / (lost + received)
     text = f"{lost:,} of {lost + received:,} packets of the vehicle are missing in the recording."
     title = f"{share:.0%} of the packets lost"
     yield Finding("packet_loss", Severity.WARNING, title, text, None, {"share": share, "lost": float(lost)})
+
+
+def _has_several_counters(flight: Flight) -> bool:
+    """Return whether the sequence numbers of the vehicle's autopilot jump back and forth."""
+    vehicle = flight.log.vehicles.get(flight.system)
+    component = 1 if vehicle is None else vehicle.component
+    own = [
+        table.where((table["_system"] == flight.system) & (table["_component"] == component))
+        for table in flight.log.values()
+        if {"_system", "_sequence"} <= set(table.dtype.names or ())
+    ]
+    if not own:
+        return False
+    times = np.concatenate([rows["_time"] for rows in own])
+    numbers = np.concatenate([rows["_sequence"] for rows in own])[np.argsort(times, kind="stable")]
+    steps = np.diff(numbers)  # of unsigned bytes, so they wrap
+    return bool(len(steps)) and float((steps >= _BACKWARD).mean()) > _MAX_BACKWARD
 
 
 def radio_margin(flight: Flight) -> Iterator[Finding]:

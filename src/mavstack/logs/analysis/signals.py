@@ -225,10 +225,10 @@ def read_signal(log: Log, name: str, system: int | None = None) -> Signal | None
         LogError: The log cannot be read.
     """
     definition = SIGNALS[name]
-    if name in _ANGLES and _QUATERNIONS in log:
+    if name in _ANGLES and _QUATERNIONS in log and log[_QUATERNIONS].has_number("q[3]"):
         return _angle(log, name, definition)
     for source in definition.sources:
-        if source.table not in log or source.field.partition("[")[0] not in log.schema(source.table):
+        if source.table not in log or not log[source.table].has_number(source.field):
             continue
         table = _rows(log[source.table], None if name in _OF_THE_LINK else system)
         try:
@@ -266,7 +266,7 @@ def _angle(log: Log, name: str, definition: SignalDefinition) -> Signal | None:
     """Return an angle of the attitude quaternion in degrees."""
     table = _rows(log[_QUATERNIONS], None)
     times = log.seconds_from_start(_QUATERNIONS, table)
-    values = np.degrees(_ANGLES[name](*np.asarray(table["q"]).astype(np.float64).T))
+    values = np.degrees(_ANGLES[name](*np.asarray(table["q"]).astype(np.float64)[:, :4].T))
     known = np.isfinite(values) & np.isfinite(times)
     if not known.any():
         return None

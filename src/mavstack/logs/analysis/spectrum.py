@@ -61,9 +61,11 @@ def acceleration_spectrum(flight: Flight) -> Spectrum | None:
         LogError: The log cannot be read.
     """
     for name, fields, factor in _SOURCES:
-        if name not in flight.log or fields[0].partition("[")[0] not in flight.log.schema(name):
+        if name not in flight.log:
             continue
         table = flight.log[name]
+        if not all(table.has_number(field) for field in fields):
+            continue
         names = table.dtype.names or ()
         if "_instance" in names and len(table):
             table = table.where(table["_instance"] == table["_instance"].min())

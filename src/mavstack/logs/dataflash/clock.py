@@ -2,7 +2,7 @@
 
 Records hold the time since boot (TimeUS, in old logs TimeMS). GPS records hold the week and the milliseconds
 of GPS time as well, which gives the offset to UTC. GPS time does not count leap seconds; it is 18 s ahead of
-UTC since 2017.
+UTC since 2017 (15 s in 2009, one more in July 2012, in July 2015 and in January 2017).
 """
 
 from __future__ import annotations
@@ -23,7 +23,11 @@ if TYPE_CHECKING:
 GPS_TABLES: Final = ("GPS", "GPS2")
 _GPS_EPOCH_US: Final = 315_964_800_000_000
 _WEEK_US: Final = 604_800_000_000
-_LEAP_US: Final = 18_000_000
+#: Weeks up to the year 2172: a larger number is damage.
+_MAX_WEEK: Final = 9999
+#: Leap seconds before July 2012, and the GPS times in microseconds from which there is one more.
+_FIRST_LEAP_SECONDS: Final = 15
+_LEAP_STEPS_US: Final = np.array([1_025_136_015, 1_119_744_016, 1_167_264_017], np.int64) * 1_000_000
 _FIX_3D: Final = 3
 #: Names of the week and the milliseconds, in new and old logs.
 _GPS_TIMES: Final = (("GWk", "GMS"), ("Week", "TimeMS"))
@@ -41,17 +45,17 @@ def gps_time_base(kind: RecordType, table: NDArray[Any]) -> TimeBase:
     Returns:
         UTC if a GPS record with a fix holds the time, the time since boot otherwise.
     """
-    names = table.dtype.names or ()
-    pair = next((pair for pair in _GPS_TIMES if set(pair) <= set(names)), None)
+    pair = next((pair for pair in _GPS_TIMES if set(pair) <= set(kind.integer_columns)), None)
     boot = boot_microseconds(kind, table)
     if pair is None or boot is None:
         return TimeBase("boot")
     week, milliseconds = (table[name].astype(np.int64) for name in pair)
-    known = week > 0
-    if "Status" in names and (known & (table["Status"] >= _FIX_3D)).any():
+    known = (week > 0) & (week <= _MAX_WEEK) & (milliseconds >= 0) & (milliseconds * 1000 < _WEEK_US)
+    if "Status" in kind.integer_columns and (known & (table["Status"] >= _FIX_3D)).any():
         known &= table["Status"] >= _FIX_3D
-    utc = _GPS_EPOCH_US + week * _WEEK_US + milliseconds * 1000 - _LEAP_US
-    found = median_offset(utc[known], boot[known])
+    gps = week[known] * _WEEK_US + milliseconds[known] * 1000
+    leap = _FIRST_LEAP_SECONDS + np.searchsorted(_LEAP_STEPS_US, gps, side="right")
+    found = median_offset(_GPS_EPOCH_US + gps - leap * 1_000_000, boot[known])
     return (
         TimeBase("boot") if found is None else TimeBase("utc", *found, f"{kind.name} week and milliseconds")
     )

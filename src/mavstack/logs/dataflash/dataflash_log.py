@@ -21,7 +21,7 @@ from mavstack.logs.damage import LogDamage
 from mavstack.logs.dataflash.ardupilot_log import ArduPilotLog
 from mavstack.logs.dataflash.mapped_pages import STEP, release
 from mavstack.logs.dataflash.record_type import RecordType, table_names
-from mavstack.logs.dataflash.units import SlotFinder, units_by_slot
+from mavstack.logs.dataflash.units import SlotFinder, has_units, units_by_slot
 from mavstack.logs.log import DEFAULT_WINDOW
 from mavstack.logs.log_bytes import LogBytes
 from mavstack.logs.message_table import MessageTable
@@ -173,7 +173,7 @@ class DataFlashLog(ArduPilotLog):
         parts = [(self._slots[name], 0, self._counts[name]) for name in needed]
         tables: dict[str, Any] = dict(zip(needed, self._decode(parts, None), strict=True))
         fmtu = tables.get("FMTU")
-        if fmtu is None or not {"FmtType", "UnitIds", "MultIds"} <= set(fmtu.dtype.names):
+        if fmtu is None or not has_units(fmtu):
             return self._types
         positions = self._index.positions(self._slots["FMTU"], 0, len(fmtu))
         slot = SlotFinder(self._index.redefinitions).slot

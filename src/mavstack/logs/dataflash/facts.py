@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from mavstack.dialects import Dialect
-from mavstack.logs.records import LogText, ParameterChange
+from mavstack.logs.records import LogText, ParameterChange, differs
 from mavstack.logs.schema import EnumSchema
-from mavstack.logs.vehicles import LogVehicle
+from mavstack.logs.vehicles import LogVehicle, is_system_id
 
 if TYPE_CHECKING:
     from mavstack.logs.log import Log
@@ -57,7 +57,7 @@ def texts(log: Log) -> list[LogText]:
 
 def _continues(table: MessageTable, row: int) -> bool:
     """Return whether a record of MSG continues the text of the one before it."""
-    if not {"ID", "Seq"} <= set(table.dtype.names or ()):
+    if not table.schema.has_numbers("ID", "Seq"):
         return False
     numbers = table["ID"], table["Seq"]
     return bool(numbers[1][row] > 0 and numbers[0][row] == numbers[0][row - 1])
@@ -86,12 +86,11 @@ def info(log: Log) -> dict[str, str]:
 
 def _version_facts(table: MessageTable | None) -> dict[str, str]:
     """Return the facts of VER."""
-    names = () if table is None else table.dtype.names or ()
-    if table is None or not len(table) or not {"Maj", "Min", "Pat"} <= set(names):
+    if table is None or not len(table) or not table.schema.has_numbers("Maj", "Min", "Pat"):
         return {}
     row: Any = table[0]
-    facts = {"firmware_version": ".".join(str(int(row[name])) for name in ("Maj", "Min", "Pat"))}
-    if "GH" in names and row["GH"]:
+    facts = {"firmware_version": ".".join(f"{row[name]:.0f}" for name in ("Maj", "Min", "Pat"))}
+    if table.schema.has_numbers("GH") and table["GH"].dtype.kind in "iu" and row["GH"]:
         facts["firmware_git"] = f"{int(row['GH']):08x}"
     return facts
 
@@ -103,7 +102,8 @@ def _is_hardware(line: str) -> bool:
 
 def _system(log: Log) -> str:
     values = log.parameters
-    return next((str(int(values[name])) for name in _SYSTEM_PARAMETERS if name in values), "")
+    found = (values[name] for name in _SYSTEM_PARAMETERS if name in values)
+    return next((f"{value:.0f}" for value in found if is_system_id(value)), "")
 
 
 def _firmware_of(lines: list[str]) -> tuple[str, str, str]:
@@ -133,7 +133,7 @@ def parameters(log: Log) -> tuple[dict[str, float], list[ParameterChange]]:
         log: The log, or a view of it.
     """
     table = log.get("PARM")
-    if table is None or not {"Name", "Value"} <= set(table.dtype.names or ()):
+    if table is None or "Name" not in table.schema or not table.schema.has_numbers("Value"):
         return {}, []
     boot = log.boot_times("PARM", table)
     initial: dict[str, float] = {}
@@ -142,7 +142,7 @@ def parameters(log: Log) -> tuple[dict[str, float], list[ParameterChange]]:
     values = table["Value"].astype(np.float64).tolist()
     for row, (raw, value) in enumerate(zip(table["Name"].tolist(), values, strict=True)):
         name = raw.decode("latin-1") if isinstance(raw, bytes) else str(raw)
-        if name in latest and latest[name] != value:
+        if name in latest and differs(latest[name], value):
             boot_us = None if boot is None or np.isnan(boot[row]) else round(boot[row] * 1e6)
             changes.append(ParameterChange(table["_time"][row], name, latest[name], value, boot_us=boot_us))
         initial.setdefault(name, value)

@@ -156,6 +156,11 @@ class RecordType:
         """Number of fields that cannot be read: an unknown format character, or no place in the record."""
         return min(len(self.format), self.labels.count(",") + bool(self.labels)) - len(self.columns)
 
+    @cached_property
+    def integer_columns(self) -> frozenset[str]:
+        """Names of the columns that hold integers."""
+        return frozenset(column.name for column in self.columns if column.character in _INTEGERS)
+
     @property
     def time_column(self) -> tuple[Column, int] | None:
         """The column with the time since boot, and its unit in microseconds."""

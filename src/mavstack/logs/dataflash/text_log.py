@@ -14,7 +14,7 @@ import numpy as np
 from mavstack.logs.damage import LogDamage
 from mavstack.logs.dataflash.ardupilot_log import ArduPilotLog
 from mavstack.logs.dataflash.record_type import SCALED, TEXTS, RecordType, table_names
-from mavstack.logs.dataflash.units import SlotFinder, units_by_slot
+from mavstack.logs.dataflash.units import SlotFinder, has_units, units_by_slot
 from mavstack.logs.message_table import MessageTable
 
 if TYPE_CHECKING:
@@ -56,6 +56,7 @@ class DataFlashTextLog(ArduPilotLog):
         super().__init__(data.path, data.size)
         self._lines: list[_Lines] = [_Lines(_FMT_TYPE)]
         self._by_name = {_FMT: 0}
+        self._slot_of: dict[tuple[str, str, str], int] = {}
         self._redefinitions: list[tuple[int, int, int]] = []
         self._unknown: dict[str, int] = {}
         self._bad_lines = self._bad_bytes = 0
@@ -115,8 +116,7 @@ class DataFlashTextLog(ArduPilotLog):
         kind = RecordType.of(name, characters.replace(b"M", b"N"), labels, _ANY_LENGTH)
         if kind.name == _FMT:
             return
-        known = (slot for slot, lines in enumerate(self._lines) if lines.kind == kind)
-        slot = next(known, len(self._lines))
+        slot = self._slot_of.setdefault((kind.name, kind.format, kind.labels), len(self._lines))
         if slot == len(self._lines):
             self._lines.append(_Lines(kind))
         self._by_name[kind.name] = slot
@@ -127,7 +127,7 @@ class DataFlashTextLog(ArduPilotLog):
             name: self._rows(self._slots[name]) for name in ("FMTU", "UNIT", "MULT") if name in self._slots
         }
         fmtu = tables.get("FMTU")
-        if fmtu is None or not {"FmtType", "UnitIds", "MultIds"} <= set(fmtu.dtype.names or ()):
+        if fmtu is None or not has_units(fmtu):
             return
         rows = dict(zip(self._lines[self._slots["FMTU"]].positions, fmtu, strict=True))
         slot = SlotFinder(self._redefinitions).slot

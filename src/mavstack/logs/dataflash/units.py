@@ -6,6 +6,7 @@ both. The character "#" marks the field with the number of the sensor.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -22,6 +23,21 @@ if TYPE_CHECKING:
 _INSTANCE: Final = "#"
 
 
+def has_units(fmtu: Table | None) -> bool:
+    """Return whether the table FMTU has the columns that the firmware gives it.
+
+    Args:
+        fmtu: The table, or None.
+    """
+    columns = {"FmtType": "iu", "UnitIds": "S", "MultIds": "S"}
+    return fmtu is not None and all(_is_kind(fmtu, name, kinds) for name, kinds in columns.items())
+
+
+def _is_kind(table: Table, name: str, kinds: str) -> bool:
+    """Return whether a table has a column of one value in each row, of some kinds of types."""
+    return name in (table.dtype.names or ()) and table.dtype[name].kind in kinds
+
+
 class SlotFinder:
     """Finds the definition that a type number had at some place of the log.
 
@@ -30,9 +46,11 @@ class SlotFinder:
     """
 
     def __init__(self, redefinitions: Sequence[tuple[int, int, int]]) -> None:
-        self._by_type: dict[int, list[tuple[int, int]]] = {}
+        self._by_type: dict[int, tuple[list[int], list[int]]] = {}
         for position, number, slot in redefinitions:
-            self._by_type.setdefault(number, []).append((position, slot))
+            positions, slots = self._by_type.setdefault(number, ([], []))
+            positions.append(position)
+            slots.append(slot)
 
     def slot(self, number: int, position: int) -> int | None:
         """Return the slot of a type number: the definition before `position`, or else the first after it.
@@ -44,8 +62,8 @@ class SlotFinder:
         known = self._by_type.get(number)
         if known is None:
             return 0 if number == _FMT_TYPE else None
-        before = [slot for start, slot in known if start < position]
-        return before[-1] if before else known[0][1]
+        positions, slots = known
+        return slots[max(bisect_left(positions, position) - 1, 0)]
 
 
 _FMT_TYPE: Final = 0x80
@@ -62,7 +80,7 @@ def units_by_slot(
         mult: The table MULT.
         slot: Returns the slot of a type number at a position.
     """
-    units, factors = _characters(unit, "Label"), _characters(mult, "Mult")
+    units, factors = _characters(unit, "Label", "S"), _characters(mult, "Mult", "iuf")
     found = {}
     for position, record in fmtu.items():
         number = slot(int(record["FmtType"]), position)
@@ -80,9 +98,9 @@ def _units(unit_ids: str, factor_ids: str, units: Mapping[str, Any], factors: Ma
     )
 
 
-def _characters(table: Table | None, column: str) -> dict[str, Any]:
+def _characters(table: Table | None, column: str, kinds: str) -> dict[str, Any]:
     """Return the values of UNIT or MULT by character."""
-    if table is None or not {"Id", column} <= set(table.dtype.names or ()):
+    if table is None or not _is_kind(table, "Id", "iu") or not _is_kind(table, column, kinds):
         return {}
     return {chr(int(row["Id"]) & 0xFF): row[column] for row in table}
 

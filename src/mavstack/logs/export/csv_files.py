@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.errors import MissingExtraError
 from mavstack.logs.export.registry import LogExporter
-from mavstack.logs.export.writer import ExportOptions, PartFile, TableWriter
+from mavstack.logs.export.writer import ExportOptions, PartFile, TableWriter, file_stem
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -36,7 +36,7 @@ class CsvWriter(TableWriter):
         for name, table in tables.items():
             rows = table.to_arrow("columns", scaled=self.options.scaled, enums=self.options.enums)
             if name not in self._files:
-                file = PartFile(self.path / f"{name}.csv")
+                file = PartFile(self.path / f"{file_stem(name)}.csv")
                 self._files[name] = file, self._csv.CSVWriter(file.temporary, rows.schema)
             self._files[name][1].write_table(rows)
 

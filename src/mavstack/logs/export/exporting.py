@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from mavstack.logs.damage import LogDamage
+    from mavstack.logs.export.writer import ExportWriter
     from mavstack.logs.log import Log
 
 
@@ -78,14 +79,16 @@ def export_log(
         raise UnknownMessageError(
             f"{log.path} contains no {', '.join(unknown)}; it contains {', '.join(log)}"
         )
-    if Path(path).exists() and Path(path).samefile(log.path):
+    if Path(path).exists() and log.path.exists() and Path(path).samefile(log.path):
         raise LogError(f"cannot write {path}: it is the log itself; choose another path")
-    writer = exporter(to).open(log, Path(path), options or ExportOptions())
+    writer: ExportWriter | None = None
     try:
+        writer = exporter(to).open(log, Path(path), options or ExportOptions())
         rows = writer.write_log(names, progress)
         files = writer.finish()
     except OSError as error:
         raise LogError(f"cannot write {error.filename or path}: {error.strerror or error}") from error
     finally:
-        writer.discard()
+        if writer is not None:
+            writer.discard()
     return ExportSummary(dict(rows), files, log.skipped, writer.describe(rows))

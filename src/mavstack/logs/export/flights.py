@@ -45,15 +45,12 @@ def by_vehicle(log: Log, tables: Mapping[str, MessageTable]) -> Iterator[tuple[i
 
     A log that a vehicle writes itself has one system, whose id is that in its parameters or 0.
     """
-    own = int(log.info.get("system", 0) or 0) if tables and "_system" not in _columns(tables) else 0
+    own = None
     for name, table in tables.items():
         if "_system" not in (table.dtype.names or ()):
+            own = int(log.info.get("system", 0) or 0) if own is None else own
             yield own, name, table
             continue
         systems = np.unique(table["_system"])
         for system in systems.tolist():
             yield system, name, table if len(systems) == 1 else table.where(table["_system"] == system)
-
-
-def _columns(tables: Mapping[str, MessageTable]) -> tuple[str, ...]:
-    return next(iter(tables.values())).dtype.names or ()

@@ -18,7 +18,7 @@ from mavstack.logs.export.writer import ExportOptions, PartFile, TableWriter
 from mavstack.logs.time_base import unix_seconds
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -49,13 +49,8 @@ class MatWriter(TableWriter):
 
     def finish(self) -> list[Path]:
         """Write the file; see `ExportWriter.finish`."""
-        content = {
-            _matlab_name(name): {
-                _matlab_name(field): self._column([table[field] for table in tables], tables, field)
-                for field in tables[0].dtype.names or ()
-            }
-            for name, tables in self._tables.items()
-        }
+        names = _matlab_names(self._tables)
+        content = {names[name]: self._struct(tables) for name, tables in self._tables.items()}
         with self._file.temporary.open("wb") as file:
             self._io.savemat(file, content, do_compression=True, long_field_names=True, oned_as="column")
         return [self._file.complete()]
@@ -63,6 +58,13 @@ class MatWriter(TableWriter):
     def discard(self) -> None:
         """Remove an incomplete file; see `ExportWriter.discard`."""
         self._file.discard()
+
+    def _struct(self, tables: list[MessageTable]) -> dict[str, NDArray[Any]]:
+        names = _matlab_names(tables[0].dtype.names or ())
+        return {
+            name: self._column([table[field] for table in tables], tables, field)
+            for field, name in names.items()
+        }
 
     def _column(self, pieces: list[NDArray[Any]], tables: list[MessageTable], field: str) -> NDArray[Any]:
         schema = tables[0].schema[field]
@@ -76,6 +78,20 @@ class MatWriter(TableWriter):
         if self.options.scaled and column.dtype.kind in "iuf":
             return np.concatenate([table.scaled(field) for table in tables])
         return column
+
+
+def _matlab_names(names: Iterable[str]) -> dict[str, str]:
+    """Return a distinct name that MATLAB accepts for each name."""
+    found: dict[str, str] = {}
+    used: set[str] = set()
+    for name in names:
+        valid, number = _matlab_name(name), 1
+        while valid in used:
+            number += 1
+            valid = f"{_matlab_name(name)[: _MAX_NAME - 5]}_{number}"
+        found[name] = valid
+        used.add(valid)
+    return found
 
 
 def _matlab_name(name: str) -> str:

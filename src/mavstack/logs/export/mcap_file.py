@@ -28,8 +28,12 @@ if TYPE_CHECKING:
     from mavstack.logs.schema import FieldSchema, TableSchema
 
 _NANOSECONDS: Final = 1_000_000_000
+#: MCAP counts nanoseconds in 64 bits.
+_MAX_MICROSECONDS: Final = (2**64 - 1) // 1000
 #: Level of foxglove.Log by MAV_SEVERITY: 5 fatal, 4 error, 3 warning, 2 info, 1 debug.
 _LEVELS: Final = (5, 5, 5, 4, 3, 2, 2, 1)
+#: Types of JSON by the kind of a column's type; the others are integers.
+_TYPES: Final = {"f": "number", "S": "string", "U": "string", "b": "boolean"}
 _TIME_SCHEMA: Final = {
     "type": "object",
     "properties": {"sec": {"type": "integer"}, "nsec": {"type": "integer"}},
@@ -127,12 +131,12 @@ class McapWriter(TableWriter):
     def _nanoseconds(self, seconds: np.ndarray[Any, np.dtype[np.float64]]) -> list[int]:
         """Return times as MCAP has them; a time that is not known is that of the beginning."""
         known = np.where(np.isfinite(seconds), seconds, self._start[0])
-        return [max(round(time * 1e6) * 1000, 0) for time in known.tolist()]
+        return [_clamped(round(time * 1e6)) * 1000 for time in known.tolist()]
 
     def _channel(self, topic: str, name: str, schema: TableSchema) -> int:
         if topic not in self._channels:
             if name not in self._schemas:
-                self._schemas[name] = self._register_schema(name, _json_schema(schema))
+                self._schemas[name] = self._register_schema(name, _json_schema(schema, self.options))
             self._channels[topic] = self._register_channel(topic, self._schemas[name])
         return self._channels[topic]
 
@@ -169,12 +173,17 @@ class McapWriter(TableWriter):
                 time = int(text.time.astype("M8[us]").astype(np.int64))
             level = _LEVELS[min(max(text.severity, 0), 7)]
             values = {"level": level, "message": text.text, "name": str(text.system), "file": "", "line": 0}
-            self._add(channel, max(time, 0) * 1000, values)
+            self._add(channel, _clamped(time) * 1000, values)
 
     def _add(self, channel: int, time: int, values: dict[str, Any]) -> None:
         seconds, nanoseconds = divmod(time, _NANOSECONDS)
         content = {"timestamp": {"sec": seconds, "nsec": nanoseconds}, **values}
         self._writer.add_message(channel, time, json.dumps(content).encode(), time)
+
+
+def _clamped(microseconds: int) -> int:
+    """Return the nearest time that MCAP can hold; damaged records have any time."""
+    return min(max(microseconds, 0), _MAX_MICROSECONDS)
 
 
 def _finite(value: Any) -> Any:  # noqa: ANN401 (a number, or a list of numbers)
@@ -183,8 +192,8 @@ def _finite(value: Any) -> Any:  # noqa: ANN401 (a number, or a list of numbers)
     return value if isfinite(value) else None
 
 
-def _json_schema(schema: TableSchema) -> dict[str, Any]:
-    properties = {field.name: _property(field) for field in schema if field.name != "_time"}
+def _json_schema(schema: TableSchema, options: ExportOptions) -> dict[str, Any]:
+    properties = {field.name: _property(field, options) for field in schema if field.name != "_time"}
     return {
         "title": schema.name,
         "description": schema.description,
@@ -193,10 +202,15 @@ def _json_schema(schema: TableSchema) -> dict[str, Any]:
     }
 
 
-def _property(field: FieldSchema) -> dict[str, Any]:
-    base = field.dtype.base
-    kind = {"f": "number", "S": "string", "U": "string"}.get(base.kind, "integer")
-    unit = f"{field.unit}" + (f" times {field.multiplier:g}" if field.multiplier != 1 else "")
+def _property(field: FieldSchema, options: ExportOptions) -> dict[str, Any]:
+    kind = _TYPES.get(field.dtype.base.kind, "integer")
+    unit = field.unit
+    if options.enums and field.enum is not None:
+        kind = "string"
+    elif options.scaled and kind == "integer" and not field.name.startswith("_"):
+        kind = "number"
+    elif field.multiplier != 1:
+        unit += f" times {field.multiplier:g}"
     notes = [
         text for text in (field.description, unit and f"[{unit}]", field.enum and field.enum.name) if text
     ]

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Final
 from mavstack.errors import MissingExtraError
 from mavstack.logs.export.flights import by_vehicle, flight_date, flight_name
 from mavstack.logs.export.registry import LogExporter
-from mavstack.logs.export.writer import ExportOptions, PartFile, TableWriter
+from mavstack.logs.export.writer import ExportOptions, PartFile, TableWriter, file_stem
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -145,7 +145,7 @@ class ParquetWriter(TableWriter):
 
     def _file_path(self, key: Key, number: int) -> Path:
         system, name = key
-        folder = self.path / f"vehicle={system}" / f"date={self._date}" / f"message={name}"
+        folder = self.path / f"vehicle={system}" / f"date={self._date}" / f"message={file_stem(name)}"
         return folder / f"{self._flight}-{number}.parquet"
 
     def _flush(self, parts: list[_Part]) -> None:

@@ -12,6 +12,7 @@ from collections import Counter
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeAlias
+from urllib.parse import quote
 
 from mavstack.errors import LogError
 
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
     #: Called with the bytes of the log that were read, and with its size.
     Progress: TypeAlias = Callable[[int, int], None] | None
 
+#: Characters of table names that stay as they are in names of files, besides letters, digits and `_.-~`.
+_SAFE: Final = " []:"
 #: Bytes of a log that are decoded at a time; writers hold several copies of their rows.
 _WINDOW: Final = 8 << 20
 
@@ -145,6 +148,15 @@ class TableWriter(ExportWriter):
 def nothing_to_write(log: Log) -> LogError:
     """Return the error about a log without any row."""
     return LogError(f"{log.path}: there is nothing to write; skipped: {log.skipped.describe()}")
+
+
+def file_stem(table: str) -> str:
+    """Return the name of a table as part of a file's name.
+
+    A log names its tables itself: a name such as `../../x` must not lead out of the folder. Characters that
+    separate folders are escaped as in URLs, so different tables have different files.
+    """
+    return quote(table, safe=_SAFE)
 
 
 def counted(count: int, noun: str) -> str:

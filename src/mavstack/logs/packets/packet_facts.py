@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from mavstack.logs.records import LogText, ParameterChange
+from mavstack.logs.records import LogText, ParameterChange, differs
 from mavstack.logs.vehicles import LogVehicle
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def parameters(log: Log) -> tuple[dict[str, float], list[ParameterChange]]:
         text, value = name.decode("ascii", "replace"), _decoded(raw, kind, bytewise)
         initial.setdefault(text, value)
         before = latest.setdefault(text, value)
-        if before != value and not (before != before and value != value):
+        if differs(before, value):
             changes.append(ParameterChange(time, text, before, value, system))
             latest[text] = value
     return initial, changes

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from mavstack.errors import LogError
 from mavstack.logs.report.charts import draw, draw_track
 from mavstack.logs.report.panels import PANELS, charts_of
 from mavstack.logs.report.style import STYLE
@@ -162,7 +163,10 @@ def _rate(log: Log, count: int) -> str:
 
 def _max_gap(log: Log, name: str) -> str:
     """Return the longest gap of a message that is sent regularly, in seconds."""
-    times = log.times(name)
+    try:
+        times = log.times(name)
+    except LogError:
+        return ""
     times = np.sort(times[np.isfinite(times)])
     if len(times) < 10:
         return ""

@@ -53,12 +53,11 @@ def time_base(tables: Iterable[Mapping[str, MessageTable]], information: Mapping
 
 def _pairs(table: MessageTable) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return UTC and time since boot of the rows that hold both."""
-    names = table.dtype.names or ()
-    if _UTC not in names or _BOOT not in names or table.dtype[_UTC].shape:
+    if not table.schema.has_numbers(_UTC, _BOOT):
         return np.empty(0, np.int64), np.empty(0, np.int64)
     utc = table[_UTC].astype(np.int64)
     boot = table[_BOOT].astype(np.int64)
-    if _RELATIVE in names:
+    if table.schema.has_numbers(_RELATIVE):
         boot = boot + table[_RELATIVE].astype(np.int64)
     known = (utc >= _MIN_UTC) & (utc < _MAX_UTC)
     return utc[known], boot[known]

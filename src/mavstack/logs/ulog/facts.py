@@ -8,8 +8,8 @@ import numpy as np
 
 from mavstack.dialects import common
 from mavstack.logs.damage import LogDamage
-from mavstack.logs.records import LogText, ParameterChange
-from mavstack.logs.vehicles import LogVehicle
+from mavstack.logs.records import LogText, ParameterChange, differs
+from mavstack.logs.vehicles import LogVehicle, is_system_id
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -95,7 +95,7 @@ def parameters(
     for boot_us, name, value in entries.parameter_changes:
         first.setdefault(name, value)
         before = latest.get(name)
-        if before != value and _is_within(boot_us, base, span):
+        if differs(before, value) and _is_within(boot_us, base, span):
             changes.append(ParameterChange(_utc(boot_us, base), name, before, value, boot_us=boot_us))
         latest[name] = value
     return first, changes
@@ -133,6 +133,9 @@ def vehicles(known: Mapping[str, float], autopilot: str) -> dict[int, LogVehicle
         known: The parameters.
         autopilot: Name of the firmware, or empty.
     """
-    system, component = int(known.get("MAV_SYS_ID", 0)), int(known.get("MAV_COMP_ID", 1))
+    system, component = (
+        int(value) if is_system_id(value := known.get(name, 0)) else default
+        for name, default in (("MAV_SYS_ID", 0), ("MAV_COMP_ID", 1))
+    )
     names: dict[float, str] = {int(kind): kind.name for kind in common.MavType}
     return {system: LogVehicle(system, component, names.get(known.get("MAV_TYPE", -1), ""), autopilot)}

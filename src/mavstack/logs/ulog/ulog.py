@@ -228,9 +228,10 @@ class ULog(Log):
         return None if span is None else ((span[0] + offset) / 1e6, (span[1] + offset) / 1e6)
 
     def boot_times(self, name: str, table: MessageTable) -> NDArray[np.float64] | None:
-        """Return the field `timestamp` of each row; see `Log.boot_times`."""
-        names = table.dtype.names or ()
-        return table["timestamp"] / 1e6 if "timestamp" in names else None
+        """Return the field `timestamp` of each row, NaN in a topic without it; see `Log.boot_times`."""
+        if not table.has_number("timestamp"):
+            return np.full(len(table), np.nan)
+        return table["timestamp"] / 1e6
 
     def read_time_base(self, log: Log) -> TimeBase:
         """Return the vehicle's clock, which satellite navigation or the autopilot relates to UTC."""
