@@ -29,7 +29,7 @@ class Templates:
     """
 
     def __init__(
-        self, package: str, *, filters: Mapping[str, Callable[..., Any]] | None = None, **values: object
+        self, package: str, /, *, filters: Mapping[str, Callable[..., Any]] | None = None, **values: object
     ) -> None:
         self._environment = _environment(package)
         self._environment.filters.update(
@@ -37,7 +37,7 @@ class Templates:
         )
         self._environment.globals.update(values)
 
-    def file(self, path: str, template: str, **values: object) -> GeneratedFile:
+    def file(self, path: str, template: str, /, **values: object) -> GeneratedFile:
         """Render a template as a file.
 
         Args:

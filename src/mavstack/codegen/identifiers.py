@@ -1,0 +1,68 @@
+"""Identifiers of generated code: enum members without their common words, fields, and no name twice."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from mavstack.dialects.names import class_name, member_names
+
+if TYPE_CHECKING:
+    from collections.abc import Container, Iterable
+
+    from mavstack.codegen.library import Library
+
+
+def enum_members(library: Library) -> dict[str, dict[str, str]]:
+    """Return the member names of all enums, such as `QUADROTOR` for `MAV_TYPE_QUADROTOR`.
+
+    Args:
+        library: The library; the file that first defines an enum determines the words that are removed.
+
+    Returns:
+        Member names by enum name and entry name.
+    """
+    origin: dict[str, list[str]] = {}
+    for file in library.files:
+        for enum in file.enums:
+            origin.setdefault(enum.name, [entry.name for entry in enum.entries])
+    members = {}
+    for enum in library.enums:
+        first = origin[enum.name]
+        added = [entry.name for entry in enum.entries if entry.name not in set(first)]
+        members[enum.name] = member_names(enum.name, first, added, ())
+    return members
+
+
+def distinct(names: Iterable[str], reserved: Container[str] = ()) -> list[str]:
+    """Return names of which none is reserved or twice there; such a name gets a trailing `_`."""
+    used: set[str] = set()
+    result = []
+    for name in names:
+        free = name
+        while free in reserved or free in used:
+            free += "_"
+        used.add(free)
+        result.append(free)
+    return result
+
+
+def type_names(official: Iterable[str], reserved: Container[str] = ()) -> dict[str, str]:
+    """Return the class names of messages or enums by their official names."""
+    official = list(official)
+    return dict(zip(official, distinct(map(class_name, official), reserved), strict=True))
+
+
+def pascal_field(name: str) -> str:
+    """Return `TimeBootMs` for `time_boot_ms`, `Vcc` for `Vcc`, and `IcaoAddress` for `ICAO_address`."""
+    words = [word for word in re.split("_+", name) if word]
+    joined = "".join(
+        word.capitalize() if word.isupper() else word[:1].upper() + word[1:] for word in words or ["_"]
+    )
+    return f"_{joined}" if joined[:1].isdigit() else joined
+
+
+def camel_field(name: str) -> str:
+    """Return `timeBootMs` for `time_boot_ms`, `vcc` for `Vcc`, and `icaoAddress` for `ICAO_address`."""
+    pascal = pascal_field(name)
+    return pascal[:1].lower() + pascal[1:]

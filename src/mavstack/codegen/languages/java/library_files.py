@@ -1,0 +1,172 @@
+"""The files of a Java library: the runtime, a class for each message, an enum for each enum."""
+
+from __future__ import annotations
+
+import re
+from html import escape
+from typing import TYPE_CHECKING, Any, Final
+
+from mavstack.codegen.identifiers import camel_field, distinct, enum_members, type_names
+from mavstack.codegen.language import GeneratedFile, Language
+from mavstack.codegen.languages.java.values import ARRAYS, SCALARS, access, field_type
+from mavstack.codegen.languages.java.words import JAVA_WORDS, OTHER_CLASSES, RUNTIME
+from mavstack.codegen.templates import Templates, one_line
+from mavstack.errors import InvalidArgumentError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.codegen.library import Library
+    from mavstack.dialects.model import EnumDefinition, MessageDefinition
+
+#: Messages per method: a method of more than 8,000 bytes is never compiled to machine code, and 64 KiB is the limit.
+_CASES: Final = 300
+_PACKAGE: Final = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*")
+_MAX_INT: Final = 0x7FFFFFFF
+
+
+def render(library: Library) -> Iterator[GeneratedFile]:
+    """Yield the files of a Java library.
+
+    Raises:
+        InvalidArgumentError: The package is not a name of Java.
+    """
+    package = library.package or f"mavlink.{library.name}"
+    if not _PACKAGE.fullmatch(package) or JAVA_WORDS & set(package.split(".")):
+        raise InvalidArgumentError(f"package must be a name such as org.example.mavlink, got {package!r}")
+    templates = Templates(__package__, stamp=one_line(library.stamp), package=package, name=library.name)
+    folder = f"src/main/java/{package.replace('.', '/')}"
+    classes = type_names((message.name for message in library.messages), {*OTHER_CLASSES, *RUNTIME})
+    yield from _runtime(library, templates, folder, classes)
+    enums = type_names((enum.name for enum in library.enums), OTHER_CLASSES)
+    links = {name: f"{package}.enums.{java}" for name, java in enums.items()}
+    for message in library.messages:
+        values = _message(message, classes[message.name], links)
+        yield templates.file(
+            f"{folder}/messages/{classes[message.name]}.java",
+            "message.java.j2",
+            m=values,
+            imports=_imports(message),
+        )
+    members = enum_members(library)
+    for enum in library.enums:
+        values = _enum(enum, enums[enum.name], members[enum.name])
+        yield templates.file(f"{folder}/enums/{enums[enum.name]}.java", "enum.java.j2", e=values)
+
+
+def _runtime(
+    library: Library, templates: Templates, folder: str, classes: dict[str, str]
+) -> Iterator[GeneratedFile]:
+    cases = [(message.id, classes[message.name]) for message in library.messages]
+    dialect = {
+        "count": len(library.messages),
+        "version": library.version,
+        "max_length": library.max_payload_length,
+        "table": [_row(message) for message in library.messages],
+        "parts": [cases[start : start + _CASES] for start in range(0, len(cases), _CASES)],
+        "scalars": SCALARS,
+        "arrays": ARRAYS,
+    }
+    for name in RUNTIME:
+        yield templates.file(f"{folder}/{name}.java", f"{name}.java.j2", **dialect)
+    yield templates.file("pom.xml", "pom.xml.j2")
+    heartbeat = classes.get("HEARTBEAT") == "Heartbeat"
+    yield templates.file("README.md", "README.md.j2", heartbeat=heartbeat, **dialect)
+
+
+def _row(message: MessageDefinition) -> str:
+    facts = 1 << 24 | message.crc_extra << 16 | message.base_length << 8 | message.length
+    return f"{message.id}, 0x{facts:07X},"
+
+
+def _imports(message: MessageDefinition) -> list[str]:
+    names = ["FieldInfo", "FieldType", "Message", "MessageInfo", "Wire"]
+    used = names if message.fields else ["Message", "MessageInfo"]
+    return ["Dialect", *used] if any(field.protocol_version for field in message.fields) else used
+
+
+def _message(message: MessageDefinition, class_name: str, links: dict[str, str]) -> dict[str, Any]:
+    names = distinct((camel_field(field.name) for field in message.fields), JAVA_WORDS)
+    fields = {}
+    for field, name in zip(message.fields, names, strict=True):
+        done = access(field, name)
+        units = f" [{field.units}]" if field.units else ""
+        enum = f" Values: {{@link {links[field.enum]}}}." if field.enum in links else ""
+        fields[field.name] = {
+            "name": name,
+            "java": done.java,
+            "initial": done.initial,
+            "decode": done.decode,
+            "encode": done.encode,
+            "comment": comment(f"{field.description or field.name}{units}") + enum,
+        }
+    return {
+        "name": message.name,
+        "class_name": class_name,
+        "id": message.id,
+        "length": message.length,
+        "base_length": message.base_length,
+        "crc_extra": message.crc_extra,
+        "title": comment(f"{message.name} ({message.id}): {message.description}".rstrip(": ")),
+        "tags": _deprecation(message),
+        "deprecated": bool(message.deprecated),
+        "infos": "".join(_info(message)),
+        "fields": list(fields.values()),
+        "wire": [fields[field.name] for field in message.wire_order],
+    }
+
+
+def _deprecation(item: MessageDefinition) -> list[str]:
+    if item.deprecated is None:
+        return []
+    replaced = f", replaced by {item.deprecated.replaced_by}" if item.deprecated.replaced_by else ""
+    return ["", f" @deprecated since {comment(item.deprecated.since + replaced)}"]
+
+
+def _info(message: MessageDefinition) -> Iterator[str]:
+    for field in message.fields:
+        texts = f'{_quoted(field.units)}, "{field.enum}"'
+        extension = "true" if field.extension else "false"
+        place = f"{field.offset}, {field.array_length}, {extension}"
+        yield f',\n            new FieldInfo("{field.name}", FieldType.{field_type(field)}, {place}, {texts})'
+
+
+def _enum(enum: EnumDefinition, class_name: str, members: dict[str, str]) -> dict[str, Any]:
+    words = {*JAVA_WORDS, "value"}
+    names = dict(zip(members, distinct(members.values(), words), strict=True))
+    wide = any(not -_MAX_INT <= entry.value <= _MAX_INT for entry in enum.entries)
+    suffix = "L" if wide else ""
+    entries = [
+        {
+            "name": names[entry.name],
+            "value": f"{_signed(entry.value)}{suffix}",
+            "comment": comment(f"{entry.name} ({entry.value}): {entry.description}".rstrip(": ")),
+        }
+        for entry in enum.entries
+    ]
+    return {
+        "class_name": class_name,
+        "title": comment(f"{enum.name}: {enum.description}".rstrip(": ")),
+        "type": "long" if wide else "int",
+        "bitmask": enum.bitmask,
+        "entries": entries,
+        "distinct": list({entry["value"]: entry for entry in reversed(entries)}.values())[::-1],
+    }
+
+
+def _signed(value: int) -> int:
+    """Return the 64-bit value as Java writes it."""
+    return value - (1 << 64) if value >= 1 << 63 else value
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{one_line(escaped)}"'
+
+
+def comment(text: str) -> str:
+    """Return a text for a comment of documentation, without its special characters."""
+    return escape(one_line(text), quote=False).replace("@", "&#64;").replace("\\", "&#92;").replace("{", "&#123;")
+
+
+LANGUAGE: Final = Language("java", "Java 11", render, JAVA_WORDS)
