@@ -66,3 +66,9 @@ def camel_field(name: str) -> str:
     """Return `timeBootMs` for `time_boot_ms`, `vcc` for `Vcc`, and `icaoAddress` for `ICAO_address`."""
     pascal = pascal_field(name)
     return pascal[:1].lower() + pascal[1:]
+
+
+def package_part(name: str) -> str:
+    """Return the name of a dialect for a package or module: `my_drone` for the file `My-Drone.xml`."""
+    plain = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
+    return plain if plain[:1].isalpha() else f"dialect_{plain}".rstrip("_")

@@ -1,15 +1,15 @@
 // Runs the conformance corpus through a generated library: the protocol is in conformance/README.md.
 
-import conformance.Counters;
-import conformance.Dialect;
-import conformance.FieldInfo;
-import conformance.FieldType;
-import conformance.Message;
-import conformance.MessageInfo;
-import conformance.Packet;
-import conformance.PacketEncoder;
-import conformance.Parser;
-import conformance.Signing;
+import mavlink.common.Counters;
+import mavlink.common.Dialect;
+import mavlink.common.FieldInfo;
+import mavlink.common.FieldType;
+import mavlink.common.Message;
+import mavlink.common.MessageInfo;
+import mavlink.common.Packet;
+import mavlink.common.PacketEncoder;
+import mavlink.common.Parser;
+import mavlink.common.Signing;
 import java.io.BufferedReader;
 import java.io.IOException;
 import java.io.InputStreamReader;

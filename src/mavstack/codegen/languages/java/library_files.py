@@ -6,7 +6,7 @@ import re
 from html import escape
 from typing import TYPE_CHECKING, Any, Final
 
-from mavstack.codegen.identifiers import camel_field, distinct, enum_members, type_names
+from mavstack.codegen.identifiers import camel_field, distinct, enum_members, package_part, type_names
 from mavstack.codegen.language import GeneratedFile, Language
 from mavstack.codegen.languages.java.values import ARRAYS, SCALARS, access, field_type
 from mavstack.codegen.languages.java.words import JAVA_WORDS, OTHER_CLASSES, RUNTIME
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from mavstack.codegen.library import Library
     from mavstack.dialects.model import EnumDefinition, MessageDefinition
 
-#: Messages per method: a method of more than 8,000 bytes is never compiled to machine code, and 64 KiB is the limit.
+#: Messages per method: over 8,000 bytes the virtual machine only interprets it, and 64 KiB is the limit.
 _CASES: Final = 300
 _PACKAGE: Final = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*")
 _MAX_INT: Final = 0x7FFFFFFF
@@ -31,10 +31,12 @@ def render(library: Library) -> Iterator[GeneratedFile]:
     Raises:
         InvalidArgumentError: The package is not a name of Java.
     """
-    package = library.package or f"mavlink.{library.name}"
+    package = library.package or _default_package(library.name)
     if not _PACKAGE.fullmatch(package) or JAVA_WORDS & set(package.split(".")):
         raise InvalidArgumentError(f"package must be a name such as org.example.mavlink, got {package!r}")
-    templates = Templates(__package__, stamp=one_line(library.stamp), package=package, name=library.name)
+    templates = Templates(
+        __package__, stamp=one_line(library.stamp), package=package, name=package_part(library.name)
+    )
     folder = f"src/main/java/{package.replace('.', '/')}"
     classes = type_names((message.name for message in library.messages), {*OTHER_CLASSES, *RUNTIME})
     yield from _runtime(library, templates, folder, classes)
@@ -72,6 +74,11 @@ def _runtime(
     yield templates.file("pom.xml", "pom.xml.j2")
     heartbeat = classes.get("HEARTBEAT") == "Heartbeat"
     yield templates.file("README.md", "README.md.j2", heartbeat=heartbeat, **dialect)
+
+
+def _default_package(name: str) -> str:
+    part = package_part(name)
+    return f"mavlink.{part}_" if part in JAVA_WORDS else f"mavlink.{part}"
 
 
 def _row(message: MessageDefinition) -> str:
@@ -166,7 +173,8 @@ def _quoted(text: str) -> str:
 
 def comment(text: str) -> str:
     """Return a text for a comment of documentation, without its special characters."""
-    return escape(one_line(text), quote=False).replace("@", "&#64;").replace("\\", "&#92;").replace("{", "&#123;")
+    escaped = escape(one_line(text), quote=False).replace("@", "&#64;")
+    return escaped.replace("\\", "&#92;").replace("{", "&#123;")
 
 
 LANGUAGE: Final = Language("java", "Java 11", render, JAVA_WORDS)
