@@ -6,9 +6,10 @@ import pytest
 
 from mavstack import open_log
 from mavstack.dialects import Dialect
-from mavstack.errors import LogError
+from mavstack.errors import InvalidArgumentError, LogError
 from mavstack.logs.repair import repair_log
 from tests.logs.flights import flight_tlog, packets
+from tests.logs.packets.pcap.captures import pcap, udp
 
 COMMON = Dialect.load("common")
 
@@ -20,7 +21,7 @@ def test_packets_between_damage_are_kept(tmp_path):
     calls = []
     repair = repair_log(damaged, tmp_path / "new.tlog", COMMON, lambda *done: calls.append(done))
     log = open_log(tmp_path / "new.tlog", "common")
-    assert repair.packets == log.statistics.packets == 99
+    assert repair.records == log.statistics.packets == 99
     assert not log.skipped
     assert repair.kept_bytes == log.size
     assert repair.dropped_bytes == damaged.stat().st_size - log.size
@@ -63,3 +64,16 @@ def test_files_are_never_overwritten(tmp_path):
         repair_log(path, path, COMMON)
     with pytest.raises(LogError, match="No such file"):
         repair_log(tmp_path / "none", tmp_path / "new", COMMON)
+
+
+def test_other_formats_are_refused(tmp_path):
+    path = tmp_path / "x"
+    path.write_bytes(pcap([udp(packet) for packet in packets()]))
+    with pytest.raises(LogError, match="this is a capture; convert it to a tlog"):
+        repair_log(path, tmp_path / "new", COMMON)
+    path.write_text("FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n")
+    with pytest.raises(LogError, match="this is a log as text"):
+        repair_log(path, tmp_path / "new", COMMON)
+    with pytest.raises(InvalidArgumentError, match="format must be one of"):
+        repair_log(path, tmp_path / "new", COMMON, format="xyz")
+    assert list(tmp_path.iterdir()) == [path]

@@ -40,7 +40,7 @@ def test_merge(mav, tlog, tmp_path):
 def test_repair(mav, tlog, tmp_path):
     tlog.write_bytes(tlog.read_bytes() + b"junk")
     result = mav("data", "repair", tlog, "-o", "new.tlog")
-    assert (result.code, result.out) == (0, "new.tlog: 100 packets (3.5 kB), 4 bytes dropped\n")
+    assert (result.code, result.out) == (0, "new.tlog: 100 packets (3.5 kB), 4 bytes dropped (4 bad bytes)\n")
     assert open_log(tmp_path / "new.tlog").statistics.packets == 100
     again = mav("data", "repair", tlog, "-o", "new.tlog")
     assert (again.code, "never overwrites" in again.err) == (1, True)

@@ -125,9 +125,19 @@ impl<'a> Scanner<'a> {
             if position < self.section_end {
                 let (verdict, message) = self.assess(position);
                 let found = match (verdict, message) {
-                    (Verdict::Certain, found) => found,
+                    (Verdict::Certain, Some(message)) => match self.damaged_until(&message) {
+                        None => Some(message),
+                        Some(inner) => {
+                            self.skip_to(inner);
+                            continue;
+                        }
+                    },
                     (Verdict::Bad, _) | (_, None) => None,
-                    (_, Some(message)) => Some(message).filter(|message| self.has_successors(message)),
+                    (Verdict::Likely, Some(message)) => Some(message).filter(|message| self.has_successors(message)),
+                    // Only its header speaks for this message: it must not swallow others.
+                    (Verdict::Possible, Some(message)) => Some(message).filter(|message| {
+                        self.has_successors(message) && self.search(message.start + 1..message.end()).is_none()
+                    }),
                 };
                 if let Some(message) = found {
                     self.state.position = message.end();
@@ -142,6 +152,22 @@ impl<'a> Scanner<'a> {
                 return None;
             }
         }
+    }
+
+    /// Returns where the next message begins if it is inside this record, of which bytes were lost then.
+    ///
+    /// A record directly before another message is complete.
+    #[inline]
+    fn damaged_until(&self, message: &Message<'_>) -> Option<usize> {
+        let end = message.end();
+        let complete = end == self.section_end || matches!(self.assess(end).0, Verdict::Certain | Verdict::Likely);
+        if complete { None } else { self.search(message.start + 1..end) }
+    }
+
+    fn skip_to(&mut self, position: usize) {
+        self.damage.bad_bytes += (position - self.state.position) as u64;
+        self.damage.gaps += 1;
+        self.state.position = position;
     }
 
     /// Assesses the message at a position of the section.
@@ -220,7 +246,7 @@ impl<'a> Scanner<'a> {
     #[cold]
     fn recover(&mut self, verdict: Verdict, message: Option<Message<'a>>) -> Option<Message<'a>> {
         let position = self.state.position;
-        let next = self.search(position + 1);
+        let next = self.search(position + 1..self.section_end);
         // No other message begins inside this one: the damage is behind it.
         if let Some(message) = message.filter(|message| verdict != Verdict::Bad && is_known(message.kind))
             && next.unwrap_or(self.section_end) >= message.end()
@@ -247,9 +273,9 @@ impl<'a> Scanner<'a> {
         end.is_none_or(|end| end > self.section_end) && kind.is_none_or(|&kind| is_known(kind))
     }
 
-    /// Finds the next position from which messages follow each other.
-    fn search(&self, from: usize) -> Option<usize> {
-        (from..self.section_end.saturating_sub(MESSAGE_HEADER))
+    /// Finds the first position of a range from which messages follow each other.
+    fn search(&self, range: Range<usize>) -> Option<usize> {
+        (range.start..range.end.min(self.section_end.saturating_sub(MESSAGE_HEADER)))
             .find(|&position| is_known(self.data[position + MESSAGE_HEADER - 1]) && self.is_start(position))
     }
 
@@ -276,7 +302,7 @@ impl<'a> Scanner<'a> {
         let state = State { position: range.start, catalog: Arc::clone(catalog) };
         let mut scanner = Self::new(data, header, state);
         scanner.section_end = scanner.section_end.min(range.end);
-        scanner.search(range.start)
+        scanner.search(range)
     }
 }
 

@@ -205,6 +205,31 @@ fn a_damaged_size_costs_one_record() {
     }
 }
 
+#[test]
+fn lost_bytes_cost_one_record() {
+    let good = log(40);
+    for number in 0..39 {
+        let at = position(&good, number);
+        for lost in 1..9 {
+            let mut data = good.clone();
+            data.drain(at + 7..at + 7 + lost);
+            let index = build(&data);
+            assert_eq!(values(&index, &data).len(), 39, "{lost} bytes of record {number}");
+        }
+    }
+}
+
+#[test]
+fn a_message_of_an_unknown_kind_does_not_swallow_others() {
+    let good = log(40);
+    let (at, end) = (position(&good, 3), position(&good, 30));
+    let junk = [&((end - at) as u16).to_le_bytes()[..], b"9"].concat();
+    let data = [&good[..at], &junk, &good[at..]].concat();
+    let index = build(&data);
+    assert_eq!(values(&index, &data).len(), 40);
+    assert_eq!(index.damage.bad_bytes, 3);
+}
+
 /// Position of the record with a value.
 fn position(data: &[u8], value: u64) -> usize {
     let time = value.to_le_bytes();

@@ -33,7 +33,7 @@ examples:
   mav data diff before.tlog after.tlog      # parameters and missions
   mav data merge flight.tlog 00000042.BIN   # how far their clocks are apart
   mav data merge flight.tlog 00000042.BIN --to parquet -o dataset/
-  mav data repair damaged.tlog -o sound.tlog
+  mav data repair damaged.tlog -o sound.tlog        # also .BIN and .ulg
   mav data replay flight.tlog --to udpout://127.0.0.1:14550 --speed 5
   mav data book logs/                       # a table of all flights, kept in logs/flights.duckdb
   mav data book logs/ --csv flights.csv --incident 2026/flight.tlog "propeller lost"

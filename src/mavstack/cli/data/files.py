@@ -36,7 +36,7 @@ def add_actions(actions: Actions) -> None:
     parser.add_argument("--to", choices=exporter_names(), metavar="FORMAT", help="write the merged log")
     parser.add_argument("-o", "--output", metavar="PATH", help="file or folder to write")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser = actions.add("repair", "copy what a damaged tlog still holds", repair)
+    parser = actions.add("repair", "copy what a damaged tlog, .BIN or .ulg still holds", repair)
     add_log_options(parser)
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="new file")
     parser.add_argument("--json", action="store_true", help="print JSON")
@@ -111,13 +111,15 @@ def repair(arguments: Namespace) -> int:
     """Run `mav data repair`."""
     dialect = load_dialect(arguments.dialect)
     with TransferProgress(f"repairing {arguments.file}") as progress:
-        result = repair_log(arguments.file, arguments.output, dialect, progress)
+        result = repair_log(arguments.file, arguments.output, dialect, progress, format=arguments.format)
     if arguments.json:
-        echo_json(asdict(result))
+        echo_json(result.to_dict())
     else:
+        noun = {"dataflash": "records", "ulog": "messages"}.get(result.format, "packets")
+        reasons = f" ({result.damage.describe()})" if result.damage else ""
         echo(
-            f"{arguments.output}: {result.packets:,} packets ({size_text(result.kept_bytes)}), "
-            f"{result.dropped_bytes:,} bytes dropped"
+            f"{arguments.output}: {result.records:,} {noun} ({size_text(result.kept_bytes)}), "
+            f"{result.dropped_bytes:,} bytes dropped{reasons}"
         )
     return 1 if arguments.strict and result.dropped_bytes else 0
 

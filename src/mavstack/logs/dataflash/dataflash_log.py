@@ -140,6 +140,15 @@ class DataFlashLog(ArduPilotLog):
             for _, name, row in sorted(order):
                 yield RowRecord(name, tables[name][row])
 
+    def record_positions(self, size: int) -> Iterator[dict[str, NDArray[np.int64]]]:
+        """Yield the positions in the file of the records of each table, piece by piece.
+
+        Args:
+            size: Approximate size of a piece in bytes of the file.
+        """
+        for parts in self._windows(size, None, None):
+            yield {name: np.array(self._index.positions(*part), np.int64) for name, part in parts.items()}
+
     def _decode_window(self, parts: Mapping[str, Part]) -> dict[str, MessageTable]:
         tables = self._decode(list(parts.values()), self.time_base.offset_us)
         return {name: self._table(name, table) for name, table in zip(parts, tables, strict=True)}

@@ -285,3 +285,19 @@ def table_names(types: Iterable[tuple[int, str, int]]) -> dict[str, int]:
         if rows:
             tables[table] = slot
     return tables
+
+
+def is_readable(kind: RecordType) -> bool:
+    """Return whether strict readers can use a definition.
+
+    Its texts must be ASCII, its format characters known, each with a label, and fill the records exactly.
+
+    Args:
+        kind: The definition.
+    """
+    is_name = kind.name.isprintable() and bool(kind.name) and " " not in kind.name
+    if not is_name or not (kind.name + kind.labels).isascii():
+        return False
+    lengths = [_CHARACTERS[letter][0] if letter in _CHARACTERS else 0 for letter in kind.format]
+    labels = kind.labels.split(",") if kind.labels else []
+    return len(labels) == len(lengths) and all(lengths) and sum(lengths) + _RECORD_HEADER == kind.length
