@@ -174,3 +174,25 @@ def test_the_onboard_logs_of_both_firmwares(tmp_path, logs_class):
     assert merged.offsets[1].source == "reference"
     assert merged.offsets[0].offset_us == pytest.approx(-(LATE + 100_000), abs=300_000)
     assert merged.offsets[0].matches >= 20
+
+
+def test_texts_and_changes_are_on_the_timeline(tmp_path):
+    tlog(tmp_path)
+    late = BOOT + LATE + 100_000 + 30_000_000
+    more = encoded(
+        [
+            common.Heartbeat(type=2, autopilot=3),
+            common.Statustext(severity=6, text="at 30 s"),
+            *(common.ParamValue(param_id="X", param_value=value, param_type=9) for value in (1.0, 2.0)),
+        ]
+    )
+    path = tmp_path / "flight1"
+    path.write_bytes(path.read_bytes() + b"".join(late.to_bytes(8, "big") + raw for raw in more))
+    for logs in (
+        (mavstack.open_log(path, "common"), onboard()),
+        (onboard(), mavstack.open_log(path, "common")),
+    ):
+        merged = merge_logs(*logs)
+        expected = np.datetime64(BOOT + 30_000_000, "us")
+        assert [text.time for text in merged.texts] == [expected]
+        assert [change.time for change in merged.parameter_changes] == [expected]

@@ -101,3 +101,15 @@ def test_a_wrong_query_is_reported_in_one_line(flight, query, problem):
 @pytest.mark.parametrize("query", ["SELECT 1", "ATTITUDE", "where armed", "ATTITUDE.roll; DROP"])
 def test_other_texts_are_not_in_the_short_form(query):
     assert expand_short_form(query) is None
+
+
+def test_columns_of_one_name_are_kept_apart(flight):
+    names, _ = ask(
+        [flight], "SELECT a.roll, b.alt, c.alt FROM ATTITUDE a, VFR_HUD b, GLOBAL_POSITION_INT c LIMIT 1"
+    )
+    assert names == ["roll", "alt", "alt_2"]
+
+
+def test_variables_of_the_program_are_no_tables(flight):
+    with pytest.raises(InvalidArgumentError, match="Table with name connection does not exist"):
+        ask([flight], "SELECT * FROM connection")

@@ -174,12 +174,16 @@ class MergedLog(Log):
 
     def read_parameters(self, log: Log) -> tuple[dict[str, float], list[ParameterChange]]:
         """Return the parameters of the log with the most parameters, normally the vehicle's own."""
-        best = max((source.log for source in self._sources), key=lambda item: len(item.parameters))
-        return best.parameters, best.parameter_changes
+        best = max(self._sources, key=lambda source: len(source.log.parameters))
+        changes = [change._replace(time=best.moved(change)) for change in best.log.parameter_changes]
+        return best.log.parameters, changes
 
     def read_texts(self, log: Log) -> list[LogText]:
-        """Return the texts of all logs, each with the time that its log gives."""
-        return [text for source in self._sources for text in source.log.texts]
+        """Return the texts of all logs, in the order of the timeline."""
+        found = [
+            text._replace(time=source.moved(text)) for source in self._sources for text in source.log.texts
+        ]
+        return sorted(found, key=lambda text: int(text.time.astype(np.int64)))
 
     def read_vehicles(self, log: Log) -> dict[int, LogVehicle]:
         """Return the vehicles of all logs by system id."""

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
     from mavstack.logs.log import Log
     from mavstack.logs.message_table import MessageTable
+    from mavstack.logs.records import LogText, ParameterChange
     from mavstack.logs.time_base import Clock
 
 
@@ -67,6 +68,18 @@ class MergedSource:
     clock: Clock
     shift: float
     offset: LogOffset
+
+    def moved(self, entry: LogText | ParameterChange) -> np.datetime64:
+        """Return the time of a text or of a change of a parameter on the timeline; NaT if it is not known.
+
+        Args:
+            entry: The text or change, of this log.
+        """
+        if not np.isnat(entry.time):
+            return entry.time + np.timedelta64(self.offset.offset_us, "us")
+        if self.clock != "boot" or entry.boot_us is None:
+            return entry.time
+        return np.datetime64(entry.boot_us + round(self.shift * 1e6), "us")
 
     def shifted(self, name: str, table: MessageTable) -> MessageTable:
         """Return rows of the log with their times on the timeline, as a copy.

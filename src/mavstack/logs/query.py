@@ -59,13 +59,14 @@ def query_logs(
     with duckdb.connect(":memory:") as connection:
         for name in _tables_in(logs, sql):
             connection.register(name, _rows(logs, name, states_in(sql), scaled=scaled, enums=enums))
-        # A query must not read or write other files.
+        # A query must not read or write other files, or variables of this program.
         connection.execute("SET enable_external_access = false")
+        connection.execute("SET python_enable_replacements = false")
         try:
             result = connection.execute(sql)
             if result.description is None:
                 raise InvalidArgumentError("query failed: it gives no rows; write SELECT …")
-            return [column[0] for column in result.description], result.fetchall()
+            return _distinct([column[0] for column in result.description]), result.fetchall()
         except duckdb.Error as error:
             raise InvalidArgumentError(f"query failed: {_first_line(error)}") from error
 
@@ -148,6 +149,18 @@ def _states(log: Log, name: str, state: str) -> NDArray[Any]:
         rows = slice(None) if systems is None else systems == system
         values[rows] = getattr(each, state).at(times[rows])
     return values
+
+
+def _distinct(names: Sequence[str]) -> list[str]:
+    """Return the names of columns, with a number where SQL gives one name to several."""
+    found: list[str] = []
+    for name in names:
+        text, number = name, 1
+        while text in found:
+            number += 1
+            text = f"{name}_{number}"
+        found.append(text)
+    return found
 
 
 def _duckdb() -> Any:  # noqa: ANN401 (optional)

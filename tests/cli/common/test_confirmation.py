@@ -1,11 +1,12 @@
 from __future__ import annotations
 
+import asyncio
 from argparse import Namespace
 
 import pytest
 
 from mavstack.cli.common import confirmation
-from mavstack.cli.common.confirmation import is_confirmed_while_connected
+from mavstack.cli.common.confirmation import is_confirmed, is_confirmed_while_connected
 from mavstack.cli.common.errors import UsageError
 
 
@@ -41,3 +42,28 @@ async def test_without_a_terminal_only_the_option_agrees(monkeypatch, stdin):
     with pytest.raises(UsageError, match="add --yes to send a key without confirmation"):
         await ask(monkeypatch, "y", stdin=stdin)
     assert await ask(monkeypatch, yes=True, stdin=stdin)
+
+
+async def test_an_interrupted_question_ends_its_line(monkeypatch, capsys):
+    async def interrupted():
+        raise asyncio.CancelledError
+        yield ""
+
+    monkeypatch.setattr(confirmation, "stdin_lines", interrupted)
+    monkeypatch.setattr("sys.stdin", Terminal())
+    with pytest.raises(asyncio.CancelledError):
+        await is_confirmed_while_connected(Namespace(yes=False), "send the key", "send a key")
+    assert capsys.readouterr().out == "send the key? [y/N] \n"
+
+
+def test_ctrl_c_at_a_question_ends_its_line(monkeypatch, capsys):
+    terminal = Terminal()
+
+    def interrupt():
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(terminal, "readline", interrupt, raising=False)
+    monkeypatch.setattr("sys.stdin", terminal)
+    with pytest.raises(KeyboardInterrupt):
+        is_confirmed(Namespace(yes=False), "remove the key", "remove a key")
+    assert capsys.readouterr().out == "remove the key? [y/N] \n"

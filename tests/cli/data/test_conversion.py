@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import json
+from argparse import Namespace
+from concurrent.futures import Future
+from concurrent.futures.process import BrokenProcessPool
 
 import pytest
 
+from mavstack.cli.data import conversion
 from mavstack.cli.data.conversion import ConvertedLogs, Job
 from mavstack.errors import LogError
 from tests.logs.flights import flight_tlog
@@ -84,3 +88,66 @@ def test_a_cluster_that_is_not_there_is_reported(mav, logs, monkeypatch):
     monkeypatch.setattr(distributed, "Client", refuse)
     result = mav("data", "convert", "a.tlog", "--to", "kml", "--dask", "tcp://127.0.0.1:9")
     assert (result.code, "cannot reach the Dask scheduler" in result.err) == (1, True)
+
+
+def test_a_list_that_was_cut_off_is_continued(mav, logs):
+    words = ("data", "convert", "a.tlog", "--to", "geojson", "-o", "a.geojson", "--resume", "done.txt")
+    assert mav(*words).code == 0
+    line = (logs / "done.txt").read_text()
+    (logs / "done.txt").write_text(line + line[:20])
+    assert "converted before" in mav(*words).err
+    mav("data", "convert", "b.tlog", "--to", "geojson", "-o", "b.geojson", "--resume", "done.txt")
+    assert [json.loads(each)[0] for each in (logs / "done.txt").read_text().splitlines()] == [
+        "a.tlog",
+        "b.tlog",
+    ]
+
+
+@pytest.mark.parametrize("content", ["5\n", "[[1]]\n", '{"a": 1}\nnot json\n'])
+def test_other_json_is_no_list_of_logs(logs, content):
+    (logs / "done.txt").write_text(content)
+    with pytest.raises(LogError, match="no list of converted logs"):
+        ConvertedLogs("done.txt")
+
+
+def test_a_list_that_cannot_be_written_is_reported(logs):
+    known = ConvertedLogs("done.txt")
+    (logs / "done.txt").mkdir()
+    with pytest.raises(LogError, match=r"cannot write done\.txt"):
+        known.add(Job("a.tlog", "x"))
+
+
+def test_two_logs_never_have_one_target(mav, logs):
+    (logs / "other").mkdir()
+    (logs / "other" / "a.tlog").write_bytes(flight_tlog())
+    (logs / "out").mkdir()
+    for words in (("--to", "kml", "-o", "out"), ("--to", "csv", "-o", "out")):
+        result = mav("data", "convert", "a.tlog", "other/a.tlog", *words)
+        assert (result.code, "a.tlog and other/a.tlog would both be written to out/a" in result.err) == (
+            2,
+            True,
+        )
+    assert list((logs / "out").iterdir()) == []
+
+
+def test_a_process_that_is_killed_fails_its_logs(logs, monkeypatch):
+    class Pool:
+        def __init__(self, *_, **__):
+            self.futures = []
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *_):
+            return None
+
+        def submit(self, *_):
+            future = Future()
+            future.set_exception(BrokenProcessPool("terminated abruptly"))
+            return future
+
+    monkeypatch.setattr(conversion, "ProcessPoolExecutor", Pool)
+    jobs = [Job("a.tlog", "a.kml"), Job("b.tlog", "b.kml")]
+    outcomes = list(conversion.run_jobs(jobs, Namespace(dask=None, jobs=2)))
+    assert {outcome.job for outcome in outcomes} == set(jobs)
+    assert all("a process was killed" in outcome.problem for outcome in outcomes)

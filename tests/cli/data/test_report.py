@@ -6,6 +6,8 @@ import json
 
 import pytest
 
+from mavstack.dialects import common
+from tests.logs.files import encoded, stamped
 from tests.logs.flights import flight_tlog
 
 
@@ -67,3 +69,24 @@ def test_wrong_usage_is_reported_in_one_line(mav, tlog, words, problem):
     assert result.code in (1, 2)
     assert problem in result.err
     assert result.err.count("\n") == 1
+
+
+def test_unknown_values_are_no_points(mav, tlog, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "60")
+    result = mav("data", "plot", tlog, "ATTITUDE.pitch")  # NaN throughout
+    assert (result.code, "it holds none of ATTITUDE.pitch" in result.err) == (1, True)
+    messages = [common.Attitude(roll=roll) for roll in (0.5, float("nan"), 0.25)]
+    tlog.write_bytes(stamped(encoded(messages), step=1_000_000))
+    lines = mav("data", "plot", tlog, "ATTITUDE.roll").out.splitlines()
+    assert (lines[1].split()[0], lines[8].split()[0]) == ("0.5", "0.25")
+
+
+def test_an_array_is_plotted_by_its_elements(mav, tlog):
+    result = mav("data", "plot", tlog, "BATTERY_STATUS.voltages")
+    assert (result.code, "BATTERY_STATUS.voltages[0]" in result.err) == (2, True)
+
+
+def test_the_facts_never_replace_the_page(mav, tlog, tmp_path):
+    result = mav("data", "report", tlog, "-o", "x.json")
+    assert (result.code, "name the page" in result.err) == (2, True)
+    assert not (tmp_path / "x.json").exists()

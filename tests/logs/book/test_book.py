@@ -89,3 +89,39 @@ def test_wrong_paths_are_reported(folder, tmp_path):
         FlightBook(other)
     with FlightBook(tmp_path / "book.duckdb") as book, pytest.raises(LogError, match="it is not a folder"):
         book.update(tmp_path / "nowhere")
+
+
+def test_an_interrupted_update_keeps_the_remarks(folder, tmp_path, monkeypatch):
+    path = tmp_path / "book.duckdb"
+    with FlightBook(path) as book:
+        book.update(folder)
+        book.add_incident(ONE, "propeller lost")
+        (folder / ONE).write_bytes(flight_tlog() + b"x")
+        forget = book._forget
+
+        def interrupt(name):
+            forget(name)
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr(book, "_forget", interrupt)
+        with pytest.raises(KeyboardInterrupt):
+            book.update(folder)
+    with FlightBook(path) as book:
+        assert [row["incidents"] for row in book.rows()] == ["propeller lost"] * 2
+        assert book.update(folder).read == 1
+
+
+def test_a_log_that_is_removed_meanwhile_is_reported(folder, tmp_path, monkeypatch):
+    monkeypatch.setattr(Path, "rglob", lambda self, pattern: [Vanishing(folder / ONE)])
+    with FlightBook(tmp_path / "book.duckdb") as book:
+        assert list(book.update(folder).failed) == [ONE]
+
+
+class Vanishing(type(Path())):
+    """A file that is there when the folder is listed, and gone when it is looked at."""
+
+    def is_file(self):
+        return True
+
+    def stat(self, **_):
+        raise FileNotFoundError(2, "No such file or directory")

@@ -71,3 +71,9 @@ def test_texts_of_several_messages_are_joined(log_of):
     ).texts
     assert [text.text for text in texts] == ["short", "a" * 50 + "b", "event"]
     assert [text.severity for text in texts] == [4, 6, 6]
+
+
+def test_parameters_of_a_payload_are_not_those_of_the_vehicle(log_of):
+    gimbal = encoded([parameter("SYSID", 9.0), parameter("ONLY_GIMBAL", 1.0)], component=154)
+    log = log_of(COPTER, parameter("SYSID", 1.0), others=gimbal)
+    assert (log.parameters, log.parameter_changes) == ({"SYSID": 1.0}, [])

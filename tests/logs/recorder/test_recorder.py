@@ -231,3 +231,25 @@ def test_standard_output_is_one_file(capfdbinary: pytest.CaptureFixture[bytes]) 
         recorder.write([packet(1)], TIME)
         recorder.sync()
     assert capfdbinary.readouterr().out[8:] == packet(1).raw
+
+
+def test_a_series_whose_next_file_fails_keeps_the_present_one(tmp_path: Path, monkeypatch) -> None:
+    with Recorder(tmp_path / "a.tlog", max_size=40) as writer:
+        writer.write([packet(1)], TIME)
+
+        def refuse(*_: object) -> None:
+            raise LogError("no next file")
+
+        with monkeypatch.context() as patch:
+            patch.setattr(writer, "_next_file", refuse)
+            with pytest.raises(LogError, match="no next file"):
+                writer.write([packet(2)] * 3, TIME)
+        writer.sync()
+        writer.write([packet(3)], TIME)
+    assert sum(len(open_log(path)["ATTITUDE"]) for path in writer.files) == 2
+
+
+def test_an_old_file_that_cannot_be_removed_is_reported(tmp_path: Path) -> None:
+    (tmp_path / "a-0001.tlog").mkdir()
+    with pytest.raises(LogError, match=r"cannot remove .*a-0001\.tlog"):
+        Recorder(tmp_path / "a.tlog", max_size=60, keep=1)

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
+
+from mavstack.errors import LogError
 from mavstack.logs.recorder.recording_file import RecordingFile
 
 if TYPE_CHECKING:
@@ -25,3 +28,21 @@ def test_a_closed_file_is_not_stored_again(tmp_path: Path) -> None:
     file = RecordingFile(tmp_path / "flight", b"")
     file.close()
     file.sync()
+
+
+def test_a_disk_that_is_gone_is_one_error(tmp_path):
+    file = RecordingFile(tmp_path / "a.tlog", b"")
+
+    class Gone:
+        def write(self, data):
+            raise OSError(5, "Input/output error")
+
+        truncate = seek = write
+
+        def close(self):
+            pass
+
+    file.close()
+    file._file = Gone()
+    with pytest.raises(LogError, match="Input/output error; 0 bytes are kept"):
+        file.append(b"record")

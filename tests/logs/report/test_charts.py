@@ -66,3 +66,10 @@ def test_a_png_is_not_empty(charts):
     assert picture.shape[1] == 1100
     coloured = (np.ptp(picture[:, :, :3], axis=2) > 0.3).sum()
     assert coloured > 500, "the lines are drawn in colour"
+
+
+def test_values_at_the_ends_of_their_type_are_drawn():
+    ys = np.array([-1e308, 0.0, 1e308])
+    chart = draw(Chart("x", "", [Line("x", np.arange(3.0), ys)]))
+    assert "nan" not in chart
+    assert "inf" not in chart

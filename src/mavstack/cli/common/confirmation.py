@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.errors import UsageError
@@ -11,6 +12,7 @@ from mavstack.cli.common.stdin_lines import stdin_lines
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
+    from collections.abc import Iterator
 
 _NOTHING_SENT: Final = "nothing was sent"
 
@@ -35,7 +37,9 @@ def is_confirmed(arguments: Namespace, question: str, action: str, *, refused: s
     if arguments.yes:
         return True
     _ask(question, action)
-    return _is_yes(sys.stdin.readline(), refused)
+    with _ended_line():
+        answer = sys.stdin.readline()
+    return _is_yes(answer, refused)
 
 
 async def is_confirmed_while_connected(arguments: Namespace, question: str, action: str) -> bool:
@@ -43,7 +47,19 @@ async def is_confirmed_while_connected(arguments: Namespace, question: str, acti
     if arguments.yes:
         return True
     _ask(question, action)
-    return _is_yes(await anext(stdin_lines(), ""), _NOTHING_SENT)
+    with _ended_line():
+        answer = await anext(stdin_lines(), "")
+    return _is_yes(answer, _NOTHING_SENT)
+
+
+@contextmanager
+def _ended_line() -> Iterator[None]:
+    """End the line of the question if it is interrupted instead of answered."""
+    try:
+        yield
+    except BaseException:
+        echo("")
+        raise
 
 
 def _ask(question: str, action: str) -> None:

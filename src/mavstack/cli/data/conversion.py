@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import json
 import os
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import BrokenExecutor, ProcessPoolExecutor, as_completed
 from importlib import import_module
 from multiprocessing import get_context
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from mavstack.cli.common.errors import failure_text
 from mavstack.cli.common.transfer_progress import TransferProgress
@@ -24,6 +24,9 @@ from mavstack.logs.export import ExportOptions, export_log
 if TYPE_CHECKING:
     from argparse import Namespace
     from collections.abc import Callable, Iterator, Sequence
+
+
+_KILLED: Final = "a process was killed, perhaps for its memory; try --jobs 1"
 
 
 class Job(NamedTuple):
@@ -48,9 +51,13 @@ class ConvertedLogs:
     def __init__(self, path: str) -> None:
         self._path = Path(path)
         try:
-            lines = self._path.read_text("utf-8").splitlines() if self._path.exists() else []
-            self._known = {tuple(json.loads(line)) for line in lines}
-        except (OSError, ValueError) as error:
+            data = self._path.read_bytes() if self._path.exists() else b""
+            # A run that was killed may have left a part of its last line.
+            complete = data[: data.rfind(b"\n") + 1]
+            self._known = {tuple(json.loads(line)) for line in complete.decode().splitlines()}
+            if len(complete) < len(data):
+                os.truncate(self._path, len(complete))
+        except (OSError, ValueError, TypeError) as error:
             raise LogError(f"cannot read {path}: it is no list of converted logs ({error})") from error
 
     def has(self, job: Job) -> bool:
@@ -59,8 +66,11 @@ class ConvertedLogs:
 
     def add(self, job: Job) -> None:
         """Add a log, in the hands of the system at once."""
-        with self._path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(self._entry(job)) + "\n")
+        try:
+            with self._path.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(self._entry(job)) + "\n")
+        except OSError as error:
+            raise LogError(f"cannot write {self._path}: {error.strerror or error}") from error
 
     def _entry(self, job: Job) -> tuple[str, str, int, int]:
         if is_remote(job.source):
@@ -93,11 +103,15 @@ def _in_processes(jobs: Sequence[Job], arguments: Namespace) -> Iterator[Outcome
         TransferProgress(f"converting {len(jobs)} logs", in_bytes=False) as progress,
         ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool,
     ):
-        running = [pool.submit(convert_log, job, arguments) for job in jobs]
+        running = {pool.submit(convert_log, job, arguments): job for job in jobs}
         try:
             for done, future in enumerate(as_completed(running), 1):
                 progress(done, len(jobs))
-                yield future.result()
+                try:
+                    yield future.result()
+                except BrokenExecutor:
+                    problem = f"cannot convert {running[future].source}: {_KILLED}"
+                    yield Outcome(running[future], {}, "", problem)
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise

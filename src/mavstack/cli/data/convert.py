@@ -59,6 +59,7 @@ def _jobs(text: str) -> int:
 def convert(arguments: Namespace) -> int:
     """Run `mav data convert`; a log that fails does not stop the others."""
     jobs = list(_jobs_of(arguments))
+    _check_targets(jobs, arguments)
     done = None if arguments.resume is None else ConvertedLogs(arguments.resume)
     waiting = [job for job in jobs if done is None or not done.has(job)]
     if len(waiting) < len(jobs):
@@ -83,6 +84,15 @@ def _jobs_of(arguments: Namespace) -> Iterator[Job]:
         raise UsageError(f"{output} is a file; several logs need a folder")
     for file in files:
         yield Job(file, _target(chosen, file, output, several=len(files) > 1))
+
+
+def _check_targets(jobs: list[Job], arguments: Namespace) -> None:
+    """Refuse to write several logs to one path; a Parquet dataset has files of its own for each."""
+    sources: dict[str, str] = {}
+    for job in jobs if arguments.to != "parquet" else ():
+        first = sources.setdefault(job.target, job.source)
+        if first != job.source:
+            raise UsageError(f"{first} and {job.source} would both be written to {job.target}")
 
 
 def _target(chosen: LogExporter, file: str, output: str | None, *, several: bool) -> str:

@@ -7,6 +7,8 @@ import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 from mavstack.atomic_file import write_file_atomically
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.output import echo, echo_json
@@ -58,6 +60,10 @@ def report(arguments: Namespace) -> int:
         echo_json(made.data)
     if not arguments.json or arguments.output is not None:
         path = Path(arguments.output or Path(arguments.file).with_suffix(".html"))
+        if path.suffix.lower() == ".json":
+            raise UsageError(
+                f"{path}: name the page, such as {path.with_suffix('.html')}; its facts go beside it"
+            )
         write_file_atomically(path, made.html)
         write_file_atomically(path.with_suffix(".json"), json.dumps(made.data, indent=1) + "\n")
         if not arguments.json:
@@ -79,11 +85,10 @@ def _print_findings(data: dict[str, object], path: Path) -> None:
 def plot(arguments: Namespace) -> int:
     """Run `mav data plot`."""
     log = open_file(arguments.file, arguments)
-    charts = [chart for what in arguments.what or ("attitude", "altitude") for chart in _charts(log, what)]
+    topics = arguments.what or _USUAL_TOPICS
+    charts = [chart for what in topics for chart in _charts(log, what)]
     if not charts:
-        raise LogError(
-            f"{log.path}: it holds none of {', '.join(arguments.what or ('attitude', 'altitude'))}"
-        )
+        raise LogError(f"{log.path}: it holds none of {', '.join(topics)}")
     if arguments.output is None:
         width = shutil.get_terminal_size().columns
         for chart in charts:
@@ -105,9 +110,14 @@ def _charts(log: Log, what: str) -> Iterator[Chart]:
             f"{what!r} is neither a topic ({topics}) nor a field such as ATTITUDE.roll of this log"
         )
     rows = log[table]
-    times = log.seconds_from_start(table, rows)
-    unit = rows.schema[field.partition("[")[0]].unit if field.partition("[")[0] in rows.schema else ""
-    yield Chart(what, unit, [Line(field, times, rows.scaled(field))])
+    if not rows.has_number(rows.require_field(field)):
+        raise UsageError(f"{what} is no column of numbers; an element of an array is named {what}[0]")
+    times, values = log.seconds_from_start(table, rows), rows.scaled(field)
+    known = np.flatnonzero(np.isfinite(times) & np.isfinite(values))
+    order = known[np.argsort(times[known], kind="stable")]
+    if len(order):
+        unit = rows.schema[field.partition("[")[0]].unit
+        yield Chart(what, unit, [Line(field, times[order], values[order])])
 
 
 def _rendered(path: Path, charts: list[Chart]) -> bytes | str:

@@ -114,8 +114,15 @@ class FlightBook:
         result = BookUpdate()
         known = dict(self._known())
         for done, path in enumerate(files, 1):
-            name, state = str(path.relative_to(root)), (path.stat().st_size, path.stat().st_mtime_ns)
-            if known.pop(name, None) == state:
+            name = str(path.relative_to(root))
+            before = known.pop(name, None)
+            try:
+                status = path.stat()
+            except OSError as error:  # removed meanwhile
+                result.failed[name] = f"cannot open {path}: {error.strerror}"
+                continue
+            state = status.st_size, status.st_mtime_ns
+            if before == state:
                 result.unchanged += 1
             else:
                 self._read(path, name, state, result)
@@ -179,6 +186,18 @@ class FlightBook:
         except (MavstackError, OSError) as error:
             result.failed[name] = str(error)
             return
+        # As one change: a run that is interrupted must not lose the remarks.
+        self._connection.begin()
+        try:
+            self._replace(name, state, rows)
+        except BaseException:
+            self._connection.rollback()
+            raise
+        self._connection.commit()
+        result.read += 1
+
+    def _replace(self, name: str, state: tuple[int, int], rows: Sequence[Sequence[object]]) -> None:
+        """Replace the flights of a log; the remarks stay."""
         remarks = self._connection.execute(
             "SELECT any_value(incidents) FROM flights WHERE file = ?", [name]
         ).fetchone()
@@ -187,7 +206,6 @@ class FlightBook:
         for row in rows:
             self._connection.execute(insert, [*row, remarks[0] or ""])
         self._connection.execute("INSERT INTO files VALUES (?, ?, ?)", [name, *state])
-        result.read += 1
 
     def _forget(self, name: str) -> None:
         self._connection.execute("DELETE FROM flights WHERE file = ?", [name])

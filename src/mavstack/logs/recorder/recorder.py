@@ -181,9 +181,9 @@ class Recorder:
             self._began = time
 
     def _rotate(self) -> None:
+        file = self._next_file()
         self._closing.append(self._file)
-        self._file = self._next_file()
-        self._began = None
+        self._file, self._began = file, None
 
     def _next_file(self) -> RecordingFile:
         if str(self._path) == STDOUT:
@@ -203,7 +203,10 @@ class Recorder:
         number = series[-1][0] + 1 if series else 1
         if self._keep is not None:
             for _, old in series[: max(len(series) + 1 - self._keep, 0)]:
-                old.unlink(missing_ok=True)
+                try:
+                    old.unlink(missing_ok=True)
+                except OSError as error:
+                    raise LogError(f"cannot remove {old}: {error.strerror or error}") from None
         return self._path.with_name(f"{self._path.stem}-{number:04}{self._path.suffix}")
 
     def _in_order(self, time: int) -> int:

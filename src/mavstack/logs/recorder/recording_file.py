@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from mavstack.errors import LogError
@@ -73,10 +74,11 @@ class RecordingFile:
         self._file.close()
 
     def _cut_off(self) -> None:
-        """Remove a record that was written partly."""
+        """Remove a record that was written partly; a disk that is gone keeps it."""
         if self.path is not None:
-            self._file.truncate(self.size)
-            self._file.seek(self.size)
+            with suppress(OSError):
+                self._file.truncate(self.size)
+                self._file.seek(self.size)
 
 
 def _standard_output() -> BinaryIO:

@@ -27,6 +27,8 @@ _LEFT, _RIGHT, _TOP, _BOTTOM = 52, 12, 12, 24
 _TITLE: Final = 24
 _MAP_SIZE: Final = 420
 _COLOURS: Final = 6
+#: A value beyond it is that of a damaged record, and drawn at the edge: the range must not overflow.
+_MAX_VALUE: Final = 1e30
 _METRES_PER_DEGREE: Final = 111_195.0
 
 
@@ -93,6 +95,7 @@ def _content(chart: Chart) -> str:
         return ""
     left, right = min(float(line.xs[0]) for line in lines), max(float(line.xs[-1]) for line in lines)
     low, high = min(float(line.ys.min()) for line in lines), max(float(line.ys.max()) for line in lines)
+    low, high = max(low, -_MAX_VALUE), min(high, _MAX_VALUE)
     scale = _Scale(left, right if right > left else left + 1, *_padded(low, high))
     parts = [_bands(chart.bands, scale), _grid(scale, chart.axis), *_marks(chart.marks, scale)]
     parts += [_polyline(line, scale, number % _COLOURS) for number, line in enumerate(lines)]
@@ -170,6 +173,7 @@ class _Scale(NamedTuple):
         return _LEFT + min(max(share, 0), 1) * (_WIDTH - _LEFT - _RIGHT)
 
     def y(self, value: float) -> float:
+        value = min(max(value, self.low), self.high)
         return _HEIGHT - _BOTTOM - (value - self.low) / (self.high - self.low) * (_HEIGHT - _TOP - _BOTTOM)
 
 
