@@ -1,0 +1,69 @@
+"""The files of a crate."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from typing import TYPE_CHECKING, Final
+
+from mavstack.codegen.languages.rust.types import enum_types, enum_values, message_values
+from mavstack.codegen.templates import Templates
+from mavstack.errors import InvalidArgumentError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.codegen.language import GeneratedFile
+    from mavstack.codegen.library import Library
+
+#: The files without content of the dialect except its names.
+_RUNTIME: Final = ("crc", "encode", "info", "packet", "parser", "scan", "sha256", "signing", "wire")
+
+
+def render(library: Library) -> Iterator[GeneratedFile]:
+    """Yield the files of a crate.
+
+    Args:
+        library: The library.
+
+    Yields:
+        The files.
+
+    Raises:
+        InvalidArgumentError: The chosen package name is not a crate's name.
+    """
+    templates = _templates()
+    types = enum_types(library)
+    enums = list(enum_values(library, types))
+    messages = [message_values(message, types) for message in library.messages]
+    common = {"stamp": library.stamp, **_names(library), "example": _example(messages)}
+    yield templates.file("Cargo.toml", "Cargo.toml.j2", **common)
+    yield templates.file("README.md", "README.md.j2", **common)
+    yield templates.file("src/lib.rs", "lib.rs.j2", version=library.version, **common)
+    yield templates.file("src/message.rs", "message.rs.j2", messages=messages, **common)
+    yield templates.file("src/messages/mod.rs", "messages.rs.j2", messages=messages, **common)
+    yield templates.file("src/enums/mod.rs", "enums.rs.j2", enums=enums, **common)
+    for name in _RUNTIME:
+        yield templates.file(f"src/{name}.rs", f"{name}.rs.j2", **common)
+    for message in messages:
+        yield templates.file(f"src/messages/{message['module']}.rs", "struct.rs.j2", stamp=library.stamp, **message)
+    for enum in enums:
+        yield templates.file(f"src/enums/{enum['module']}.rs", "enum.rs.j2", stamp=library.stamp, **enum)
+
+
+@cache
+def _templates() -> Templates:
+    return Templates("mavstack.codegen.languages.rust")
+
+
+def _names(library: Library) -> dict[str, str]:
+    """Return the names of the package and of the crate."""
+    package = library.package or f"mavlink-{library.name.replace('_', '-')}"
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]*", package):
+        raise InvalidArgumentError(f"package must be a name such as mavlink-common, got {package!r}")
+    return {"package_name": package, "crate_name": package.replace("-", "_"), "dialect": library.name}
+
+
+def _example(messages: list[dict[str, object]]) -> dict[str, object]:
+    """Return the message of the examples: HEARTBEAT if there is one."""
+    return next((message for message in messages if message["name"] == "HEARTBEAT"), messages[0])
