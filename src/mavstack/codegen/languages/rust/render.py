@@ -46,7 +46,9 @@ def render(library: Library) -> Iterator[GeneratedFile]:
     for name in _RUNTIME:
         yield templates.file(f"src/{name}.rs", f"{name}.rs.j2", **common)
     for message in messages:
-        yield templates.file(f"src/messages/{message['module']}.rs", "struct.rs.j2", stamp=library.stamp, **message)
+        yield templates.file(
+            f"src/messages/{message['module']}.rs", "struct.rs.j2", stamp=library.stamp, **message
+        )
     for enum in enums:
         yield templates.file(f"src/enums/{enum['module']}.rs", "enum.rs.j2", stamp=library.stamp, **enum)
 
@@ -56,11 +58,18 @@ def _templates() -> Templates:
     return Templates("mavstack.codegen.languages.rust")
 
 
+def package_name(library: Library) -> str:
+    """Return the name of the package: the chosen one, or `mavlink-` and the dialect."""
+    if not library.package:
+        return f"mavlink-{re.sub('[^a-z0-9]+', '-', library.name).strip('-')}"
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]*", library.package):
+        raise InvalidArgumentError(f"package must be a name such as mavlink-common, got {library.package!r}")
+    return library.package
+
+
 def _names(library: Library) -> dict[str, str]:
-    """Return the names of the package and of the crate."""
-    package = library.package or f"mavlink-{library.name.replace('_', '-')}"
-    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]*", package):
-        raise InvalidArgumentError(f"package must be a name such as mavlink-common, got {package!r}")
+    """Return the names of the package, of the crate and of the dialect."""
+    package = package_name(library)
     return {"package_name": package, "crate_name": package.replace("-", "_"), "dialect": library.name}
 
 

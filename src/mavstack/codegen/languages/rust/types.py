@@ -16,13 +16,15 @@ if TYPE_CHECKING:
     from mavstack.codegen.library import Library
     from mavstack.dialects.model import EnumDefinition, FieldDefinition, MessageDefinition
 
-RESERVED_WORDS: Final = frozenset(
-    "as async await break const continue crate dyn else enum extern false fn for if impl in let loop match mod "
-    "move mut pub ref return self static struct super trait true type union unsafe use where while abstract "
-    "become box do final gen macro override priv try typeof unsized virtual yield".split()
-)
+_WORDS: Final = """
+Self abstract as async await become box break const continue crate do dyn else enum extern false final fn for
+gen if impl in let loop macro match mod move mut override priv pub ref return self static struct super trait
+true try type typeof union unsafe unsized use virtual where while yield
+"""
+RESERVED_WORDS: Final = frozenset(_WORDS.split())
 
-_TYPES: Final = {
+#: Types of values by their type in the definition.
+WIRE_TYPES: Final = {
     "char": "u8",
     "uint8_t": "u8",
     "int8_t": "i8",
@@ -123,9 +125,9 @@ def message_values(message: MessageDefinition, types: dict[str, EnumType]) -> di
 def field_values(item: FieldDefinition, types: dict[str, EnumType]) -> dict[str, object]:
     """Return the values for the templates of a field."""
     name = identifier(item.name)
-    kind = "Char" if item.type == "char" else _TYPES[item.type].upper()
+    kind = "Char" if item.type == "char" else WIRE_TYPES[item.type].upper()
     enum = types[item.enum] if item.enum else None
-    wire, field_type = _TYPES[item.type], _field_type(item, enum)
+    wire, field_type = WIRE_TYPES[item.type], _field_type(item, enum)
     get, put = f"get(payload, {item.offset})", f"self.{name}"
     if enum and wire != enum.number:
         get, put = _conversions(item, enum, wire, get, put)
@@ -142,20 +144,20 @@ def field_values(item: FieldDefinition, types: dict[str, EnumType]) -> dict[str,
     }
 
 
-def _conversions(
-    item: FieldDefinition, enum: EnumType, wire: str, get: str, put: str
-) -> tuple[str, str]:
+def _conversions(item: FieldDefinition, enum: EnumType, wire: str, get: str, put: str) -> tuple[str, str]:
     """Return the expressions for a field whose wire type is not that of its enum."""
-    typed = get.replace("get", f"get::<{f'[{wire}; {item.array_length}]' if item.array_length else wire}>")
-    if item.array_length:
-        return f"{typed}.map(|value| {enum.name}(value as {enum.number}))", f"{put}.map(|value| value.0 as {wire})"
-    return f"{enum.name}({typed} as {enum.number})", f"({put}.0 as {wire})"
+    array = f"[{wire}; {item.array_length}]" if item.array_length else wire
+    typed = get.replace("get", f"get::<{array}>")
+    if not item.array_length:
+        return f"{enum.name}({typed} as {enum.number})", f"({put}.0 as {wire})"
+    from_wire, to_wire = f"{enum.name}(value as {enum.number})", f"value.0 as {wire}"
+    return f"{typed}.map(|value| {from_wire})", f"{put}.map(|value| {to_wire})"
 
 
 def _field_type(item: FieldDefinition, enum: EnumType | None) -> str:
     if _is_text(item):
         return f"Text<{item.array_length}>"
-    element = enum.name if enum else _TYPES[item.type]
+    element = enum.name if enum else WIRE_TYPES[item.type]
     return f"[{element}; {item.array_length}]" if item.array_length else element
 
 
