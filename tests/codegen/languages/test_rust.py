@@ -71,7 +71,7 @@ def test_a_selection_has_only_its_messages_and_enums():
     assert "ATTITUDE" in found["src/messages/attitude.rs"]
 
 
-def test_fields_tell_units_and_enums():
+def test_fields_have_units_and_enums():
     text = files(few())["src/messages/gps_raw_int.rs"]
     assert "/// `int32_t`, in degE7.\n    pub lat: i32," in text
     assert 'field("lat", (FieldType::I32, 0), 8, ("degE7", ""), false)' in text
@@ -94,7 +94,7 @@ def test_a_selection_compiles_and_passes_the_corpus(tmp_path):
 
 
 @pytest.mark.interop
-def test_the_programs_of_the_guide_print_what_it_says(tmp_path):
+def test_the_programs_of_the_guide_run(tmp_path):
     page = (ROOT / "docs/guides/generate-rust.md").read_text("utf-8")
     outputs = re.findall(r"^```text\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
     assert len(PROGRAMS) == len(outputs) == 2
