@@ -6,7 +6,6 @@ of the export is the peak of a process of its own.
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 import sys
@@ -19,6 +18,7 @@ import mavstack
 from mavstack.logs.export import export_log
 from mavstack.logs.report import make_report
 
+from . import memory
 from .measure import OURS, Ratio, Row, rates, speed_ratio, take_turns
 
 if TYPE_CHECKING:
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
 DUMP: Final = "mavlogdump"
 _REPORT_SECONDS: Final = 5.0
-_MEMORY: Final = 300e6
 
 
 def rows(bench: Bench) -> Iterator[Row]:
@@ -43,10 +42,7 @@ def rows(bench: Bench) -> Iterator[Row]:
     }
     results = take_turns(work, max(bench.amounts.turns // 2, 3))
     yield Row("tlog to Parquet, all messages", rates(results), (speed_ratio(results, DUMP, 100),))
-    peak = _peak(whole, bench.folder / "dataset")
-    figures = {OURS: f"{peak / 1e6:.0f} MB"}
-    ratio = Ratio("of 300 MB", (peak / _MEMORY,), 1, higher_is_better=False)
-    yield Row("memory of the export", figures, (ratio,))
+    yield memory.conversion(whole, bench.folder / "dataset")
     seconds = [_report(whole) for _ in range(3)]
     size = whole.stat().st_size
     share = tuple(each * 100e6 / size / _REPORT_SECONDS for each in seconds)
@@ -81,14 +77,3 @@ def _report(log: Path) -> float:
     started = perf_counter()
     make_report(mavstack.open_log(log))
     return perf_counter() - started
-
-
-def _peak(log: Path, target: Path) -> int:
-    """Return the peak memory of a process that exports a log, in bytes."""
-    shutil.rmtree(target, ignore_errors=True)
-    words = [sys.executable, "-m", "mavstack", "data", "convert", str(log), "--to", "parquet"]
-    process = subprocess.Popen([*words, "-o", str(target)], stdout=subprocess.DEVNULL)
-    _, status, usage = os.wait4(process.pid, 0)
-    if status:
-        raise RuntimeError(f"the export ended with status {status}")
-    return usage.ru_maxrss * 1024

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import threading
@@ -11,10 +12,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
+from .measure import OURS, Ratio, Row
 from .probe import status
 
 HERE = Path(__file__).parent
 SAMPLE_SECONDS = 0.0005
+#: Peak of a conversion in bytes, for a log of any size.
+CONVERSION = 300e6
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,3 +74,17 @@ def _watch(process: int, finished: threading.Event, samples: list[int]) -> None:
             samples.append(status(process)["RssAnon"])
         except (OSError, KeyError):
             return
+
+
+def conversion(log: Path, target: Path) -> Row:
+    """Measure the memory of a process that converts a log to Parquet: anonymous memory and mapped files."""
+    shutil.rmtree(target, ignore_errors=True)
+    words = [sys.executable, "-m", "mavstack", "data", "convert", str(log), "--to", "parquet"]
+    process = subprocess.Popen([*words, "-o", str(target)], stdout=subprocess.DEVNULL)
+    _, wait_status, usage = os.wait4(process.pid, 0)
+    if wait_status:
+        raise RuntimeError(f"the conversion ended with status {wait_status}")
+    peak = usage.ru_maxrss * 1024
+    name = f"memory of the conversion of a {log.suffix} of {log.stat().st_size / 1e6:.0f} MB"
+    ratio = Ratio("of 300 MB", (peak / CONVERSION,), 1, higher_is_better=False)
+    return Row(name, {OURS: f"{peak / 1e6:.0f} MB"}, (ratio,))

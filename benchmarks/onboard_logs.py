@@ -5,8 +5,10 @@ from __future__ import annotations
 import statistics
 from dataclasses import dataclass
 from functools import partial
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Final
+
+import mavstack
 
 from . import memory
 from .measure import OURS, Ratio, Row, rates, speed_ratio, take_turns
@@ -27,7 +29,8 @@ class OnboardLog:
     """A kind of log: its suffix, how it is made, and who reads it.
 
     `write` makes a file of a size and returns the number of its records. `check` raises if the readers
-    differ. `count` returns the number of records in the tables of a reader.
+    differ. `count` returns the number of records in the tables of a reader. `one_type` is the table that is
+    decoded alone.
     """
 
     suffix: str
@@ -39,6 +42,7 @@ class OnboardLog:
     peer: str
     theirs: Callable[[Path], Mapping[str, Any]]
     target: float
+    one_type: str
 
 
 def measure(bench: Bench, log: OnboardLog, *, quick: bool) -> Iterator[Row]:
@@ -70,6 +74,28 @@ def measure(bench: Bench, log: OnboardLog, *, quick: bool) -> Iterator[Row]:
         {OURS: f"{statistics.median(one.anonymous for one in growth) / 1e6:.0f} MB"},
         (Ratio("times its columns", shares, 1.5, higher_is_better=False),),
     )
+    yield memory.conversion(whole, bench.folder / "dataset")
+    yield _one_type(whole, log.one_type, turns)
+
+
+def _one_type(path: Path, name: str, turns: int) -> Row:
+    """Decode one table of an open log beside all tables; the processor time is compared."""
+    log = mavstack.open_log(path)
+    shares = []
+    for _ in range(turns + 1):  # the first turn brings the file into memory
+        every = _processor_time(log.load)
+        log.clear_cache()
+        one = _processor_time(partial(log.load, name))
+        log.clear_cache()
+        shares.append(one / every)
+    ratio = Ratio("of all tables", tuple(shares[1:]), 0.1, higher_is_better=False)
+    return Row(f"{name} alone of a {path.suffix}", {OURS: f"{one * 1e3:.0f} ms"}, (ratio,))
+
+
+def _processor_time(work: Callable[[], object]) -> float:
+    started = process_time()
+    work()
+    return process_time() - started
 
 
 def _timed(

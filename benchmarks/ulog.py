@@ -176,7 +176,16 @@ def _assert_equal(path: Path) -> None:
 
 
 LOG: Final = OnboardLog(
-    ".ulg", SLICE_SIZE, write, _assert_equal, _count, our_columns, PYULOG, pyulog_columns, 5
+    ".ulg",
+    SLICE_SIZE,
+    write,
+    _assert_equal,
+    _count,
+    our_columns,
+    PYULOG,
+    pyulog_columns,
+    5,
+    "vehicle_attitude",
 )
 
 

@@ -556,6 +556,8 @@ class UlogIndex:
         size: Number of bytes to index; None for the whole file.
         positions: True to store the positions of the records, which `decode` needs; False to count them only.
         threads: Maximum number of threads.
+        step: Number of bytes that are indexed at a time; None for all.
+        done: Called with the beginning and the end of each part of the data that is indexed; its result is ignored.
 
     Raises:
         BufferError: The buffer is writable or not contiguous.
@@ -563,8 +565,18 @@ class UlogIndex:
     """
 
     def __new__(
-        cls, data: Buffer, *, size: int | None = None, positions: bool = True, threads: int = 1
+        cls,
+        data: Buffer,
+        *,
+        size: int | None = None,
+        positions: bool = True,
+        threads: int = 1,
+        step: int | None = None,
+        done: Callable[[int, int], object] | None = None,
     ) -> Self: ...
+    def without_positions(self) -> Self:
+        """Return the same index without the positions of the records, in less memory."""
+
     def following(self, size: int) -> Self | None:
         """Return the index of the next part of the file.
 
@@ -633,11 +645,15 @@ class UlogIndex:
             KeyError: The file has no such topic.
         """
 
-    def messages(self, kind: str) -> list[tuple[int, int, bytes]]:
+    def messages(
+        self, kind: str, *, step: int | None = None, done: Callable[[int, int], object] | None = None
+    ) -> list[tuple[int, int, bytes]]:
         """Return the messages of one kind that are not records.
 
         Args:
             kind: I, M, P, Q, L, C or O.
+            step: Number of bytes of the file that are read at a time; None for all.
+            done: Called with the beginning and the end of each part of the data that is read.
 
         Returns:
             For each message its position, the latest time of a record before it in microseconds since boot, and its
@@ -822,6 +838,9 @@ class DataFlashIndex:
         step: int | None = None,
         done: Callable[[int, int], object] | None = None,
     ) -> Self: ...
+    def without_positions(self) -> Self:
+        """Return the same index in less memory, which is slower to decode with."""
+
     @property
     def definitions(self) -> list[tuple[bytes, bytes, bytes, int]]:
         """The definitions as (name, format, labels, length of a record); their numbers are the slots of the tables."""

@@ -12,5 +12,6 @@ pub mod row;
 #[cfg(test)]
 mod samples;
 pub mod scan;
+mod segment;
 
 pub use index::{Index, Request};

@@ -1,6 +1,7 @@
 //! Python interface of the index of DataFlash logs.
 
 use crate::memory::{Table, require_read_only, shared, writable};
+use crate::steps::Steps;
 use mavstack_logs::dataflash::row::{Conversion, Field, HeaderField, Layout, Time};
 use mavstack_logs::dataflash::{Index, Request};
 use mavstack_logs::rows::ROW_HEADER;
@@ -9,7 +10,7 @@ use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::collections::BTreeMap;
-use std::ops::Range;
+use std::sync::Arc;
 
 /// Format character, conversion, position in the record, position in the row.
 type FieldPlan = (char, char, usize, usize);
@@ -93,7 +94,7 @@ fn field((character, conversion, source, target): FieldPlan) -> Option<Field> {
 #[pyclass(frozen, module = "mavstack._core")]
 pub struct DataFlashIndex {
     core: Index,
-    data: PyBuffer<u8>,
+    data: Arc<PyBuffer<u8>>,
 }
 
 #[pymethods]
@@ -111,15 +112,15 @@ impl DataFlashIndex {
         // SAFETY: the buffer is read-only for Python. Another process may still write to a mapped file; the core
         // then reads old or new bytes, and checks every index it derives from them.
         let bytes = unsafe { shared(&data) }?;
-        let mut failed = None;
-        let mut call = |part: Range<usize>| {
-            if let Some(done) = &done {
-                let called = Python::attach(|py| done.call1(py, (part.start, part.end)).map(drop));
-                failed = failed.take().or(called.err());
-            }
-        };
-        let core = py.detach(|| Index::build_in_steps(bytes, threads, step.unwrap_or(bytes.len()), &mut call));
-        failed.map_or(Ok(Self { core, data }), Err)
+        let mut steps = Steps::new(step, done);
+        let core = py.detach(|| Index::build_in_steps(bytes, threads, steps.size(), |part| steps.done(part)));
+        steps.finish()?;
+        Ok(Self { core, data: Arc::new(data) })
+    }
+
+    /// Return the same index in less memory, which is slower to decode with.
+    fn without_positions(&self) -> Self {
+        Self { core: self.core.without_positions(), data: Arc::clone(&self.data) }
     }
 
     /// The definitions as (name, format, labels, length of a record); their numbers are the slots of the tables.

@@ -72,8 +72,7 @@ impl Index {
     /// Number of packets of each known message in the buffer, by message id.
     #[getter]
     fn counts(&self) -> BTreeMap<u32, usize> {
-        let layouts = self.dialect.get().core.layouts().iter().enumerate();
-        layouts.map(|(slot, layout)| (layout.id, self.core.rows(slot))).filter(|&(_, rows)| rows > 0).collect()
+        counts_by_id(&self.dialect, |slot| self.core.rows(slot))
     }
 
     /// Number of packets of each message id that is not in the dialect.
@@ -140,6 +139,12 @@ impl Index {
     }
 }
 
+/// The numbers of rows of the messages that have any, by message id.
+fn counts_by_id(dialect: &Py<Dialect>, rows: impl Fn(usize) -> usize) -> BTreeMap<u32, usize> {
+    let layouts = dialect.get().core.layouts().iter().enumerate();
+    layouts.map(|(slot, layout)| (layout.id, rows(slot))).filter(|&(_, rows)| rows > 0).collect()
+}
+
 impl Index {
     fn slot(&self, message_id: u32) -> PyResult<usize> {
         let entry = self.dialect.get().core.entry(message_id);
@@ -192,8 +197,7 @@ impl WindowIndexer {
     /// Number of packets of each known message so far, by message id.
     #[getter]
     fn counts(&self) -> BTreeMap<u32, usize> {
-        let layouts = self.dialect.get().core.layouts().iter().enumerate();
-        layouts.map(|(slot, layout)| (layout.id, self.core.rows(slot))).filter(|&(_, rows)| rows > 0).collect()
+        counts_by_id(&self.dialect, |slot| self.core.rows(slot))
     }
 
     /// Number of packets of each message id that is not in the dialect, so far.

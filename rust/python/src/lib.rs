@@ -20,6 +20,7 @@ mod packet;
 mod parser;
 mod signing;
 mod statistics;
+mod steps;
 mod ulog;
 mod values;
 

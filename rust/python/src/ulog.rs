@@ -1,6 +1,7 @@
 //! Python interface of the ULog reader: the index of a file or of a part of it, and its tables.
 
 use crate::memory::{Table, require_read_only, shared, writable};
+use crate::steps::Steps;
 use mavstack_logs::ulog;
 use mavstack_logs::ulog::header::Header;
 use mavstack_logs::ulog::index::Options;
@@ -26,6 +27,8 @@ type Entry<'py> = (usize, u64, Bound<'py, PyBytes>);
 ///     size: Number of bytes to index; None for the whole file.
 ///     positions: True to store the positions of the records, which `decode` needs; False to count them only.
 ///     threads: Maximum number of threads.
+///     step: Number of bytes that are indexed at a time; None for all.
+///     done: Called with the beginning and the end of each part of the data that is indexed; its result is ignored.
 ///
 /// Raises:
 ///     BufferError: The buffer is writable or not contiguous.
@@ -40,8 +43,16 @@ pub struct UlogIndex {
 #[pymethods]
 impl UlogIndex {
     #[new]
-    #[pyo3(signature = (data, *, size = None, positions = true, threads = 1))]
-    fn new(py: Python<'_>, data: PyBuffer<u8>, size: Option<usize>, positions: bool, threads: usize) -> PyResult<Self> {
+    #[pyo3(signature = (data, *, size = None, positions = true, threads = 1, step = None, done = None))]
+    fn new(
+        py: Python<'_>,
+        data: PyBuffer<u8>,
+        size: Option<usize>,
+        positions: bool,
+        threads: usize,
+        step: Option<usize>,
+        done: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
         require_read_only(&data)?;
         // SAFETY: the buffer is read-only for Python. Another process may still write to a mapped file; the core
         // then reads old or new bytes, and checks every index it derives from them.
@@ -49,8 +60,18 @@ impl UlogIndex {
         let header = Header::parse(bytes).map_err(|error| PyValueError::new_err(error.to_string()))?;
         let options = Options { threads, positions, ..Options::default() };
         let end = size.unwrap_or(bytes.len());
-        let core = py.detach(|| ulog::index::Index::first(bytes, &header, end, options));
+        let mut steps = Steps::new(step, done);
+        let index =
+            || ulog::index::Index::first_in_steps(bytes, &header, end, options, steps.size(), |part| steps.done(part));
+        let core = py.detach(index);
+        steps.finish()?;
         Ok(Self { core, data: Arc::new(data), options })
+    }
+
+    /// Return the same index without the positions of the records, in less memory.
+    fn without_positions(&self) -> Self {
+        let options = Options { positions: false, ..self.options };
+        Self { core: self.core.without_positions(), data: Arc::clone(&self.data), options }
     }
 
     /// Return the index of the next part of the file.
@@ -167,15 +188,33 @@ impl UlogIndex {
     ///
     /// Args:
     ///     kind: I, M, P, Q, L, C or O.
+    ///     step: Number of bytes of the file that are read at a time; None for all.
+    ///     done: Called with the beginning and the end of each part of the data that is read.
     ///
     /// Returns:
     ///     For each message its position, the latest time of a record before it in microseconds since boot, and its
     ///     body.
-    fn messages<'py>(&self, py: Python<'py>, kind: char) -> PyResult<Vec<Entry<'py>>> {
+    #[pyo3(signature = (kind, *, step = None, done = None))]
+    fn messages<'py>(
+        &self,
+        py: Python<'py>,
+        kind: char,
+        step: Option<usize>,
+        done: Option<Py<PyAny>>,
+    ) -> PyResult<Vec<Entry<'py>>> {
         // SAFETY: as in `new`.
         let bytes = unsafe { shared(&self.data) }?;
-        let entries = self.core.entries.iter().filter(|entry| char::from(entry.kind) == kind);
-        Ok(entries.map(|entry| (entry.start, entry.time, PyBytes::new(py, self.core.body(bytes, entry)))).collect())
+        let (mut messages, mut steps, mut begin) = (Vec::new(), Steps::new(step, done), 0);
+        for entry in self.core.entries.iter().filter(|entry| char::from(entry.kind) == kind) {
+            if entry.start.saturating_sub(begin) > steps.size() {
+                steps.done(begin..entry.start);
+                begin = entry.start;
+            }
+            messages.push((entry.start, entry.time, PyBytes::new(py, self.core.body(bytes, entry))));
+        }
+        steps.done(begin..bytes.len());
+        steps.finish()?;
+        Ok(messages)
     }
 
     /// Decode the rows of several topics in one pass.

@@ -1,8 +1,7 @@
 """The interface of all logs, whatever their format: a mapping from names to tables.
 
 A format derives from `Log` and implements what differs: `counts`, `schema`, `decode_tables`, `skipped`, and
-the methods named `read_…`, which take the log or a view of it. Everything else is here, so that a program,
-an exporter or a report works with any format.
+the methods named `read_…`, which take the log or a view of it. Everything else is here, for any format.
 """
 
 from __future__ import annotations
@@ -68,7 +67,7 @@ class Log(LogTables):
             table: The rows.
 
         Returns:
-            The times, NaN where they are not known; None if the table has none.
+            The times, NaN where not known; None if the table has none.
         """
         return None
 
@@ -96,7 +95,8 @@ class Log(LogTables):
         """Return the vehicles in a view of this log by system id."""
         return {}
 
-    # reading piece by piece
+    def prepare_windows(self) -> None:
+        """Give back what only speeds up the decoding of tables; learn `counts`, `time_span` and `skipped`."""
 
     def windows(
         self,
@@ -107,8 +107,7 @@ class Log(LogTables):
     ) -> Iterator[dict[str, MessageTable]]:
         """Yield the file piece by piece, in bounded memory.
 
-        The rows of all pieces of a name, one after the other, are the rows of its table. Nothing is kept in
-        the cache. A format that can only be read as a whole yields one piece.
+        All pieces of a name are its table. A format that can only be read as a whole yields one piece.
 
         Args:
             size: Approximate size of a piece in bytes of the file.
@@ -158,8 +157,8 @@ class Log(LogTables):
             system: System id; None for all.
             component: Component id; None for all.
             instance: Instance of a sensor or topic; None for all.
-            start: First time that is kept: seconds from the beginning of the log, or UTC as datetime64,
-                datetime or ISO 8601 text; None for the beginning.
+            start: First time that is kept: seconds from the beginning, or UTC as datetime64, datetime or
+                ISO 8601 text; None for the beginning.
             end: First time that is not kept any more, as `start`; None for the end.
 
         Returns:
@@ -201,16 +200,15 @@ class Log(LogTables):
     @property
     def duration(self) -> float:
         """Seconds from the earliest to the latest recorded time; 0 without times."""
-        span = self.time_span
-        return 0.0 if span is None else span[1] - span[0]
+        first, last = self.time_span or (0.0, 0.0)
+        return last - first
 
     def times(self, name: str, base: ClockChoice = "auto") -> NDArray[np.float64]:
         """Return the time of each row of a table in seconds.
 
         Args:
             name: Name of the table.
-            base: "utc" and "received" give seconds since 1970, "boot" seconds since the boot of the vehicle,
-                "auto" those of `time_base`.
+            base: "utc", "received": seconds since 1970; "boot": since boot; "auto": those of `time_base`.
 
         Returns:
             The times; NaN where the time is not known.
@@ -240,17 +238,16 @@ class Log(LogTables):
 
     def seconds_from_start(self, name: str, table: MessageTable) -> NDArray[np.float64]:
         """Return the times of rows in seconds from the beginning of the log."""
-        span = self.time_span
-        return self.times_of(name, table, "auto") - (0.0 if span is None else span[0])
+        return self.times_of(name, table, "auto") - (self.time_span or (0.0,))[0]
 
     # the vehicle
 
     @property
     def info(self) -> dict[str, str]:
-        """Facts about the vehicle that the file holds: firmware, hardware and so on.
+        """Facts about the vehicle that the file holds.
 
-        The keys are those that the file can fill of `system`, `vehicle_type`, `autopilot`,
-        `firmware_version`, `firmware_git`, `hardware`, `uid`, and others of the format.
+        Those that it can fill of `system`, `vehicle_type`, `autopilot`, `firmware_version`, `firmware_git`,
+        `hardware`, `uid`, and others of the format.
         """
         return self.read_info(self)
 
@@ -279,9 +276,8 @@ class Log(LogTables):
         return self.read_vehicles(self)
 
     def __repr__(self) -> str:
-        return (
-            f"<{type(self).__name__} {self.path.name}: {sum(self.counts.values())} rows, {len(self)} tables>"
-        )
+        rows = sum(self.counts.values())
+        return f"<{type(self).__name__} {self.path.name}: {rows} rows, {len(self)} tables>"
 
 
 class LogView(Log):
@@ -321,6 +317,10 @@ class LogView(Log):
         self._log.load(*names)
         return {name: self._rows(name, self._log[name]) for name in names}
 
+    def prepare_windows(self) -> None:
+        """Make ready for `windows`; see `Log.prepare_windows`."""
+        self._log.prepare_windows()
+
     def windows(
         self,
         size: int = DEFAULT_WINDOW,
@@ -346,8 +346,7 @@ class LogView(Log):
         if selection.has_times and self.clock == "boot":
             yield from super().records(*names)
             return
-        span = self._log.time_span if selection.has_times else None
-        first = 0.0 if span is None else span[0]
+        first = (self._log.time_span or (0.0,))[0] if selection.has_times else 0.0
         fields: dict[str, str] = {}
         for record in self._log.records(*(names or selection.names)):
             if record.name not in fields:

@@ -21,6 +21,7 @@ from threading import Lock
 from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import LogError
+from mavstack.logs.mapped_pages import release
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -88,6 +89,12 @@ class LogBytes:
             else:
                 self._copy = self._read()
                 yield self._copy
+
+    def release(self) -> None:
+        """Give back the memory of the mapped file; a later access reads it again."""
+        with self._lock:
+            if self._map is not None:
+                release(self._map, 0, self.size)
 
     def read_into(self, offset: int, buffer: memoryview) -> None:
         """Copy bytes of the file into a buffer; the rest of the file needs no memory.

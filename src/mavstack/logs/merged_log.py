@@ -83,6 +83,11 @@ class MergedLog(Log):
     def _shifted(self, source: MergedSource, name: str) -> MessageTable:
         return source.shifted(name, source.log[name])
 
+    def prepare_windows(self) -> None:
+        """Make all logs ready; see `Log.prepare_windows`."""
+        for source in self._sources:
+            source.log.prepare_windows()
+
     def windows(
         self,
         size: int = DEFAULT_WINDOW,

@@ -101,7 +101,8 @@ def test_a_log_with_very_many_systems_has_a_bounded_number_of_open_files(tmp_pat
         )
     )
     log = open_log(path, "common")
-    monkeypatch.setattr(type(log), "windows", lambda *a, **k: iter([dict(log)] * 2))
+    tables = dict(log)
+    monkeypatch.setattr(type(log), "windows", lambda *a, **k: iter([tables] * 2))
     summary = export_log(log, "parquet", tmp_path / "dataset")
     rows = [pyarrow.parquet.read_metadata(file).num_rows for file in summary.files]
     assert sum(rows) == 28

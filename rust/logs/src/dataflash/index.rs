@@ -10,17 +10,15 @@
 
 use super::format::{Definition, Formats, HEADER, Redefinition, Types};
 use super::row::Layout;
-use super::scan::{Damage, Place, Record, Walk};
+use super::scan::{Damage, Place, Walk};
+use super::segment::{SEGMENT, Segment, by_slot, count};
 use crate::rows::run_jobs;
 use memchr::memmem;
-use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
-/// Length of a segment in bytes; small in tests, so that their logs have many.
-pub const SEGMENT: usize = if cfg!(test) { 1 << 11 } else { 1 << 21 };
 /// Maximum number of records whose positions are kept.
 const MAX_KEPT: usize = if cfg!(test) { 2000 } else { 1 << 25 };
 /// Number of times that a log is divided among the threads; what is then left is for one.
@@ -30,84 +28,6 @@ const MAX_SEARCH: usize = 1 << 16;
 const MAX_CANDIDATES: usize = 1 << 12;
 /// Number of consecutive records with which a run may begin.
 const RECORDS_TO_BEGIN: usize = 4;
-
-/// The records that begin in one segment.
-#[derive(Debug, PartialEq, Eq)]
-struct Segment {
-    number: usize,
-    begin: Place,
-    types: Arc<Types>,
-    /// For each slot the number of records of the slots before it, and the total.
-    sums: Box<[u32]>,
-    /// Offsets of the records from the beginning of the segment, ordered by slot.
-    offsets: Option<Box<[u32]>>,
-}
-
-impl Segment {
-    fn base(&self) -> usize {
-        self.number * SEGMENT
-    }
-
-    fn end(&self) -> usize {
-        self.base() + SEGMENT
-    }
-
-    fn range(&self, slot: usize) -> Range<usize> {
-        match self.sums.get(slot..slot + 2) {
-            Some(sums) => sums[0] as usize..sums[1] as usize,
-            None => 0..0,
-        }
-    }
-
-    fn rows(&self, slot: usize) -> usize {
-        self.range(slot).len()
-    }
-
-    fn slots(&self) -> usize {
-        self.sums.len() - 1
-    }
-
-    /// The offsets by slot: those kept, or those of another walk over the segment.
-    fn offsets(&self, data: &[u8], formats: &Formats) -> Cow<'_, [u32]> {
-        if let Some(offsets) = &self.offsets {
-            return Cow::Borrowed(offsets);
-        }
-        let formats = formats.with_types(&self.types);
-        let mut records = Vec::new();
-        Walk::new(data, self.begin, formats).run(self.end(), |record| records.push(record));
-        Cow::Owned(by_slot(&records, &self.sums, self.base()))
-    }
-}
-
-/// Returns the offsets of records, ordered by slot. Records beyond the numbers that `sums` states are left out.
-fn by_slot(records: &[Record], sums: &[u32], base: usize) -> Vec<u32> {
-    let mut offsets = vec![0; sums.last().map_or(0, |&total| total as usize)];
-    let mut next = sums.to_vec();
-    for record in records {
-        let slot = usize::from(record.slot);
-        let (Some(place), Some(&limit)) = (next.get_mut(slot), sums.get(slot + 1)) else {
-            continue;
-        };
-        if *place < limit {
-            offsets[*place as usize] = (record.start - base) as u32;
-            *place += 1;
-        }
-    }
-    offsets
-}
-
-/// Counts the records of each slot, as sums.
-fn count(records: &[Record]) -> Box<[u32]> {
-    let slots = records.iter().map(|record| usize::from(record.slot) + 1).max().unwrap_or(0);
-    let mut sums = vec![0; slots + 1];
-    for record in records {
-        sums[usize::from(record.slot) + 1] += 1;
-    }
-    for slot in 0..slots {
-        sums[slot + 1] += sums[slot];
-    }
-    sums.into()
-}
 
 /// Consecutive segments that one thread has walked.
 struct Run {
@@ -255,6 +175,18 @@ impl Index {
                     *position = segment.base() as u64 + u64::from(offset);
                 }
             }
+        }
+    }
+
+    /// The same index in less memory: segments are walked again when their rows are needed.
+    #[must_use]
+    pub fn without_positions(&self) -> Self {
+        Self {
+            segments: self.segments.iter().map(Segment::without_offsets).collect(),
+            formats: self.formats.clone(),
+            rows: self.rows.clone(),
+            damage: self.damage.clone(),
+            redefinitions: self.redefinitions.clone(),
         }
     }
 

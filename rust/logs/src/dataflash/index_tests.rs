@@ -45,6 +45,7 @@ fn steps_give_the_result_of_one_and_cover_the_data() {
             });
             assert_eq!(covered, data.len());
             assert_eq!(content(&index, &data), content(&one, &data), "seed {seed}");
+            assert_eq!(content(&index.without_positions(), &data), content(&one, &data), "seed {seed}");
         }
     }
 }

@@ -9,6 +9,7 @@ use super::header::Header;
 use super::layout::Format;
 use super::scan::{Damage, Message, Scanner, State};
 use super::u16_at;
+use std::ops::Range;
 use std::sync::Arc;
 use std::thread;
 
@@ -87,13 +88,50 @@ impl Index {
     /// Indexes a whole file.
     #[must_use]
     pub fn build(data: &[u8], header: &Header, options: Options) -> Self {
-        Self::resume(data, header, State::default(), header.start_time, data.len(), options)
+        Self::first(data, header, data.len(), options)
     }
 
     /// Indexes a part of a file, from the beginning to the message that reaches `end`.
     #[must_use]
     pub fn first(data: &[u8], header: &Header, end: usize, options: Options) -> Self {
-        Self::resume(data, header, State::default(), header.start_time, end, options)
+        Self::first_in_steps(data, header, end, options, usize::MAX, |_| {})
+    }
+
+    /// Indexes a part of a file in steps of about `step` bytes. `done` is called with each part of the data that is
+    /// indexed, so that the caller can give its memory back.
+    pub fn first_in_steps(
+        data: &[u8],
+        header: &Header,
+        end: usize,
+        options: Options,
+        step: usize,
+        mut done: impl FnMut(Range<usize>),
+    ) -> Self {
+        let step = step.max(options.min_segment);
+        let mut whole = Self::resume(data, header, State::default(), header.start_time, end.min(step), options);
+        let mut begin = 0;
+        loop {
+            done(begin..whole.state.position);
+            begin = whole.state.position;
+            if begin >= end.min(data.len()) {
+                return whole;
+            }
+            whole.extend_to(data, end.min(data.len()).min(begin.saturating_add(step)), options);
+        }
+    }
+
+    /// The same index without the positions of the records, which `decode` needs.
+    #[must_use]
+    pub fn without_positions(&self) -> Self {
+        Self {
+            header: self.header.clone(),
+            parts: Vec::new(),
+            counts: self.counts.clone(),
+            entries: self.entries.clone(),
+            damage: self.damage.clone(),
+            state: self.state.clone(),
+            ..*self
+        }
     }
 
     /// Indexes the next `size` bytes of the file; None at its end.
@@ -112,14 +150,19 @@ impl Index {
         for entry in &mut whole.entries {
             entry.time = entry.time.max(time);
         }
+        whole.extend_to(data, end, options);
+        whole
+    }
+
+    /// Indexes the rest of the file up to `end`.
+    fn extend_to(&mut self, data: &[u8], end: usize, options: Options) {
         for round in 0.. {
-            if whole.state.position >= end {
+            if self.state.position >= end {
                 break;
             }
             let threads = if round < MAX_ROUNDS { options.threads } else { 1 };
-            whole.extend(data, end, Options { threads, ..options });
+            self.extend(data, end, Options { threads, ..options });
         }
-        whole
     }
 
     /// Indexes the rest of the file up to `end`, or up to a change of the subscriptions.

@@ -294,6 +294,15 @@ fn check(data: &[u8]) {
     for (threads, min_segment) in [(2, 1), (3, 64), (5, 300)] {
         let several = Index::build(data, &header, Options { threads, min_segment, positions: true });
         assert_eq!(summary(&several, data), result);
+        let options = Options { threads, min_segment, positions: true };
+        let mut covered = 0;
+        let steps = Index::first_in_steps(data, &header, data.len(), options, 2 * min_segment, |part| {
+            assert_eq!(part.start, covered);
+            covered = part.end;
+        });
+        assert_eq!(covered, steps.end());
+        assert_eq!(summary(&steps, data), result);
+        assert_eq!(format!("{:?}", steps.without_positions().entries), format!("{:?}", one.entries));
     }
     for (number, table) in one.tables().iter().enumerate() {
         let mut buffer = vec![0; one.rows(number) * table.layout.row_size];

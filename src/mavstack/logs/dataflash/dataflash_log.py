@@ -19,11 +19,12 @@ from mavstack._core import DataFlashIndex
 from mavstack.errors import LogError
 from mavstack.logs.damage import LogDamage
 from mavstack.logs.dataflash.ardupilot_log import ArduPilotLog
-from mavstack.logs.dataflash.mapped_pages import STEP, release
 from mavstack.logs.dataflash.record_type import RecordType, table_names
 from mavstack.logs.dataflash.units import SlotFinder, has_units, units_by_slot
+from mavstack.logs.joined_windows import join_windows
 from mavstack.logs.log import DEFAULT_WINDOW
 from mavstack.logs.log_bytes import LogBytes
+from mavstack.logs.mapped_pages import STEP, release
 from mavstack.logs.message_table import MessageTable
 from mavstack.logs.records import RowRecord
 
@@ -62,6 +63,7 @@ class DataFlashLog(ArduPilotLog):
         self._bytes = source if isinstance(source, LogBytes) else LogBytes(Path(source))
         super().__init__(self._bytes.path, self._bytes.size)
         self._threads = threads or os.cpu_count() or 1
+        self._saves_memory = False
         with self._bytes.access() as data:
             self._index = self._indexed(data)
             self._data = data
@@ -85,6 +87,9 @@ class DataFlashLog(ArduPilotLog):
 
     def decode_tables(self, names: Sequence[str]) -> Mapping[str, MessageTable]:
         """Decode tables in one pass; see `Log.decode_tables`."""
+        if self._saves_memory and names:
+            counts = {name: self._counts[name] for name in names}
+            return join_windows(self.path, counts, self.windows(DEFAULT_WINDOW, names))
         parts = [(self._slots[name], 0, self._counts[name]) for name in names]
         tables = self._decode(parts, self.time_base.offset_us)
         return {name: self._table(name, table) for name, table in zip(names, tables, strict=True)}
@@ -103,7 +108,13 @@ class DataFlashLog(ArduPilotLog):
         return tables
 
     def _indexed(self, data: mmap.mmap | bytes) -> DataFlashIndex:
-        return DataFlashIndex(data, threads=self._threads, step=STEP, done=partial(release, data))
+        index = DataFlashIndex(data, threads=self._threads, step=STEP, done=partial(release, data))
+        return index.without_positions() if self._saves_memory else index
+
+    def prepare_windows(self) -> None:
+        """Keep the positions of no records, and no pages of the file; see `Log.prepare_windows`."""
+        self._index, self._saves_memory = self._index.without_positions(), True
+        self._bytes.release()
 
     def _use_copy(self, data: mmap.mmap | bytes) -> None:
         """Continue with a copy of the file, which another process has opened for writing meanwhile."""

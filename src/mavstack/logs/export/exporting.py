@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mavstack.errors import LogError, UnknownMessageError
+from mavstack.errors import LogError
 from mavstack.logs.export.registry import exporter
 from mavstack.logs.export.writer import ExportOptions
 
@@ -74,11 +74,9 @@ def export_log(
         MissingExtraError: The format needs a library that is not installed.
         LogError: The log cannot be read, it has nothing that the format holds, or a file cannot be written.
     """
-    unknown = [name for name in names if name not in log]
-    if unknown:
-        raise UnknownMessageError(
-            f"{log.path} contains no {', '.join(unknown)}; it contains {', '.join(log)}"
-        )
+    log.prepare_windows()
+    for name in names:
+        log.schema(name)  # raises if there is no such table
     if Path(path).exists() and log.path.exists() and Path(path).samefile(log.path):
         raise LogError(f"cannot write {path}: it is the log itself; choose another path")
     writer: ExportWriter | None = None

@@ -14,6 +14,7 @@ from __future__ import annotations
 import json
 from concurrent.futures import ThreadPoolExecutor
 from importlib import import_module
+from itertools import accumulate
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.errors import MissingExtraError
@@ -34,7 +35,7 @@ Key = tuple[int, str]
 #: Rows of a row group, which readers skip or read as a whole.
 _GROUP_ROWS: Final = 1 << 16
 #: Bytes of rows that wait for their row group to be full, of all files together.
-_MAX_WAITING: Final = 24 << 20
+_MAX_WAITING: Final = 16 << 20
 #: Files that are open at a time; a log with more systems continues the oldest one in another file.
 _MAX_OPEN: Final = 256
 _THREADS: Final = 4
@@ -104,9 +105,11 @@ class ParquetWriter(TableWriter):
         for (system, name, _), rows in zip(work, self._threads.map(self._convert, work), strict=True):
             self._part((system, name)).add(rows)
         full = [part for part in self._parts.values() if part.rows >= _GROUP_ROWS]
-        if sum(part.bytes for part in self._parts.values()) > _MAX_WAITING:
-            full = list(self._parts.values())
-        self._flush(full)
+        full = full or self._largest()
+        if full:
+            self._flush(full)
+            # Gives the system the memory that is free between other blocks, which grows with the file.
+            self._pyarrow.default_memory_pool().release_unused()
 
     def finish(self) -> list[Path]:
         """Complete the files; see `ExportWriter.finish`."""
@@ -122,6 +125,16 @@ class ParquetWriter(TableWriter):
         for part in [*self._closed, *self._parts.values()]:
             part.close()
             part.file.discard()
+
+    def _largest(self) -> list[_Part]:
+        """Return the parts with the most rows that wait, if together they take too much memory."""
+        waiting = sum(part.bytes for part in self._parts.values())
+        if waiting <= _MAX_WAITING:
+            return []
+        # Each row group takes memory until its file is complete: the small ones go on waiting.
+        parts = sorted(self._parts.values(), key=lambda part: part.bytes, reverse=True)
+        before = accumulate((part.bytes for part in parts), initial=0)
+        return [part for part, less in zip(parts, before, strict=False) if waiting - less > _MAX_WAITING // 2]
 
     def _convert(self, item: tuple[int, str, MessageTable]) -> Any:  # noqa: ANN401 (pyarrow has no types)
         options = self.options

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 #: Characters of table names that stay as they are in names of files, besides letters, digits and `_.-~`.
 _SAFE: Final = " []:"
 #: Bytes of a log that are decoded at a time; writers hold several copies of their rows.
-_WINDOW: Final = 8 << 20
+_WINDOW: Final = 4 << 20
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,10 +2,8 @@
 
 An index of all packets, whose CRC is verified, is built when a file of up to 64 MiB is opened, and of a
 larger file when its tables or counts are first needed. The table of a message is decoded on first access.
-`windows` needs no
-index: it reads the file piece by piece, and carries the state of the scanner from one piece to the next. Junk
-    between
-packets is skipped and counted.
+`windows` needs no index: it reads the file piece by piece, and carries the state of the scanner from one
+piece to the next. Junk between packets is skipped and counted.
 """
 
 from __future__ import annotations
@@ -20,6 +18,7 @@ import numpy as np
 from mavstack._core import Index, looks_timestamped
 from mavstack.errors import LogError
 from mavstack.logs.damage import LogDamage
+from mavstack.logs.joined_windows import join_windows
 from mavstack.logs.log import DEFAULT_WINDOW, Log
 from mavstack.logs.log_bytes import LogBytes
 from mavstack.logs.message_table import MessageTable
@@ -51,6 +50,8 @@ if TYPE_CHECKING:
 MAX_EAGER_SIZE: Final = 64 << 20
 #: Bytes that `records` parses at a time.
 _RECORDS_CHUNK: Final = 1 << 20
+#: Bytes in which `prepare_windows` reads the file: each thread indexes a part of at least a mebibyte.
+_SCAN_WINDOW: Final = 8 << 20
 
 
 class PacketLog(Log):
@@ -95,6 +96,7 @@ class PacketLog(Log):
         self._index: Index | None = None
         self._data: mmap.mmap | bytes = b""
         self._scanned: WindowIndexer | None = None
+        self._saves_memory = False
         if self.size <= MAX_EAGER_SIZE:
             self._require_index()
 
@@ -125,6 +127,9 @@ class PacketLog(Log):
 
     def decode_tables(self, names: Sequence[str]) -> Mapping[str, MessageTable]:
         """Decode tables in one pass; see `Log.decode_tables`."""
+        if self._saves_memory:
+            counts = {name: self.counts[name] for name in names}
+            return join_windows(self.path, counts, self.windows(_SCAN_WINDOW, names)) if names else {}
         wanted = {self._ids[name]: self.counts[name] for name in names}
         index = self._require_index()
         with self._bytes.access() as data:
@@ -167,6 +172,23 @@ class PacketLog(Log):
     def _dtype(self, index: Index, message_id: int) -> np.dtype[np.void]:
         return table_dtype(self.dialect.message_definition(message_id), index.row_size(message_id))
 
+    def prepare_windows(self) -> None:
+        """Read the totals piece by piece; see `Log.prepare_windows`."""
+        if self._scanned is None:
+            for _ in self._indexed_windows(_SCAN_WINDOW):
+                pass
+        self._saves_memory = True
+        self._index, self._data = None, b""
+        self._bytes.release()
+
+    def _indexed_windows(self, size: int) -> Iterator[tuple[Index, int]]:
+        """Yield the index of each piece of the file, and the bytes read so far; then keep the totals."""
+        from mavstack._core import WindowIndexer
+
+        indexer = WindowIndexer(self.dialect, timestamped=self.timestamped, threads=self._threads)
+        yield from index_windows(self._bytes, indexer, size)
+        self._scanned = indexer
+
     def windows(
         self,
         size: int = DEFAULT_WINDOW,
@@ -175,10 +197,7 @@ class PacketLog(Log):
         progress: Callable[[int, int], None] | None = None,
     ) -> Iterator[dict[str, MessageTable]]:
         """Yield the file piece by piece, in bounded memory; see `Log.windows`."""
-        from mavstack._core import WindowIndexer
-
-        indexer = WindowIndexer(self.dialect, timestamped=self.timestamped, threads=self._threads)
-        for index, done in index_windows(self._bytes, indexer, size):
+        for index, done in self._indexed_windows(size):
             counts = {
                 number: count
                 for number, count in index.counts.items()
@@ -189,7 +208,6 @@ class PacketLog(Log):
                 yield tables
             if progress is not None:
                 progress(done, self.size)
-        self._scanned = indexer
 
     def records(self, *names: str) -> Iterator[PacketRecord]:
         """Iterate over the packets in the order of the file; see `Log.records`."""

@@ -13,11 +13,15 @@ from operator import itemgetter
 from struct import Struct, calcsize, error, unpack
 from typing import TYPE_CHECKING, Final, TypeAlias
 
+from mavstack.logs.mapped_pages import STEP
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from typing import Any
 
     from mavstack._core import UlogIndex
+
+    Done = Callable[[int, int], object]
 
 #: A number, a text (`char[n]`), bytes (`uint8_t[n]` and unknown types), or the elements of another array.
 Value: TypeAlias = "int | float | bool | str | bytes | tuple[int | float | bool, ...]"
@@ -96,15 +100,16 @@ class Entries:
     damaged: int = 0
 
 
-def read_entries(index: UlogIndex) -> Entries:
+def read_entries(index: UlogIndex, done: Done | None = None) -> Entries:
     """Return the messages of a file that are not records.
 
     Args:
         index: The index of the file.
+        done: Called with each part of the file that was read.
     """
     entries = Entries()
     for kind, reader in _READERS.items():
-        for position, time, body in index.messages(kind):
+        for position, time, body in index.messages(kind, step=STEP, done=done):
             try:
                 reader(entries, body, time, _is_change(index, position))
             except (ValueError, error):
@@ -117,14 +122,17 @@ def _is_change(index: UlogIndex, position: int) -> bool:
     return index.definitions_end is not None and position > index.definitions_end
 
 
-def read_texts(index: UlogIndex) -> list[LoggedText]:
+def read_texts(index: UlogIndex, done: Done | None = None) -> list[LoggedText]:
     """Return the texts of a file, in its order.
 
     Args:
         index: The index of the file.
+        done: Called with each part of the file that was read.
     """
-    found = [(position, _text(body, _TEXT)) for position, _, body in index.messages("L")]
-    found += [(position, _text(body, _TAGGED_TEXT)) for position, _, body in index.messages("C")]
+    found = []
+    for kind, head in (("L", _TEXT), ("C", _TAGGED_TEXT)):
+        messages = index.messages(kind, step=STEP, done=done)
+        found += [(position, _text(body, head)) for position, _, body in messages]
     return [text for _, text in sorted(found, key=itemgetter(0)) if text is not None]
 
 

@@ -15,8 +15,10 @@ import numpy as np
 
 from mavstack._core import UlogIndex
 from mavstack.errors import LogError
+from mavstack.logs.joined_windows import join_windows
 from mavstack.logs.log import DEFAULT_WINDOW, Log
 from mavstack.logs.log_bytes import LogBytes
+from mavstack.logs.mapped_pages import STEP, release
 from mavstack.logs.message_table import MessageTable
 from mavstack.logs.schema import SchemaSource
 from mavstack.logs.ulog import facts
@@ -63,6 +65,7 @@ class ULog(Log):
         self._bytes = source if isinstance(source, LogBytes) else LogBytes(Path(source))
         super().__init__(self._bytes.path, self._bytes.size)
         self._threads = threads or os.cpu_count() or 1
+        self._saves_memory = False
         with self._bytes.access() as data:
             self._index = self._indexed(data, positions=self.size < _MAX_STORED)
             self._data = data
@@ -75,7 +78,14 @@ class ULog(Log):
         self, data: mmap.mmap | bytes, *, positions: bool = True, size: int | None = None
     ) -> UlogIndex:
         try:
-            return UlogIndex(data, size=size, positions=positions, threads=self._threads)
+            return UlogIndex(
+                data,
+                size=size,
+                positions=positions,
+                threads=self._threads,
+                step=STEP,
+                done=partial(release, data),
+            )
         except ValueError as error:
             raise LogError(f"cannot open {self.path}: {error}") from None
 
@@ -109,6 +119,9 @@ class ULog(Log):
     def decode_tables(self, names: Sequence[str]) -> Mapping[str, MessageTable]:
         """Decode tables in one pass; see `Log.decode_tables`."""
         offset = self._time_base.offset_us if names else None
+        if self._saves_memory and names:
+            counts = {name: self.counts[name] for name in names}
+            return join_windows(self.path, counts, self._pieces(DEFAULT_WINDOW, names, offset))
         return self._decode_boot(names, offset)
 
     def _decode_boot(self, names: Sequence[str], offset: int | None) -> dict[str, MessageTable]:
@@ -134,6 +147,11 @@ class ULog(Log):
         if index.instances != self._index.instances or index.damage != self._index.damage:
             raise LogError(f"cannot read {self.path}: it was rewritten since it was opened; open it again")
         self._index, self._data = index, data
+
+    def prepare_windows(self) -> None:
+        """Keep the positions of no records, and no pages of the file; see `Log.prepare_windows`."""
+        self._index, self._saves_memory = self._index.without_positions(), True
+        self._bytes.release()
 
     def windows(
         self,
@@ -166,6 +184,7 @@ class ULog(Log):
                 counts = {name: sum(instances.values()) for name, instances in piece.instances}
                 wanted = {name: count for name, count in counts.items() if names is None or name in names}
                 tables = self._decode(piece, wanted, offset)
+                release(data, max(piece.end - 2 * size, 0), piece.end)
             yield tables
             if progress is not None:
                 progress(piece.end, self.size)
@@ -177,7 +196,7 @@ class ULog(Log):
         with self._bytes.access() as data:
             if data is not self._data:
                 self._use_copy(data)
-            return read_entries(self._index)
+            return read_entries(self._index, partial(release, data))
 
     @cached_property
     def logged_texts(self) -> list[LoggedText]:
@@ -185,7 +204,7 @@ class ULog(Log):
         with self._bytes.access() as data:
             if data is not self._data:
                 self._use_copy(data)
-            return read_texts(self._index)
+            return read_texts(self._index, partial(release, data))
 
     @property
     def information(self) -> Mapping[str, Value]:

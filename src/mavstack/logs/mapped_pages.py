@@ -6,7 +6,7 @@ import mmap
 from typing import Final
 
 #: Bytes of a file that are read before their pages are given back.
-STEP: Final = 64 << 20
+STEP: Final = 32 << 20
 
 
 def release(data: mmap.mmap | bytes, start: int, end: int) -> None:

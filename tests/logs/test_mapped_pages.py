@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from mavstack.logs.dataflash.mapped_pages import release
+from mavstack.logs.mapped_pages import release
 
 
 def test_released_pages_are_read_again(tmp_path):
