@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 import sys
 from contextlib import suppress
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Final
 
 from mavstack import __version__
@@ -108,6 +107,8 @@ def _help_text() -> str:
 def _unknown(name: str) -> str:
     if name.startswith("-"):
         return f"there is no option {name}; try mav --help"
+    from difflib import get_close_matches
+
     near = get_close_matches(name, COMMANDS, n=1)
     return f"there is no command {name!r}; " + (f"did you mean {near[0]}?" if near else "try mav --help")
 

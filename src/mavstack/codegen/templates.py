@@ -1,13 +1,17 @@
 """Jinja2 templates of the languages.
 
 Each language has its templates in a folder `templates` beside its module. A variable that does not exist is
-an error, and the line of a block tag leaves no line.
+an error, and the line of a block tag leaves no line. A template that has only variables needs no Jinja2: to
+import and to compile would take longer than to generate a library.
 """
 
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from functools import cached_property
+from importlib.resources import files
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.codegen.language import GeneratedFile
 from mavstack.dialects.names import class_name
@@ -17,6 +21,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from jinja2 import Environment
+
+_VARIABLE: Final = re.compile(r"\{\{ ([a-z_]+)((?:\.[a-z_]+)*) \}\}")
 
 
 class Templates:
@@ -31,11 +37,10 @@ class Templates:
     def __init__(
         self, package: str, /, *, filters: Mapping[str, Callable[..., Any]] | None = None, **values: object
     ) -> None:
-        self._environment = _environment(package)
-        self._environment.filters.update(
-            {"pascal": class_name, "camel": camel_case, "line": one_line, **(filters or {})}
-        )
-        self._environment.globals.update(values)
+        self._package = package
+        self._filters = {"pascal": class_name, "camel": camel_case, "line": one_line, **(filters or {})}
+        self._values = values
+        self._flat: dict[str, FlatTemplate | None] = {}
 
     def file(self, path: str, template: str, /, **values: object) -> GeneratedFile:
         """Render a template as a file.
@@ -48,7 +53,62 @@ class Templates:
         Returns:
             The file.
         """
-        return GeneratedFile(path, self._environment.get_template(template).render(values))
+        return GeneratedFile(path, self.text(template, **values))
+
+    def text(self, template: str, **values: object) -> str:
+        """Render a template.
+
+        Args:
+            template: Name of the template.
+            values: Values that the template sees.
+
+        Returns:
+            The text.
+        """
+        flat = self._find_flat(template)
+        if flat is not None:
+            return flat.render({**self._values, **values})
+        return self._environment.get_template(template).render(values)
+
+    def _find_flat(self, name: str) -> FlatTemplate | None:
+        if name not in self._flat:
+            source = (files(self._package) / "templates" / name).read_text("utf-8")
+            self._flat[name] = FlatTemplate(source) if FlatTemplate.fits(source) else None
+        return self._flat[name]
+
+    @cached_property
+    def _environment(self) -> Environment:
+        environment = _environment(self._package)
+        environment.filters.update(self._filters)
+        environment.globals.update(self._values)
+        return environment
+
+
+class FlatTemplate:
+    """A template that has only variables and their attributes.
+
+    Args:
+        source: The text of the template.
+    """
+
+    def __init__(self, source: str) -> None:
+        words = _VARIABLE.split(source)
+        self._texts = words[::3]
+        attributes = zip(words[1::3], words[2::3], strict=True)
+        self._variables = [(name, path and attrgetter(path[1:])) for name, path in attributes]
+
+    @staticmethod
+    def fits(source: str) -> bool:
+        """Return whether a template has only variables."""
+        return not any(mark in _VARIABLE.sub("", source) for mark in ("{{", "{%", "{#"))
+
+    def render(self, values: Mapping[str, Any]) -> str:
+        """Return the text; raises KeyError or AttributeError if a variable does not exist."""
+        parts = [self._texts[0]]
+        for (name, path), text in zip(self._variables, self._texts[1:], strict=True):
+            value = path(values[name]) if path else values[name]
+            parts += (str(value), text)
+        return "".join(parts)
 
 
 def _environment(package: str) -> Environment:

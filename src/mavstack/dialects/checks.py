@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from mavstack.dialects.dialect import Dialect
-from mavstack.dialects.includes import collect, included_first, merge_enums
+from mavstack.dialects.includes import collect, included_first
+from mavstack.dialects.merging import merge_enums
 from mavstack.dialects.names import class_name
 from mavstack.dialects.xml_reader import Element, read_bytes, read_tree
 from mavstack.errors import DialectError

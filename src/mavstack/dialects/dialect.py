@@ -133,10 +133,9 @@ class Dialect:
     @cached_property
     def definition(self) -> DialectDefinition:
         """The definitions of all messages and enums, including those of included files."""
-        from mavstack.dialects.codec import decode_table
-        from mavstack.dialects.includes import merge_definitions
+        from mavstack.dialects.merging import merge_definitions
 
-        return merge_definitions([decode_table(dialect.table) for dialect in self.with_includes])
+        return merge_definitions([dialect.own_definition for dialect in self.with_includes])
 
     @cached_property
     def own_definition(self) -> DialectDefinition:

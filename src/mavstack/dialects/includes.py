@@ -14,15 +14,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mavstack.dialects.codec import decode_table
+from mavstack.dialects.merging import merge_definitions, merge_enums, renumbered
 from mavstack.dialects.tables import load_table, official_names
-from mavstack.dialects.xml_definitions import parse_definition, renumbered
+from mavstack.dialects.xml_definitions import parse_definition
 from mavstack.dialects.xml_reader import read_bytes
 from mavstack.errors import DialectError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Mapping
 
-    from mavstack.dialects.model import DialectDefinition, EnumDefinition, EnumEntry, MessageDefinition
+    from mavstack.dialects.model import DialectDefinition, MessageDefinition
 
 #: The path, in errors, of a definition that was given as text.
 TEXT_NAME = "<text>"
@@ -188,59 +189,10 @@ def _check_messages(definitions: Iterable[DialectDefinition]) -> None:
                 raise DialectError(f"message {message.name} is already defined in {file.name}", *location)
 
 
-def merge_enums(definitions: Iterable[DialectDefinition]) -> dict[str, EnumDefinition]:
-    """Return the merged enums of several files by name, with entries in the order of the files."""
-    merged: dict[str, EnumDefinition] = {}
-    for definition in definitions:
-        for enum in definition.enums:
-            known = merged.get(enum.name)
-            merged[enum.name] = (
-                enum if known is None else merge_enum(known, enum, definition.path or definition.name)
-            )
-    return merged
-
-
-def merge_enum(known: EnumDefinition, more: EnumDefinition, path: str) -> EnumDefinition:
-    """Return an enum with the entries that another file adds."""
-    highest = max((entry.value for entry in known.entries), default=0)
-    added = tuple(_new_entries(known, renumbered(more, highest), path))
-    return replace(known, entries=known.entries + added, bitmask=known.bitmask or more.bitmask)
-
-
-def _new_entries(known: EnumDefinition, more: EnumDefinition, path: str) -> Iterator[EnumEntry]:
-    by_name = {entry.name: entry for entry in known.entries}
-    by_value = {entry.value: entry for entry in known.entries}
-    for entry in more.entries:
-        existing = by_name.get(entry.name)
-        if existing is not None and existing.value == entry.value:
-            continue
-        if existing is not None:
-            problem = (
-                f"{entry.name} of enum {more.name} is {existing.value} in an included file "
-                f"and {entry.value} here"
-            )
-            raise DialectError(problem, path, entry.line or None)
-        if entry.value in by_value:
-            other = by_value[entry.value].name
-            raise DialectError(
-                f"enum {more.name} has the value {entry.value} twice: {other} and {entry.name}",
-                path,
-                entry.line or None,
-            )
-        yield entry
-
-
 def with_automatic_values(definition: DialectDefinition, highest: Mapping[str, int]) -> DialectDefinition:
     """Return a definition whose entries without a value follow the highest values of the included files."""
     enums = tuple(renumbered(enum, highest.get(enum.name, 0)) for enum in definition.enums)
     return replace(definition, enums=enums)
-
-
-def merge_definitions(definitions: Sequence[DialectDefinition]) -> DialectDefinition:
-    """Return the last definition with the messages and enums of all definitions."""
-    messages = [message for definition in definitions for message in definition.messages]
-    enums = tuple(merge_enums(definitions).values())
-    return replace(definitions[-1], messages=tuple(sorted(messages, key=lambda item: item.id)), enums=enums)
 
 
 def merged_definition(source: Source) -> DialectDefinition:

@@ -7,7 +7,6 @@ files; an invalid type, number, length or a duplicate name is a `DialectError` w
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, NoReturn
 
@@ -346,15 +345,3 @@ class _Reader:
     def description(self, element: Element) -> str:
         child = element.first("description")
         return element.text if child is None else child.text
-
-
-def renumbered(enum: EnumDefinition, highest: int) -> EnumDefinition:
-    """Return an enum whose entries without a value are numbered after `highest`, that of included files."""
-    if not any(entry.automatic and entry.value <= highest for entry in enum.entries):
-        return enum
-    entries = []
-    for entry in enum.entries:
-        renumber = entry.automatic and entry.value <= highest
-        entries.append(replace(entry, value=highest + 1) if renumber else entry)
-        highest = max(highest, entries[-1].value)
-    return replace(enum, entries=tuple(entries))

@@ -1,0 +1,93 @@
+"""The files of a Python package, and their templates.
+
+The package runs on CPython and on MicroPython: it imports only `struct`, `hashlib` and `binascii`, and has
+classes with `__slots__` instead of data classes, and annotations that only name built-in types.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Final
+
+from mavstack.codegen.language import GeneratedFile, Language
+from mavstack.codegen.languages.python.classes import RESERVED_WORDS, enum_class, message_class
+from mavstack.codegen.languages.python.tables import field_table
+from mavstack.codegen.templates import Templates
+from mavstack.dialects.names import class_name, to_identifier
+from mavstack.errors import InvalidArgumentError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.codegen.library import DialectFile, Library
+
+#: Modules that are the same for every dialect.
+_RUNTIME: Final = ("_checksum", "_codec", "_message", "_packet", "_parser", "_signing")
+
+
+def render(library: Library) -> Iterator[GeneratedFile]:
+    """Yield the files of a package."""
+    templates, package = _templates(), _package_name(library)
+    values = {
+        "library": library,
+        "package": package,
+        "distribution": package.replace("_", "-"),
+        "count": len(library.messages),
+        "first": class_name(library.messages[0].name),
+    }
+    for name in ("README.md", "pyproject.toml"):
+        yield templates.file(name, f"{name}.j2", **values)
+    for name in ("__init__.py", "py.typed", *(f"{name}.py" for name in _RUNTIME)):
+        yield templates.file(f"{package}/{name}", f"{name}.j2", **values)
+    enums = "".join(templates.text("enum_class.py.j2", enum=enum_class(enum)) for enum in library.enums)
+    yield templates.file(f"{package}/enums.py", "enums.py.j2", classes=enums, **values)
+    rows = "\n    ".join(field_table(library))
+    yield templates.file(f"{package}/info.py", "info.py.j2", rows=rows, **values)
+    yield _all_messages(library, f"{package}/messages/__init__.py")
+    for file in library.files:
+        if file.messages:
+            yield _messages_of_file(library, file, f"{package}/messages/{_module_name(file)}.py")
+
+
+def _all_messages(library: Library, path: str) -> GeneratedFile:
+    names = [_module_name(file) for file in library.files if file.messages]
+    return _templates().file(
+        path,
+        "messages.py.j2",
+        library=library,
+        star_imports="\n".join(f"from .{name} import *" for name in names),
+        imports="\n".join(f"from .{name} import MESSAGES as _{name}" for name in names),
+        tables=", ".join(f"_{name}" for name in names),
+    )
+
+
+def _messages_of_file(library: Library, file: DialectFile, path: str) -> GeneratedFile:
+    messages = [message_class(message, library.version) for message in file.messages]
+    return _templates().file(
+        path,
+        "messages_of_file.py.j2",
+        library=library,
+        file=file,
+        exports=",\n    ".join(f'"{message.name}"' for message in messages),
+        names=",\n    ".join(message.name for message in messages),
+        classes="".join(_templates().text("message_class.py.j2", message=message) for message in messages),
+    )
+
+
+def _module_name(file: DialectFile) -> str:
+    return to_identifier(file.name)
+
+
+@cache
+def _templates() -> Templates:
+    return Templates(__name__.rpartition(".")[0])
+
+
+def _package_name(library: Library) -> str:
+    name = library.package or to_identifier(f"mavlink_{library.name}")
+    if not name.isidentifier() or name in RESERVED_WORDS:
+        raise InvalidArgumentError(f"package must be the name of a Python package, got {name!r}")
+    return name
+
+
+LANGUAGE: Final = Language("python", "Python, standalone", render, RESERVED_WORDS)
