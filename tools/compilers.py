@@ -45,13 +45,17 @@ class Program:
         debian: Debian packages.
         npm: npm packages with versions.
         files: Patterns of further files that must exist.
+        module: Path below `.tools` of a module that takes the place of an executable.
     """
 
     executables: tuple[str, ...]
     debian: tuple[str, ...] = ()
     npm: tuple[str, ...] = ()
     files: tuple[str, ...] = ()
+    module: str = ""
 
+
+_MICROPYTHON: Final = "node_modules/@micropython/micropython-webassembly-pyscript/micropython.mjs"
 
 PROGRAMS: Final = {
     "gcc": Program(("gcc",), ("gcc", "libc6-dev")),
@@ -92,7 +96,10 @@ PROGRAMS: Final = {
     "dotnet": Program(("dotnet",), ("dotnet-sdk-8.0",)),
     "mono": Program(("mcs",), ("mono-mcs", "mono-runtime", "libmono-system-core4.0-cil")),
     "swift": Program(("swiftc",), ("swiftlang",)),
-    "micropython": Program(("micropython",), ("micropython",)),
+    # MicroPython for WebAssembly: a module for Node.
+    "micropython": Program(
+        (), npm=("@micropython/micropython-webassembly-pyscript@1.27",), module=_MICROPYTHON
+    ),
 }
 
 _TEST: Final = ("typescript", "lua5.4")
@@ -123,6 +130,8 @@ def find(name: str) -> str | None:
     program = PROGRAMS[name]
     if not all(any(Path("/").glob(pattern.lstrip("/"))) for pattern in program.files):
         return None
+    if program.module:
+        return str(TOOLS / program.module) if (TOOLS / program.module).is_file() else None
     path = os.pathsep.join(
         [str(TOOLS / "node_modules" / ".bin"), os.environ.get("PATH", ""), *map(str, FOLDERS)]
     )

@@ -4,6 +4,7 @@ import sys
 
 import pytest
 
+from mavstack.codegen import GeneratedFile
 from mavstack.codegen.templates import Templates, camel_case, one_line
 from mavstack.errors import MissingExtraError
 
@@ -19,6 +20,9 @@ def package(tmp_path, monkeypatch):
         "{% endfor %}\n{{ end }}\n"
     )
     (folder / "wrong.j2").write_text("{{ nothing }}\n")
+    (folder / "wrong_attribute.j2").write_text("{{ text.nothing }}\n")
+    (folder / "wrong_block.j2").write_text("{% if nothing %}{% endif %}\n")
+    (folder / "flat.j2").write_text("{{ count }} {{ file.path }} {{ file.text }}\n{{ end }}\n")
     monkeypatch.syspath_prepend(str(tmp_path))
     yield "own_language"
     sys.modules.pop("own_language", None)
@@ -34,14 +38,25 @@ def test_a_template_becomes_a_file_without_lines_of_tags(package):
 def test_a_variable_that_does_not_exist_is_an_error(package):
     from jinja2 import UndefinedError
 
+    templates = Templates(package)
+    with pytest.raises(KeyError, match="nothing"):
+        templates.file("a.txt", "wrong.j2")
+    with pytest.raises(AttributeError, match="nothing"):
+        templates.file("a.txt", "wrong_attribute.j2", text="text")
     with pytest.raises(UndefinedError, match="nothing"):
-        Templates(package).file("a.txt", "wrong.j2")
+        templates.file("a.txt", "wrong_block.j2")
 
 
-def test_without_jinja_the_extra_is_named(monkeypatch):
+def test_variables_alone_need_no_jinja(package, monkeypatch):
+    monkeypatch.setitem(sys.modules, "jinja2", None)
+    text = Templates(package, end="end").text("flat.j2", file=GeneratedFile("a.txt", "{{ end }}"), count=2)
+    assert text == "2 a.txt {{ end }}\nend\n"
+
+
+def test_without_jinja_the_extra_is_named(package, monkeypatch):
     monkeypatch.setitem(sys.modules, "jinja2", None)
     with pytest.raises(MissingExtraError, match=r"mav gen needs an extra: pip install 'mavstack\[gen\]'"):
-        Templates("mavstack.codegen.languages")
+        Templates(package).text("list.j2", names=[])
 
 
 @pytest.mark.parametrize(

@@ -49,7 +49,7 @@ follow_imports = silent
 disallow_untyped_defs = False
 disallow_incomplete_defs = False
 disallow_untyped_calls = False
-[mypy-mypackage.*,pymavlink.*]
+[mypy-mypackage.*,pymavlink.*,mavlink_common.*]
 ignore_missing_imports = True
 """
 BLOCKING_PREAMBLE = """\

@@ -349,7 +349,7 @@ class Dialect:
             KeyError: The dialect has no enum of that name.
         """
         from mavstack.dialects.codec import decode_enum
-        from mavstack.dialects.includes import merge_enum
+        from mavstack.dialects.merging import merge_enum
 
         first, *others = (decode_enum(name, dialect.table) for dialect in self.enum_files[name])
         for more in others:

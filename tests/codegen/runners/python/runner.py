@@ -57,7 +57,7 @@ class Runner:
         message = packet.message
         words = ["packet", packet.name, packet.message_id, packet.version, packet.sequence]
         words += [packet.system, packet.component, int(packet.signed)]
-        for field, name in zip(self.info.FIELDS[packet.message_id], message.__slots__):
+        for field, name in zip(self.info.FIELDS[packet.message_id], message.__slots__):  # noqa: B905 (MicroPython has no strict)
             words.append(field.name + "=" + hexlify(field_bytes(field, getattr(message, name))).decode())
         print(" ".join([str(word) for word in words]))
         signing = None

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from mavstack.dialects.model import EnumDefinition, FieldDefinition, MessageDefinition
 
 #: Attributes of the class `Message`, and names in its methods.
-_OWN_NAMES: Final = ("self", "cls", "to_payload", "from_payload", "to_dict", "pack", "payload")
+_OWN_NAMES: Final = ("self", "cls", "to_payload", "from_payload", "to_dict", "pack")
 RESERVED_WORDS: Final = frozenset({*kwlist, *(word for word in softkwlist if word == "_"), *_OWN_NAMES})
 
 _FORMATS: Final = {
@@ -72,14 +72,14 @@ class EnumClass(NamedTuple):
 
 
 class _Field(NamedTuple):
-    """The parts of a field: `count` values in the format of `struct`; `unpacked` has {0} for their index."""
+    """The parts of a field: `values` values in the format of `struct`; `unpacked` has {0} for their index."""
 
     name: str
     argument: str
     format: str
     packed: str
     unpacked: str
-    count: int
+    values: int
 
 
 def _field(item: FieldDefinition, version: int) -> _Field:
@@ -128,7 +128,7 @@ def _unpack(wire: list[_Field]) -> str:
     lines, index = ["values = cls.STRUCT.unpack(payload)"], 0
     for item in wire:
         lines.append(f"self.{item.name} = {(item.unpacked or 'values[{0}]').format(index)}")
-        index += item.count
+        index += item.values
     return "\n        ".join(lines)
 
 

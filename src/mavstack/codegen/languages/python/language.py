@@ -6,6 +6,7 @@ classes with `__slots__` instead of data classes, and annotations that only name
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
@@ -75,7 +76,12 @@ def _messages_of_file(library: Library, file: DialectFile, path: str) -> Generat
 
 
 def _module_name(file: DialectFile) -> str:
-    return to_identifier(file.name)
+    return _identifier(file.name)
+
+
+def _identifier(name: str) -> str:
+    """Return the name of a module for that of a file, which may have any characters."""
+    return to_identifier(re.sub(r"\W+", "_", name).strip("_"), RESERVED_WORDS)
 
 
 @cache
@@ -84,7 +90,7 @@ def _templates() -> Templates:
 
 
 def _package_name(library: Library) -> str:
-    name = library.package or to_identifier(f"mavlink_{library.name}")
+    name = library.package or _identifier(f"mavlink_{library.name}")
     if not name.isidentifier() or name in RESERVED_WORDS:
         raise InvalidArgumentError(f"package must be the name of a Python package, got {name!r}")
     return name
