@@ -10,7 +10,6 @@ from __future__ import annotations
 import re
 from functools import cached_property
 from importlib.resources import files
-from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.codegen.language import GeneratedFile
@@ -55,7 +54,7 @@ class Templates:
         """
         return GeneratedFile(path, self.text(template, **values))
 
-    def text(self, template: str, **values: object) -> str:
+    def text(self, template: str, /, **values: object) -> str:
         """Render a template.
 
         Args:
@@ -95,7 +94,7 @@ class FlatTemplate:
         words = _VARIABLE.split(source)
         self._texts = words[::3]
         attributes = zip(words[1::3], words[2::3], strict=True)
-        self._variables = [(name, path and attrgetter(path[1:])) for name, path in attributes]
+        self._variables = [(name, path[1:].split(".") if path else []) for name, path in attributes]
 
     @staticmethod
     def fits(source: str) -> bool:
@@ -106,7 +105,9 @@ class FlatTemplate:
         """Return the text; raises KeyError or AttributeError if a variable does not exist."""
         parts = [self._texts[0]]
         for (name, path), text in zip(self._variables, self._texts[1:], strict=True):
-            value = path(values[name]) if path else values[name]
+            value = values[name]
+            for attribute in path:
+                value = value[attribute] if isinstance(value, dict) else getattr(value, attribute)
             parts += (str(value), text)
         return "".join(parts)
 
