@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import LogError
+from mavstack.logs.formats.packets import open_packets
 from mavstack.logs.log_bytes import LogBytes
 from mavstack.logs.options import OpenOptions
-from mavstack.logs.packets.formats import open_packets
 from mavstack.logs.registry import MAX_HEAD, log_format, recognise, recognise_plugin
 from mavstack.wire import Parser
 from mavstack.wire.other_formats import other_format

@@ -1,7 +1,7 @@
 """The registry of log formats, recognised by content, never by the name of a file.
 
-Each built-in format is an object of `LogFormat` in a module that is imported on first use; the modules of
-formats import their readers only when a file is opened. Other packages add formats by entry points of the
+Each built-in format is an object of `LogFormat` in a module of `formats`, which imports its reader only when
+a file of the format is opened. Other packages add formats by entry points of the
 group `mavstack.log_formats`: the entry point has the name of the format and loads a `LogFormat`.
 """
 
@@ -45,15 +45,15 @@ class LogFormat:
     open: Callable[[LogBytes, OpenOptions], Log]
 
 
-#: Module and object of each built-in format below `mavstack.logs`.
+#: Module and object of each built-in format below `mavstack.logs.formats`.
 FORMATS: Final[Mapping[str, str]] = MappingProxyType(
     {
-        "dataflash": "dataflash.formats:DATAFLASH",
-        "dataflash-text": "dataflash.formats:DATAFLASH_TEXT",
-        "tlog": "packets.formats:TLOG",
-        "raw": "packets.formats:RAW",
-        "pcap": "packets.pcap.format:PCAP",
-        "ulog": "ulog.format:ULOG",
+        "dataflash": "dataflash:DATAFLASH",
+        "dataflash-text": "dataflash:DATAFLASH_TEXT",
+        "tlog": "packets:TLOG",
+        "raw": "packets:RAW",
+        "pcap": "pcap:PCAP",
+        "ulog": "ulog:ULOG",
     }
 )
 
@@ -77,7 +77,7 @@ def log_format(name: str) -> LogFormat:
     """
     if name in FORMATS:
         module, attribute = FORMATS[name].split(":")
-        builtin: LogFormat = getattr(import_module(f"mavstack.logs.{module}"), attribute)
+        builtin: LogFormat = getattr(import_module(f"mavstack.logs.formats.{module}"), attribute)
         return builtin
     found = plugins()
     if name not in found.names:

@@ -5,11 +5,10 @@ from __future__ import annotations
 import pytest
 
 import mavstack
-from mavstack.logs.dataflash.formats import is_binary, is_text
+from mavstack.logs.formats.dataflash import is_binary, is_text
 from tests.logs.conformance import LogConformance
-
-from .test_text_log import as_text
-from .writer import LogWriter, flight
+from tests.logs.dataflash.test_text_log import as_text
+from tests.logs.dataflash.writer import LogWriter, flight
 
 
 @pytest.mark.parametrize(
