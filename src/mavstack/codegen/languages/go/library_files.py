@@ -1,0 +1,160 @@
+"""The files of a Go library: one package, a file for each message and enum, and the runtime."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any, Final
+
+from mavstack.codegen.identifiers import distinct, enum_members, package_part, pascal_field, type_names
+from mavstack.codegen.language import GeneratedFile, Language
+from mavstack.codegen.languages.go.values import access, field_type, imports
+from mavstack.codegen.languages.go.words import GO_WORDS, METHODS, RUNTIME, RUNTIME_NAMES
+from mavstack.codegen.templates import Templates, one_line
+from mavstack.errors import InvalidArgumentError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.codegen.library import Library
+    from mavstack.dialects.model import EnumDefinition, MessageDefinition
+
+_MODULE: Final = re.compile(r"[a-z0-9][\w.~-]*(/[\w.~-]+)*", re.ASCII | re.IGNORECASE)
+_MAX_UINT32: Final = 0xFFFFFFFF
+
+
+def render(library: Library) -> Iterator[GeneratedFile]:
+    """Yield the files of a Go library.
+
+    Raises:
+        InvalidArgumentError: The package is not the path of a module.
+    """
+    module = library.package or f"example.com/mavlink/{package_part(library.name)}"
+    if not _MODULE.fullmatch(module):
+        raise InvalidArgumentError(f"package must be a module such as example.org/mavlink, got {module!r}")
+    templates = Templates(
+        __package__,
+        stamp=one_line(library.stamp),
+        package=_package(module),
+        module=module,
+        name=package_part(library.name),
+    )
+    official = [message.name for message in library.messages]
+    classes = type_names(official, RUNTIME_NAMES)
+    enums = type_names((enum.name for enum in library.enums), {*RUNTIME_NAMES, *classes.values()})
+    yield from _runtime(library, templates, classes)
+    for message in library.messages:
+        values = _message(message, classes[message.name], enums)
+        yield templates.file(f"{message.name.lower()}_message.go", "struct.go.j2", m=values)
+    members = enum_members(library)
+    taken = {*RUNTIME_NAMES, *classes.values(), *enums.values()}
+    wide = _wide(library)
+    for enum in library.enums:
+        values = _enum(enum, enums[enum.name], members[enum.name], taken, wide=enum.name in wide)
+        yield templates.file(f"{enum.name.lower()}_enum.go", "enum.go.j2", e=values)
+
+
+def _package(module: str) -> str:
+    """Return the name of the package: the last part of the path, without a version such as `v2`."""
+    parts = [part for part in module.split("/") if not re.fullmatch(r"v\d+", part)] or ["mavlink"]
+    name = package_part(parts[-1]).replace("_", "")
+    return f"{name}mav" if name in GO_WORDS or name in ("main", "internal") else name
+
+
+def _runtime(library: Library, templates: Templates, classes: dict[str, str]) -> Iterator[GeneratedFile]:
+    values = {
+        "count": len(library.messages),
+        "version": library.version,
+        "max_length": library.max_payload_length,
+        "classes": list(classes.values()),
+        "slots": 1 << (2 * len(library.messages)).bit_length(),
+        "heartbeat": "HEARTBEAT" in classes,
+    }
+    for name in RUNTIME:
+        yield templates.file(f"{name}.go", f"{name}.go.j2", **values)
+    yield templates.file("go.mod", "go.mod.j2")
+    yield templates.file("README.md", "README.md.j2", **values)
+
+
+def _wide(library: Library) -> set[str]:
+    """Return the enums that need 64 bits."""
+    fields = (field for message in library.messages for field in message.fields)
+    used = {field.enum for field in fields if field.type in ("int64_t", "uint64_t")}
+    large = {enum.name for enum in library.enums if any(entry.value > _MAX_UINT32 for entry in enum.entries)}
+    return used | large
+
+
+def _message(message: MessageDefinition, class_name: str, enums: dict[str, str]) -> dict[str, Any]:
+    names = distinct((pascal_field(field.name).lstrip("_") for field in message.fields), METHODS)
+    fields = {}
+    for field, raw_name in zip(message.fields, names, strict=True):
+        name = f"X{raw_name}" if raw_name[:1].isdigit() else raw_name
+        done = access(field, name, enums.get(field.enum))
+        units = f" [{field.units}]" if field.units else ""
+        extension = "true" if field.extension else "false"
+        texts = f'{_quoted(field.units)}, "{field.enum}"'
+        place = f"{field.offset}, {field.array_length}, {extension}"
+        fields[field.name] = {
+            "name": name,
+            "go": done.go,
+            "decode": done.decode,
+            "encode": done.encode,
+            "comment": one_line(f"{field.description or field.name}{units}"),
+            "info": f'{{"{field.name}", {field_type(field)}, {place}, {texts}}},',
+        }
+    return {
+        "name": message.name,
+        "class_name": class_name,
+        "id": message.id,
+        "length": message.length,
+        "base_length": message.base_length,
+        "crc_extra": message.crc_extra,
+        "title": one_line(f"{message.name} ({message.id}): {message.description}".rstrip(": ")),
+        "tags": _deprecation(message),
+        "imports": imports(message.fields),
+        "fields": list(fields.values()),
+        "wire": [fields[field.name] for field in message.wire_order],
+    }
+
+
+def _deprecation(message: MessageDefinition) -> list[str]:
+    if message.deprecated is None:
+        return []
+    replaced = message.deprecated.replaced_by
+    replacement = f", replaced by {one_line(replaced)}" if replaced else ""
+    return ["", f" Deprecated: since {one_line(message.deprecated.since)}{replacement}."]
+
+
+def _enum(
+    enum: EnumDefinition, class_name: str, members: dict[str, str], taken: set[str], *, wide: bool
+) -> dict[str, Any]:
+    constants = (f"{class_name}{pascal_field(name).lstrip('_')}" for name in members.values())
+    names = dict(zip(members, distinct(constants, taken), strict=True))
+    taken.update(names.values())
+    entries = [
+        {
+            "name": names[entry.name],
+            "official": entry.name,
+            "value": entry.value,
+            "comment": one_line(f"{entry.name} ({entry.value}): {entry.description}".rstrip(": ")),
+        }
+        for entry in enum.entries
+    ]
+    return {
+        "name": enum.name,
+        "class_name": class_name,
+        "title": one_line(f"{enum.name}: {enum.description}".rstrip(": ")),
+        "type": "uint64" if wide else "uint32",
+        "bitmask": enum.bitmask,
+        "entries": entries,
+        "flag_names": ", ".join(f'"{entry.name}"' for entry in enum.entries),
+        "flag_values": ", ".join(str(entry.value) for entry in enum.entries),
+        "distinct": list({entry["value"]: entry for entry in reversed(entries)}.values())[::-1],
+    }
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{one_line(escaped)}"'
+
+
+LANGUAGE: Final = Language("go", "Go 1.21", render, GO_WORDS)
