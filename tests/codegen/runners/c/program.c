@@ -110,9 +110,10 @@ int main(void)
     test_false_start();
     test_signing();
     count = 0;
-    TESTSUITE(1, 2, &received);
+    mavlink_test_all(1, 2, &received);
     mavlink_set_proto_version(MAVLINK_COMM_0, 1);
-    TESTSUITE(1, 2, &received);
+    mavlink_set_proto_version(MAVLINK_COMM_1, 1);
+    mavlink_test_all(1, 2, &received);
     printf("%u packets\n", count);
     return 0;
 }

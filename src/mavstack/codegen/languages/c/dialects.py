@@ -14,7 +14,7 @@ from zlib import crc32
 from mavstack.codegen.templates import one_line
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from mavstack.codegen.library import DialectFile, Library
     from mavstack.dialects.model import EnumDefinition, EnumEntry, MessageDefinition
@@ -34,6 +34,9 @@ class DialectParts:
     message_files: tuple[str, ...]
     max_payload_length: int
     entries: str
+    own_entries: str
+    test_name: str
+    test_names: tuple[str, ...]
     infos: str
     names: str
     enums: str
@@ -50,8 +53,10 @@ def dialect_parts(library: Library, file: DialectFile) -> DialectParts:
         includes=file.includes,
         message_files=tuple(message.name.lower() for message in file.messages),
         max_payload_length=max((message.length for message in messages), default=0),
-        entries=", \\\n".join(f"    {entry(message)}" for message in messages)
-        or "    {0xFFFFFFFF, 0, 0, 0, 0, 0, 0}",
+        entries=_entry_rows(messages),
+        own_entries=_entry_rows(file.messages),
+        test_name=_test_name(file),
+        test_names=tuple(map(_test_name, files)),
         infos=", \\\n".join(f"    MAVLINK_MESSAGE_INFO_{message.name}" for message in messages)
         or '    {0xFFFFFFFF, "", 0, {{NULL, NULL, MAVLINK_TYPE_CHAR, 0, 0, 0, NULL, NULL}}}',
         names=", \\\n".join(
@@ -61,6 +66,17 @@ def dialect_parts(library: Library, file: DialectFile) -> DialectParts:
         or '    {"", 0xFFFFFFFF}',
         enums="\n".join(_enum(enum, entries) for enum, entries in enums(library, file)),
     )
+
+
+def _entry_rows(messages: Iterable[MessageDefinition]) -> str:
+    """Return the rows of a table of messages; a row with an impossible id if there is none."""
+    rows = ", \\\n".join(f"    {entry(message)}" for message in messages)
+    return rows or "    {0xFFFFFFFF, 0, 0, 0, 0, 0, 0}"
+
+
+def _test_name(file: DialectFile) -> str:
+    """Return the end of the name of the function that tests a file; `mavlink_test_all` is taken."""
+    return "all_" if file.name == "all" else file.name
 
 
 def closure(library: Library, file: DialectFile) -> tuple[DialectFile, ...]:
