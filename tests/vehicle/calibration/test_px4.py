@@ -33,6 +33,14 @@ def test_sensors_at_rest(kind):
     fly(COPTER, scenario)
 
 
+def test_one_calibration_directly_after_another():
+    async def scenario(world, vehicle):
+        for kind in ("gyroscope", "level", "barometer"):
+            await vehicle.calibration.run(kind)
+
+    fly(COPTER, scenario)
+
+
 @pytest.mark.parametrize(("kind", "task"), [("accelerometer", TASK.HOLD_STILL), ("compass", TASK.ROTATE)])
 def test_the_vehicle_detects_the_side_that_is_down(kind, task):
     async def scenario(world, vehicle):

@@ -36,6 +36,8 @@ _TURN_TIME, _MEASURING_TIME = 1.0, 0.8
 _ROTATION_TIME: Final = 7
 #: Seconds until the person blows, or connects the battery; and until the ESCs are calibrated.
 _HAND_TIME, _ESC_TIME = 2.0, 3.0
+#: Seconds after the end of a calibration in which another one is refused.
+_CLEANUP_TIME: Final = 0.8
 
 
 def requested_calibration(command: Command) -> str:
@@ -106,6 +108,7 @@ class Px4CalibrationCommands(CommandGroup):
         else:
             self._clear_fault(name)
             self._send(f"calibration done: {sensor}")
+        yield from self._pause(_CLEANUP_TIME)
         self._state.calibrating = ""
         return _RESULT.ACCEPTED
 

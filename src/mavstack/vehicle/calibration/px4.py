@@ -18,6 +18,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
+from mavstack.errors import CommandDenied
 from mavstack.services.statustext import StatusText
 from mavstack.vehicle.calibration.conversation import STALL_TIMEOUT, TURN_TIMEOUT
 from mavstack.vehicle.calibration.kinds import CalibrationKind, CalibrationTask, Pose
@@ -71,6 +72,10 @@ _TASKS: Final[tuple[tuple[str, CalibrationTask], ...]] = (
 #: The number of requests to cancel, and the time between two, in seconds.
 _CANCELLATIONS: Final = 4
 _CANCEL_INTERVAL: Final = 1.0
+#: PX4 refuses a calibration for about a second after it has reported the end of another one: the number of
+#: requests, and the time between two, in seconds.
+_STARTS: Final = 8
+_START_INTERVAL: Final = 0.5
 #: The compass reports its progress with the side that is turned.
 _PROGRESS: Final = re.compile(r"(?:\w+ side calibration: )?progress <(\d+)>")
 _SIDE: Final = re.compile(r"(\w+) (orientation detected|side done|side already completed)")
@@ -171,9 +176,21 @@ async def _calibrate(conversation: Conversation) -> None:
         conversation.emit_step(CalibrationTask.WAIT, text)
     elif kind not in _TURNED:
         conversation.emit_step(CalibrationTask.HOLD_STILL, "Hold the vehicle still.")
-    await conversation.start(*_ARGUMENTS[kind])
+    await _start(conversation)
     await conversation.wait(lambda: reader.done, TURN_TIMEOUT if kind in _TURNED else STALL_TIMEOUT)
     conversation.running = False
+
+
+async def _start(conversation: Conversation) -> None:
+    for left in reversed(range(_STARTS)):
+        try:
+            return await conversation.start(*_ARGUMENTS[conversation.kind])
+        except CommandDenied as denial:
+            busy = denial.code == common.MavResult.TEMPORARILY_REJECTED and not conversation.vehicle.armed
+            if not (busy and left):
+                raise
+        await asyncio.sleep(_START_INTERVAL)
+    return None
 
 
 async def _radio(conversation: Conversation) -> None:
