@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import sys
 from html.parser import HTMLParser
 
 import numpy as np
@@ -132,3 +133,33 @@ def test_values_that_are_no_numbers_are_left_out(tmp_path):
     path.write_bytes(stamped(encoded([common.Heartbeat(type=2, autopilot=3), *messages])))
     page = Page(make_report(open_log(path, "common")).html)
     assert np.isfinite([point for line in page.lines() for pair in line for point in pair]).all()
+
+
+def test_thousands_of_changes_cost_little(tmp_path):
+    def calls(count):
+        """Return the number of calls of a report on a flight with changes of the mode and of a parameter."""
+        messages = [
+            message
+            for number in range(count)
+            for message in (
+                common.Heartbeat(type=2, autopilot=3, base_mode=0x81, custom_mode=number % 2),
+                common.ParamValue(param_id="GAIN", param_value=number, param_type=9, param_count=1),
+                common.Attitude(time_boot_ms=number * 1000),
+            )
+        ]
+        path = tmp_path / f"{count}.tlog"
+        path.write_bytes(stamped(encoded(messages)))
+        log, counted = open_log(path, "common"), 0
+
+        def count_call(frame, event, argument):
+            nonlocal counted
+            counted += event in {"call", "c_call"}
+
+        sys.setprofile(count_call)
+        try:
+            make_report(log)
+        finally:
+            sys.setprofile(None)
+        return counted
+
+    assert calls(1500) - calls(500) < 80 * 1000, "calls for 1000 changes of each kind"

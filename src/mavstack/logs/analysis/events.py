@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from math import isfinite
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -86,7 +87,7 @@ def parameter_changes(flight: Flight) -> Iterator[Finding]:
     changes = [
         (time, change)
         for time, change in flight.parameter_changes
-        if np.isfinite(time) and not change.name.startswith(_AUTOMATIC)
+        if isfinite(time) and not change.name.startswith(_AUTOMATIC)
     ]
     armed = flight.is_armed(np.array([time for time, _ in changes], np.float64)).tolist()
     in_flight = [item for item, now in zip(changes, armed, strict=True) if now]

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from mavstack.logs.analysis.signals import read_signal
-from mavstack.logs.flight_states import FlightStates, States, flight_states
+from mavstack.logs.flight_states import FlightStates, Span, States, flight_states
+from mavstack.logs.time_base import unix_seconds
 from mavstack.logs.tracks import tracks
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
     from mavstack.logs.analysis.signals import Signal
-    from mavstack.logs.flight_states import Span
     from mavstack.logs.log import Log
     from mavstack.logs.records import LogText, ParameterChange
     from mavstack.logs.tracks import Track
@@ -42,6 +42,7 @@ class Flight:
         self.log = log
         self.system = system
         self._signals: dict[str, Signal | None] = {}
+        self._armed_signals: dict[str, Signal | None] = {}
 
     def signal(self, name: str) -> Signal | None:
         """Return a signal, or None if the log does not have it; see `SIGNALS`."""
@@ -51,11 +52,11 @@ class Flight:
 
     def armed_signal(self, name: str) -> Signal | None:
         """Return a signal while the vehicle was armed, or None if it has no values then."""
-        signal = self.signal(name)
-        if signal is None:
-            return None
-        armed = signal.during(self.is_armed(signal.times))
-        return armed if len(armed) else None
+        if name not in self._armed_signals:
+            signal = self.signal(name)
+            armed = None if signal is None else signal.during(self.is_armed(signal.times))
+            self._armed_signals[name] = armed if armed is not None and len(armed) else None
+        return self._armed_signals[name]
 
     def is_armed(self, times: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Return whether the vehicle was armed at each of some times; always, if the log does not tell.
@@ -89,17 +90,17 @@ class Flight:
         )
         return found.get(self.system, none)
 
-    @property
+    @cached_property
     def armed_spans(self) -> list[tuple[float, float]]:
         """Stretches of time in which the vehicle was armed, in seconds from the beginning."""
         spans = self.states.armed.spans(self.start + self.duration)
         return [(span.start - self.start, span.end - self.start) for span in spans if span.value]
 
-    @property
+    @cached_property
     def mode_spans(self) -> list[Span[str]]:
         """The flight modes, in seconds from the beginning."""
-        spans = self.states.mode.spans(self.start + self.duration)
-        return [span._replace(start=span.start - self.start, end=span.end - self.start) for span in spans]
+        start, spans = self.start, self.states.mode.spans(self.start + self.duration)
+        return [Span(first - start, last - start, mode) for first, last, mode in spans]
 
     @cached_property
     def track(self) -> Track | None:
@@ -110,13 +111,13 @@ class Flight:
     def texts(self) -> list[tuple[float, LogText]]:
         """The texts of the vehicle with their time in seconds from the beginning."""
         own = [text for text in self.log.texts if text.system in (0, self.system)]
-        return [(self._seconds(text.time, text.boot_us), text) for text in own]
+        return list(zip(self._seconds(own), own, strict=True))
 
     @cached_property
     def parameter_changes(self) -> list[tuple[float, ParameterChange]]:
         """The changes of parameters with their time in seconds from the beginning."""
         own = [change for change in self.log.parameter_changes if change.system in (0, self.system)]
-        return [(self._seconds(change.time, change.boot_us), change) for change in own]
+        return list(zip(self._seconds(own), own, strict=True))
 
     @property
     def vehicle_type(self) -> str:
@@ -129,13 +130,14 @@ class Flight:
         """True for vehicles that are held up by several rotors."""
         return self.vehicle_type in _MULTIROTORS
 
-    def _seconds(self, time: np.datetime64, boot_us: int | None) -> float:
-        """Return a time of the log in seconds from the beginning; NaN if it is not known."""
+    def _seconds(self, records: Sequence[LogText | ParameterChange]) -> list[float]:
+        """Return the times of records in seconds from the beginning; NaN where they are not known."""
         if self.log.time_base.kind == "boot":
-            return float("nan") if boot_us is None else boot_us / 1e6 - self.start
-        if np.isnat(time):
-            return float("nan")
-        return float(time.astype("M8[us]").astype(np.int64)) / 1e6 - self.start
+            boot = [np.nan if record.boot_us is None else record.boot_us for record in records]
+            times = np.array(boot, np.float64) / 1e6
+        else:
+            times = unix_seconds(np.array([record.time for record in records], "M8[us]"))
+        return (times - self.start).tolist()
 
 
 def flights(log: Log) -> list[Flight]:

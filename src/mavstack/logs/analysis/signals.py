@@ -278,10 +278,15 @@ def _rows(table: MessageTable, system: int | None) -> MessageTable:
     """Return the rows of one vehicle, and of the first sensor if there are several."""
     names = table.dtype.names or ()
     if system is not None and "_system" in names:
-        table = table.where(table["_system"] == system)
+        table = _where(table, table["_system"] == system)
     if "_instance" in names and len(table):
-        table = table.where(table["_instance"] == table["_instance"].min())
+        table = _where(table, table["_instance"] == table["_instance"].min())
     return table
+
+
+def _where(table: MessageTable, rows: NDArray[np.bool_]) -> MessageTable:
+    """Return some rows; without a copy if they are all."""
+    return table if rows.all() else table.where(rows)
 
 
 def _values(table: MessageTable, source: Source) -> NDArray[np.float64]:

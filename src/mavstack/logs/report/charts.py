@@ -176,6 +176,14 @@ class _Scale(NamedTuple):
         value = min(max(value, self.low), self.high)
         return _HEIGHT - _BOTTOM - (value - self.low) / (self.high - self.low) * (_HEIGHT - _TOP - _BOTTOM)
 
+    def xs(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        shares = (values - self.left) / (self.right - self.left)
+        return _LEFT + np.clip(shares, 0, 1) * (_WIDTH - _LEFT - _RIGHT)
+
+    def ys(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        shares = (np.clip(values, self.low, self.high) - self.low) / (self.high - self.low)
+        return _HEIGHT - _BOTTOM - shares * (_HEIGHT - _TOP - _BOTTOM)
+
 
 def _padded(low: float, high: float) -> tuple[float, float]:
     """Return a range with some room, also around a constant value."""
@@ -185,9 +193,8 @@ def _padded(low: float, high: float) -> tuple[float, float]:
 
 def _polyline(line: Line, scale: _Scale, colour: int) -> str:
     xs, ys = envelope(line.xs, line.ys, _WIDTH - _LEFT - _RIGHT)
-    points = " ".join(
-        f"{scale.x(x):.1f},{scale.y(y):.1f}" for x, y in zip(xs.tolist(), ys.tolist(), strict=True)
-    )
+    columns = (scale.xs(xs).tolist(), scale.ys(ys).tolist())
+    points = " ".join(f"{x:.1f},{y:.1f}" for x, y in zip(*columns, strict=True))
     return f'<polyline class="line c{colour}" points="{points}"/>'
 
 
@@ -237,7 +244,10 @@ def _length_text(metres: float) -> str:
 
 def _bands(bands: Sequence[Band], scale: _Scale) -> str:
     parts = []
+    pixel = (scale.right - scale.left) / (_WIDTH - _LEFT - _RIGHT)
     for number, band in enumerate(bands):
+        if band.end - band.start < pixel:
+            continue  # a flight may have thousands of them
         x, end = scale.x(band.start), scale.x(band.end)
         if end - x < 1:
             continue
