@@ -10,7 +10,7 @@ DEFINITION = """
 <mavlink>
   <include>common.xml</include>
   <messages>
-    <message id="42000" name="SPRAYER_STATUS">
+    <message id="53000" name="SPRAYER_STATUS">
       <description>Reports how full the tank is and how fast it empties.</description>
       <field type="float" name="level" units="%">Fill of the tank.</field>
       <field type="float" name="flow" units="l/min">Flow through all nozzles.</field>

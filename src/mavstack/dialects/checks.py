@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from mavstack.dialects.allocation import id_warnings
+from mavstack.dialects.compare import compare
 from mavstack.dialects.dialect import Dialect
 from mavstack.dialects.includes import collect, included_first
 from mavstack.dialects.merging import merge_enums
@@ -59,9 +61,9 @@ _ATTRIBUTES = {
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One error or warning about a definition file."""
+    """One error, warning or note about a definition file; a note needs no change of the file."""
 
-    severity: Literal["error", "warning"]
+    severity: Literal["error", "warning", "note"]
     text: str
     path: str
     line: int | None = None
@@ -89,8 +91,33 @@ def check_file(path: str) -> list[Problem]:
     if problem is not None:
         return [problem]
     enums = merge_enums([item.definition for item in included_first(source)])
-    warnings = [*_unknown(tree), *_messages(source.definition), *_enums(source.definition, enums)]
+    warnings = [
+        *_unknown(tree),
+        *_messages(source.definition),
+        *_enums(source.definition, enums),
+        *id_warnings(source.definition),
+    ]
     return [Problem("warning", text, path, line or None) for line, text in sorted(warnings)]
+
+
+def check_against(path: str, old: DialectDefinition) -> list[Problem]:
+    """Compare a definition file with an older version of it.
+
+    Args:
+        path: Path of the XML file, which loads.
+        old: The older version, with its includes.
+
+    Returns:
+        An error for each change that breaks the wire, a note for each other one.
+    """
+    lines = {message.name: message.line for message in collect(path).definition.messages}
+    problems = []
+    for change in compare(old, Dialect.from_xml(path).definition):
+        message = change.subject.partition(" ")[2].partition(".")[0]
+        text = f"{change}: peers with the older version cannot read it" if change.breaks_wire else str(change)
+        severity: Literal["error", "note"] = "error" if change.breaks_wire else "note"
+        problems.append(Problem(severity, text, path, lines.get(message)))
+    return problems
 
 
 def _load_problem(path: str) -> Problem | None:

@@ -28,7 +28,7 @@ def definition(tmp_path: Path) -> Path:
     path.write_text(
         '<mavlink><include>minimal.xml</include><enums><enum name="MY_ENUM" bitmask="true">'
         '<entry value="1" name="MY_ENUM_ONE"/><entry value="2" name="MY_ENUM_TWO"/></enum></enums>'
-        '<messages><message id="60001" name="MY_MESSAGE"><description>Of mine.</description>'
+        '<messages><message id="53001" name="MY_MESSAGE"><description>Of mine.</description>'
         '<field type="uint16_t" name="speed" units="cm/s" invalid="UINT16_MAX"/>'
         '<field type="uint8_t" name="flags" enum="MY_ENUM"/>'
         '<extensions/><field type="char[10]" name="name"/></message></messages></mavlink>'
@@ -69,7 +69,7 @@ def test_show_message_details(mav, definition):
     assert "unknown: UINT16_MAX" in out
     assert "extension" in out
     facts = json.loads(mav("dialect", "show", definition, "MY_MESSAGE", "--json").out)
-    assert facts["id"] == 60001
+    assert facts["id"] == 53001
     assert [field["name"] for field in facts["fields"]] == ["speed", "flags", "name"]
     assert "line" not in facts
 
@@ -128,6 +128,35 @@ def test_check_strictly(mav, tmp_path):
     )
     assert mav("dialect", "check", path).code == 0
     assert mav("dialect", "check", path, "--strict").code == 1
+
+
+def test_check_against_an_older_version(mav, definition, tmp_path):
+    old = tmp_path / "old.xml"
+    old.write_text(
+        definition.read_text().replace("<extensions/>", '<extensions/><field type="uint8_t" name="more"/>')
+    )
+    result = mav("dialect", "check", definition, "--against", old)
+    assert result.code == 1
+    assert "offset 1 -> 0 in the extensions (breaks the wire): peers with the older version" in result.out
+    assert "note: removed field MY_MESSAGE.more" in result.out
+    old.write_text(definition.read_text().replace('<entry value="2" name="MY_ENUM_TWO"/>', ""))
+    result = mav("dialect", "check", definition, "--against", old, "--strict")
+    assert result.code == 0
+    assert "note: added entry MY_ENUM.MY_ENUM_TWO" in result.out
+    assert result.out.endswith("0 errors, 0 warnings, 1 notes\n")
+    old.write_text(definition.read_text().replace("uint16_t", "uint32_t").replace("UINT16", "UINT32"))
+    result = mav("dialect", "check", definition, "--against", old)
+    assert f"{definition}:1: error: changed message MY_MESSAGE: CRC_EXTRA " in result.out
+    assert mav("dialect", "check", definition, "--against", tmp_path / "missing.xml").code == 2
+
+
+def test_check_reserved_ids_and_words(mav, definition):
+    definition.write_text(definition.read_text().replace("53001", "30").replace("flags", "class"))
+    result = mav("dialect", "check", definition)
+    assert result.code == 0
+    assert "warning: message MY_MESSAGE has the id 30 of ATTITUDE of common" in result.out
+    assert "note: MY_MESSAGE.class is a reserved word in " in result.out
+    assert mav("dialect", "check", definition, "--strict").code == 1
 
 
 def test_check_a_missing_file(mav, tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -13,6 +14,8 @@ from mavstack.cli.common.output import echo, echo_json, echo_text
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
 
+    from mavstack.dialects.checks import Problem
+
 EXAMPLES: Final = """\
 examples:
   mav dialect list                                  # the official dialects
@@ -20,6 +23,7 @@ examples:
   mav dialect show common ATTITUDE                  # one message, by its name or id
   mav dialect show ardupilotmega MAV_CMD_NAV_TAKEOFF --json
   mav dialect check mine.xml                        # errors and warnings with line numbers
+  mav dialect check mine.xml --against old.xml      # the same, and changes that break the wire
   mav dialect diff common mine.xml                  # differences, and which break the wire format
   mav dialect import official.xml -o mine.xml       # the facts of a definition, without its prose
   mav dialect stubs mine.xml -o src/mypackage       # a module with types for editors: import mypackage.mine
@@ -41,6 +45,9 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     check = add("check", "check a definition file", _check)
     check.add_argument("file", metavar="FILE.xml", help="definition file")
+    check.add_argument(
+        "--against", metavar="OLD.xml", help="older version: changes that break the wire are errors"
+    )
     check.add_argument("--strict", action="store_true", help="fail also for warnings")
     diff = add("diff", "compare two dialects", _diff)
     diff.add_argument("old", metavar="OLD", help="official dialect or definition file")
@@ -110,20 +117,36 @@ def _show(arguments: Namespace) -> int:
 def _check(arguments: Namespace) -> int:
     from dataclasses import asdict
 
-    from mavstack.dialects.checks import check_file
-
-    problems = check_file(arguments.file)
-    errors = sum(problem.severity == "error" for problem in problems)
+    problems = _problems(arguments)
+    counts = Counter(problem.severity for problem in problems)
+    errors, warnings = counts["error"], counts["warning"]
     if arguments.json:
         echo_json([asdict(problem) for problem in problems])
     else:
         for problem in problems:
             echo(str(problem))
-    failed = errors or (arguments.strict and problems)
+    failed = errors or (arguments.strict and warnings)
     if failed or not arguments.json:
-        summary = f"{arguments.file}: {errors} errors, {len(problems) - errors} warnings"
+        notes = f", {counts['note']} notes" if counts["note"] else ""
+        summary = f"{arguments.file}: {errors} errors, {warnings} warnings{notes}"
         echo(f"mav dialect: {summary}" if failed else summary, error=bool(failed))
     return 1 if failed else 0
+
+
+def _problems(arguments: Namespace) -> list[Problem]:
+    """Return the problems of a file, and if it loads those of its names and of its changes."""
+    from mavstack.codegen.checks import reserved_names
+    from mavstack.dialects.checks import Problem, check_against, check_file
+    from mavstack.dialects.includes import collect
+
+    problems = check_file(arguments.file)
+    if any(problem.severity == "error" for problem in problems):
+        return problems
+    names = reserved_names(collect(arguments.file).definition)
+    problems += [Problem("note", text, arguments.file, line or None) for line, text in names]
+    if arguments.against:
+        problems += check_against(arguments.file, load_dialect(arguments.against).definition)
+    return problems
 
 
 def _diff(arguments: Namespace) -> int:
