@@ -92,6 +92,7 @@ PROGRAMS: Final = {
     "luac5.3": Program(("luac5.3",), ("lua5.3",)),
     "luac5.4": Program(("luac5.4",), ("lua5.4",)),
     "luajit": Program(("luajit",), ("luajit",)),
+    "luacheck": Program(("luacheck",), ("lua-check",)),
     "tshark": Program(("tshark",), ("tshark",)),
     "dotnet": Program(("dotnet",), ("dotnet-sdk-8.0",)),
     "mono": Program(("mcs",), ("mono-mcs", "mono-runtime", "libmono-system-core4.0-cil")),
@@ -112,6 +113,7 @@ _NIGHTLY: Final = (
     "qemu-ppc",
     "qemu-s390x",
     "arm-none-eabi-gcc",
+    "luacheck",
     "micropython",
 )
 #: Programs that each tier of tests needs apart from gcc, Java, Go, Rust and Node.

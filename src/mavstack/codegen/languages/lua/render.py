@@ -1,0 +1,135 @@
+"""The files of a Lua module: a runtime, and one small file for each message and enum, loaded on first use."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from typing import TYPE_CHECKING, Final
+
+from mavstack.codegen.enum_names import entry_names
+from mavstack.codegen.templates import Templates, one_line
+from mavstack.errors import InvalidArgumentError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.codegen.language import GeneratedFile
+    from mavstack.codegen.library import Library
+    from mavstack.dialects.model import EnumDefinition, EnumEntry, FieldDefinition, MessageDefinition
+
+_WORDS: Final = """
+and break do else elseif end false for function goto if in local nil not or repeat return then true
+until while
+"""
+RESERVED_WORDS: Final = frozenset(_WORDS.split())
+
+_RUNTIME: Final = (
+    "definitions", "encoder", "lua53", "luajit", "native", "packet", "parser", "scan", "signing"
+)  # fmt: skip
+
+
+def render(library: Library) -> Iterator[GeneratedFile]:
+    """Yield the files of a module.
+
+    Args:
+        library: The library.
+
+    Yields:
+        The files.
+
+    Raises:
+        InvalidArgumentError: The chosen name is not that of a Lua module.
+    """
+    files = list(_module_files(library))
+    yield from files
+    templates = _templates()
+    module = module_name(library)
+    rock = f"{module}-{re.sub('[^a-z0-9]+', '-', library.name).strip('-')}"
+    values = {"stamp": library.stamp, "dialect": library.name, "module": module, "rock": rock}
+    modules = sorted(file.path for file in files)
+    yield templates.file(f"{rock}-scm-1.rockspec", "rockspec.j2", modules=modules, **values)
+    names = [message.name for message in library.messages]
+    example = "HEARTBEAT" if "HEARTBEAT" in names else names[0]
+    yield templates.file("README.md", "README.md.j2", example=example, **values)
+
+
+def module_name(library: Library) -> str:
+    """Return the name of the module: the chosen one, or `mavlink`."""
+    name = library.package or "mavlink"
+    if not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):
+        raise InvalidArgumentError(f"package must be a name such as mavlink, got {name!r}")
+    return name
+
+
+def _module_files(library: Library) -> Iterator[GeneratedFile]:
+    templates, module = _templates(), module_name(library)
+    stamp = library.stamp
+    values = {"stamp": stamp, "module": module, "dialect": library.name, "version": library.version}
+    messages = [_message_values(message) for message in library.messages]
+    enums = [{"name": enum.name, "module": enum.name.lower()} for enum in library.enums]
+    yield templates.file(f"{module}.lua", "mavlink.lua.j2", **values)
+    yield templates.file(f"{module}/index.lua", "index.lua.j2", messages=messages, **values)
+    yield templates.file(f"{module}/enums.lua", "enums.lua.j2", enums=enums, **values)
+    for name in _RUNTIME:
+        yield templates.file(f"{module}/{name}.lua", f"{name}.lua.j2", **values)
+    for message in messages:
+        path = f"{module}/messages/{message['module']}.lua"
+        yield templates.file(path, "message.lua.j2", stamp=stamp, **message)
+    names = entry_names(library)
+    for enum in library.enums:
+        path = f"{module}/enums/{enum.name.lower()}.lua"
+        yield templates.file(path, "enum.lua.j2", stamp=stamp, **_enum_values(enum, names[enum.name]))
+
+
+@cache
+def _templates() -> Templates:
+    return Templates("mavstack.codegen.languages.lua")
+
+
+def identifier(name: str) -> str:
+    """Return the key of a field."""
+    return f"{name}_" if name in RESERVED_WORDS else name
+
+
+def _message_values(message: MessageDefinition) -> dict[str, object]:
+    return {
+        "id": message.id,
+        "name": message.name,
+        "module": message.name.lower(),
+        "length": message.length,
+        "base_length": message.base_length,
+        "crc_extra": message.crc_extra,
+        "doc": one_line(message.description),
+        "fields": [_field_line(item) for item in message.fields],
+    }
+
+
+def _field_line(item: FieldDefinition) -> str:
+    """Return the table of a field."""
+    parts = [f'name = "{item.name}"', f'key = "{identifier(item.name)}"', f'type = "{item.type}"']
+    parts += [f"offset = {item.offset}", f"array_length = {item.array_length}"]
+    parts += [f"units = {_quoted(item.units)}"] if item.units else []
+    parts += [f'enum = "{item.enum}"'] if item.enum else []
+    parts += ["extension = true"] if item.extension else []
+    description = one_line(item.description)
+    return f"{{ {', '.join(parts)} }},{f' -- {description}' if description else ''}"
+
+
+def _enum_values(enum: EnumDefinition, names: dict[str, str]) -> dict[str, object]:
+    return {
+        "doc": one_line(enum.description),
+        "bitmask": "true" if enum.bitmask else "false",
+        "entries": [_entry_line(entry, names[entry.name]) for entry in enum.entries],
+    }
+
+
+def _entry_line(entry: EnumEntry, name: str) -> str:
+    # A decimal number over 2^63 would be a float.
+    value = hex(entry.value) if entry.value >= 1 << 63 else entry.value
+    description = one_line(entry.description)
+    return f'{{ "{name}", {value} }}, -- {entry.name}{f": {description}" if description else ""}'
+
+
+def _quoted(text: str) -> str:
+    escaped = one_line(text).replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
