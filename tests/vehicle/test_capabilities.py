@@ -86,3 +86,12 @@ def test_components_and_messages_of_an_unknown_firmware():
         assert (found.events, found.winch) == (True, True)
 
     run_scenario(scenario)
+
+
+def test_only_a_build_with_its_parameters_has_sources_of_the_estimator():
+    async def scenario(world, vehicle):
+        assert vehicle.capabilities.ekf_sources is None
+        await vehicle.params.get("EK3_SRC1_POSXY")
+        assert vehicle.capabilities.ekf_sources is True
+
+    fly((VehicleType.COPTER, ARDUPILOT), scenario)

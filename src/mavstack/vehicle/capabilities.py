@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 _FLAG: Final = common.MavProtocolCapability
 _TYPE: Final = common.MavType
 
+#: A parameter of ArduPilot builds whose estimator has several sets of sources.
+_EKF_SOURCE: Final = "EK3_SRC1_POSXY"
+
 
 @dataclass(frozen=True, slots=True)
 class Capabilities:
@@ -130,7 +133,7 @@ def capabilities_of(vehicle: VehicleState) -> Capabilities:
         motor_test=features.get("motor_test"),
         gripper=reader.first(reader.enabled("gripper"), reader.flag(_FLAG.GRIPPER) or None),
         winch=reader.first(reader.enabled("winch"), reader.heard(common.WinchStatus)),
-        ekf_sources=features.get("ekf_sources"),
+        ekf_sources=features.get("ekf_sources", reader.has_parameter(_EKF_SOURCE)),
         osd=reader.enabled("osd"),
         flashing=reader.flashing() if features.get("flashing") else features.get("flashing"),
         calibrations=tuple(procedures_of(vehicle)),
@@ -178,6 +181,10 @@ class _Reader:
         names = firmware_of(self._vehicle).EQUIPMENT_PARAMETERS.get(equipment, ())
         values = [cached[name].value for name in names if name in cached]
         return any(values) if values else None
+
+    def has_parameter(self, name: str) -> bool | None:
+        """Return True if a parameter was downloaded; a build without a feature lacks its parameters."""
+        return True if name in self._vehicle.params.cached else None
 
     def flashing(self) -> bool | None:
         """Return whether the board has a USB identity, and thus a bootloader; simulated ones have none."""

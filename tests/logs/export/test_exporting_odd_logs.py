@@ -41,14 +41,14 @@ def test_a_log_that_was_removed_is_reported(tmp_path):
 def test_the_name_of_a_flight_comes_from_its_content(tmp_path):
     size = 1 << 18
     names = set()
-    for position in (0, size - 1):
+    for position, value in ((0, 0), (0, 1), (size - 1, 1)):
         data = bytearray(size)
-        data[position] = 1
+        data[position] = value
         (tmp_path / "flight.BIN").write_bytes(data)
         log = MemoryLog({}, path=tmp_path / "flight.BIN")
         log.size = size
         names.add(flight_name(log))
-    assert len(names) == 2, "both ends of the file count"
+    assert len(names) == 3, "both ends of the file count"
 
 
 def test_columns_of_one_name_in_matlab_are_kept(tmp_path):

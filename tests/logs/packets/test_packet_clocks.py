@@ -83,3 +83,37 @@ def test_vehicles_have_clocks_of_their_own(tmp_path):
     log = mavstack.open_log(path, timestamped=True)
     assert log.times("ATTITUDE", "boot").tolist() == [1, 9]
     assert log.select(system=2).time_base.offset_us == START - 9_000_000
+
+
+def test_each_boot_has_a_clock_of_its_own(tmp_path):
+    """A vehicle that reboots after 600 s: its second boot begins at 605 s, and is seen from 608 s on."""
+    path = tmp_path / "flight"
+    records = []
+    for second in [*range(0, 600, 10), *range(608, 900, 10)]:
+        boot_ms = second * 1000 if second < 600 else (second - 605) * 1000
+        utc = UTC_OF_BOOT + second * 1_000_000
+        messages = [common.VfrHud(), common.Attitude(time_boot_ms=boot_ms)]
+        # The clock of a companion computer is another one.
+        companion = encoded([common.SystemTime(time_boot_ms=7, time_unix_usec=utc)], component=191)
+        if second % 50 < 10:
+            messages.append(common.SystemTime(time_boot_ms=boot_ms, time_unix_usec=utc))
+        records.append(stamped([*encoded(messages), *companion], START + second * 1_000_000, 0))
+    path.write_bytes(b"".join(records))
+    log = mavstack.open_log(path, "common")
+    for name in ("VFR_HUD", "ATTITUDE"):
+        received = log.times(name) - START / 1e6
+        np.testing.assert_allclose(log.times(name, "utc") - UTC_OF_BOOT / 1e6, received, atol=1e-4)
+        boot = np.where(received < 600, received, received - 605)
+        np.testing.assert_allclose(log.times(name, "boot"), boot, atol=1e-4)
+    assert log.time_base.offset_us == UTC_OF_BOOT, "of the longer boot"
+
+
+def test_a_late_packet_is_no_reboot(tmp_path):
+    path = tmp_path / "flight"
+    boots = [0, 1, 2, 3, 0, 4, 5, 6]
+    messages = [
+        common.SystemTime(time_boot_ms=s * 1000, time_unix_usec=UTC_OF_BOOT + s * 10**6) for s in boots
+    ]
+    path.write_bytes(stamped(encoded([*messages, common.VfrHud()]), step=1_000_000))
+    log = mavstack.open_log(path, "common")
+    assert log.times("SYSTEM_TIME", "utc") - UTC_OF_BOOT / 1e6 == pytest.approx(boots)

@@ -46,3 +46,10 @@ def test_a_record_of_a_capture_is_a_udp_datagram(packet: bytes, time: int) -> No
 def test_the_header_of_a_capture_declares_ip_packets() -> None:
     magic, major, minor, _, _, _, link_type = struct.unpack("<IHHiIII", PCAP.header)
     assert (magic, major, minor, link_type) == (0xA1B2C3D4, 2, 4, 101)
+
+
+def test_the_checksum_of_every_length_is_right():
+    for length in range(280):
+        header = PCAP.record(bytes(length), 0)[16:36]
+        total = sum(int.from_bytes(header[place : place + 2], "big") for place in range(0, 20, 2))
+        assert (total & 0xFFFF) + (total >> 16) == 0xFFFF

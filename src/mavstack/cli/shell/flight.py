@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.cli.common.errors import CommandError, UsageError
+from mavstack.cli.common.output import echo
 from mavstack.cli.shell import completion
 from mavstack.cli.shell.console_command import expect_words, parse_number
 from mavstack.cli.shell.session import Command
@@ -126,8 +127,9 @@ async def mode(session: Session, words: list[str]) -> None:
     if not words:
         await modes(session, [])
         return
-    name = " ".join(words)
-    await session.vehicle.set_mode(int(name) if name.isascii() and name.isdecimal() else name)
+    name, vehicle = " ".join(words), session.vehicle
+    await vehicle.set_mode(int(name) if name.isascii() and name.isdecimal() else name)
+    echo(f"mode {vehicle.mode or name}")
 
 
 async def modes(session: Session, words: list[str]) -> None:

@@ -136,6 +136,7 @@ def page(facts: dict[str, Any], columns: int = DEFAULT_COLUMNS) -> list[str]:
         ("GPS", _gps_text(facts["gps"])),
         *_health_rows(facts["health"]),
         *[("component", f"{each['kind']} ({each['component']})") for each in facts["components"]],
+        *_attached_rows(facts),
         ("supports", ", ".join(_feature_names(facts["features"]))),
         ("calibrates", ", ".join(facts["features"]["calibrations"])),
         ("board", _board_text(facts)),
@@ -208,6 +209,17 @@ def _health_rows(health: dict[str, Any]) -> list[tuple[str, str]]:
         None: "readiness to arm unknown",
     }[health["ready"]]
     return [("health", ready), *[("health", coloured(text, "yellow")) for text in health["problems"]]]
+
+
+def _attached_rows(facts: dict[str, Any]) -> list[tuple[str, str]]:
+    """Return the cameras and gimbals that are no components, but attached to the autopilot."""
+    components = {each["component"] for each in facts["components"]}
+    return [
+        ("attached", f"{kind} ({number})")
+        for kind in ("camera", "gimbal")
+        for number in facts["features"][f"{kind}s"]
+        if number not in components
+    ]
 
 
 def _feature_names(features: dict[str, Any]) -> list[str]:

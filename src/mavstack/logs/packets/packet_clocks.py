@@ -4,10 +4,15 @@ SYSTEM_TIME relates a system's time since boot to UTC. The recorder's clock is a
 hours, and a packet is received later than it was sent. The time since boot of a packet is a field of its
 message (`time_boot_ms`, or `time_usec` where it does not hold UTC); without such a field it is the receive
 time minus the median of (receive time minus boot time) over packets of the system that have one.
+
+A system that reboots starts its clock again. Each boot has offsets of its own, which hold from the receive
+time at which it began. The clock of a system is that of its component with the lowest id, normally the
+autopilot.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
@@ -28,6 +33,30 @@ _BOOT_FIELDS: Final = (("time_boot_ms", 1000), ("time_usec", 1), ("time_boot_us"
 _MAX_BOOT_US: Final = 10**15
 #: Messages whose time since boot is compared with the receive time, in this order: most vehicles stream them.
 _COMPARED: Final = ("ATTITUDE", "GLOBAL_POSITION_INT", "SYSTEM_TIME", "VFR_HUD", "ATTITUDE_QUATERNION")
+#: Microseconds by which a clock goes back at a reboot: more than a late packet.
+_MIN_RESTART: Final = 5_000_000
+_ALWAYS: Final = np.iinfo(np.int64).min
+
+
+@dataclass(frozen=True, eq=False)
+class _Offsets:
+    """The offset of one system's clock in microseconds, for each of its boots.
+
+    Attributes:
+        starts: Receive times in microseconds from which the offsets hold, ascending.
+        offsets: The offset of each boot.
+        usual: The offset of the boot with the most packets, and its uncertainty.
+    """
+
+    starts: NDArray[np.int64]
+    offsets: NDArray[np.int64]
+    usual: tuple[int, int]
+
+    def at(self, times: NDArray[np.datetime64]) -> NDArray[np.float64]:
+        """Return the offset at receive times in seconds; those of unknown times are the usual one."""
+        positions = np.searchsorted(self.starts, times.astype("M8[us]").astype(np.int64), side="right") - 1
+        offsets = self.offsets[np.maximum(positions, 0)] / 1e6
+        return np.where(np.isnat(times), self.usual[0] / 1e6, offsets)
 
 
 class PacketClocks:
@@ -47,10 +76,10 @@ class PacketClocks:
             kind: The clock of the column `_time`, or "boot" without times.
         """
         if self._utc_offsets:
-            offset, uncertainty = self._utc_offsets[min(self._utc_offsets)]
+            offset, uncertainty = self._utc_offsets[min(self._utc_offsets)].usual
             return TimeBase(kind, offset, uncertainty, "SYSTEM_TIME")
         if self._receive_offsets:
-            offset, uncertainty = self._receive_offsets[min(self._receive_offsets)]
+            offset, uncertainty = self._receive_offsets[min(self._receive_offsets)].usual
             return TimeBase(kind, offset, uncertainty, "receive time")
         return TimeBase(kind)
 
@@ -81,8 +110,8 @@ class PacketClocks:
         return None if len(times) and np.isnan(times).all() else times
 
     @cached_property
-    def _utc_offsets(self) -> dict[int, tuple[int, int]]:
-        """UTC minus time since boot and its uncertainty in microseconds, by system."""
+    def _utc_offsets(self) -> dict[int, _Offsets]:
+        """UTC minus time since boot, by system."""
         table = self._log.get("SYSTEM_TIME")
         if table is None:
             return {}
@@ -91,9 +120,9 @@ class PacketClocks:
         return _offsets_by_system(table, table["time_unix_usec"], boot)
 
     @cached_property
-    def _receive_offsets(self) -> dict[int, tuple[int, int]]:
-        """Receive time minus time since boot and its uncertainty in microseconds, by system."""
-        offsets: dict[int, tuple[int, int]] = {}
+    def _receive_offsets(self) -> dict[int, _Offsets]:
+        """Receive time minus time since boot, by system."""
+        offsets: dict[int, _Offsets] = {}
         for name in (name for name in _COMPARED if name in self._log):
             table = self._log[name]
             boot = boot_microseconds(table)
@@ -121,21 +150,37 @@ def boot_microseconds(table: MessageTable) -> NDArray[np.float64] | None:
 
 def _offsets_by_system(
     table: MessageTable, utc_us: NDArray[np.integer], boot_us: NDArray[np.integer]
-) -> dict[int, tuple[int, int]]:
-    systems = table["_system"]
+) -> dict[int, _Offsets]:
+    systems, components = table["_system"], table["_component"]
     found = {}
     for system in np.unique(systems).tolist():
         mine = systems == system
-        offset = median_offset(utc_us[mine], boot_us[mine])
-        if offset is not None:
-            found[system] = offset
+        mine &= components == components[mine].min()
+        found[system] = _offsets_of(table["_time"][mine], utc_us[mine], boot_us[mine])
     return found
 
 
-def _by_system(table: MessageTable, offsets: dict[int, tuple[int, int]]) -> NDArray[np.float64]:
+def _offsets_of(
+    times: NDArray[np.datetime64], utc_us: NDArray[np.integer], boot_us: NDArray[np.integer]
+) -> _Offsets:
+    """Return the offsets of a clock from packets in the order of the file, at least one."""
+    boot = boot_us.astype(np.int64)
+    differences = utc_us.astype(np.int64) - boot
+    restarts = (np.diff(boot) < -_MIN_RESTART) & (np.diff(differences) > _MIN_RESTART)
+    firsts = [0, *(np.flatnonzero(restarts) + 1).tolist()] if not np.isnat(times).any() else [0]
+    parts = [slice(first, last) for first, last in zip(firsts, [*firsts[1:], len(boot)], strict=True)]
+    medians = [found for part in parts if (found := median_offset(utc_us[part], boot[part])) is not None]
+    starts = times.astype("M8[us]").astype(np.int64)[firsts] - boot[firsts]
+    starts[0] = _ALWAYS
+    longest = max(range(len(parts)), key=lambda number: parts[number].stop - parts[number].start)
+    offsets = np.array([offset for offset, _ in medians], np.int64)
+    return _Offsets(np.maximum.accumulate(starts), offsets, medians[longest])
+
+
+def _by_system(table: MessageTable, offsets: dict[int, _Offsets]) -> NDArray[np.float64]:
     """Return the offset of each row's system in seconds, NaN where it is not known."""
-    seconds = np.full(256, np.nan)
-    for system, (offset, _) in offsets.items():
-        seconds[system] = offset / 1e6
-    values: NDArray[np.float64] = seconds[table["_system"]]
+    values = np.full(len(table), np.nan)
+    for system, each in offsets.items():
+        mine = table["_system"] == system
+        values[mine] = each.at(table["_time"][mine])
     return values

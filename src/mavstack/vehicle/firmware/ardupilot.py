@@ -74,7 +74,7 @@ class ArduPilot(Firmware):
     )
     FEATURES: ClassVar[Mapping[str, bool]] = MappingProxyType(
         dict.fromkeys(("parameters", "mission", "logs", "servos", "relays", "motor_test"), True)
-        | {"ekf_sources": True, "flashing": True, "actuators": False, "shell": False, "events": False}
+        | {"flashing": True, "actuators": False, "shell": False, "events": False}
     )
     EQUIPMENT_PARAMETERS: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         {"gripper": ("GRIP_ENABLE",), "winch": ("WINCH_TYPE",), "osd": ("OSD_TYPE",)}

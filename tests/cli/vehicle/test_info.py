@@ -1,0 +1,38 @@
+"""The page of `mav vehicle info`."""
+
+from __future__ import annotations
+
+from mavstack.cli.vehicle.info import page
+
+FACTS = {
+    "system": 1,
+    "type": "quadrotor",
+    "firmware": "ArduPilot",
+    "version": "4.6.0",
+    "git_hash": None,
+    "alive": True,
+    "mode": "LOITER",
+    "armed": False,
+    "in_air": False,
+    "status": "standby",
+    "position": None,
+    "ground_speed": None,
+    "home": None,
+    "home_distance": None,
+    "batteries": [],
+    "gps": None,
+    "health": {"ready": None, "problems": []},
+    "components": [{"component": 100, "kind": "camera", "alive": True}],
+    "features": {"mission": True, "calibrations": (), "cameras": (1, 100), "gimbals": (1,)},
+    "board": None,
+    "unique_id": None,
+}
+
+
+def test_payloads_of_the_autopilot_are_listed():
+    lines = page(FACTS)
+    assert [line.strip() for line in lines if "camera" in line or "gimbal" in line] == [
+        "component  camera (100)",
+        "attached   camera (1)",
+        "gimbal (1)",
+    ]
