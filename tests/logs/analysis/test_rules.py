@@ -243,6 +243,22 @@ def test_a_failsafe_that_ended_or_kept_the_vehicle_on_the_ground_is_none(finding
     assert findings_of(during(30, 30.1, texts=((6, text),))) == {}
 
 
+def test_noise_of_the_position_is_no_jump(findings_of):
+    assert findings_of(during(30, 30.1, north=40.0)) == {}, "20 m in a tenth of a second"
+
+
+def test_an_altitude_that_was_last_sent_in_the_air_is_no_end(tmp_path):
+    encoder, packets = Encoder(1, 1), []
+    for second in range(60):
+        packets.append(encoder.encode(common.Heartbeat(type=2, autopilot=3, base_mode=129)))
+        if second < 30:
+            packets.append(encoder.encode(common.GlobalPositionInt(relative_alt=20_000)))
+    path = tmp_path / "flight.tlog"
+    path.write_bytes(stamped(packets, step=500_000))
+    (flight,) = flights(open_log(path))
+    assert [finding.rule for finding in analyse(flight)] == []
+
+
 def test_a_repeated_text_is_one_finding(findings_of):
     found = findings_of(during(20, 40, texts=((4, "Radio Failsafe"), (2, "Crash: Disarming"))))
     assert [finding.time for finding in found["failsafes"] + found["crash"]] == pytest.approx(

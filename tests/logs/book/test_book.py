@@ -8,9 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from mavstack.dialects import common
 from mavstack.errors import LogError
 from mavstack.logs.book import COLUMNS, FlightBook
-from tests.logs.files import stamped
+from tests.logs.files import encoded, stamped
 from tests.logs.flights import flight_tlog, packets
 
 ONE = str(Path("2023", "one.tlog"))
@@ -125,3 +126,13 @@ class Vanishing(type(Path())):
 
     def stat(self, **_):
         raise FileNotFoundError(2, "No such file or directory")
+
+
+def test_the_first_takeoff_and_the_last_landing(folder, tmp_path):
+    armed = [False, True, False, False, True, True, False, False]
+    beats = [common.Heartbeat(type=2, autopilot=3, base_mode=129 if now else 1) for now in armed]
+    (folder / ONE).write_bytes(stamped(encoded(beats), step=1_000_000))
+    with FlightBook(tmp_path / "book.duckdb") as book:
+        book.update(folder)
+        (row,) = [row for row in book.rows() if row["file"] == ONE]
+    assert (row["first_takeoff_s"], row["last_landing_s"], row["flight_time_s"]) == (1.0, 6.0, 3.0)

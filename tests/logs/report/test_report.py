@@ -163,3 +163,14 @@ def test_thousands_of_changes_cost_little(tmp_path):
         return counted
 
     assert calls(1500) - calls(500) < 80 * 1000, "calls for 1000 changes of each kind"
+
+
+def test_a_gap_in_the_log_is_no_consumption(tmp_path):
+    messages = [
+        common.Heartbeat(type=2, autopilot=3, base_mode=129),
+        *[common.SysStatus(current_battery=1000)] * 3,
+    ]
+    path = tmp_path / "gap.tlog"
+    path.write_bytes(stamped(encoded(messages), step=100_000_000))
+    facts = make_report(open_log(path, "common")).data["vehicles"][0]["facts"]
+    assert facts["used_mah"] == pytest.approx(10 * 2 * 5 / 3.6, abs=0.01), "10 A, of each gap 5 s"

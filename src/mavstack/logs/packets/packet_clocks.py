@@ -172,9 +172,9 @@ def _offsets_of(
     medians = [found for part in parts if (found := median_offset(utc_us[part], boot[part])) is not None]
     starts = times.astype("M8[us]").astype(np.int64)[firsts] - boot[firsts]
     starts[0] = _ALWAYS
-    longest = max(range(len(parts)), key=lambda number: parts[number].stop - parts[number].start)
+    best = max(range(len(parts)), key=lambda number: parts[number].stop - parts[number].start)
     offsets = np.array([offset for offset, _ in medians], np.int64)
-    return _Offsets(np.maximum.accumulate(starts), offsets, medians[longest])
+    return _Offsets(np.maximum.accumulate(starts), offsets, medians[best])
 
 
 def _by_system(table: MessageTable, offsets: dict[int, _Offsets]) -> NDArray[np.float64]:
