@@ -1,0 +1,155 @@
+"""The files of a C# library: the runtime, a class for each message, an enum for each enum."""
+
+from __future__ import annotations
+
+import re
+from html import escape
+from typing import TYPE_CHECKING, Any, Final
+
+from mavstack.codegen.identifiers import distinct, enum_members, package_part, pascal_field, type_names
+from mavstack.codegen.language import GeneratedFile, Language
+from mavstack.codegen.languages.csharp.values import ARRAYS, TYPES, access
+from mavstack.codegen.languages.csharp.words import CLASSES, CSHARP_WORDS, MEMBERS, RUNTIME
+from mavstack.codegen.templates import Templates, one_line
+from mavstack.errors import InvalidArgumentError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.codegen.library import Library
+    from mavstack.dialects.model import EnumDefinition, MessageDefinition
+
+_NAMESPACE: Final = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", re.ASCII)
+_MAX_UINT: Final = 0xFFFFFFFF
+
+
+def render(library: Library) -> Iterator[GeneratedFile]:
+    """Yield the files of a C# library.
+
+    Raises:
+        InvalidArgumentError: The package is not a namespace.
+    """
+    namespace = library.package or f"Mavlink.{pascal_field(package_part(library.name))}"
+    if not _NAMESPACE.fullmatch(namespace) or CSHARP_WORDS & set(namespace.split(".")):
+        raise InvalidArgumentError(f"package must be a namespace such as Example.Mavlink, got {namespace!r}")
+    templates = Templates(
+        __package__, stamp=one_line(library.stamp), package=namespace, name=package_part(library.name)
+    )
+    classes = type_names((message.name for message in library.messages), {*CLASSES, *namespace.split(".")})
+    taken = {*CLASSES, *classes.values(), *namespace.split(".")}
+    enums = type_names((enum.name for enum in library.enums), taken)
+    yield from _runtime(library, templates, namespace, classes)
+    for message in library.messages:
+        values = _message(message, classes[message.name], enums)
+        yield templates.file(f"Messages/{classes[message.name]}.cs", "class.cs.j2", m=values)
+    members, wide = enum_members(library), _wide(library)
+    for enum in library.enums:
+        values = _enum(enum, enums[enum.name], members[enum.name], wide=enum.name in wide)
+        yield templates.file(f"Enums/{enums[enum.name]}.cs", "enum.cs.j2", e=values)
+
+
+def _runtime(
+    library: Library, templates: Templates, namespace: str, classes: dict[str, str]
+) -> Iterator[GeneratedFile]:
+    values = {
+        "count": len(library.messages),
+        "version": library.version,
+        "max_length": library.max_payload_length,
+        "table": [_row(message) for message in library.messages],
+        "slots": 1 << (2 * len(library.messages)).bit_length(),
+        "cases": [(message.id, classes[message.name]) for message in library.messages],
+        "arrays": ARRAYS,
+        "heartbeat": classes.get("HEARTBEAT") == "Heartbeat",
+    }
+    for name in RUNTIME:
+        yield templates.file(f"{name}.cs", f"{name}.cs.j2", **values)
+    yield templates.file(f"{namespace}.csproj", "project.csproj.j2")
+    yield templates.file("README.md", "README.md.j2", **values)
+
+
+def _row(message: MessageDefinition) -> str:
+    facts = 1 << 24 | message.crc_extra << 16 | message.base_length << 8 | message.length
+    return f"{message.id}, 0x{facts:07X},"
+
+
+def _wide(library: Library) -> set[str]:
+    """Return the enums that need 64 bits."""
+    fields = (field for message in library.messages for field in message.fields)
+    used = {field.enum for field in fields if field.type in ("int64_t", "uint64_t")}
+    large = {enum.name for enum in library.enums if any(entry.value > _MAX_UINT for entry in enum.entries)}
+    return used | large
+
+
+def _message(message: MessageDefinition, class_name: str, enums: dict[str, str]) -> dict[str, Any]:
+    names = distinct((pascal_field(field.name) for field in message.fields), {*MEMBERS, class_name})
+    fields = {}
+    for field, name in zip(message.fields, names, strict=True):
+        done = access(field, name, enums.get(field.enum))
+        units = f" [{field.units}]" if field.units else ""
+        fields[field.name] = {
+            "name": name,
+            "type": done.type,
+            "initial": done.initial,
+            "decode": done.decode,
+            "encode": done.encode,
+            "comment": comment(f"{field.description or field.name}{units}"),
+        }
+    return {
+        "name": message.name,
+        "class_name": class_name,
+        "id": message.id,
+        "length": message.length,
+        "base_length": message.base_length,
+        "crc_extra": message.crc_extra,
+        "title": comment(f"{message.name} ({message.id}): {message.description}".rstrip(": ")),
+        "obsolete": _obsolete(message),
+        "infos": "".join(_info(message)),
+        "fields": list(fields.values()),
+        "wire": [fields[field.name] for field in message.wire_order],
+    }
+
+
+def _obsolete(message: MessageDefinition) -> str:
+    if message.deprecated is None:
+        return ""
+    replaced = message.deprecated.replaced_by
+    return _escaped(f"since {message.deprecated.since}{f', replaced by {replaced}' if replaced else ''}")
+
+
+def _info(message: MessageDefinition) -> Iterator[str]:
+    for field in message.fields:
+        texts = f'"{_escaped(field.units)}", "{field.enum}"'
+        place = f"{field.offset}, {field.array_length}, {'true' if field.extension else 'false'}"
+        kind = f"FieldType.{TYPES[field.type][1]}"
+        yield f',\n            new FieldInfo("{field.name}", {kind}, {place}, {texts})'
+
+
+def _enum(enum: EnumDefinition, class_name: str, members: dict[str, str], *, wide: bool) -> dict[str, Any]:
+    names = dict(zip(members, distinct(map(pascal_field, members.values())), strict=True))
+    entries = [
+        {
+            "name": names[entry.name],
+            "value": entry.value,
+            "comment": comment(f"{entry.name} ({entry.value}): {entry.description}".rstrip(": ")),
+        }
+        for entry in enum.entries
+    ]
+    return {
+        "class_name": class_name,
+        "title": comment(f"{enum.name}: {enum.description}".rstrip(": ")),
+        "type": "ulong" if wide else "uint",
+        "bitmask": enum.bitmask,
+        "entries": entries,
+    }
+
+
+def _escaped(text: str) -> str:
+    return one_line(text.replace("\\", "\\\\").replace('"', '\\"'))
+
+
+def comment(text: str) -> str:
+    """Return a text for a documentation comment, which is XML."""
+    return escape(one_line(text), quote=False)
+
+
+LANGUAGE: Final = Language("csharp", "C# (.NET Standard 2.0)", render, CSHARP_WORDS)
