@@ -22,7 +22,18 @@ if TYPE_CHECKING:
 ENTRY_POINTS: Final = "mavstack.code_generators"
 
 #: The built-in languages: packages below `mavstack.codegen.languages`, each with an object LANGUAGE.
-LANGUAGES: Final[tuple[str, ...]] = ("c", "cpp11", "python", "typescript", "java", "lua", "wireshark", "rust", "go", "csharp")
+LANGUAGES: Final[tuple[str, ...]] = (
+    "c",
+    "cpp11",
+    "python",
+    "typescript",
+    "java",
+    "lua",
+    "wireshark",
+    "rust",
+    "go",
+    "csharp",
+)
 
 
 @dataclass(frozen=True, slots=True)
