@@ -35,4 +35,5 @@ def test_built_in_languages_are_complete(name):
     assert isinstance(found, Language)
     assert found.name == name
     assert found.title
-    assert found.reserved_words
+    # Names are data in the dissector.
+    assert found.reserved_words or name == "wireshark"
