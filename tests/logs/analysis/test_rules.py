@@ -243,6 +243,10 @@ def test_a_failsafe_that_ended_or_kept_the_vehicle_on_the_ground_is_none(finding
     assert findings_of(during(30, 30.1, texts=((6, text),))) == {}
 
 
+def test_a_vehicle_without_satellites_needs_none(findings_of):
+    assert findings_of(during(0, 60, fix=0, satellites=0, hdop=99.0)) == {}
+
+
 def test_noise_of_the_position_is_no_jump(findings_of):
     assert findings_of(during(30, 30.1, north=40.0)) == {}, "20 m in a tenth of a second"
 

@@ -73,3 +73,18 @@ def test_the_name_of_a_table_leads_nowhere(tmp_path, name, target):
         path.resolve(),
         written.resolve(),
     ]
+
+
+def test_values_from_before_the_start_do_not_lengthen_the_log(tmp_path):
+    builder = UlogBuilder(start_us=20_000_000).flags()
+    builder.formats("t:uint64_t timestamp;").subscribe(0, "t")
+    for time in (0, 1_400_000, 20_000_000, 25_000_000):
+        builder.record(0, "Q", time)
+    path = tmp_path / "log.ulg"
+    path.write_bytes(builder.data)
+    log = open_log(path)
+    assert (log.time_span, log.duration) == ((20.0, 25.0), 5.0)
+    assert len(log["t"]) == 4
+    early = UlogBuilder(start_us=99_000_000).flags().formats("t:uint64_t timestamp;").subscribe(0, "t")
+    path.write_bytes(early.record(0, "Q", 7).data)
+    assert open_log(path).duration == 0.0

@@ -29,9 +29,14 @@ _RATIO_TIME: Final = 1.0
 
 
 def gps_quality(flight: Flight) -> Iterator[Finding]:
-    """Look for a lost 3D fix (critical), fewer than 6 satellites or an HDOP above 2 (warnings) in flight."""
+    """Look for a lost 3D fix (critical), fewer than 6 satellites or an HDOP above 2 (warnings) in flight.
+
+    A vehicle that never has a fix while armed flies without satellites: indoors, or under water.
+    """
     fix = flight.armed_signal("gps_fix")
-    if fix is not None and (fix.values >= _FIX_3D).any() and (fix.values < _FIX_3D).any():
+    if fix is not None and not (fix.values >= _FIX_3D).any():
+        return
+    if fix is not None and (fix.values < _FIX_3D).any():
         lost = float(fix.times[fix.values < _FIX_3D][0])
         text = "The receiver of satellite navigation lost its 3D fix while the vehicle was armed."
         share = float((fix.values < _FIX_3D).mean())

@@ -87,7 +87,9 @@ def flight_facts(flight: Flight) -> dict[str, float]:
     if current is not None and len(current) > 1:
         # A gap in the log is no consumption.
         steps = np.clip(np.diff(current.times), 0, 5)
-        facts["used_mah"] = float((current.values[:-1] * steps).sum() / 3.6)
+        used = float((current.values[:-1] * steps).sum() / 3.6)
+        # A sensor that is not connected may measure a negative current.
+        facts |= {"used_mah": used} if used >= 0 else {}
     return {name: round(value, 3) for name, value in facts.items()}
 
 

@@ -242,9 +242,15 @@ class ULog(Log):
 
     @property
     def time_span(self) -> tuple[float, float] | None:
-        """Earliest and latest time of a record in seconds, in UTC or since boot; None without records."""
+        """Start of the log and latest time of a record in seconds, UTC or since boot; None without records.
+
+        A logger also writes the last values from before its start, some of them with the time 0.
+        """
         span, offset = self._index.time_span, self._time_base.offset_us or 0
-        return None if span is None else ((span[0] + offset) / 1e6, (span[1] + offset) / 1e6)
+        if span is None:
+            return None
+        first = min(max(span[0], self._index.start_time), span[1])
+        return (first + offset) / 1e6, (span[1] + offset) / 1e6
 
     def boot_times(self, name: str, table: MessageTable) -> NDArray[np.float64] | None:
         """Return the field `timestamp` of each row, NaN in a topic without it; see `Log.boot_times`."""
