@@ -54,6 +54,7 @@ FORMATS: Final[Mapping[str, str]] = MappingProxyType(
         "raw": "packets:RAW",
         "pcap": "pcap:PCAP",
         "ulog": "ulog:ULOG",
+        "blackbox": "blackbox:BLACKBOX",
     }
 )
 

@@ -26,7 +26,10 @@ _EARTH_RADIUS: Final = 6_371_008.8  # metres, mean
 
 
 class _Source(NamedTuple):
-    """A table with positions; factors convert to degrees and metres, `fix` must be at least `min_fix`."""
+    """A table with positions; factors convert to degrees and metres, `fix` must be at least `min_fix`.
+
+    A factor of 0 stands for the multiplier of the table's schema.
+    """
 
     table: str
     latitude: str
@@ -56,6 +59,7 @@ _SOURCES: Final = (
     _Source("sensor_gps", "latitude_deg", "longitude_deg", "altitude_msl_m", fix="fix_type"),
     _Source("sensor_gps", "lat", "lon", "alt", 1e-7, 1e-3, "fix_type"),
     _Source("AHR2", "Lat", "Lng", "Alt"),
+    _Source("GPS", "GPS_coord[0]", "GPS_coord[1]", "GPS_altitude", 1e-7, 0.0),
 )
 
 
@@ -166,7 +170,8 @@ def _track(
 ) -> Track:
     latitudes = np.asarray(table[source.latitude]).astype(np.float64) * source.degrees
     longitudes = np.asarray(table[source.longitude]).astype(np.float64) * source.degrees
-    altitudes = np.asarray(table[source.altitude]).astype(np.float64) * source.metres
+    metres = source.metres or table.schema[source.altitude].multiplier
+    altitudes = np.asarray(table[source.altitude]).astype(np.float64) * metres
     valid = rows & ((latitudes != 0) | (longitudes != 0)) & np.isfinite(times)
     valid &= (np.abs(latitudes) <= 90) & (np.abs(longitudes) <= 180) & np.isfinite(altitudes)
     if source.fix:
