@@ -5,11 +5,13 @@ from __future__ import annotations
 import mmap
 import os
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
 
 from mavstack.errors import LogError
+from mavstack.logs import log_bytes
 from mavstack.logs.log_bytes import LogBytes
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="Windows refuses to truncate a mapped file")
@@ -45,6 +47,33 @@ def test_a_file_that_is_open_for_writing_is_copied(path):
         writer.truncate(0)
         with source.access() as again:
             assert again is data
+
+
+@pytest.mark.parametrize("leased", [True, False])
+def test_a_large_file_without_a_lease_is_copied_to_a_file_without_a_name(path, tmp_path, monkeypatch, leased):
+    monkeypatch.setattr(log_bytes, "_MAX_MEMORY", 1000)
+    monkeypatch.setattr(log_bytes, "_READ_SIZE", 512)
+    if leased:
+        monkeypatch.setattr(log_bytes, "_MAX_LEASED_SIZE", 1000)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    with path.open("r+b" if not leased else "rb") as other:
+        source = LogBytes(path)
+        with source.access() as data:
+            assert isinstance(data, mmap.mmap)
+        assert list(tmp_path.iterdir()) == [path]
+        if not leased:
+            other.truncate(0)
+        source.release()
+        with source.access() as again:
+            assert again is data
+            assert again[:] == b"packets" * 1000
+
+
+def test_a_copy_that_finds_no_room_is_told(path, tmp_path, monkeypatch):
+    monkeypatch.setattr(log_bytes, "_MAX_MEMORY", 1000)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "missing"))
+    with path.open("r+b"), pytest.raises(LogError, match=r"cannot be copied to .*missing: No such file"):
+        LogBytes(path).access().__enter__()
 
 
 def test_a_truncated_file_raises(path):

@@ -4,7 +4,8 @@ Reading a mapped byte beyond the end of a truncated file kills the process (SIGB
 before the access prevents it. Therefore the mapping is read only under a read lease: Linux grants one while
 no descriptor is open for writing, and makes a process that wants to truncate or write wait until the lease is
 released. Where no lease is granted (a log that is still being written, a file of another user, a network file
-system, another Unix) the bytes are read into memory. Windows refuses to truncate a mapped file.
+system, another Unix) the bytes are copied: those of a small file into memory, those of a large one into a
+temporary file without a name, which is mapped. Windows refuses to truncate a mapped file.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import os
 import signal
 import stat
 import sys
+import tempfile
 import weakref
 from contextlib import contextmanager
 from pathlib import Path
@@ -29,6 +31,8 @@ if TYPE_CHECKING:
 #: A lease ends 45 s after another process asked for the file: a larger file might take longer to read.
 _MAX_LEASED_SIZE: Final = 1 << 32
 _READ_SIZE: Final = 1 << 26
+#: Size up to which a copy is in memory.
+_MAX_MEMORY: Final = 1 << 26
 #: FIFOs without a writer would block; devices of serial ports would become the controlling terminal.
 _OPEN_FLAGS: Final = (
     os.O_RDONLY
@@ -66,7 +70,7 @@ class LogBytes:
             raise LogError(f"cannot open {path}: not a regular file")
         self.size = status.st_size
         self._map: mmap.mmap | None = None
-        self._copy: bytes | None = None if self.size else b""
+        self._copy: mmap.mmap | bytes | None = None if self.size else b""
 
     @contextmanager
     def access(self) -> Iterator[mmap.mmap | bytes]:
@@ -93,8 +97,9 @@ class LogBytes:
     def release(self) -> None:
         """Give back the memory of the mapped file; a later access reads it again."""
         with self._lock:
-            if self._map is not None:
-                release(self._map, 0, self.size)
+            for data in (self._map, self._copy):
+                if data is not None:
+                    release(data, 0, self.size)
 
     def read_into(self, offset: int, buffer: memoryview) -> None:
         """Copy bytes of the file into a buffer; the rest of the file needs no memory.
@@ -142,19 +147,35 @@ class LogBytes:
                 raise LogError(f"cannot map {self.path}: {error}") from error
         return self._map
 
-    def _read(self) -> bytes:
-        pieces, left = [], self.size
+    def _read(self) -> mmap.mmap | bytes:
+        if self.size > _MAX_MEMORY:
+            return self._temporary()
         try:
-            with open(self._descriptor, "rb", buffering=0, closefd=False) as file:
-                file.seek(0)
-                while left and (piece := file.read(min(left, _READ_SIZE))):
-                    pieces.append(piece)
-                    left -= len(piece)
-            if left:
-                raise self._truncated()
-            return b"".join(pieces)
+            return b"".join(self._pieces())
         except (OSError, MemoryError) as error:
             raise LogError(f"cannot read {self.path}: {error or 'not enough memory'}") from error
+
+    def _temporary(self) -> mmap.mmap:
+        """Return the bytes of a file without a name, which no other process can open."""
+        try:
+            with tempfile.TemporaryFile() as copy:
+                for piece in self._pieces():
+                    copy.write(piece)
+                copy.flush()
+                return mmap.mmap(copy.fileno(), self.size, access=mmap.ACCESS_READ)
+        except OSError as error:
+            reason = f"it may change, and cannot be copied to {tempfile.gettempdir()}"
+            raise LogError(f"cannot read {self.path}: {reason}: {error.strerror or error}") from error
+
+    def _pieces(self) -> Iterator[bytes]:
+        left = self.size
+        with open(self._descriptor, "rb", buffering=0, closefd=False) as file:
+            file.seek(0)
+            while left and (piece := file.read(min(left, _READ_SIZE))):
+                yield piece
+                left -= len(piece)
+        if left:
+            raise self._truncated()
 
     def _truncated(self) -> LogError:
         return LogError(f"cannot read {self.path}: it was truncated since it was opened; open it again")

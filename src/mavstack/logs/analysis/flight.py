@@ -137,7 +137,8 @@ class Flight:
             times = np.array(boot, np.float64) / 1e6
         else:
             times = unix_seconds(np.array([record.time for record in records], "M8[us]"))
-        return (times - self.start).tolist()
+        seconds: list[float] = (times - self.start).tolist()
+        return seconds
 
 
 def flights(log: Log) -> list[Flight]:

@@ -13,6 +13,7 @@ from mavstack.dialects import common
 from mavstack.logs.packets.pcap import CaptureLog
 from tests.logs.conformance import LogConformance
 from tests.logs.files import encoded
+from tests.logs.formats.test_packets import MESSAGES
 from tests.logs.packets.pcap.captures import (
     CLIENT,
     SERVER,
@@ -26,7 +27,6 @@ from tests.logs.packets.pcap.captures import (
     tcp,
     udp,
 )
-from tests.logs.packets.test_formats import MESSAGES
 
 FOLDER = Path(os.environ.get("MAVSTACK_REALDATA", "/nonexistent"))
 TCP_CAPTURE = FOLDER / "pymavlink_command_long_over_tcp.pcapng"
