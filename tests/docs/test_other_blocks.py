@@ -24,7 +24,21 @@ from tests.docs.blocks import BLOCKS, ROOT, comparison_rows
 if TYPE_CHECKING:
     from pathlib import Path
 
-KNOWN_LANGUAGES = {"csharp", "go", "java", "lua", "python", "rust", "sh", "sql", "text", "toml", "ts", "xml"}
+KNOWN_LANGUAGES = {
+    "csharp",
+    "go",
+    "java",
+    "lua",
+    "python",
+    "rust",
+    "sh",
+    "sql",
+    "swift",
+    "text",
+    "toml",
+    "ts",
+    "xml",
+}
 RECORDING = ROOT / "tests" / "recordings" / "flight.tlog"
 
 

@@ -33,6 +33,9 @@ LANGUAGES: Final[tuple[str, ...]] = (
     "rust",
     "go",
     "csharp",
+    "rust",
+    "go",
+    "swift",
 )
 
 
