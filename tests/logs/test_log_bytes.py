@@ -69,7 +69,7 @@ def test_a_large_file_without_a_lease_is_copied_to_a_file_without_a_name(path, t
             assert again[:] == b"packets" * 1000
 
 
-def test_a_copy_that_finds_no_room_is_told(path, tmp_path, monkeypatch):
+def test_a_copy_that_finds_no_room_is_reported(path, tmp_path, monkeypatch):
     monkeypatch.setattr(log_bytes, "_MAX_MEMORY", 1000)
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "missing"))
     with path.open("r+b"), pytest.raises(LogError, match=r"cannot be copied to .*missing: No such file"):
