@@ -33,8 +33,6 @@ LANGUAGES: Final[tuple[str, ...]] = (
     "rust",
     "go",
     "csharp",
-    "rust",
-    "go",
     "swift",
 )
 
