@@ -6,7 +6,6 @@ usual LOG_BITMASK, with random values. numpy writes it; neither reader takes par
 
 from __future__ import annotations
 
-from collections import defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
@@ -16,6 +15,7 @@ import mavstack
 
 from .measure import PYMAVLINK
 from .onboard_logs import OnboardLog, measure
+from .peers_pymavlink import gather
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -134,17 +134,7 @@ def pymavlink_columns(path: Path) -> dict[str, dict[str, NDArray[Any]]]:
     """Decode a log to columns with pymavlink: all messages and all fields."""
     from pymavlink import DFReader
 
-    log = DFReader.DFReader_binary(str(path))
-    lists: dict[str, dict[str, list[Any]]] = defaultdict(lambda: defaultdict(list))
-    while (message := log.recv_msg()) is not None:
-        table = lists[message.get_type()]
-        for name in message.get_fieldnames():
-            table[name].append(getattr(message, name))
-    log.close()
-    return {
-        message: {name: np.array(column) for name, column in table.items()}
-        for message, table in lists.items()
-    }
+    return gather(DFReader.DFReader_binary(str(path)), times=False)
 
 
 def our_columns(path: Path, threads: int = 0) -> dict[str, Any]:

@@ -82,11 +82,16 @@ def columns(path: Path) -> dict[str, dict[str, NDArray[Any]]]:
     """Decode a tlog to columns: all messages, all fields and the times."""
     os.environ["MAVLINK20"] = "1"
     mavutil = importlib.import_module("pymavlink.mavutil")
-    log = mavutil.mavlink_connection(str(path), dialect="ardupilotmega")
+    return gather(mavutil.mavlink_connection(str(path), dialect="ardupilotmega"), times=True)
+
+
+def gather(log: Any, *, times: bool) -> dict[str, dict[str, NDArray[Any]]]:  # noqa: ANN401 (pymavlink has no types)
+    """Read a log of pymavlink to columns: all messages and all fields, with or without the times."""
     lists: dict[str, dict[str, list[Any]]] = defaultdict(lambda: defaultdict(list))
     while (message := log.recv_msg()) is not None:
         table = lists[message.get_type()]
-        table["_timestamp"].append(message._timestamp)  # noqa: SLF001 (pymavlink's only name for it)
+        if times:
+            table["_timestamp"].append(message._timestamp)  # noqa: SLF001 (pymavlink's only name for it)
         for name in message.get_fieldnames():
             table[name].append(getattr(message, name))
     log.close()

@@ -88,3 +88,19 @@ def test_values_from_before_the_start_do_not_lengthen_the_log(tmp_path):
     early = UlogBuilder(start_us=99_000_000).flags().formats("t:uint64_t timestamp;").subscribe(0, "t")
     path.write_bytes(early.record(0, "Q", 7).data)
     assert open_log(path).duration == 0.0
+
+
+def test_a_value_of_an_earlier_boot_is_no_end(tmp_path):
+    builder = UlogBuilder(start_us=20_000_000).flags()
+    builder.formats("t:uint64_t timestamp;", "mission:uint64_t timestamp;")
+    builder.subscribe(0, "t").subscribe(1, "mission").record(1, "Q", 1_194_000_000)
+    for number in range(60):
+        builder.record(0, "Q", 20_000_000 + number * 100_000)
+    path = tmp_path / "log.ulg"
+    path.write_bytes(builder.data)
+    assert open_log(path).time_span == (20.0, 25.9)
+    builder.record(1, "Q", 27_000_000)
+    path.write_bytes(
+        builder.data.replace((1_194_000_000).to_bytes(8, "little"), (21_000_000).to_bytes(8, "little"))
+    )
+    assert open_log(path).time_span == (20.0, 27.0), "a rare topic may end later"

@@ -19,9 +19,10 @@ from mavstack.errors import LogError
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
+    from typing import Any
 
     from mavstack.logs.log import Log
-    from mavstack.logs.message_table import MessageTable
+    from mavstack.logs.message_table import Arrays, MessageTable
 
     #: Called with the bytes of the log that were read, and with its size.
     Progress: TypeAlias = Callable[[int, int], None] | None
@@ -148,6 +149,47 @@ class TableWriter(ExportWriter):
 def nothing_to_write(log: Log) -> LogError:
     """Return the error about a log without any row."""
     return LogError(f"{log.path}: there is nothing to write; skipped: {log.skipped.describe()}")
+
+
+class TableFilesWriter(TableWriter):
+    """Writes a file for each table. A format implements `open_file`, and sets `suffix` and `arrays`."""
+
+    suffix = ""
+    arrays: Arrays = "lists"
+
+    def __init__(self, log: Log, path: Path, options: ExportOptions) -> None:
+        super().__init__(log, path, options)
+        self._files: dict[str, tuple[PartFile, Any]] = {}
+
+    @abstractmethod
+    def open_file(self, path: Path, schema: Any) -> Any:  # noqa: ANN401 (pyarrow has no types)
+        """Open a file whose object has `write_table` and `close`.
+
+        Args:
+            path: The file.
+            schema: The Arrow schema of the table.
+        """
+
+    def write(self, tables: Mapping[str, MessageTable]) -> None:
+        """Write the next rows; see `TableWriter.write`."""
+        for name, table in tables.items():
+            rows = table.to_arrow(self.arrays, scaled=self.options.scaled, enums=self.options.enums)
+            if name not in self._files:
+                file = PartFile(self.path / f"{file_stem(name)}{self.suffix}")
+                self._files[name] = file, self.open_file(file.temporary, rows.schema)
+            self._files[name][1].write_table(rows)
+
+    def finish(self) -> list[Path]:
+        """Complete the files; see `ExportWriter.finish`."""
+        for _, writer in self._files.values():
+            writer.close()
+        return [file.complete() for file, _ in self._files.values()]
+
+    def discard(self) -> None:
+        """Remove incomplete files; see `ExportWriter.discard`."""
+        for file, writer in self._files.values():
+            writer.close()
+            file.discard()
 
 
 def file_stem(table: str) -> str:

@@ -41,6 +41,11 @@ if TYPE_CHECKING:
 
 #: Size of a file in bytes from which the positions of its records are not kept until a table is decoded.
 _MAX_STORED: Final = 1 << 30
+#: Rows from which a topic is regular, and the number of regular topics, those with the fewest rows, whose
+#: ends are compared with that of all records. An end later by more microseconds is that of another boot.
+_REGULAR: Final = 50
+_COMPARED: Final = 5
+_MAX_AHEAD_US: Final = 60_000_000
 
 
 class ULog(Log):
@@ -244,13 +249,26 @@ class ULog(Log):
     def time_span(self) -> tuple[float, float] | None:
         """Start of the log and latest time of a record in seconds, UTC or since boot; None without records.
 
-        A logger also writes the last values from before its start, some of them with the time 0.
+        A logger also writes the last values from before its start, some of them with the time 0, or with that
+        of an earlier boot, as a mission that was stored then.
         """
         span, offset = self._index.time_span, self._time_base.offset_us or 0
         if span is None:
             return None
-        first = min(max(span[0], self._index.start_time), span[1])
-        return (first + offset) / 1e6, (span[1] + offset) / 1e6
+        last = span[1] if span[1] <= self._usual_end + _MAX_AHEAD_US else self._usual_end
+        first = min(max(span[0], self._index.start_time), last)
+        return (first + offset) / 1e6, (last + offset) / 1e6
+
+    @cached_property
+    def _usual_end(self) -> int:
+        """Latest time in some regular topics, in microseconds since boot; without such topics that of all."""
+        span = self._index.time_span
+        if span is None or not self._index.has_positions:
+            return 0 if span is None else span[1]
+        regular = sorted((count, name) for name, count in self._counts.items() if count >= _REGULAR)
+        tables = self._decode_boot([name for _, name in regular[:_COMPARED]], None).values()
+        ends = [int(table["timestamp"].max()) for table in tables if table.has_number("timestamp")]
+        return max(ends, default=span[1])
 
     def boot_times(self, name: str, table: MessageTable) -> NDArray[np.float64] | None:
         """Return the field `timestamp` of each row, NaN in a topic without it; see `Log.boot_times`."""
