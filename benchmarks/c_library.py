@@ -67,6 +67,24 @@ def build(definitions: Path) -> CProgram:
     return CProgram(program, f"gcc {version.stdout.strip()} {FLAGS[0]}")
 
 
+def build_ours(program: CProgram, folder: Path) -> CProgram:
+    """Compile the same program with the headers that `mav gen c` makes of the dialect.
+
+    Args:
+        program: The program with mavgen's headers.
+        folder: A folder for our headers.
+    """
+    from mavstack.codegen import generate, make_library, write_files
+    from mavstack.dialects import Dialect
+
+    write_files(generate(make_library(Dialect.load(DIALECT)), "c"), folder)
+    decode = (program.path.parent / DIALECT / "decode.h").read_text()
+    (folder / DIALECT / "decode.h").write_text(decode)
+    target = folder / "peer"
+    _compile(shutil.which("gcc") or "gcc", folder, target)
+    return CProgram(target, program.compiler)
+
+
 def _digest(definitions: Path) -> str:
     digest = hashlib.sha256()
     sources = [*sorted(definitions.glob("*.xml")), HERE / "peer.c", HERE / "c_library.py", HERE / "mix.py"]
@@ -88,7 +106,7 @@ def _generate(main: Path, target: Path) -> None:
 
 
 def _compile(compiler: str, target: Path, program: Path) -> None:
-    command = [compiler, *FLAGS, "-I", str(target / DIALECT), str(HERE / "peer.c"), "-o", str(program)]
+    command = [compiler, *FLAGS, "-I", str(target / DIALECT), str(HERE / "peer.c"), "-o", str(program), "-lm"]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     if result.returncode:
         raise PeerMissingError(f"gcc failed: {result.stderr.strip().splitlines()[:1]}")

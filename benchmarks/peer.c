@@ -1,6 +1,7 @@
 /* The C side of the benchmark: the library that mavgen generates, used as its headers document.
  *
  *   peer live|tlog|signed FILE COUNT     every byte through mavlink_parse_char
+ *   peer buffer FILE COUNT               16 KiB at a time through mavlink_parse_buffer: our headers only
  *   peer encode COUNT                    ATTITUDE through mavlink_msg_attitude_pack_chan
  *
  * The file is read into memory first, a tenth of the work is done as a warm-up, and only then is the
@@ -66,6 +67,25 @@ static tally_t live(buffer_t input, long count) {
     }
     return tally;
 }
+
+#ifdef MAVLINK_PARSER_H
+/* The same in chunks. */
+static tally_t buffer(buffer_t input, long count) {
+    mavlink_parser_t parser;
+    mavlink_message_t message;
+    tally_t tally = {0, 0.0};
+    mavlink_parser_init(&parser);
+    for (size_t at = 0; at < input.size && tally.messages < count; at += 16384) {
+        const uint8_t *bytes = input.bytes + at;
+        size_t size = input.size - at < 16384 ? input.size - at : 16384;
+        while (tally.messages < count && mavlink_parse_buffer(&parser, &bytes, &size, &message)) {
+            tally.sum += read_three(&message);
+            tally.messages++;
+        }
+    }
+    return tally;
+}
+#endif
 
 /* A telemetry log, every message decoded into its struct, all fields. */
 static tally_t tlog(buffer_t input, long count) {
@@ -135,6 +155,9 @@ int main(int argc, char **argv) {
     long count = atol(argv[argc - 1]);
     tally_t (*work)(buffer_t, long) = encoding                        ? encode
                                       : strcmp(argv[1], "live") == 0 ? live
+#ifdef MAVLINK_PARSER_H
+                                      : strcmp(argv[1], "buffer") == 0 ? buffer
+#endif
                                       : strcmp(argv[1], "tlog") == 0 ? tlog
                                                                      : verify;
     work(input, count / 10 + 1);

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 KNOWN_LANGUAGES = {
+    "c",
+    "cpp",
     "csharp",
     "go",
     "java",

@@ -35,6 +35,7 @@ LANGUAGES: Final[tuple[str, ...]] = (
     "csharp",
     "swift",
 )
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from hashlib import sha256
 
 import pytest
 
@@ -12,6 +13,7 @@ from mavstack.dialects.tables import official_names
 from tests.codegen.compilers import needs
 from tests.codegen.conformance import check_runner
 from tests.codegen.languages.compiling import C99, RUNNERS, build, build_runner, run, write_library
+from tests.codegen.languages.libraries import check_ground_station, check_signing, guide_programs
 
 DEFINITION = """<mavlink><enums><enum name="BIG" bitmask="true">
 <entry value="1" name="BIG_LOW"/><entry value="2147483648" name="BIG_HIGH"/></enum></enums><messages>
@@ -84,6 +86,23 @@ def test_common_passes_the_corpus_with_gcc(common):
 @pytest.mark.smoke
 def test_a_program_for_the_official_library_runs(common):
     assert run(program(needs("gcc"), common, "common", *C99)) == "752 packets\n"
+
+
+@pytest.mark.interop
+@pytest.mark.smoke
+def test_hashes_of_all_lengths(common):
+    output = run(build(needs("gcc"), RUNNERS / "c" / "hashes.c", common / "hashes", *C99))
+    data = bytes(index % 256 for index in range(300))
+    assert output.split() == [sha256(data[:length]).hexdigest()[:12] for length in range(301)]
+
+
+@pytest.mark.interop
+def test_the_programs_of_the_guide_run(common):
+    flags = ("-std=gnu99", *C99[1:])
+    for path in guide_programs("generate-c.md", common):
+        build(needs("gcc"), path, path.with_suffix(""), *flags)
+    check_ground_station([str(common / "ground")])
+    check_signing([str(common / "signed")])
 
 
 @pytest.mark.interop

@@ -12,6 +12,7 @@ from mavstack.dialects.tables import official_names
 from tests.codegen.compilers import needs
 from tests.codegen.conformance import check_runner
 from tests.codegen.languages.compiling import RUNNERS, WARNINGS, build, run, write_library
+from tests.codegen.languages.libraries import check_ground_station, guide_programs
 
 COMMON = Dialect.load("common")
 
@@ -75,6 +76,15 @@ def test_common_passes_the_corpus(common):
     runner = build_runner(needs("g++"), "common", common, "-std=c++11", "-O0")
     for chunk in ("1", "64"):
         check_runner([runner, chunk], "common")
+
+
+@pytest.mark.interop
+def test_the_programs_of_the_guide_run(common):
+    for path in guide_programs("generate-cpp.md", common):
+        standard = "-std=c++17" if path.stem == "variants" else "-std=c++11"
+        build(needs("g++"), path, path.with_suffix(""), standard, *WARNINGS)
+    check_ground_station([str(common / "ground")])
+    assert run(common / "variants") == "GPS_RAW_INT 473977420\n"
 
 
 @pytest.mark.interop
