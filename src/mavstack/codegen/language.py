@@ -35,7 +35,6 @@ LANGUAGES: Final[tuple[str, ...]] = (
     "csharp",
     "swift",
 )
-)
 
 
 @dataclass(frozen=True, slots=True)
