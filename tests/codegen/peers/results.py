@@ -1,0 +1,89 @@
+"""The peers: how each is built, run over the corpus, and compared."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mavstack import dialects
+from tests.codegen.compilers import needs
+from tests.codegen.conformance import Result, run
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+HERE = Path(__file__).parent
+DEFINITIONS = Path(dialects.__file__).parent / "definitions"
+
+
+@dataclass(frozen=True)
+class Peer:
+    """A library and its runner.
+
+    Attributes:
+        name: Name of the library.
+        command: Builds the runner for a dialect in a folder and returns its command line.
+        min_repacked: Number of messages of common whose packets have the same bytes when packed again.
+    """
+
+    name: str
+    command: Callable[[str, Path], list[str]]
+    min_repacked: int
+
+    def run(self, dialect: str, folder: Path) -> list[Result]:
+        """Build the runner in a folder, and run it over the corpus."""
+        return run(self.command(dialect, folder), dialect)
+
+
+def lines(result: Result, kind: str) -> tuple[list[str], list[str]]:
+    """Return the expected and the printed lines of a kind."""
+    expected = [line for line in result.expected if line.startswith(f"{kind} ")]
+    return expected, [line for line in result.printed if line.startswith(f"{kind} ")]
+
+
+def found(result: Result) -> bool:
+    """Return whether the peer found the right packets with the right fields."""
+    expected, printed = lines(result, "packet")
+    return expected == printed
+
+
+def repacked(result: Result) -> bool:
+    """Return whether the peer also packs the messages to the same bytes."""
+    expected, printed = lines(result, "packed")
+    return found(result) and expected == printed
+
+
+def mavgen(language: str, dialect: str, output: Path) -> None:
+    """Generate with pymavlink's mavgen from our definitions."""
+    command = [sys.executable, "-m", "pymavlink.tools.mavgen", "--no-validate", "--wire-protocol", "2.0"]
+    definition = DEFINITIONS / f"{dialect}.xml"
+    subprocess.run(
+        [*command, "--lang", language, "-o", str(output), str(definition)],
+        check=True,
+        capture_output=True,
+        timeout=100,
+    )
+
+
+def pymavlink(dialect: str, folder: Path) -> list[str]:
+    module = folder / f"{dialect}.py"
+    mavgen("Python", dialect, module)
+    return [sys.executable, str(HERE / "pymavlink_runner.py"), str(module)]
+
+
+def mavgen_c(dialect: str, folder: Path) -> list[str]:
+    mavgen("C", dialect, folder)
+    program, header = folder / "runner", f'-DDIALECT_HEADER="{dialect}/mavlink.h"'
+    source = HERE / "mavgen_runner.c"
+    subprocess.run(
+        [needs("gcc"), "-std=gnu11", "-O1", "-w", f"-I{folder}", header, str(source), "-o", str(program)],
+        check=True,
+        timeout=100,
+    )
+    return [str(program)]
+
+
+PEERS = (Peer("pymavlink", pymavlink, 150), Peer("mavgen C", mavgen_c, 0))
