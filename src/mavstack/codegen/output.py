@@ -68,8 +68,11 @@ def write_files(
 
     Raises:
         FileExistsError: A file exists that was not generated, and `overwrite` is false; nothing was written.
+        NotADirectoryError: The folder is a file.
         OSError: A file cannot be written or removed.
     """
+    if Path(folder).exists() and not Path(folder).is_dir():
+        raise NotADirectoryError(errno.ENOTDIR, "is a file, not a folder", str(folder))
     outdated = outdated_files(files, folder)
     texts = {Path(folder, file.path): file.text for file in files}
     if not overwrite:

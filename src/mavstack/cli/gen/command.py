@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.options import load_dialect
 from mavstack.cli.common.output import echo, echo_json
-from mavstack.errors import InvalidArgumentError
+from mavstack.errors import InvalidArgumentError, MissingExtraError
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 EXAMPLES: Final = """\
 examples:
   mav gen --list                                    # the languages
+  mav gen --ui                                      # a form on the terminal
   mav gen c common -o include                       # header-only C99: #include "common/mavlink.h"
   mav gen typescript mine.xml -o mavlink-ts         # a custom dialect, with the files that it includes
   mav gen c common --only HEARTBEAT,ATTITUDE,GPS* -o include   # a few messages, for a small device
@@ -46,6 +48,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--check", action="store_true", help="write nothing; exit with 1 if a file is out of date"
     )
     parser.add_argument("--force", action="store_true", help="overwrite files that mav gen did not write")
+    parser.add_argument("--ui", action="store_true", help="choose everything in a form on the terminal")
     parser.add_argument("--list", action="store_true", help="list the languages")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
@@ -54,6 +57,8 @@ def run(arguments: Namespace) -> int:
     """Run `mav gen`."""
     if arguments.list:
         return _list(arguments)
+    if arguments.ui:
+        return _show_form(arguments)
     if not (arguments.language and arguments.dialect and arguments.output):
         raise UsageError("name a language, a dialect and a folder: mav gen c common -o include")
     from mavstack.codegen import outdated_files, write_files
@@ -87,6 +92,27 @@ def _generate(arguments: Namespace) -> list[GeneratedFile]:
         return generate(library, arguments.language)
     except InvalidArgumentError as error:
         raise UsageError(str(error)) from None
+
+
+def _show_form(arguments: Namespace) -> int:
+    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+        raise UsageError("--ui needs a terminal")
+    try:
+        from mavstack.cli.gen.window import GenerationWindow
+    except ImportError:
+        raise MissingExtraError("mav gen --ui", "tui") from None
+    from mavstack.codegen.form import GenerationForm
+
+    form = GenerationForm(
+        dialect=arguments.dialect or "common",
+        languages=(arguments.language,) if arguments.language else (),
+        folder=arguments.output or "",
+        only=arguments.only,
+        exclude=arguments.exclude,
+        package=arguments.package,
+        overwrite=arguments.force,
+    )
+    return GenerationWindow(form).run() or 0
 
 
 def _words(text: str) -> list[str]:
