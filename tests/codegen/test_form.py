@@ -7,7 +7,7 @@ from mavstack.codegen.form import GenerationForm
 pytestmark = pytest.mark.usefixtures("plugins")
 
 
-def test_an_empty_form_says_what_is_missing():
+def test_an_empty_form_has_problems():
     assert GenerationForm().problems == {"languages": "choose a language", "folder": "name a folder"}
 
 

@@ -23,6 +23,7 @@ MAX_MODULE_LINES, MAX_FUNCTION_LINES = 400, 60
 #: Folders of tests by subject.
 SUBJECT_FOLDERS = {
     "attacks",
+    "codegen/peers",
     "docs",
     "interop",
     "realdata",

@@ -81,9 +81,9 @@ class GenerationForm:
             dialect = load_dialect(self.dialect)
         except (MavstackError, OSError) as error:
             return {"dialect": str(error), **found}
-        for name in ("only", "exclude"):
+        for name, only, exclude in (("only", self.only, ""), ("exclude", "", self.exclude)):
             try:
-                make_library(dialect, **{name: _words(getattr(self, name))})
+                make_library(dialect, only=_words(only), exclude=_words(exclude))
             except MavstackError as error:
                 found[name] = str(error)
         return found
