@@ -13,6 +13,7 @@ from mavstack.dialects.dialect import Dialect
 from mavstack.errors import InvalidArgumentError
 from tests.codegen.compilers import needs
 from tests.codegen.conformance import check_runner, corpus, expected_lines, input_line
+from tests.codegen.random_streams import check_random_streams
 from tests.docs.blocks import BLOCKS, ROOT
 
 if TYPE_CHECKING:
@@ -181,6 +182,13 @@ def test_chunks_of_any_length_give_equal_results(interpreter, common, data):
         input="".join(map(input_line, cases)), capture_output=True, text=True, check=True,
     )  # fmt: skip
     assert finished.stdout.splitlines() == [line for case in cases for line in expected_lines(case)]
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("interpreter", INTERPRETERS)
+@pytest.mark.parametrize("seed", range(10))
+def test_damaged_streams_give_the_packets_of_the_core(interpreter, seed, common):
+    check_random_streams([needs(interpreter), RUNNER, common, str(1 + 7 * seed)], "common", seed)
 
 
 @pytest.mark.nightly

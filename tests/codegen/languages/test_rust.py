@@ -10,6 +10,7 @@ from mavstack.dialects.dialect import Dialect
 from mavstack.dialects.tables import official_names
 from mavstack.errors import InvalidArgumentError
 from tests.codegen.conformance import check_runner
+from tests.codegen.random_streams import check_random_streams
 from tests.codegen.rust_crates import cargo, write_crate, write_program, write_runner
 from tests.docs.blocks import BLOCKS, ROOT
 
@@ -133,6 +134,15 @@ def test_all_passes_the_corpus(tmp_path):
     crate = write_crate(library, tmp_path)
     cargo(write_runner(library, crate), "build")
     check_runner([tmp_path / "target/debug/runner"], "all")
+
+
+@pytest.mark.nightly
+def test_damaged_streams_give_the_packets_of_the_core(tmp_path):
+    library = make_library(COMMON)
+    crate = write_crate(library, tmp_path)
+    cargo(write_runner(library, crate), "build")
+    for seed in range(40):
+        check_random_streams([tmp_path / "target/debug/runner"], "common", seed)
 
 
 @pytest.mark.nightly

@@ -75,21 +75,17 @@ for line in io.lines() do
     now = tonumber(now)
     local parser = mavlink.Parser.new()
     local verifier = key and mavlink.Verifier.new(key)
-    local good, unknown = 0, 0
+    local good = 0
     local bytes = unhex(input)
     for position = 1, #bytes, chunk_length do
         for _, packet in ipairs(parser:push(bytes:sub(position, position + chunk_length - 1))) do
-            if verifier and not verifier:verify(packet, now) then
-                packet = nil
-            elseif not packet.name then
-                unknown = unknown + 1
-            else
+            if not (verifier and not verifier:verify(packet, now)) and packet.name then
                 good = good + 1
                 show(packet, key)
             end
         end
     end
     print(("end %s good=%d bad_crc=%d bad_signature=%d unknown=%d"):format(
-        name, good, parser.statistics.bad_checksum, verifier and verifier.refused or 0, unknown
+        name, good, parser.statistics.bad_checksum, verifier and verifier.refused or 0, parser.statistics.unknown
     ))
 end
