@@ -80,7 +80,7 @@ def test_ctrl_c_cancels_only_the_command(capsys):
     in_shell(COPTER, scenario)
     captured = capsys.readouterr()
     assert "cancelled" in captured.err
-    assert captured.out == "armed\ntimeout  0\n"
+    assert captured.out == "mode GUIDED\narmed\ntimeout  0\n"
 
 
 @pytest.mark.flight
