@@ -11,7 +11,7 @@ from mavstack.codegen.templates import Templates, one_line
 from mavstack.errors import InvalidArgumentError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from mavstack.codegen.language import GeneratedFile
     from mavstack.codegen.library import Library
@@ -40,13 +40,13 @@ def render(library: Library) -> Iterator[GeneratedFile]:
     Raises:
         InvalidArgumentError: The chosen name is not that of a Lua module.
     """
-    files = list(_module_files(library))
+    files = sorted(_module_files(library), key=lambda file: file.path)
     yield from files
     templates = _templates()
     module = module_name(library)
     rock = f"{module}-{re.sub('[^a-z0-9]+', '-', library.name).strip('-')}"
     values = {"stamp": library.stamp, "dialect": library.name, "module": module, "rock": rock}
-    modules = sorted(file.path for file in files)
+    modules = _lines(8, (_rock_line(file.path) for file in files))
     yield templates.file(f"{rock}-scm-1.rockspec", "rockspec.j2", modules=modules, **values)
     names = [message.name for message in library.messages]
     example = "HEARTBEAT" if "HEARTBEAT" in names else names[0]
@@ -65,16 +65,16 @@ def _module_files(library: Library) -> Iterator[GeneratedFile]:
     templates, module = _templates(), module_name(library)
     stamp = library.stamp
     values = {"stamp": stamp, "module": module, "dialect": library.name, "version": library.version}
-    messages = [_message_values(message) for message in library.messages]
-    enums = [{"name": enum.name, "module": enum.name.lower()} for enum in library.enums]
+    rows = _lines(4, map(_index_line, library.messages))
+    enums = _lines(4, (f'["{enum.name}"] = "{enum.name.lower()}",' for enum in library.enums))
     yield templates.file(f"{module}.lua", "mavlink.lua.j2", **values)
-    yield templates.file(f"{module}/index.lua", "index.lua.j2", messages=messages, **values)
-    yield templates.file(f"{module}/enums.lua", "enums.lua.j2", enums=enums, **values)
+    yield templates.file(f"{module}/index.lua", "index.lua.j2", rows=rows, **values)
+    yield templates.file(f"{module}/enums.lua", "enums.lua.j2", modules=enums, **values)
     for name in _RUNTIME:
         yield templates.file(f"{module}/{name}.lua", f"{name}.lua.j2", **values)
-    for message in messages:
-        path = f"{module}/messages/{message['module']}.lua"
-        yield templates.file(path, "message.lua.j2", stamp=stamp, **message)
+    for message in library.messages:
+        path = f"{module}/messages/{message.name.lower()}.lua"
+        yield templates.file(path, "message.lua.j2", stamp=stamp, **_message_values(message))
     names = entry_names(library)
     for enum in library.enums:
         path = f"{module}/enums/{enum.name.lower()}.lua"
@@ -91,16 +91,34 @@ def identifier(name: str) -> str:
     return f"{name}_" if name in RESERVED_WORDS else name
 
 
+def _lines(indent: int, lines: Iterable[str]) -> str:
+    """Return the lines of a table, indented."""
+    return "\n".join(f"{' ' * indent}{line}" for line in lines)
+
+
+def _doc(description: str) -> str:
+    text = one_line(description)
+    return f"--- {text}\n\n" if text else ""
+
+
+def _rock_line(path: str) -> str:
+    return f'["{path.removesuffix(".lua").replace("/", ".")}"] = "{path}",'
+
+
+def _index_line(message: MessageDefinition) -> str:
+    facts = f"{message.crc_extra}, {message.base_length}"
+    return f'[{message.id}] = {{ "{message.name}", {facts}, "{message.name.lower()}" }},'
+
+
 def _message_values(message: MessageDefinition) -> dict[str, object]:
     return {
         "id": message.id,
         "name": message.name,
-        "module": message.name.lower(),
         "length": message.length,
         "base_length": message.base_length,
         "crc_extra": message.crc_extra,
-        "doc": one_line(message.description),
-        "fields": [_field_line(item) for item in message.fields],
+        "doc": _doc(message.description),
+        "fields": _lines(8, map(_field_line, message.fields)),
     }
 
 
@@ -117,9 +135,9 @@ def _field_line(item: FieldDefinition) -> str:
 
 def _enum_values(enum: EnumDefinition, names: dict[str, str]) -> dict[str, object]:
     return {
-        "doc": one_line(enum.description),
+        "doc": _doc(enum.description),
         "bitmask": "true" if enum.bitmask else "false",
-        "entries": [_entry_line(entry, names[entry.name]) for entry in enum.entries],
+        "entries": _lines(8, (_entry_line(entry, names[entry.name]) for entry in enum.entries)),
     }
 
 
