@@ -6,6 +6,7 @@ be reserved words; the names of classes may be neither reserved words nor names 
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, Final
 
 from mavstack.codegen.templates import camel_case
@@ -48,6 +49,8 @@ class Names:
     """
 
     def __init__(self, library: Library) -> None:
+        self.version = library.version
+        self.definitions = {item.name: item for item in library.enums}
         taken = set(_USED.split())
         self.messages = {item.name: _unique(class_name(item.name), taken) for item in library.messages}
         taken |= {f"{name}Fields" for name in self.messages.values()}
@@ -69,7 +72,10 @@ class Names:
 def property_names(message: MessageDefinition) -> list[str]:
     """Return the property names of the fields of a message."""
     taken = set(_METHODS)
-    return [_unique(camel_case(field.name), taken) for field in message.fields]
+    return [_unique(_camel(field.name), taken) for field in message.fields]
+
+
+_camel = cache(camel_case)
 
 
 def _unique(name: str, taken: set[str]) -> str:

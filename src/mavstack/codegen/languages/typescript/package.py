@@ -35,21 +35,48 @@ def package_files(
     """
     values = {
         "library": library,
-        "enum_modules": list(enums),
-        "classes": [
-            (module, [names.messages[item.name] for item in items]) for module, items in messages.items()
-        ],
-        "enum_rows": sorted(
-            (enum.name, index, names.enums[enum.name])
-            for index, items in enumerate(enums.values(), 1)
-            for enum in items
-        ),
+        "message_count": len(library.messages),
+        "enum_count": len(library.enums),
         "package": library.package or f"mavlink-{library.name.replace('_', '-')}",
         "stamp": json.dumps(f"{library.stamp} SPDX-License-Identifier: MIT"),
+        "exports": "\n".join(
+            f'export * from "./{folder}/{module}.js";'
+            for folder, modules in (("enums", enums), ("messages", messages))
+            for module in modules
+        ),
+        **_registry(names, enums, messages),
         **_example(library, names),
     }
     for path in ("src/index.ts", "src/registry.ts", "package.json", "tsconfig.json", "README.md"):
         yield templates.file(path, f"{path.removeprefix('src/')}.j2", **values)
+
+
+def _registry(
+    names: Names,
+    enums: Mapping[str, Sequence[EnumDefinition]],
+    messages: Mapping[str, Sequence[MessageDefinition]],
+) -> dict[str, str]:
+    """Return the imports of the registry, its messages and its enums."""
+    classes = (
+        f"  messages{number}.{names.messages[item.name]},"
+        for number, items in enumerate(messages.values(), 1)
+        for item in items
+    )
+    rows = (
+        f"  {enum.name}: enums{number}.{names.enums[enum.name]},"
+        for number, items in enumerate(enums.values(), 1)
+        for enum in items
+    )
+    imports = (
+        f'import * as {folder}{number} from "./{folder}/{module}.js";'
+        for folder, modules in (("enums", enums), ("messages", messages))
+        for number, module in enumerate(modules, 1)
+    )
+    return {
+        "imports": "\n".join(imports),
+        "classes": "\n".join(classes),
+        "enums": "\n".join(sorted(rows)),
+    }
 
 
 def _example(library: Library, names: Names) -> dict[str, Any]:

@@ -18,6 +18,7 @@ from mavstack.codegen.languages.typescript.names import (
     property_names,
 )
 from mavstack.codegen.languages.typescript.package import package_files
+from mavstack.codegen.languages.typescript.runtime import runtime_files
 from mavstack.codegen.templates import Templates, one_line
 
 if TYPE_CHECKING:
@@ -27,80 +28,24 @@ if TYPE_CHECKING:
     from mavstack.codegen.library import Library
     from mavstack.dialects.model import EnumDefinition, EnumEntry, MessageDefinition, Replacement
 
-_RUNTIME: Final = (
-    "builder",
-    "crc",
-    "enums",
-    "message",
-    "packet",
-    "parser",
-    "read",
-    "sha256",
-    "signing",
-    "table",
-    "utf8",
-    "write",
-)
-_ARRAYS: Final = (
-    ("i8", "number", 1),
-    ("i16", "number", 2),
-    ("u16", "number", 2),
-    ("i32", "number", 4),
-    ("u32", "number", 4),
-    ("i64", "bigint", 8),
-    ("u64", "bigint", 8),
-    ("f32", "number", 4),
-    ("f64", "number", 8),
-)
-_READERS: Final = (
-    ("u16", "Uint16", 2, "number"),
-    ("i16", "Int16", 2, "number"),
-    ("u32", "Uint32", 4, "number"),
-    ("i32", "Int32", 4, "number"),
-    ("u64", "BigUint64", 8, "bigint"),
-    ("i64", "BigInt64", 8, "bigint"),
-    ("f32", "Float32", 4, "number"),
-    ("f64", "Float64", 8, "number"),
-)
-_WRITERS: Final = tuple(
-    (
-        f"{sign}{bits}",
-        f"{'Uint' if sign == 'u' else 'Int'}{bits}",
-        "" if bits == 8 else ", true",
-        0 if sign == "u" else -(1 << bits - 1),
-        (1 << bits) - 1 if sign == "u" else (1 << bits - 1) - 1,
-        f"{'u' if sign == 'u' else ''}int{bits}_t",
-    )
-    for bits in (8, 16, 32)
-    for sign in "ui"
-)
-
 
 def render(library: Library) -> Iterator[GeneratedFile]:
     """Yield the files of a TypeScript library."""
     templates = _templates()
     names, modules = Names(library), file_names(file.name for file in library.files)
-    for name in _RUNTIME:
-        yield templates.file(
-            f"src/runtime/{name}.ts",
-            f"runtime/{name}.ts.j2",
-            library=library,
-            numbers=_READERS,
-            integers=_WRITERS,
-            arrays=_ARRAYS,
-        )
+    yield from runtime_files(templates, library)
     enums, messages = _by_module(library, modules)
     wide = _wide_enums(library)
     for module, items in enums.items():
-        views = [_enum(item, names, wide) for item in items]
-        yield templates.file(f"src/enums/{module}.ts", "enums.ts.j2", library=library, enums=views)
+        lines = "\n".join(_enum(item, names, wide) for item in items)
+        yield templates.file(f"src/enums/{module}.ts", "enums.ts.j2", library=library, enums=lines)
     homes = {item.name: module for module, items in enums.items() for item in items}
     for module, members in messages.items():
         yield templates.file(
             f"src/messages/{module}.ts",
             "messages.ts.j2",
             library=library,
-            **_messages(members, library, names, homes),
+            **_messages(templates, members, names, homes),
         )
     yield from package_files(templates, library, names, enums, messages)
 
@@ -135,20 +80,24 @@ def _wide_enums(library: Library) -> frozenset[str]:
     return frozenset(name for name, types in uses.items() if is_wide(types))
 
 
-def _enum(enum: EnumDefinition, names: Names, wide: frozenset[str]) -> dict[str, Any]:
+def _enum(enum: EnumDefinition, names: Names, wide: frozenset[str]) -> str:
     suffix = "n" if enum.name in wide else ""
+    name = names.enums[enum.name]
     members = zip(names.members(enum), enum.entries, strict=True)
-    lines = [line for name, entry in members for line in _member(name, entry, suffix)]
     if enum.bitmask or suffix:
         alias = "bigint" if suffix else "number"
     else:
-        alias = f"(typeof {names.enums[enum.name]})[keyof typeof {names.enums[enum.name]}]"
-    return {
-        "name": names.enums[enum.name],
-        "type": alias,
-        "lines": lines,
-        "doc": _doc([f"{enum.name}: {enum.description}" if enum.description else enum.name], enum.deprecated),
-    }
+        alias = f"(typeof {name})[keyof typeof {name}]"
+    text = f"{enum.name}: {enum.description}" if enum.description else enum.name
+    lines = [
+        "",
+        *_doc([text], enum.deprecated),
+        f"export const {name} = {{",
+        *(line for member, entry in members for line in _member(member, entry, suffix)),
+        "} as const;",
+        f"export type {name} = {alias};",
+    ]
+    return "\n".join(lines)
 
 
 def _member(name: str, entry: EnumEntry, suffix: str) -> list[str]:
@@ -179,40 +128,50 @@ def _doc(texts: Iterable[str], deprecated: Replacement | None = None) -> list[st
 
 
 def _messages(
-    messages: list[MessageDefinition], library: Library, names: Names, homes: dict[str, str]
-) -> dict[str, Any]:
+    templates: Templates, messages: list[MessageDefinition], names: Names, homes: dict[str, str]
+) -> dict[str, str]:
     """Return the values of the template of a module with messages."""
-    enums = {enum.name: enum for enum in library.enums}
-    views, imports, used = [], dict[str, set[str]](), set[str]()
+    texts, imports, used = [], dict[str, set[str]](), {"Init", "MessageInfo"}
     for message in messages:
-        properties = []
-        for field, name in zip(message.fields, property_names(message), strict=True):
-            alias = names.enums.get(field.enum, "")
-            item = make_property(field, name, alias, enums.get(field.enum), library.version)
-            properties.append(item)
+        properties = [
+            make_property(
+                field, name, names.enums.get(field.enum, ""), names.definitions.get(field.enum), names.version
+            )
+            for field, name in zip(message.fields, property_names(message), strict=True)
+        ]
+        for item in properties:
+            alias = names.enums.get(item.field.enum, "")
             if alias and alias in item.type:
-                imports.setdefault(homes[field.enum], set()).add(alias)
+                imports.setdefault(homes[item.field.enum], set()).add(alias)
             if item.type.startswith("Open<"):
                 used.add("Open")
-        views.append(_message(message, names.messages[message.name], properties))
+        texts.append(
+            templates.text("message.ts.j2", **_message(message, names.messages[message.name], properties))
+        )
     return {
-        "messages": views,
-        "imports": [(module, sorted(items)) for module, items in sorted(imports.items())],
-        "used": sorted(used | {"Init", "MessageInfo"}),
+        "messages": "".join(texts),
+        "imports": "".join(
+            f'import type {{ {", ".join(sorted(items))} }} from "../enums/{module}.js";\n'
+            for module, items in sorted(imports.items())
+        ),
+        "used": ", ".join(sorted(used)),
     }
 
 
 def _message(message: MessageDefinition, name: str, properties: list[Property]) -> dict[str, Any]:
     optional = [item.name for item in properties if item.field.extension or item.field.protocol_version]
     options = " | ".join(f'"{item}"' for item in optional)
-    lines = [line for item in properties for line in _property(item)]
     text = f"{message.name} ({message.id})" + (f": {message.description}" if message.description else "")
     return {
         "name": name,
         "info": message,
-        "doc": _doc([text], message.deprecated),
-        "lines": lines,
-        "properties": properties,
+        "doc": "\n".join(_doc([text], message.deprecated)),
+        "lines": "\n".join(line for item in properties for line in _property(item)),
+        "fields": "\n".join(f"      {item.info}," for item in properties),
+        "writes": "\n".join(f"    {item.write}" for item in properties),
+        "getters": "\n".join(
+            f"\n  get {item.name}(): {item.type} {{\n    return {item.read};\n  }}" for item in properties
+        ),
         "init": f"Init<{name}Fields, {options}>" if options else f"Init<{name}Fields>",
         "object": ", ".join(f"{item.name}: this.{item.name}" for item in properties),
     }
