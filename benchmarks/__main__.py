@@ -9,7 +9,18 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import c_library, codegen_c, dataflash, exports, report, rows, simulation, ulog, workload
+from . import (
+    c_library,
+    codegen_c,
+    codegen_typescript,
+    dataflash,
+    exports,
+    report,
+    rows,
+    simulation,
+    ulog,
+    workload,
+)
 from .measure import pinned
 from .telemetry import __main__ as telemetry
 from .transfers import __main__ as transfers
@@ -32,6 +43,7 @@ ROWS: dict[str, Callable[[rows.Bench], Iterator[Row]]] = {
     "ulog": lambda bench: ulog.rows(bench, quick=bench.amounts is rows.QUICK),
     "exports": exports.rows,
     "codegen-c": codegen_c.rows,
+    "codegen-typescript": codegen_typescript.rows,
 }
 ON_ALL_CORES = ("tlog", "memory", "dataflash", "ulog", "exports")
 # Benchmarks with separate tables.
