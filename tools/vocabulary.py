@@ -30,7 +30,7 @@ DEFAULT_PATHS = ("src", "rust", "tests", "benchmarks", "examples", "tools", "bac
 DEFAULT_FILES = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md")
 SUFFIXES = (".py", ".rs", ".md")
 #: Files that hold generated or recorded text.
-EXCLUDED = ("*/dialects/definitions/*", "*/target/*", "*/__pycache__/*", "*/site/*")
+EXCLUDED = ("*/dialects/definitions/*", "*/target/*", "*/__pycache__/*", "*/site/*", "*/node_modules/*")
 _RUST_DEFINITION = re.compile(
     r"\b(?:fn|struct|enum|trait|mod|const|static|type|let(?: mut)?)\s+([A-Za-z_]\w*)"
 )
