@@ -83,7 +83,7 @@ def test_equal_definitions_give_equal_files():
 def test_a_selection_has_only_its_messages_and_enums():
     found = files(make_library(COMMON, only=["GPS_RAW_INT"]))
     assert [path for path in found if "/messages/" in path] == ["mavlink/messages/gps_raw_int.lua"]
-    assert [path for path in found if "/enums/" in path] == ["mavlink/enums/gps_fix_type.lua"]
+    assert re.findall(r'"(\w+)"\] = function', found["mavlink/enum_tables.lua"]) == ["GPS_FIX_TYPE"]
     assert 'offset = 8, array_length = 0, units = "degE7" }' in found["mavlink/messages/gps_raw_int.lua"]
     rock = found["mavlink-common-scm-1.rockspec"]
     assert '["mavlink.messages.gps_raw_int"] = "mavlink/messages/gps_raw_int.lua",' in rock
@@ -120,9 +120,12 @@ def test_other_interpreters_pass_the_corpus(interpreter, common):
 def test_all_passes_the_corpus(interpreter, tmp_path):
     write_files(generate(make_library(Dialect.load("all")), "lua"), tmp_path)
     check_runner([needs(interpreter), RUNNER, tmp_path, "1000"], "all")
-    enums = [path.stem.upper() for path in (tmp_path / "mavlink/enums").iterdir()]
-    source = "local m = require('mavlink') for _, name in ipairs(arg) do assert(next(m.enums[name])) end"
-    run_lua(interpreter, tmp_path, source, *enums)
+    source = """
+    local numbers = require("mavlink").enums
+    for name in pairs(require("mavlink.enum_tables")) do assert(next(numbers[name])) end
+    print(numbers.MAV_CMD.NAV_TAKEOFF, numbers.NO_ENUM)
+    """
+    assert run_lua(interpreter, tmp_path, source) == "22\tnil\n"
 
 
 @pytest.mark.interop

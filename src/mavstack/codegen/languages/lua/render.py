@@ -1,4 +1,4 @@
-"""The files of a Lua module: a runtime, and one small file for each message and enum, loaded on first use."""
+"""The files of a Lua module: a runtime, and one small file for each message, loaded on first use."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ until while
 RESERVED_WORDS: Final = frozenset(_WORDS.split())
 
 _RUNTIME: Final = (
-    "definitions", "encoder", "lua53", "luajit", "native", "packet", "parser", "scan", "signing"
+    "definitions", "encoder", "enums", "lua53", "luajit", "native", "packet", "parser", "scan", "signing"
 )  # fmt: skip
 
 
@@ -65,20 +65,17 @@ def _module_files(library: Library) -> Iterator[GeneratedFile]:
     templates, module = _templates(), module_name(library)
     stamp = library.stamp
     values = {"stamp": stamp, "module": module, "dialect": library.name, "version": library.version}
+    names = entry_names(library)
     rows = _lines(4, map(_index_line, library.messages))
-    enums = _lines(4, (f'["{enum.name}"] = "{enum.name.lower()}",' for enum in library.enums))
     yield templates.file(f"{module}.lua", "mavlink.lua.j2", **values)
     yield templates.file(f"{module}/index.lua", "index.lua.j2", rows=rows, **values)
-    yield templates.file(f"{module}/enums.lua", "enums.lua.j2", modules=enums, **values)
+    enums = "\n".join(_enum_function(enum, names[enum.name]) for enum in library.enums)
+    yield templates.file(f"{module}/enum_tables.lua", "enum_tables.lua.j2", enums=enums, **values)
     for name in _RUNTIME:
         yield templates.file(f"{module}/{name}.lua", f"{name}.lua.j2", **values)
     for message in library.messages:
         path = f"{module}/messages/{message.name.lower()}.lua"
         yield templates.file(path, "message.lua.j2", stamp=stamp, **_message_values(message))
-    names = entry_names(library)
-    for enum in library.enums:
-        path = f"{module}/enums/{enum.name.lower()}.lua"
-        yield templates.file(path, "enum.lua.j2", stamp=stamp, **_enum_values(enum, names[enum.name]))
 
 
 @cache
@@ -133,12 +130,20 @@ def _field_line(item: FieldDefinition) -> str:
     return f"{{ {', '.join(parts)} }},{f' -- {description}' if description else ''}"
 
 
-def _enum_values(enum: EnumDefinition, names: dict[str, str]) -> dict[str, object]:
-    return {
-        "doc": _doc(enum.description),
-        "bitmask": "true" if enum.bitmask else "false",
-        "entries": _lines(8, (_entry_line(entry, names[entry.name]) for entry in enum.entries)),
-    }
+def _enum_function(enum: EnumDefinition, names: dict[str, str]) -> str:
+    """Return the function that returns the table of an enum."""
+    entries = _lines(12, (_entry_line(entry, names[entry.name]) for entry in enum.entries))
+    description = one_line(enum.description)
+    return "\n".join(
+        [
+            *([f"    -- {description}"] if description else []),
+            f'    ["{enum.name}"] = function()',
+            f"        return {{ bitmask = {'true' if enum.bitmask else 'false'}, entries = {{",
+            entries,
+            "        } }",
+            "    end,",
+        ]
+    )
 
 
 def _entry_line(entry: EnumEntry, name: str) -> str:
