@@ -21,6 +21,8 @@ from . import (
     ulog,
     workload,
 )
+from . import c_library, codegen_c, dataflash, exports, report, rows, simulation, ulog, workload
+from . import c_library, codegen_java_go, dataflash, exports, report, rows, simulation, ulog, workload
 from .measure import pinned
 from .telemetry import __main__ as telemetry
 from .transfers import __main__ as transfers
@@ -44,6 +46,7 @@ ROWS: dict[str, Callable[[rows.Bench], Iterator[Row]]] = {
     "exports": exports.rows,
     "codegen-c": codegen_c.rows,
     "codegen-typescript": codegen_typescript.rows,
+    "codegen-java-go": codegen_java_go.rows,
 }
 ON_ALL_CORES = ("tlog", "memory", "dataflash", "ulog", "exports")
 # Benchmarks with separate tables.

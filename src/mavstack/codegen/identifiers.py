@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 from typing import TYPE_CHECKING
 
 from mavstack.dialects.names import class_name, member_names
@@ -53,9 +54,10 @@ def type_names(official: Iterable[str], reserved: Container[str] = ()) -> dict[s
     return dict(zip(official, distinct(map(class_name, official), reserved), strict=True))
 
 
+@cache
 def pascal_field(name: str) -> str:
     """Return `TimeBootMs` for `time_boot_ms`, `Vcc` for `Vcc`, and `IcaoAddress` for `ICAO_address`."""
-    words = [word for word in re.split("_+", name) if word]
+    words = [word for word in name.split("_") if word]
     joined = "".join(
         word.capitalize() if word.isupper() else word[:1].upper() + word[1:] for word in words or ["_"]
     )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.codegen.identifiers import distinct, enum_members, package_part, pascal_field, type_names
 from mavstack.codegen.language import GeneratedFile, Language
-from mavstack.codegen.languages.csharp.values import ARRAYS, TYPES, access
+from mavstack.codegen.languages.csharp.values import ARRAYS, TYPES, Access, access
 from mavstack.codegen.languages.csharp.words import CLASSES, CSHARP_WORDS, MEMBERS, RUNTIME
 from mavstack.codegen.templates import Templates, one_line
 from mavstack.errors import InvalidArgumentError
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.codegen.library import Library
-    from mavstack.dialects.model import EnumDefinition, MessageDefinition
+    from mavstack.dialects.model import EnumDefinition, EnumEntry, FieldDefinition, MessageDefinition
 
 _NAMESPACE: Final = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", re.ASCII)
 _MAX_UINT: Final = 0xFFFFFFFF
@@ -41,11 +41,11 @@ def render(library: Library) -> Iterator[GeneratedFile]:
     yield from _runtime(library, templates, namespace, classes)
     for message in library.messages:
         values = _message(message, classes[message.name], enums)
-        yield templates.file(f"Messages/{classes[message.name]}.cs", "class.cs.j2", m=values)
+        yield templates.file(f"Messages/{classes[message.name]}.cs", "class.cs.j2", **values)
     members, wide = enum_members(library), _wide(library)
     for enum in library.enums:
         values = _enum(enum, enums[enum.name], members[enum.name], wide=enum.name in wide)
-        yield templates.file(f"Enums/{enums[enum.name]}.cs", "enum.cs.j2", e=values)
+        yield templates.file(f"Enums/{enums[enum.name]}.cs", "enum.cs.j2", **values)
 
 
 def _runtime(
@@ -82,18 +82,11 @@ def _wide(library: Library) -> set[str]:
 
 def _message(message: MessageDefinition, class_name: str, enums: dict[str, str]) -> dict[str, Any]:
     names = distinct((pascal_field(field.name) for field in message.fields), {*MEMBERS, class_name})
-    fields = {}
-    for field, name in zip(message.fields, names, strict=True):
-        done = access(field, name, enums.get(field.enum))
-        units = f" [{field.units}]" if field.units else ""
-        fields[field.name] = {
-            "name": name,
-            "type": done.type,
-            "initial": done.initial,
-            "decode": done.decode,
-            "encode": done.encode,
-            "comment": comment(f"{field.description or field.name}{units}"),
-        }
+    fields = {
+        field.name: (name, _commented(field), access(field, name, enums.get(field.enum)))
+        for field, name in zip(message.fields, names, strict=True)
+    }
+    wire = [fields[field.name][2] for field in message.wire_order]
     return {
         "name": message.name,
         "class_name": class_name,
@@ -104,9 +97,26 @@ def _message(message: MessageDefinition, class_name: str, enums: dict[str, str])
         "title": comment(f"{message.name} ({message.id}): {message.description}".rstrip(": ")),
         "obsolete": _obsolete(message),
         "infos": "".join(_info(message)),
-        "fields": list(fields.values()),
-        "wire": [fields[field.name] for field in message.wire_order],
+        "properties": "".join(_property(*item) for item in fields.values()),
+        "values": "".join(
+            f"                case {index}:\n                    return {name};\n"
+            for index, name in enumerate(names)
+        ),
+        "decode": "".join(f"            {field.decode}\n" for field in wire),
+        "encode": "".join(f"            {field.encode}\n" for field in wire),
     }
+
+
+def _commented(field: FieldDefinition) -> str:
+    units = f" [{field.units}]" if field.units else ""
+    return comment(f"{field.description or field.name}{units}")
+
+
+def _property(name: str, text: str, field: Access) -> str:
+    return (
+        f"        /// <summary>{text}</summary>\n"
+        f"        public {field.type} {name} {{ get; set; }}{field.initial}\n\n"
+    )
 
 
 def _obsolete(message: MessageDefinition) -> str:
@@ -126,21 +136,18 @@ def _info(message: MessageDefinition) -> Iterator[str]:
 
 def _enum(enum: EnumDefinition, class_name: str, members: dict[str, str], *, wide: bool) -> dict[str, Any]:
     names = dict(zip(members, distinct(map(pascal_field, members.values())), strict=True))
-    entries = [
-        {
-            "name": names[entry.name],
-            "value": entry.value,
-            "comment": comment(f"{entry.name} ({entry.value}): {entry.description}".rstrip(": ")),
-        }
-        for entry in enum.entries
-    ]
     return {
         "class_name": class_name,
         "title": comment(f"{enum.name}: {enum.description}".rstrip(": ")),
         "type": "ulong" if wide else "uint",
         "bitmask": enum.bitmask,
-        "entries": entries,
+        "entries": "\n".join(_entry(entry, names[entry.name]) for entry in enum.entries),
     }
+
+
+def _entry(entry: EnumEntry, name: str) -> str:
+    text = comment(f"{entry.name} ({entry.value}): {entry.description}".rstrip(": "))
+    return f"        /// <summary>{text}</summary>\n        {name} = {entry.value},\n"
 
 
 def _escaped(text: str) -> str:

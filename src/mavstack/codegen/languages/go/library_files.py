@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.codegen.library import Library
-    from mavstack.dialects.model import EnumDefinition, MessageDefinition
+    from mavstack.dialects.model import EnumDefinition, EnumEntry, FieldDefinition, MessageDefinition
 
 _MODULE: Final = re.compile(r"[a-z0-9][\w.~-]*(/[\w.~-]+)*", re.ASCII | re.IGNORECASE)
 _MAX_UINT32: Final = 0xFFFFFFFF
@@ -44,13 +44,13 @@ def render(library: Library) -> Iterator[GeneratedFile]:
     yield from _runtime(library, templates, classes)
     for message in library.messages:
         values = _message(message, classes[message.name], enums)
-        yield templates.file(f"{message.name.lower()}_message.go", "struct.go.j2", m=values)
+        yield templates.file(f"{message.name.lower()}_message.go", "struct.go.j2", **values)
     members = enum_members(library)
     taken = {*RUNTIME_NAMES, *classes.values(), *enums.values()}
     wide = _wide(library)
     for enum in library.enums:
         values = _enum(enum, enums[enum.name], members[enum.name], taken, wide=enum.name in wide)
-        yield templates.file(f"{enum.name.lower()}_enum.go", "enum.go.j2", e=values)
+        yield templates.file(f"{enum.name.lower()}_enum.go", "enum.go.j2", **values)
 
 
 def _package(module: str) -> str:
@@ -84,23 +84,14 @@ def _wide(library: Library) -> set[str]:
 
 
 def _message(message: MessageDefinition, class_name: str, enums: dict[str, str]) -> dict[str, Any]:
-    names = distinct((pascal_field(field.name).lstrip("_") for field in message.fields), METHODS)
-    fields = {}
-    for field, raw_name in zip(message.fields, names, strict=True):
-        name = f"X{raw_name}" if raw_name[:1].isdigit() else raw_name
-        done = access(field, name, enums.get(field.enum))
-        units = f" [{field.units}]" if field.units else ""
-        extension = "true" if field.extension else "false"
-        texts = f'{_quoted(field.units)}, "{field.enum}"'
-        place = f"{field.offset}, {field.array_length}, {extension}"
-        fields[field.name] = {
-            "name": name,
-            "go": done.go,
-            "decode": done.decode,
-            "encode": done.encode,
-            "comment": one_line(f"{field.description or field.name}{units}"),
-            "info": f'{{"{field.name}", {field_type(field)}, {place}, {texts}}},',
-        }
+    raw_names = distinct((pascal_field(field.name).lstrip("_") for field in message.fields), METHODS)
+    names = [f"X{name}" if name[:1].isdigit() else name for name in raw_names]
+    done = {
+        field.name: access(field, name, enums.get(field.enum))
+        for field, name in zip(message.fields, names, strict=True)
+    }
+    named = list(zip(message.fields, names, strict=True))
+    wire = [done[field.name] for field in message.wire_order]
     return {
         "name": message.name,
         "class_name": class_name,
@@ -110,10 +101,34 @@ def _message(message: MessageDefinition, class_name: str, enums: dict[str, str])
         "crc_extra": message.crc_extra,
         "title": one_line(f"{message.name} ({message.id}): {message.description}".rstrip(": ")),
         "tags": _deprecation(message),
-        "imports": imports(message.fields),
-        "fields": list(fields.values()),
-        "wire": [fields[field.name] for field in message.wire_order],
+        "imports": _imports(message),
+        "fields": "".join(
+            f"\t// {_commented(field)}\n\t{name} {done[field.name].go}\n" for field, name in named
+        ),
+        "infos": "".join(map(_info, message.fields)),
+        "values": "".join(f"\tcase {index}:\n\t\treturn m.{name}\n" for index, name in enumerate(names)),
+        "decode": "".join(f"\t{line}\n" for field in wire for line in field.decode),
+        "encode": "".join(f"\t{line}\n" for field in wire for line in field.encode),
     }
+
+
+def _imports(message: MessageDefinition) -> str:
+    names = [f'"{name}"' for name in imports(message.fields)]
+    if len(names) < 2:
+        return "".join(f"import {name}\n\n" for name in names)
+    lines = "".join(f"\t{name}\n" for name in names)
+    return f"import (\n{lines})\n\n"
+
+
+def _commented(field: FieldDefinition) -> str:
+    units = f" [{field.units}]" if field.units else ""
+    return one_line(f"{field.description or field.name}{units}")
+
+
+def _info(field: FieldDefinition) -> str:
+    place = f"{field.offset}, {field.array_length}, {'true' if field.extension else 'false'}"
+    texts = f'{_quoted(field.units)}, "{field.enum}"'
+    return f'\t\t{{"{field.name}", {field_type(field)}, {place}, {texts}}},\n'
 
 
 def _deprecation(message: MessageDefinition) -> list[str]:
@@ -131,25 +146,27 @@ def _enum(
     names = dict(zip(members, distinct(constants, taken), strict=True))
     taken.update(names.values())
     entries = [
-        {
-            "name": names[entry.name],
-            "official": entry.name,
-            "value": entry.value,
-            "comment": one_line(f"{entry.name} ({entry.value}): {entry.description}".rstrip(": ")),
-        }
+        f"\t// {_described(entry)}\n\t{names[entry.name]} {class_name} = {entry.value}\n"
         for entry in enum.entries
     ]
+    distinct_values = {entry.value: entry.name for entry in reversed(enum.entries)}
     return {
         "name": enum.name,
         "class_name": class_name,
         "title": one_line(f"{enum.name}: {enum.description}".rstrip(": ")),
         "type": "uint64" if wide else "uint32",
         "bitmask": enum.bitmask,
-        "entries": entries,
+        "entries": "".join(entries),
         "flag_names": ", ".join(f'"{entry.name}"' for entry in enum.entries),
         "flag_values": ", ".join(str(entry.value) for entry in enum.entries),
-        "distinct": list({entry["value"]: entry for entry in reversed(entries)}.values())[::-1],
+        "cases": "".join(
+            f'\tcase {names[name]}:\n\t\treturn "{name}"\n' for name in reversed(distinct_values.values())
+        ),
     }
+
+
+def _described(entry: EnumEntry) -> str:
+    return one_line(f"{entry.name} ({entry.value}): {entry.description}".rstrip(": "))
 
 
 def _quoted(text: str) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.codegen.identifiers import camel_field, distinct, enum_members, package_part, type_names
 from mavstack.codegen.language import GeneratedFile, Language
-from mavstack.codegen.languages.java.values import ARRAYS, SCALARS, access, field_type
+from mavstack.codegen.languages.java.values import ARRAYS, SCALARS, Access, access, field_type
 from mavstack.codegen.languages.java.words import JAVA_WORDS, OTHER_CLASSES, RUNTIME
 from mavstack.codegen.templates import Templates, one_line
 from mavstack.errors import InvalidArgumentError
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.codegen.library import Library
-    from mavstack.dialects.model import EnumDefinition, MessageDefinition
+    from mavstack.dialects.model import EnumDefinition, EnumEntry, FieldDefinition, MessageDefinition
 
 #: Messages per method: over 8,000 bytes the virtual machine only interprets it, and 64 KiB is the limit.
 _CASES: Final = 300
@@ -47,13 +47,13 @@ def render(library: Library) -> Iterator[GeneratedFile]:
         yield templates.file(
             f"{folder}/messages/{classes[message.name]}.java",
             "message.java.j2",
-            m=values,
-            imports=_imports(message),
+            imports="".join(f"import {package}.{name};\n" for name in _imports(message)),
+            **values,
         )
     members = enum_members(library)
     for enum in library.enums:
         values = _enum(enum, enums[enum.name], members[enum.name])
-        yield templates.file(f"{folder}/enums/{enums[enum.name]}.java", "enum.java.j2", e=values)
+        yield templates.file(f"{folder}/enums/{enums[enum.name]}.java", "enum.java.j2", **values)
 
 
 def _runtime(
@@ -94,19 +94,11 @@ def _imports(message: MessageDefinition) -> list[str]:
 
 def _message(message: MessageDefinition, class_name: str, links: dict[str, str]) -> dict[str, Any]:
     names = distinct((camel_field(field.name) for field in message.fields), JAVA_WORDS)
-    fields = {}
-    for field, name in zip(message.fields, names, strict=True):
-        done = access(field, name)
-        units = f" [{field.units}]" if field.units else ""
-        enum = f" Values: {{@link {links[field.enum]}}}." if field.enum in links else ""
-        fields[field.name] = {
-            "name": name,
-            "java": done.java,
-            "initial": done.initial,
-            "decode": done.decode,
-            "encode": done.encode,
-            "comment": comment(f"{field.description or field.name}{units}") + enum,
-        }
+    fields = {
+        field.name: (name, _commented(field, links), access(field, name))
+        for field, name in zip(message.fields, names, strict=True)
+    }
+    wire = [fields[field.name][2] for field in message.wire_order]
     return {
         "name": message.name,
         "class_name": class_name,
@@ -118,9 +110,23 @@ def _message(message: MessageDefinition, class_name: str, links: dict[str, str])
         "tags": _deprecation(message),
         "deprecated": bool(message.deprecated),
         "infos": "".join(_info(message)),
-        "fields": list(fields.values()),
-        "wire": [fields[field.name] for field in message.wire_order],
+        "fields": "".join(_declaration(*item) for item in fields.values()),
+        "values": "".join(
+            f"            case {index}:\n                return {name};\n" for index, name in enumerate(names)
+        ),
+        "decode": "".join(f"        {field.decode}\n" for field in wire),
+        "encode": "".join(f"        {field.encode}\n" for field in wire),
     }
+
+
+def _commented(field: FieldDefinition, links: dict[str, str]) -> str:
+    units = f" [{field.units}]" if field.units else ""
+    enum = f" Values: {{@link {links[field.enum]}}}." if field.enum in links else ""
+    return comment(f"{field.description or field.name}{units}") + enum
+
+
+def _declaration(name: str, text: str, field: Access) -> str:
+    return f"    /** {text} */\n    public {field.java} {name}{field.initial};\n\n"
 
 
 def _deprecation(item: MessageDefinition) -> list[str]:
@@ -143,22 +149,27 @@ def _enum(enum: EnumDefinition, class_name: str, members: dict[str, str]) -> dic
     names = dict(zip(members, distinct(members.values(), words), strict=True))
     wide = any(not -_MAX_INT <= entry.value <= _MAX_INT for entry in enum.entries)
     suffix = "L" if wide else ""
+    values = {entry.name: f"{_signed(entry.value)}{suffix}" for entry in enum.entries}
     entries = [
-        {
-            "name": names[entry.name],
-            "value": f"{_signed(entry.value)}{suffix}",
-            "comment": comment(f"{entry.name} ({entry.value}): {entry.description}".rstrip(": ")),
-        }
+        f"    /** {_described(entry)} */\n    {names[entry.name]}({values[entry.name]})"
         for entry in enum.entries
     ]
+    distinct_values = {value: names[name] for name, value in reversed(values.items())}
     return {
         "class_name": class_name,
         "title": comment(f"{enum.name}: {enum.description}".rstrip(": ")),
         "type": "long" if wide else "int",
         "bitmask": enum.bitmask,
-        "entries": entries,
-        "distinct": list({entry["value"]: entry for entry in reversed(entries)}.values())[::-1],
+        "entries": ",\n".join(entries) + (";\n" if entries else "    ;\n"),
+        "cases": "".join(
+            f"            case {value}:\n                return {name};\n"
+            for value, name in reversed(distinct_values.items())
+        ),
     }
+
+
+def _described(entry: EnumEntry) -> str:
+    return comment(f"{entry.name} ({entry.value}): {entry.description}".rstrip(": "))
 
 
 def _signed(value: int) -> int:
