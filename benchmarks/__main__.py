@@ -13,6 +13,7 @@ from . import (
     c_library,
     codegen_c,
     codegen_typescript,
+    codegen_java_go,
     dataflash,
     exports,
     report,

@@ -1,7 +1,7 @@
-"""Generated Java beside mavgen's Java, generated Go beside gomavlib, and the time of generation of Java and C#.
+"""Generated Java beside mavgen's, generated Go beside gomavlib, and the time of generation of Java and C#.
 
 The programs in `generated/` parse the synthetic flight to typed messages and encode attitudes, each with one
-library. They are compiled in the folder of the run. A compiler or a peer that cannot be had leaves its rows out.
+library. They are compiled in the folder of the run. A compiler or a peer that cannot be had leaves rows out.
 """
 
 from __future__ import annotations

@@ -55,11 +55,17 @@ def _runtime(
         "count": len(library.messages),
         "version": library.version,
         "max_length": library.max_payload_length,
-        "table": [_row(message) for message in library.messages],
+        "table": "".join(f"            {_row(message)}\n" for message in library.messages),
         "slots": 1 << (2 * len(library.messages)).bit_length(),
-        "cases": [(message.id, classes[message.name]) for message in library.messages],
-        "arrays": ARRAYS,
-        "heartbeat": classes.get("HEARTBEAT") == "Heartbeat",
+        "cases": "".join(
+            f"                case {message.id}:\n                    return new {classes[message.name]}();\n"
+            for message in library.messages
+        ),
+        "arrays": "".join(
+            templates.text("wire_array.cs.j2", name=name, type=element, size=size)
+            for name, element, size in ARRAYS
+        ),
+        "example": templates.text("example.md.j2") if classes.get("HEARTBEAT") == "Heartbeat" else "",
     }
     for name in RUNTIME:
         yield templates.file(f"{name}.cs", f"{name}.cs.j2", **values)
@@ -123,7 +129,8 @@ def _obsolete(message: MessageDefinition) -> str:
     if message.deprecated is None:
         return ""
     replaced = message.deprecated.replaced_by
-    return _escaped(f"since {message.deprecated.since}{f', replaced by {replaced}' if replaced else ''}")
+    text = _escaped(f"since {message.deprecated.since}{f', replaced by {replaced}' if replaced else ''}")
+    return f'    [Obsolete("{text}")]\n'
 
 
 def _info(message: MessageDefinition) -> Iterator[str]:
@@ -140,7 +147,8 @@ def _enum(enum: EnumDefinition, class_name: str, members: dict[str, str], *, wid
         "class_name": class_name,
         "title": comment(f"{enum.name}: {enum.description}".rstrip(": ")),
         "type": "ulong" if wide else "uint",
-        "bitmask": enum.bitmask,
+        "using": "using System;\n\n" if enum.bitmask else "",
+        "flags": "    [Flags]\n" if enum.bitmask else "",
         "entries": "\n".join(_entry(entry, names[entry.name]) for entry in enum.entries),
     }
 

@@ -65,9 +65,9 @@ def _runtime(library: Library, templates: Templates, classes: dict[str, str]) ->
         "count": len(library.messages),
         "version": library.version,
         "max_length": library.max_payload_length,
-        "classes": list(classes.values()),
+        "infos": "".join(f"\t&info{name},\n" for name in classes.values()),
         "slots": 1 << (2 * len(library.messages)).bit_length(),
-        "heartbeat": "HEARTBEAT" in classes,
+        "example": templates.text("example.md.j2") if "HEARTBEAT" in classes else "",
     }
     for name in RUNTIME:
         yield templates.file(f"{name}.go", f"{name}.go.j2", **values)
@@ -101,6 +101,7 @@ def _message(message: MessageDefinition, class_name: str, enums: dict[str, str])
         "crc_extra": message.crc_extra,
         "title": one_line(f"{message.name} ({message.id}): {message.description}".rstrip(": ")),
         "tags": _deprecation(message),
+        "bound": f"\t_ = b[{message.length - 1}]\n" if message.length > 1 else "",
         "imports": _imports(message),
         "fields": "".join(
             f"\t// {_commented(field)}\n\t{name} {done[field.name].go}\n" for field, name in named
@@ -131,12 +132,12 @@ def _info(field: FieldDefinition) -> str:
     return f'\t\t{{"{field.name}", {field_type(field)}, {place}, {texts}}},\n'
 
 
-def _deprecation(message: MessageDefinition) -> list[str]:
+def _deprecation(message: MessageDefinition) -> str:
     if message.deprecated is None:
-        return []
+        return ""
     replaced = message.deprecated.replaced_by
     replacement = f", replaced by {one_line(replaced)}" if replaced else ""
-    return ["", f" Deprecated: since {one_line(message.deprecated.since)}{replacement}."]
+    return f"//\n// Deprecated: since {one_line(message.deprecated.since)}{replacement}.\n"
 
 
 def _enum(
@@ -149,20 +150,29 @@ def _enum(
         f"\t// {_described(entry)}\n\t{names[entry.name]} {class_name} = {entry.value}\n"
         for entry in enum.entries
     ]
-    distinct_values = {entry.value: entry.name for entry in reversed(enum.entries)}
+    values = f"// Values of {class_name}.\nconst (\n{''.join(entries)})\n\n" if entries else ""
     return {
-        "name": enum.name,
         "class_name": class_name,
         "title": one_line(f"{enum.name}: {enum.description}".rstrip(": ")),
         "type": "uint64" if wide else "uint32",
-        "bitmask": enum.bitmask,
-        "entries": "".join(entries),
-        "flag_names": ", ".join(f'"{entry.name}"' for entry in enum.entries),
-        "flag_values": ", ".join(str(entry.value) for entry in enum.entries),
-        "cases": "".join(
-            f'\tcase {names[name]}:\n\t\treturn "{name}"\n' for name in reversed(distinct_values.values())
-        ),
+        "constants": values,
+        "each": ", or of each flag that is set" if enum.bitmask else "",
+        "string": _flags_string(enum) if enum.bitmask else _value_string(enum, names),
     }
+
+
+def _flags_string(enum: EnumDefinition) -> str:
+    names = ", ".join(f'"{entry.name}"' for entry in enum.entries)
+    values = ", ".join(str(entry.value) for entry in enum.entries)
+    lists = f"\t\t[]string{{{names}}},\n\t\t[]uint64{{{values}}})\n"
+    return f'\treturn flagsText("{enum.name}", uint64(v),\n{lists}'
+
+
+def _value_string(enum: EnumDefinition, names: dict[str, str]) -> str:
+    otherwise = f'\treturn enumText("{enum.name}", uint64(v))\n'
+    first = {entry.value: entry.name for entry in reversed(enum.entries)}
+    cases = (f'\tcase {names[name]}:\n\t\treturn "{name}"\n' for name in reversed(first.values()))
+    return f"\tswitch v {{\n{''.join(cases)}\t}}\n{otherwise}" if first else otherwise
 
 
 def _described(entry: EnumEntry) -> str:

@@ -53,27 +53,51 @@ def render(library: Library) -> Iterator[GeneratedFile]:
     members = enum_members(library)
     for enum in library.enums:
         values = _enum(enum, enums[enum.name], members[enum.name])
-        yield templates.file(f"{folder}/enums/{enums[enum.name]}.java", "enum.java.j2", **values)
+        methods = templates.text(_methods(enum, values), **values)
+        path = f"{folder}/enums/{enums[enum.name]}.java"
+        yield templates.file(path, "enum.java.j2", methods=methods, **values)
 
 
 def _runtime(
     library: Library, templates: Templates, folder: str, classes: dict[str, str]
 ) -> Iterator[GeneratedFile]:
     cases = [(message.id, classes[message.name]) for message in library.messages]
+    parts = [cases[start : start + _CASES] for start in range(0, len(cases), _CASES)]
     dialect = {
         "count": len(library.messages),
         "version": library.version,
         "max_length": library.max_payload_length,
-        "table": [_row(message) for message in library.messages],
-        "parts": [cases[start : start + _CASES] for start in range(0, len(cases), _CASES)],
-        "scalars": SCALARS,
-        "arrays": ARRAYS,
+        "table": "".join(f"        {_row(message)}\n" for message in library.messages),
+        "dispatch": "".join(_dispatch(part, index, len(parts)) for index, part in enumerate(parts, 1)),
+        "creators": "".join(_creator(part, index) for index, part in enumerate(parts, 1)),
+        "scalars": "".join(
+            templates.text("wire_scalar.java.j2", name=name, java=java, read=read, write=write)
+            for name, java, read, write in SCALARS
+        ),
+        "arrays": "".join(
+            templates.text("wire_array.java.j2", name=name, java=java, element=element, size=size)
+            for name, java, element, size in ARRAYS
+        ),
+        "example": templates.text("example.md.j2") if classes.get("HEARTBEAT") == "Heartbeat" else "",
     }
     for name in RUNTIME:
         yield templates.file(f"{folder}/{name}.java", f"{name}.java.j2", **dialect)
     yield templates.file("pom.xml", "pom.xml.j2")
-    heartbeat = classes.get("HEARTBEAT") == "Heartbeat"
-    yield templates.file("README.md", "README.md.j2", heartbeat=heartbeat, **dialect)
+    yield templates.file("README.md", "README.md.j2", **dialect)
+
+
+def _dispatch(part: list[tuple[int, str]], index: int, count: int) -> str:
+    if index == count:
+        return f"        return create{index}(id);\n"
+    return f"        if (id <= {part[-1][0]}) {{\n            return create{index}(id);\n        }}\n"
+
+
+def _creator(part: list[tuple[int, str]], index: int) -> str:
+    cases = "".join(
+        f"            case {number}:\n                return new {name}();\n" for number, name in part
+    )
+    rest = "            default:\n                return null;\n        }\n    }\n"
+    return f"\n    private static Message create{index}(int id) {{\n        switch (id) {{\n{cases}{rest}"
 
 
 def _default_package(name: str) -> str:
@@ -107,8 +131,7 @@ def _message(message: MessageDefinition, class_name: str, links: dict[str, str])
         "base_length": message.base_length,
         "crc_extra": message.crc_extra,
         "title": comment(f"{message.name} ({message.id}): {message.description}".rstrip(": ")),
-        "tags": _deprecation(message),
-        "deprecated": bool(message.deprecated),
+        "deprecation": _deprecation(message),
         "infos": "".join(_info(message)),
         "fields": "".join(_declaration(*item) for item in fields.values()),
         "values": "".join(
@@ -129,11 +152,12 @@ def _declaration(name: str, text: str, field: Access) -> str:
     return f"    /** {text} */\n    public {field.java} {name}{field.initial};\n\n"
 
 
-def _deprecation(item: MessageDefinition) -> list[str]:
+def _deprecation(item: MessageDefinition) -> str:
+    """Return the end of the comment, and the annotation."""
     if item.deprecated is None:
-        return []
+        return " */\n"
     replaced = f", replaced by {item.deprecated.replaced_by}" if item.deprecated.replaced_by else ""
-    return ["", f" @deprecated since {comment(item.deprecated.since + replaced)}"]
+    return f" *\n * @deprecated since {comment(item.deprecated.since + replaced)}\n */\n@Deprecated\n"
 
 
 def _info(message: MessageDefinition) -> Iterator[str]:
@@ -159,13 +183,20 @@ def _enum(enum: EnumDefinition, class_name: str, members: dict[str, str]) -> dic
         "class_name": class_name,
         "title": comment(f"{enum.name}: {enum.description}".rstrip(": ")),
         "type": "long" if wide else "int",
-        "bitmask": enum.bitmask,
+        "imports": "import java.util.EnumSet;\n\n" if enum.bitmask else "",
         "entries": ",\n".join(entries) + (";\n" if entries else "    ;\n"),
         "cases": "".join(
             f"            case {value}:\n                return {name};\n"
             for value, name in reversed(distinct_values.items())
         ),
     }
+
+
+def _methods(enum: EnumDefinition, values: dict[str, Any]) -> str:
+    """Return the template of the methods of an enum; Java has no switch over `long`."""
+    if enum.bitmask:
+        return "flag_methods.java.j2"
+    return "switch_method.java.j2" if values["type"] == "int" else "search_method.java.j2"
 
 
 def _described(entry: EnumEntry) -> str:
