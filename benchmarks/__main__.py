@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 from . import (
     c_library,
     codegen_c,
-    codegen_typescript,
     codegen_java_go,
+    codegen_typescript,
     dataflash,
     exports,
     report,
@@ -22,8 +22,6 @@ from . import (
     ulog,
     workload,
 )
-from . import c_library, codegen_c, dataflash, exports, report, rows, simulation, ulog, workload
-from . import c_library, codegen_java_go, dataflash, exports, report, rows, simulation, ulog, workload
 from .measure import pinned
 from .telemetry import __main__ as telemetry
 from .transfers import __main__ as transfers
