@@ -13,6 +13,7 @@ from . import (
     c_library,
     codegen_c,
     codegen_java_go,
+    codegen_python,
     codegen_typescript,
     dataflash,
     exports,
@@ -44,6 +45,7 @@ ROWS: dict[str, Callable[[rows.Bench], Iterator[Row]]] = {
     "ulog": lambda bench: ulog.rows(bench, quick=bench.amounts is rows.QUICK),
     "exports": exports.rows,
     "codegen-c": codegen_c.rows,
+    "codegen-python": codegen_python.rows,
     "codegen-typescript": codegen_typescript.rows,
     "codegen-java-go": codegen_java_go.rows,
 }
