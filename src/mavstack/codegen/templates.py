@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import re
 from functools import cached_property
-from importlib.resources import files
+from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.codegen.language import GeneratedFile
@@ -71,9 +72,14 @@ class Templates:
 
     def _find_flat(self, name: str) -> FlatTemplate | None:
         if name not in self._flat:
-            source = (files(self._package) / "templates" / name).read_text("utf-8")
+            source = (self._folder / name).read_text("utf-8")
             self._flat[name] = FlatTemplate(source) if FlatTemplate.fits(source) else None
         return self._flat[name]
+
+    @cached_property
+    def _folder(self) -> Path:
+        # importlib.resources takes longer to import than to generate a small library.
+        return Path(str(import_module(self._package).__file__)).parent / "templates"
 
     @cached_property
     def _environment(self) -> Environment:
