@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from mavstack.codegen import generate, make_library, write_files
+from mavstack.codegen import generate, language, make_library, write_files
 from mavstack.dialects import Dialect, common
 from mavstack.dialects.tables import official_names
 from mavstack.wire import encode
@@ -95,6 +95,11 @@ def test_names_that_the_library_uses_get_an_underscore():
     assert "export class Packet_ extends" in module
     for name in ("class", "constructor_", "toObject_", "aB", "aB_"):
         assert f"\n  get {name}(): " in module
+
+
+def test_a_field_may_be_named_as_a_keyword():
+    assert "constructor" in language("typescript").reserved_words
+    assert not {"type", "class", "of"} & language("typescript").reserved_words
 
 
 def build(folder: Path, dialect: str | Dialect, *programs: str) -> Path:

@@ -1,7 +1,7 @@
 """Names in TypeScript: classes, properties and enum members.
 
 Messages and enums are classes and objects in PascalCase, fields properties in camelCase. Property names may
-be reserved words; the names of classes may be neither reserved words nor names that the modules use.
+be reserved words; the names of classes may not be names that the modules use.
 """
 
 from __future__ import annotations
@@ -18,16 +18,6 @@ if TYPE_CHECKING:
     from mavstack.codegen.library import Library
     from mavstack.dialects.model import EnumDefinition, MessageDefinition
 
-_ECMASCRIPT: Final = """
-    await break case catch class const continue debugger default delete do else enum export extends
-    false finally for function if implements import in instanceof interface let new null package
-    private protected public return static super switch this throw true try typeof var void while
-    with yield
-"""
-_TYPESCRIPT: Final = """
-    any as async bigint boolean constructor from get never number object of set string symbol type
-    undefined unknown
-"""
 #: Names that the generated modules use or export.
 _USED: Final = """
     AnyMessageType ArrayLike BigInt Counters DataView FieldInfo FieldType Init InitOf Math
@@ -35,10 +25,10 @@ _USED: Final = """
     PacketHeader PacketOf Parser ParserOptions RawPacket Readonly Record Refusal Signing
     SigningOptions String Symbol Uint8Array
 """
-#: Reserved words of ECMAScript in strict mode and of TypeScript.
-RESERVED_WORDS: Final = frozenset((_ECMASCRIPT + _TYPESCRIPT).split())
 #: Properties of every message class.
 _METHODS: Final = frozenset({"constructor", "toObject", "toJSON"})
+#: Words that a property may not be named; those of ECMAScript and TypeScript are allowed.
+RESERVED_WORDS: Final = _METHODS
 
 
 class Names:
