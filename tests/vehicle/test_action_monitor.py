@@ -150,6 +150,16 @@ def test_armed_or_disarmed_instead(wanted):
     run_scenario(scenario)
 
 
+def test_a_vehicle_that_was_never_armed():
+    async def scenario(harness):
+        harness.autopilot.arm(False)
+        await asyncio.sleep(1)
+        _, error = await monitored(harness, ActionGoal(lambda: False, armed=True), seconds=20)
+        assert str(error) == "work on 1/1 failed: it is not armed"
+
+    run_scenario(scenario)
+
+
 def test_earlier_status_texts_are_not_attached():
     async def scenario(harness):
         harness.send_statustext("before")

@@ -101,6 +101,8 @@ class ActionMonitor:
         self._texts = StatusTextCapture(vehicle)
         self._packet_arrived = asyncio.Event()
         self._interrupted_at: float | None = None
+        #: False if the vehicle was disarmed all the time.
+        self._has_been_armed = vehicle.armed is not False
         self._goal: ActionGoal | None = None
         self._listener = vehicle.connection.add_packet_listener(
             None, lambda _: self._packet_arrived.set(), system=vehicle.system
@@ -137,6 +139,7 @@ class ActionMonitor:
             raise self.error(RemoteCancelled, "the connection was closed")
 
     def _check_vehicle(self, goal: ActionGoal, started: float, now: float) -> None:
+        self._has_been_armed |= bool(self._vehicle.armed)
         if not self._vehicle.alive and not goal.may_be_silent:
             raise self.error(ContactLost, "it fell silent")
         interruption = self._interruption(goal) if now >= started + SETTLING_TIME else None
@@ -153,6 +156,8 @@ class ActionMonitor:
         if goal.modes is not None and mode is not None and mode.lower() not in goal.modes:
             return f"it changed to {mode}"
         if goal.armed is not None and armed is not None and armed != goal.armed:
+            if not self._has_been_armed:
+                return "it is not armed"
             return "it was armed" if armed else f"it was disarmed{self._height()}"
         return None
 
