@@ -69,7 +69,7 @@ def test_a_custom_dialect_has_its_files_apart_and_merged():
     ]
     merged = next(enum for enum in library.enums if enum.name == "MAV_CMD")
     assert len(merged.entries) > 100
-    assert library.version == 7
+    assert library.version == 3
 
 
 def test_the_stamp_names_the_definitions_and_changes_with_them():
@@ -84,3 +84,8 @@ def test_the_stamp_names_the_definitions_and_changes_with_them():
 
 def test_max_payload_length():
     assert make_library(COMMON, only=["HEARTBEAT", "SYSTEM_TIME"]).max_payload_length == 12
+
+
+@pytest.mark.parametrize("name", ["all", "storm32", "common", "icarous"])
+def test_the_protocol_version_is_that_of_the_file_of_heartbeat(name: str) -> None:
+    assert make_library(Dialect.load(name)).version == 3

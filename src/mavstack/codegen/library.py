@@ -45,7 +45,7 @@ class Library:
 
     Attributes:
         name: Name of the dialect in lower case.
-        version: Version of the dialect for HEARTBEAT.mavlink_version: 3 if no file has one.
+        version: HEARTBEAT.mavlink_version: the version of the file that defines this field; 3 without it.
         files: Included files first, the dialect itself last.
         messages: The messages of all files, by id.
         enums: The enums of all files with all their entries, by name.
@@ -103,13 +103,22 @@ def make_library(
     )
     return Library(
         name=dialect.name.lower(),
-        version=dialect.version or 3,
+        version=_protocol_version(files),
         files=files,
         messages=tuple(messages),
         enums=tuple(enums),
         digest=_digest(dialect, sorted(selected)),
         package=package,
     )
+
+
+def _protocol_version(files: Iterable[DialectFile]) -> int:
+    versions = (
+        file.version
+        for file in files
+        if any(item.protocol_version for message in file.messages for item in message.fields)
+    )
+    return next((version for version in versions if version is not None), 3)
 
 
 def _select(names: Iterable[str], only: tuple[str, ...], exclude: tuple[str, ...]) -> frozenset[str]:
