@@ -88,6 +88,7 @@ WITHOUT_VEHICLE = [
     "dialect show hostile.xml NOSUCH", "dialect check hostile.xml", "dialect diff common hostile.xml --prose",
     "key new hostile", "key list", "key remove hostile --yes",
     "dialect import hostile.xml -o facts.xml", "dialect stubs hostile.xml -o stubs",
+    "gen c hostile.xml -o generated", "gen python hostile.xml -o generated --only NOSUCH",
     "doctor", "sim --for 1 --speed max --out udpout://127.0.0.1:9",
     "demo --for 1 --once", "completion bash",
 ]  # fmt: skip

@@ -87,8 +87,8 @@ FILE_WITH_WARNINGS = """<mavlink>
 <enum name="EMPTY"></enum>
 </enums>
 <messages>
-<message id="1" name="A_B"><field type="float" name="x" enum="E"/></message>
-<message id="2" name="A__B"><description>d</description><note/>
+<message id="53001" name="A_B"><field type="float" name="x" enum="E"/></message>
+<message id="53002" name="A__B"><description>d</description><note/>
 <field type="uint8_t" name="x" minValue="3" maxValue="1"/></message>
 </messages>
 </mavlink>"""

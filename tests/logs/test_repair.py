@@ -45,7 +45,7 @@ def test_the_last_packet_behind_a_false_start_is_kept(tmp_path):
     # The beginning of a packet of 255 bytes, which the parser waits for.
     (tmp_path / "a.raw").write_bytes(sound + b"\xfd\xff\0\0\0" + packets()[3])
     repair = repair_log(tmp_path / "a.raw", tmp_path / "new.raw", COMMON)
-    assert (repair.packets, repair.dropped_bytes) == (4, 5)
+    assert (repair.records, repair.dropped_bytes) == (4, 5)
 
 
 @pytest.mark.parametrize("content", [b"", b"no packet at all", b"\x89PNG\r\n\x1a\n" + bytes(100)])

@@ -124,6 +124,7 @@ def test_a_recorder_that_is_ended_leaves_complete_records(tmp_path, number):
 
 
 @pytest.mark.nightly
+@pytest.mark.timeout(900)
 @pytest.mark.skipif(sys.platform == "win32", reason="SIGKILL")
 def test_a_hundred_kills_at_random_moments_lose_less_than_a_second(tmp_path):
     random = Random(13)

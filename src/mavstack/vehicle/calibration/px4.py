@@ -186,11 +186,16 @@ async def _start(conversation: Conversation) -> None:
         try:
             return await conversation.start(*_ARGUMENTS[conversation.kind])
         except CommandDenied as denial:
-            busy = denial.code == common.MavResult.TEMPORARILY_REJECTED and not conversation.vehicle.armed
-            if not (busy and left):
+            if not (left and _is_busy(denial, conversation)):
                 raise
         await asyncio.sleep(_START_INTERVAL)
     return None
+
+
+def _is_busy(denial: CommandDenied, conversation: Conversation) -> bool:
+    """Return whether PX4 has not ended another calibration yet; it gives reasons for other refusals."""
+    rejected = denial.code == common.MavResult.TEMPORARILY_REJECTED
+    return rejected and not denial.status_texts and not conversation.vehicle.armed
 
 
 async def _radio(conversation: Conversation) -> None:
