@@ -29,7 +29,7 @@ def test_notifications_go_to_stderr(capsys):
     in_shell(COPTER, scenario)
     captured = capsys.readouterr()
     assert "arm" in captured.err.lower()
-    assert captured.out == ""
+    assert captured.out == "mode AUTO\n"
 
 
 @pytest.mark.flight
