@@ -24,9 +24,11 @@ test: $(VENV)/installed ## Run the fast tier: lint, types, unit and property tes
 flights: $(VENV)/installed ## Run the tests that take seconds of processor time each, mostly simulated flights
 	$(BIN)/pytest -n $(or $(WORKERS),auto) --dist loadgroup --durations 10 -m "flight and not nightly and not interop" --seeds $(or $(SEEDS),60)
 
+# Compilers run apart, since the other programs have timeouts in real time.
 interop: $(VENV)/installed ## Run the other tests with programs that are not ours, several at a time: they mostly wait
 	@$(BIN)/python -m tools.compilers interop
-	$(BIN)/pytest -n $(or $(WORKERS),4) --dist loadgroup --durations 10 -m "interop and not smoke and not nightly"
+	$(BIN)/pytest -n $(or $(WORKERS),4) --dist loadgroup --durations 10 -m "interop and not smoke and not nightly" --ignore tests/codegen
+	$(BIN)/pytest -n $(or $(WORKERS),auto) --dist loadgroup --durations 5 -m "interop and not smoke and not nightly" tests/codegen
 
 nightly: $(VENV)/installed ## Run the long tests, the randomised ones over SEEDS (10000) each
 	@$(BIN)/python -m tools.compilers nightly

@@ -17,6 +17,7 @@ import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
@@ -32,8 +33,8 @@ FOLDERS: Final = (
     Path("/usr/lib/dotnet"),
     Path("/opt/swift/usr/bin"),
 )
-#: Seconds that one installation may take.
-INSTALL_TIMEOUT: Final = 600
+#: Seconds that all installations together may take; the tests of what is missing then skip.
+INSTALL_TIMEOUT: Final = 300
 
 
 @dataclass(frozen=True)
@@ -153,44 +154,49 @@ def install(names: Iterable[str]) -> list[str]:
     missing = [name for name in names if find(name) is None]
     debian = sorted({package for name in missing for package in PROGRAMS[name].debian})
     npm = sorted({package for name in missing for package in PROGRAMS[name].npm})
+    deadline = monotonic() + INSTALL_TIMEOUT
     if debian:
-        _install_debian(debian)
+        _install_debian(debian, deadline)
     if npm:
-        _install_npm(npm)
+        _install_npm(npm, deadline)
     return [name for name in missing if find(name) is None]
 
 
-def _install_debian(packages: list[str]) -> None:
+def _install_debian(packages: list[str], deadline: float) -> None:
     """Install Debian packages; one that does not exist prevents none of the others."""
     apt = shutil.which("apt-get")
     if apt is None or os.geteuid() != 0:
         return
     environment = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
     command = [apt, "-qq", "install", "--yes", "--no-install-recommends"]
-    if _run([*command, *packages], environment):
+    if _run([*command, *packages], deadline, environment):
         return
-    _run([apt, "-qq", "update"], environment)
-    if not _run([*command, *packages], environment):
+    _run([apt, "-qq", "update"], deadline, environment)
+    if not _run([*command, *packages], deadline, environment):
         for package in packages:
-            _run([*command, package], environment)
+            _run([*command, package], deadline, environment)
 
 
-def _install_npm(packages: list[str]) -> None:
+def _install_npm(packages: list[str], deadline: float) -> None:
     npm = find("npm")
     if npm is not None:
         TOOLS.mkdir(exist_ok=True)
-        _run([npm, "install", "--silent", "--no-audit", "--no-fund", "--prefix", str(TOOLS), *packages], None)
+        options = ("--silent", "--no-audit", "--no-fund", "--prefix", str(TOOLS))
+        _run([npm, "install", *options, *packages], deadline)
 
 
-def _run(command: list[str], environment: dict[str, str] | None) -> bool:
-    """Return whether a command succeeds within its time."""
+def _run(command: list[str], deadline: float, environment: dict[str, str] | None = None) -> bool:
+    """Return whether a command succeeds before a time of `monotonic`."""
+    left = deadline - monotonic()
+    if left <= 0:
+        return False
     try:
         finished = subprocess.run(  # noqa: S603 (commands of this module)
             command,
             env=environment,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
-            timeout=INSTALL_TIMEOUT,
+            timeout=left,
             check=False,
         )
     except (OSError, subprocess.TimeoutExpired):

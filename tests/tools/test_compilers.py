@@ -27,7 +27,7 @@ def test_groups_name_programs() -> None:
 
 def test_missing_programs_are_printed_and_only_fail_if_required(monkeypatch, capsys) -> None:
     monkeypatch.setattr(compilers, "find", lambda name: None if name == "clang" else "/bin/true")
-    monkeypatch.setattr(compilers, "_install_debian", lambda packages: None)
+    monkeypatch.setattr(compilers, "_install_debian", lambda packages, deadline: None)
     assert compilers.main(["clang", "gcc"]) == 0
     assert "not on this machine: clang; their tests skip" in capsys.readouterr().err
     assert compilers.main(["clang", "--require"]) == 1
@@ -36,8 +36,8 @@ def test_missing_programs_are_printed_and_only_fail_if_required(monkeypatch, cap
 def test_only_what_is_missing_is_installed(monkeypatch) -> None:
     installed: list[str] = []
     monkeypatch.setattr(compilers, "find", lambda name: "/bin/true" if name == "gcc" else None)
-    monkeypatch.setattr(compilers, "_install_debian", installed.extend)
-    monkeypatch.setattr(compilers, "_install_npm", installed.extend)
+    monkeypatch.setattr(compilers, "_install_debian", lambda packages, _: installed.extend(packages))
+    monkeypatch.setattr(compilers, "_install_npm", lambda packages, _: installed.extend(packages))
     assert compilers.install(["gcc", "lua5.4", "typescript"]) == ["lua5.4", "typescript"]
     assert installed == ["lua5.4", "typescript@5.9", "@types/node@20"] or installed == [
         "lua5.4",
@@ -51,3 +51,13 @@ def test_an_unknown_name_is_wrong_usage(capsys) -> None:
         compilers.main(["fortran"])
     assert stopped.value.code == 2
     assert "typescript" in capsys.readouterr().err
+
+
+def test_installations_end_in_time(monkeypatch) -> None:
+    started = []
+    monkeypatch.setattr(
+        compilers.subprocess, "run", lambda command, **settings: started.append(settings["timeout"])
+    )
+    monkeypatch.setattr(compilers, "monotonic", lambda: 100.0)
+    assert compilers._run(["true"], 99.0) is False
+    assert started == []
