@@ -31,6 +31,8 @@ ABOVE_SEA, NO_PLACE, ABOVE_HOME = 0, 2, 3
 class MavproxyFlight(Flight):
     """A simulated vehicle and the console of MAVProxy."""
 
+    flying_speed = FLYING_SPEED
+
     @property
     def home_first(self) -> bool:
         return self.vehicle.firmware is Firmware.ARDUPILOT
@@ -43,7 +45,7 @@ class MavproxyFlight(Flight):
     @contextmanager
     def faster(self):
         """Run faster than real time; not for conversations, whose timeouts are in real time."""
-        speed, self.runner.speed = self.runner.speed, FLYING_SPEED
+        speed, self.runner.speed = self.runner.speed, self.flying_speed
         yield
         self.runner.speed = speed
 

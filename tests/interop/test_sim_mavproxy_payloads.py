@@ -26,6 +26,7 @@ async def equipped_flight(firmware: str, directory):
         mavproxy(simulated.link.address[1], directory, modules="cmdlong,link,output,ftp") as console,
     ):
         flight = MavproxyFlight(vehicle, console, simulated)
+        flight.flying_speed = 1.0  # nothing flies: everything is conversation
         await console.wait_for_output("Detected vehicle 1:1")
         await flight.send_and_wait("module load camera", "Loaded module camera")
         await console.send_until_answered("camera discover", "discovery requested")

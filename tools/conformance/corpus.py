@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
+from mavstack.codegen import make_library
 from mavstack.dialects import Dialect
 from mavstack.wire import Parser, Signing, encode
 from tools.conformance.cases import Case, Cases
@@ -30,7 +31,7 @@ def corpus_text(name: str) -> str:
         ValueError: The result of an input depends on its chunks.
     """
     dialect = Dialect.load(name)
-    cases = Cases(dialect.definition, dialect.version or 3).all()
+    cases = Cases(dialect.definition, make_library(dialect).version).all()
     lines = [json.dumps(line(case, dialect), separators=(",", ":")) for case in cases]
     return "".join(f"{item}\n" for item in lines)
 
