@@ -342,6 +342,9 @@ fn clear_after_nul(text: &mut [u8]) {
     }
 }
 
+#[path = "bulk_saved.rs"]
+mod saved;
+
 #[cfg(test)]
 #[path = "bulk_tests.rs"]
 pub(crate) mod tests;

@@ -146,3 +146,35 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_saved_index_is_restored() {
+    let dialect = dialect();
+    let data = log(1);
+    let index = Index::build(&data, &dialect, true, 3);
+    let saved = index.save(&dialect);
+    let restored = Index::restore(&saved, &dialect, data.len()).expect("the index that was saved");
+    assert_eq!(flat(&restored), flat(&index));
+    assert_eq!(restored.unknown(), index.unknown());
+    assert_eq!(restored.sources().all(), index.sources().all());
+    let other = Dialect::new(dialect.layouts()[1..].to_vec()).expect("a dialect");
+    assert!(Index::restore(&saved, &other, data.len()).is_none());
+}
+
+#[test]
+fn damaged_bytes_of_an_index_give_none_or_one_that_can_be_used() {
+    let dialect = dialect();
+    let data = &log(2)[..4000];
+    let saved = Index::build(data, &dialect, true, 1).save(&dialect);
+    for position in 0..saved.len() {
+        assert!(Index::restore(&saved[..position], &dialect, data.len()).is_none());
+        for value in [0, 1, 0x7F, 0xFF] {
+            let mut changed = saved.clone();
+            changed[position] = value;
+            if let Some(index) = Index::restore(&changed, &dialect, data.len()) {
+                let mut rows = vec![0; index.rows(0) * row_size(&dialect.layouts()[0])];
+                index.decode(data, &dialect, vec![(0, rows.as_mut_slice())], 1);
+            }
+        }
+    }
+}

@@ -12,6 +12,7 @@ pub mod header;
 pub mod layout;
 pub mod parser;
 mod running_crc;
+pub mod saved;
 pub mod scan;
 pub mod sequence;
 pub mod signing;

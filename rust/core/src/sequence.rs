@@ -4,6 +4,7 @@
 //! a packet from up to [`LATE_WINDOW`] numbers back is late or a duplicate, and a late packet was counted as lost
 //! before it arrived; any other step backwards is a sender that restarted, and is not counted as loss.
 
+use crate::saved::{Reader, Writer};
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
@@ -179,6 +180,35 @@ impl Sources {
             };
             self.entries[position].1.join(&after);
         }
+    }
+
+    pub(crate) fn save(&self, writer: &mut Writer) {
+        writer.size(self.entries.len());
+        for (key, source) in &self.entries {
+            let &Source { received, bytes, lost, late, last, run } = source;
+            for number in [(*key).into(), received, bytes, lost, late, last.into(), run.lost, run.late] {
+                writer.number(number);
+            }
+            writer.octets(&run.numbers[..usize::from(run.length)]);
+        }
+    }
+
+    /// Reads the sources of a table without limit.
+    pub(crate) fn restore(reader: &mut Reader<'_>) -> Option<Self> {
+        let mut sources = Self::default();
+        for _ in 0..reader.length(9 * size_of::<u64>())? {
+            let (key, mut source) = (u16::try_from(reader.number()?).ok()?, Source::new(0, 0));
+            for count in [&mut source.received, &mut source.bytes, &mut source.lost, &mut source.late] {
+                *count = reader.number()?;
+            }
+            source.last = u8::try_from(reader.number()?).ok()?;
+            (source.run.lost, source.run.late) = (reader.number()?, reader.number()?);
+            let numbers = reader.octets()?;
+            source.run.numbers.get_mut(..numbers.len())?.copy_from_slice(numbers);
+            source.run.length = numbers.len() as u8;
+            sources.insert(key, source);
+        }
+        Some(sources)
     }
 
     /// All sources as (system, component, statistics), ordered by their ids.

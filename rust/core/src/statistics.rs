@@ -1,5 +1,7 @@
 //! Counters of received bytes and packets: nothing is dropped without being counted here.
 
+use crate::saved::{Reader, Writer};
+
 /// The reason why bytes that begin with a magic are not a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reject {
@@ -49,5 +51,33 @@ impl Statistics {
         self.bad_checksum += other.bad_checksum;
         self.bad_flags += other.bad_flags;
         self.bad_length += other.bad_length;
+    }
+
+    pub(crate) fn save(&self, writer: &mut Writer) {
+        let mut copy = *self;
+        copy.all().into_iter().for_each(|count| writer.number(*count));
+    }
+
+    pub(crate) fn restore(reader: &mut Reader<'_>) -> Option<Self> {
+        let mut statistics = Self::default();
+        for count in statistics.all() {
+            *count = reader.number()?;
+        }
+        Some(statistics)
+    }
+
+    fn all(&mut self) -> [&mut u64; 10] {
+        [
+            &mut self.packets,
+            &mut self.packet_bytes,
+            &mut self.version_1,
+            &mut self.version_2,
+            &mut self.signed,
+            &mut self.unknown,
+            &mut self.bad_bytes,
+            &mut self.bad_checksum,
+            &mut self.bad_flags,
+            &mut self.bad_length,
+        ]
     }
 }

@@ -1,4 +1,5 @@
-//! The bulk decoder finds the same packets as the push parser, and does not fail on data that changed after indexing.
+//! The bulk decoder finds the same packets as the push parser, and does not fail on data that changed after indexing
+//! or on an index that was saved and damaged.
 #![no_main]
 
 use fuzz_dialect::{dialect, stream};
@@ -23,5 +24,18 @@ fuzz_target!(|data: &[u8]| {
         let mut rows = vec![0; index.rows(slot) * row_size(layout)];
         index.decode(stream, &dialect, vec![(slot, &mut rows)], 2);
         index.decode(changed, &dialect, vec![(slot, &mut rows)], 2);
+    }
+    let mut saved = index.save(&dialect);
+    let restored = Index::restore(&saved, &dialect, stream.len()).expect("the index that was saved");
+    assert_eq!(restored.statistics(), index.statistics());
+    for (position, value) in plan.iter().enumerate() {
+        let place = (position * 7919 + usize::from(*value)) % saved.len();
+        saved[place] ^= value;
+    }
+    if let Some(damaged) = Index::restore(&saved, &dialect, stream.len()) {
+        for (slot, layout) in dialect.layouts().iter().enumerate() {
+            let mut rows = vec![0; damaged.rows(slot) * row_size(layout)];
+            damaged.decode(stream, &dialect, vec![(slot, &mut rows)], 2);
+        }
     }
 });

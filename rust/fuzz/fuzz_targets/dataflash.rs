@@ -1,4 +1,5 @@
-//! The index of a DataFlash log counts every byte, and does not fail on data that changed after indexing.
+//! The index of a DataFlash log counts every byte, and does not fail on data that changed after indexing
+//! or on an index that was saved and damaged.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -37,4 +38,13 @@ fuzz_target!(|data: &[u8]| {
     assert_eq!(bytes as u64 + index.damage().bad_bytes, log.len() as u64);
     let before = index.rows_before(log, log.len());
     assert!(before.iter().enumerate().all(|(slot, &rows)| rows == index.rows(slot)));
+    let mut saved = index.save().expect("positions of all records");
+    let restored = Index::restore(&saved, log).expect("the index that was saved");
+    assert_eq!((restored.definitions(), restored.damage()), (index.definitions(), index.damage()));
+    let place = log.iter().fold(0, |sum, &byte| (sum * 31 + usize::from(byte)) % 65_521) % saved.len();
+    saved[place] ^= choice | 1;
+    if let Some(damaged) = Index::restore(&saved, log) {
+        let _rows = damaged.rows_before(log, log.len());
+        let _fewer = damaged.without_positions().rows_before(log, log.len() / 2);
+    }
 });

@@ -1,5 +1,5 @@
 //! The ULog reader counts every byte, gives the same result on any number of threads and for any division of the file
-//! into parts, and does not fail on data that changed after indexing.
+//! into parts, and does not fail on data that changed after indexing, or on an index that was saved and damaged.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -77,4 +77,13 @@ fuzz_target!(|data: &[u8]| {
     }
     assert!(sizes.iter().zip(&expected).all(|(size, (_, rows))| *size == rows.len()));
     rows(&whole, &log[..log.len() / 2]);
+    let mut saved = whole.save();
+    let restored = Index::restore(&saved, &log, &header).expect("the index that was saved");
+    assert_eq!((rows(&restored, &log), &restored.damage), (expected, damage));
+    let place = plan.iter().fold(0, |sum, &byte| (sum * 31 + usize::from(byte)) % 65_521) % saved.len();
+    saved[place] ^= choice | 1;
+    if let Some(damaged) = Index::restore(&saved, &log, &header) {
+        rows(&damaged, &log);
+        let _part = damaged.following(&log, min_segment, Options::default());
+    }
 });

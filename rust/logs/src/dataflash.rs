@@ -11,6 +11,7 @@ pub mod index;
 pub mod row;
 #[cfg(test)]
 mod samples;
+mod saved;
 pub mod scan;
 mod segment;
 

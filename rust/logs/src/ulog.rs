@@ -12,6 +12,7 @@ pub mod decode;
 pub mod header;
 pub mod index;
 pub mod layout;
+mod saved;
 pub mod scan;
 
 #[cfg(test)]

@@ -118,6 +118,31 @@ impl DataFlashIndex {
         Ok(Self { core, data: Arc::new(data) })
     }
 
+    /// Return the index as bytes, which `restore` takes; None if it does not hold the positions of all records.
+    fn save<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyBytes>> {
+        py.detach(|| self.core.save()).map(|saved| PyBytes::new(py, &saved))
+    }
+
+    /// Return an index that was saved, without reading the log again.
+    ///
+    /// Args:
+    ///     saved: The bytes that `save` returned.
+    ///     data: A read-only buffer with the indexed bytes.
+    ///
+    /// Returns:
+    ///     The index, or None if the bytes cannot be those of an index of this log.
+    ///
+    /// Raises:
+    ///     BufferError: The buffer is writable or not contiguous.
+    #[staticmethod]
+    fn restore(py: Python<'_>, saved: &[u8], data: PyBuffer<u8>) -> PyResult<Option<Self>> {
+        require_read_only(&data)?;
+        // SAFETY: as in `new`.
+        let bytes = unsafe { shared(&data) }?;
+        let core = py.detach(|| Index::restore(saved, bytes));
+        Ok(core.map(|core| Self { core, data: Arc::new(data) }))
+    }
+
     /// Return the same index in less memory, which is slower to decode with.
     fn without_positions(&self) -> Self {
         Self { core: self.core.without_positions(), data: Arc::clone(&self.data) }

@@ -7,7 +7,7 @@ use mavstack_core::{bulk, scan, windows};
 use pyo3::buffer::PyBuffer;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 use std::collections::BTreeMap;
 
 /// Number of bytes examined to detect timestamps.
@@ -67,6 +67,32 @@ impl Index {
         let layouts = &dialect.get().core;
         let core = py.detach(|| bulk::Index::build(bytes, layouts, timestamped, threads));
         Ok(Self { core, dialect, data })
+    }
+
+    /// Return the index as bytes, which `restore` takes.
+    fn save<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &py.detach(|| self.core.save(&self.dialect.get().core)))
+    }
+
+    /// Return an index that was saved, without reading the file again.
+    ///
+    /// Args:
+    ///     saved: The bytes that `save` returned.
+    ///     data: A read-only buffer with the indexed bytes.
+    ///     dialect: The dialect of the messages.
+    ///
+    /// Returns:
+    ///     The index, or None if the bytes are not those of an index of this dialect and size.
+    ///
+    /// Raises:
+    ///     BufferError: The buffer is writable or not contiguous.
+    #[staticmethod]
+    fn restore(py: Python<'_>, saved: &[u8], data: PyBuffer<u8>, dialect: AnyDialect) -> PyResult<Option<Self>> {
+        require_read_only(&data)?;
+        let (dialect, size) = (dialect.0, data.len_bytes());
+        let layouts = &dialect.get().core;
+        let core = py.detach(|| bulk::Index::restore(saved, layouts, size));
+        Ok(core.map(|core| Self { core, dialect, data }))
     }
 
     /// Number of packets of each known message in the buffer, by message id.

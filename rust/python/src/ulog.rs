@@ -68,6 +68,37 @@ impl UlogIndex {
         Ok(Self { core, data: Arc::new(data), options })
     }
 
+    /// Return the index as bytes, which `restore` takes; None without the positions of the records.
+    fn save<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyBytes>> {
+        let saved = self.options.positions.then(|| py.detach(|| self.core.save()));
+        saved.map(|saved| PyBytes::new(py, &saved))
+    }
+
+    /// Return the index of a whole file that was saved, without reading the file again.
+    ///
+    /// Args:
+    ///     saved: The bytes that `save` returned.
+    ///     data: A read-only buffer with the indexed bytes.
+    ///     threads: Maximum number of threads.
+    ///
+    /// Returns:
+    ///     The index, or None if the bytes cannot be those of an index of this file.
+    ///
+    /// Raises:
+    ///     BufferError: The buffer is writable or not contiguous.
+    ///     ValueError: The buffer is no ULog, or uses features that are not supported.
+    #[staticmethod]
+    #[pyo3(signature = (saved, data, *, threads = 1))]
+    fn restore(py: Python<'_>, saved: &[u8], data: PyBuffer<u8>, threads: usize) -> PyResult<Option<Self>> {
+        require_read_only(&data)?;
+        // SAFETY: as in `new`.
+        let bytes = unsafe { shared(&data) }?;
+        let header = Header::parse(bytes).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let options = Options { threads, positions: true, ..Options::default() };
+        let core = py.detach(|| ulog::index::Index::restore(saved, bytes, &header));
+        Ok(core.map(|core| Self { core, data: Arc::new(data), options }))
+    }
+
     /// Return the same index without the positions of the records, in less memory.
     fn without_positions(&self) -> Self {
         let options = Options { positions: false, ..self.options };

@@ -52,11 +52,11 @@ pub struct Request<'a> {
 /// Positions of all records of a log, by definition.
 #[derive(Debug, Default)]
 pub struct Index {
-    segments: Vec<Segment>,
-    formats: Formats,
+    pub(super) segments: Vec<Segment>,
+    pub(super) formats: Formats,
     rows: Vec<usize>,
-    damage: Damage,
-    redefinitions: Vec<Redefinition>,
+    pub(super) damage: Damage,
+    pub(super) redefinitions: Vec<Redefinition>,
 }
 
 impl Index {
@@ -113,7 +113,7 @@ impl Index {
         self.redefinitions.extend(run.redefinitions);
     }
 
-    fn count_rows(&mut self) {
+    pub(super) fn count_rows(&mut self) {
         self.rows = vec![0; self.formats.definitions().len()];
         for segment in &self.segments {
             for slot in 0..segment.slots() {

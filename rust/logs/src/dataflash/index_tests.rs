@@ -129,3 +129,36 @@ fn data_that_changed_after_indexing_does_no_harm() {
         index.positions(changed, 1, 0, &mut positions);
     }
 }
+
+#[test]
+fn a_saved_index_is_restored() {
+    for seed in 0..20 {
+        let data = random_log(seed, 20 * SEGMENT);
+        let index = Index::build(&data, 3);
+        assert_eq!(index.without_positions().save(), None);
+        let Some(saved) = index.save() else { continue };
+        let restored = Index::restore(&saved, &data).expect("the index that was saved");
+        assert_eq!(content(&restored, &data), content(&index, &data), "seed {seed}");
+        assert_eq!(content(&restored.without_positions(), &data), content(&index, &data), "seed {seed}");
+        assert!(Index::restore(&saved, &data[..data.len() - 1]).is_none());
+    }
+}
+
+#[test]
+fn damaged_bytes_of_an_index_give_none_or_one_that_can_be_used() {
+    let data = random_log(5, 2 * SEGMENT);
+    let saved = Index::build(&data, 1).save().expect("positions of all records");
+    for position in 0..saved.len() {
+        assert!(Index::restore(&saved[..position], &data).is_none());
+        for value in [0, 1, 0x7F, 0xFF] {
+            let mut changed = saved.clone();
+            changed[position] = value;
+            if let Some(index) = Index::restore(&changed, &data) {
+                content(&index, &data);
+                content(&index.without_positions(), &data);
+                let mut rows = vec![0; index.rows(1) * layout().row_size()];
+                index.decode(&data, vec![Request { slot: 1, first: 0, layout: &layout(), rows: &mut rows }], 1);
+            }
+        }
+    }
+}

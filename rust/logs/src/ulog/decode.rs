@@ -56,7 +56,7 @@ impl Job<'_> {
         let size = self.layout.row_size;
         let batches = self.offsets.chunks(ROWS_PER_BATCH).zip(self.instances.chunks(ROWS_PER_BATCH));
         for ((offsets, instances), rows) in batches.zip(self.buffer.chunks_mut(ROWS_PER_BATCH * size)) {
-            prefetch(self.data, offsets);
+            prefetch(self.data, offsets, self.layout.min_record);
             for ((&offset, &instance), row) in offsets.iter().zip(instances).zip(rows.chunks_exact_mut(size)) {
                 decode_row(self.data, offset as usize, self.layout, row);
                 write_header(row, self.layout, instance, utc_offset);
@@ -65,12 +65,13 @@ impl Job<'_> {
     }
 }
 
-/// Reads a byte of each record, so that the cache lines are fetched in parallel: the records of a topic are far apart in
-/// the file, and each would cost a separate cache miss.
+/// Reads the first and the last byte of each record, so that the cache lines are fetched in parallel: the records of a
+/// topic are far apart in the file, and each would cost a separate cache miss.
 #[inline]
-fn prefetch(data: &[u8], offsets: &[u32]) {
-    let byte = |offset: u32| data.get(offset as usize + RECORD).copied().unwrap_or(0);
-    std::hint::black_box(offsets.iter().fold(0, |sum, &offset| sum ^ byte(offset)));
+fn prefetch(data: &[u8], offsets: &[u32], length: usize) {
+    let byte = |position: usize| data.get(position).copied().unwrap_or(0);
+    let ends = |start: usize| byte(start) ^ byte(start + length);
+    std::hint::black_box(offsets.iter().fold(0, |sum, &offset| sum ^ ends(offset as usize + RECORD)));
 }
 
 #[inline]

@@ -4,9 +4,8 @@
 //! of the segment before it ends exactly at its starting point, and knew all subscriptions that were known there.
 //! Otherwise the rest of the file is divided again.
 
-use super::catalog::{Catalog, Table};
+use super::catalog::Table;
 use super::header::Header;
-use super::layout::Format;
 use super::scan::{Damage, Message, Scanner, State};
 use super::u16_at;
 use std::ops::Range;
@@ -53,7 +52,7 @@ pub struct Part {
     pub tables: Vec<Records>,
 }
 
-/// A message that is not a record.
+/// A message that is not a record: a definition, a subscription, information, a parameter, a text or a dropout.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Entry {
     pub kind: u8,
@@ -78,13 +77,30 @@ pub struct Index {
     /// Earliest and latest time of a record in microseconds since boot.
     pub time_span: Option<(u64, u64)>,
     /// Latest time so far, including the parts before this one.
-    last_time: u64,
+    pub(super) last_time: u64,
     start: usize,
     /// State after the last message.
-    state: State,
+    pub(super) state: State,
 }
 
 impl Index {
+    /// The index of nothing, which begins at `start`.
+    pub(super) fn empty(header: &Header, start: usize) -> Self {
+        Self {
+            header: header.clone(),
+            parts: Vec::new(),
+            counts: Vec::new(),
+            entries: Vec::new(),
+            message_bytes: 0,
+            damage: Damage::default(),
+            definitions_end: None,
+            time_span: None,
+            last_time: 0,
+            start,
+            state: State { position: start, catalog: Arc::default() },
+        }
+    }
+
     /// Indexes a whole file.
     #[must_use]
     pub fn build(data: &[u8], header: &Header, options: Options) -> Self {
@@ -214,7 +230,7 @@ impl Index {
     }
 
     #[inline]
-    fn add_count(&mut self, table: usize, instance: usize, count: u64) {
+    pub(super) fn add_count(&mut self, table: usize, instance: usize, count: u64) {
         if self.counts.len() <= table {
             self.counts.resize(table + 1, Vec::new());
         }
@@ -278,20 +294,8 @@ fn split_points(data: &[u8], header: &Header, state: &State, end: usize, options
 
 fn scan_segment(data: &[u8], header: &Header, state: State, end: usize, options: Options) -> Index {
     let start = state.position;
-    let part = Part { base: start, tables: Vec::new() };
-    let mut index = Index {
-        header: header.clone(),
-        parts: vec![part],
-        counts: Vec::new(),
-        entries: Vec::new(),
-        message_bytes: 0,
-        damage: Damage::default(),
-        definitions_end: None,
-        time_span: None,
-        last_time: 0,
-        start,
-        state: State { position: start, catalog: Arc::default() },
-    };
+    let mut index = Index::empty(header, start);
+    index.parts.push(Part { base: start, tables: Vec::new() });
     let mut scanner = Scanner::new(data, header, state);
     while scanner.state.position < end
         && let Some(message) = scanner.next_message()
@@ -299,13 +303,11 @@ fn scan_segment(data: &[u8], header: &Header, state: State, end: usize, options:
         index.message_bytes += (message.end() - message.start) as u64;
         match message.kind {
             b'D' => index.record(&mut scanner, &message, options.positions),
-            b'F' => define(&mut scanner, message.body),
-            b'A' => {
-                subscribe(&mut scanner, message.body);
-                index.definitions_end.get_or_insert(message.start);
-            }
-            b'L' | b'C' => {
-                index.definitions_end.get_or_insert(message.start);
+            b'F' | b'A' | b'L' | b'C' => {
+                scanner.learn(message.kind, message.body);
+                if message.kind != b'F' {
+                    index.definitions_end.get_or_insert(message.start);
+                }
                 index.enter(&message);
             }
             b'I' | b'M' | b'P' | b'Q' | b'O' => index.enter(&message),
@@ -365,27 +367,5 @@ impl Index {
 
     fn enter(&mut self, message: &Message<'_>) {
         self.entries.push(Entry { kind: message.kind, start: message.start, time: self.last_time });
-    }
-}
-
-fn define(scanner: &mut Scanner<'_>, body: &[u8]) {
-    let Some(format) = Format::parse(body) else {
-        scanner.damage.bad_definitions += 1;
-        return;
-    };
-    if !scanner.state.catalog.has_format(&format) && !Arc::make_mut(&mut scanner.state.catalog).define(format) {
-        scanner.damage.bad_definitions += 1;
-    }
-}
-
-fn subscribe(scanner: &mut Scanner<'_>, body: &[u8]) {
-    let Some(subscription) = Catalog::parse_subscription(body) else {
-        scanner.damage.bad_definitions += 1;
-        return;
-    };
-    if !scanner.state.catalog.has_subscription(subscription)
-        && !Arc::make_mut(&mut scanner.state.catalog).subscribe(subscription)
-    {
-        scanner.damage.bad_definitions += 1;
     }
 }

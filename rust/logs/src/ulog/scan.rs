@@ -8,6 +8,7 @@
 
 use super::catalog::Catalog;
 use super::header::{HEADER, Header, MESSAGE_HEADER};
+use super::layout::Format;
 use super::u16_at;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -318,4 +319,37 @@ fn has_key(body: &[u8]) -> bool {
             && key.contains(&b' ')
             && key.iter().all(|byte| (b' '..0x7F).contains(byte))
     })
+}
+
+impl Scanner<'_> {
+    /// Takes in a definition or a subscription; other messages teach nothing.
+    pub(super) fn learn(&mut self, kind: u8, body: &[u8]) {
+        match kind {
+            b'F' => self.define(body),
+            b'A' => self.subscribe(body),
+            _ => {}
+        }
+    }
+
+    fn define(&mut self, body: &[u8]) {
+        let Some(format) = Format::parse(body) else {
+            self.damage.bad_definitions += 1;
+            return;
+        };
+        if !self.state.catalog.has_format(&format) && !Arc::make_mut(&mut self.state.catalog).define(format) {
+            self.damage.bad_definitions += 1;
+        }
+    }
+
+    fn subscribe(&mut self, body: &[u8]) {
+        let Some(subscription) = Catalog::parse_subscription(body) else {
+            self.damage.bad_definitions += 1;
+            return;
+        };
+        if !self.state.catalog.has_subscription(subscription)
+            && !Arc::make_mut(&mut self.state.catalog).subscribe(subscription)
+        {
+            self.damage.bad_definitions += 1;
+        }
+    }
 }

@@ -1,0 +1,124 @@
+//! Several datagrams per system call, on Linux.
+
+use crate::engine::datagrams::{BATCH, ReceiveBuffer, Run, SendQueue};
+use mio::net::UdpSocket;
+use nix::errno::Errno;
+use nix::sys::socket::{
+    ControlMessage, MsgFlags, MultiHeaders, SockaddrIn, SockaddrIn6, SockaddrLike, SockaddrStorage, recvmmsg, sendmsg,
+    setsockopt, sockopt,
+};
+use rustix::net::addr::SocketAddrArg;
+use rustix::net::{MMsgHdr, SendAncillaryBuffer, SendFlags, SocketAddrAny, sendmmsg};
+use std::io::{self, IoSlice, IoSliceMut};
+use std::net::{SocketAddr, SocketAddrV4, SocketAddrV6};
+use std::os::fd::AsRawFd;
+
+/// The headers of received datagrams. Those of both families differ in length, which the kernel stores in them.
+pub struct Batches {
+    headers_v4: MultiHeaders<SockaddrIn>,
+    headers_v6: MultiHeaders<SockaddrIn6>,
+}
+
+impl Default for Batches {
+    fn default() -> Self {
+        Self { headers_v4: MultiHeaders::preallocate(BATCH, None), headers_v6: MultiHeaders::preallocate(BATCH, None) }
+    }
+}
+
+/// Lets the system deliver datagrams of one sender that came together as one, where it can: parsers need no boundaries.
+pub fn accept_joined(socket: &UdpSocket) {
+    // Older kernels lack the option, and deliver each datagram.
+    let _ = setsockopt(socket, sockopt::UdpGroSegment, &true);
+}
+
+impl Batches {
+    /// Receives at most `count` datagrams, which are not more than a batch.
+    pub fn receive(
+        &mut self,
+        socket: &UdpSocket,
+        is_v6: bool,
+        count: usize,
+        buffer: &mut ReceiveBuffer,
+    ) -> io::Result<()> {
+        buffer.received.clear();
+        if is_v6 {
+            receive(socket, &mut self.headers_v6, count, buffer, |address| SocketAddrV6::from(address).into())
+        } else {
+            receive(socket, &mut self.headers_v4, count, buffer, |address| SocketAddrV4::from(address).into())
+        }
+    }
+}
+
+fn receive<S: SockaddrLike + Copy>(
+    socket: &UdpSocket,
+    headers: &mut MultiHeaders<S>,
+    count: usize,
+    buffer: &mut ReceiveBuffer,
+    to_address: impl Fn(S) -> SocketAddr,
+) -> io::Result<()> {
+    let (mut slots, received) = buffer.parts();
+    let mut slices: [[IoSliceMut<'_>; 1]; BATCH] =
+        std::array::from_fn(|_| [IoSliceMut::new(slots.next().unwrap_or_default())]);
+    let slices = slices.iter_mut().take(count);
+    let messages = recvmmsg(socket.as_raw_fd(), headers, slices, MsgFlags::MSG_DONTWAIT, None)?;
+    for message in messages {
+        if let Some(address) = message.address {
+            received.push((message.bytes, to_address(address)));
+        }
+    }
+    Ok(())
+}
+
+/// Sends the first datagrams of a queue; returns how many were sent.
+///
+/// Datagrams of one length for one address pass the network stack together, as long as the system can divide them
+/// again (`can_segment`).
+pub fn send(socket: &UdpSocket, queue: &SendQueue, can_segment: &mut bool) -> io::Result<usize> {
+    if let Some((bytes, address)) = queue.only() {
+        address.map_or_else(|| socket.send(bytes), |address| socket.send_to(bytes, address))?;
+        return Ok(1);
+    }
+    if *can_segment && let Some(run) = queue.first_run() {
+        match send_run(socket, &run) {
+            Ok(()) => return Ok(run.count),
+            Err(Errno::EAGAIN) => return Err(io::ErrorKind::WouldBlock.into()),
+            // Devices without checksums, and paths with a small MTU: one by one, as for any other error.
+            Err(Errno::EIO | Errno::EINVAL | Errno::EMSGSIZE | Errno::EOPNOTSUPP) => *can_segment = false,
+            Err(_) => {}
+        }
+    }
+    send_each(socket, queue)
+}
+
+/// Sends datagrams of one length; the last one may be shorter.
+fn send_run(socket: &UdpSocket, run: &Run<'_>) -> nix::Result<()> {
+    let (slice, length) = ([IoSlice::new(run.bytes)], run.length);
+    let control = [ControlMessage::UdpGsoSegments(&length)];
+    let (descriptor, flags) = (socket.as_raw_fd(), MsgFlags::MSG_DONTWAIT);
+    match run.address {
+        None => sendmsg::<()>(descriptor, &slice, &control, flags, None),
+        Some(address) => sendmsg(descriptor, &slice, &control, flags, Some(&SockaddrStorage::from(address))),
+    }?;
+    Ok(())
+}
+
+fn send_each(socket: &UdpSocket, queue: &SendQueue) -> io::Result<usize> {
+    let mut slices: [[IoSlice<'_>; 1]; BATCH] = std::array::from_fn(|_| [IoSlice::new(&[])]);
+    let mut addresses: [Option<SocketAddrAny>; BATCH] = [const { None }; BATCH];
+    let mut controls: [SendAncillaryBuffer<'_, '_, '_>; BATCH] =
+        std::array::from_fn(|_| SendAncillaryBuffer::default());
+    let mut count = 0;
+    for (index, (bytes, address)) in queue.first().enumerate() {
+        slices[index] = [IoSlice::new(bytes)];
+        addresses[index] = address.map(|address| address.as_any());
+        count = index + 1;
+    }
+    let parts = slices.iter().zip(&addresses).zip(&mut controls).take(count);
+    let mut headers: Vec<MMsgHdr<'_>> = parts
+        .map(|((slice, address), control)| match address {
+            Some(address) => MMsgHdr::new_with_addr(address, slice, control),
+            None => MMsgHdr::new(slice, control),
+        })
+        .collect();
+    Ok(sendmmsg(socket, &mut headers, SendFlags::DONTWAIT)?)
+}

@@ -1,0 +1,48 @@
+//! One datagram per system call, where the system has no other way.
+
+use crate::engine::datagrams::{ReceiveBuffer, SendQueue};
+use mio::net::UdpSocket;
+use std::io;
+
+/// Nothing is kept between calls.
+#[derive(Debug, Default)]
+pub struct Batches;
+
+/// The system delivers each datagram.
+pub fn accept_joined(_socket: &UdpSocket) {}
+
+impl Batches {
+    /// Receives at most `count` datagrams, which are not more than a batch.
+    pub fn receive(
+        &mut self,
+        socket: &UdpSocket,
+        _is_v6: bool,
+        count: usize,
+        buffer: &mut ReceiveBuffer,
+    ) -> io::Result<()> {
+        buffer.received.clear();
+        let (slots, received) = buffer.parts();
+        for slot in slots.take(count) {
+            match socket.recv_from(slot) {
+                Ok(datagram) => received.push(datagram),
+                Err(error) if received.is_empty() => return Err(error),
+                Err(_) => break,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Sends the first datagrams of a queue; returns how many were sent.
+pub fn send(socket: &UdpSocket, queue: &SendQueue, _can_segment: &mut bool) -> io::Result<usize> {
+    let mut count = 0;
+    for (bytes, address) in queue.first() {
+        let sent = address.map_or_else(|| socket.send(bytes), |address| socket.send_to(bytes, address));
+        match sent {
+            Ok(_) => count += 1,
+            Err(error) if count == 0 => return Err(error),
+            Err(_) => break,
+        }
+    }
+    Ok(count)
+}

@@ -1,0 +1,116 @@
+//! State that the handle and the thread share: commands in one direction, events in the other.
+
+use crate::engine::RuleSet;
+use crate::engine::notify::Notifier;
+use crate::engine::queue::Queue;
+use crate::engine::snapshot::Snapshot;
+use crate::engine::stream::{Framing, RawStream};
+use crate::engine::udp::{PeerRange, UdpOptions};
+use crate::event::{EndpointNumber, Event, Events};
+use crate::gateway::Gateway;
+use mio::{Poll, Token, Waker};
+use std::collections::VecDeque;
+use std::io;
+use std::sync::mpsc::SyncSender;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// The token of the waker.
+pub const WAKE: Token = Token(usize::MAX);
+
+#[derive(Debug)]
+pub enum Command {
+    AddUdp(EndpointNumber, mio::net::UdpSocket, UdpOptions),
+    AddStream(EndpointNumber, RawStream, Framing, usize),
+    AddQueue(EndpointNumber, Arc<Queue>),
+    /// Open the ports of an endpoint, and read it.
+    Start(EndpointNumber),
+    /// A queue has bytes from the program.
+    Pushed(EndpointNumber),
+    Remove(EndpointNumber),
+    Pause(EndpointNumber, bool),
+    SetRules(EndpointNumber, Box<RuleSet>),
+    SetGroup(EndpointNumber, Option<String>),
+    SetListenOnly(EndpointNumber, bool),
+    SetMonitor(EndpointNumber, bool),
+    SetGateway(EndpointNumber, Box<Gateway>),
+    SetAllowedPeers(EndpointNumber, Option<Vec<PeerRange>>),
+    Decide(u64, bool),
+    Statistics(SyncSender<Snapshot>),
+}
+
+#[derive(Debug, Default)]
+struct Commands {
+    list: Vec<Command>,
+    closed: bool,
+}
+
+/// The state that the handle and the thread share.
+#[derive(Debug)]
+pub struct Shared {
+    commands: Mutex<Commands>,
+    waker: Waker,
+    events: Mutex<Events>,
+    pub notifier: Notifier,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Shared {
+    pub fn new() -> io::Result<(Self, Poll)> {
+        let poll = Poll::new()?;
+        let waker = Waker::new(poll.registry(), WAKE)?;
+        let (commands, events) = (Mutex::default(), Mutex::default());
+        Ok((Self { commands, waker, events, notifier: Notifier::new()? }, poll))
+    }
+
+    /// Gives the thread a command; an engine that has ended drops it.
+    pub fn send(&self, command: Command) {
+        let mut commands = lock(&self.commands);
+        if commands.closed {
+            return;
+        }
+        commands.list.push(command);
+        if commands.list.len() == 1 {
+            // It fails only if the thread's poll is gone.
+            let _ = self.waker.wake();
+        }
+    }
+
+    pub fn close(&self) {
+        let mut commands = lock(&self.commands);
+        commands.closed = true;
+        commands.list.clear();
+        let _ = self.waker.wake();
+    }
+
+    /// Returns the commands since the last call; `None`: the engine ends.
+    pub fn take_commands(&self) -> Option<Vec<Command>> {
+        let mut commands = lock(&self.commands);
+        (!commands.closed).then(|| std::mem::take(&mut commands.list))
+    }
+
+    /// Passes events to the program.
+    pub fn emit(&self, emitted: VecDeque<Event>) {
+        let mut events = lock(&self.events);
+        let was_empty = events.is_empty();
+        for event in emitted {
+            events.push(event);
+        }
+        if was_empty {
+            self.notifier.set();
+        }
+    }
+
+    pub fn take_events(&self) -> VecDeque<Event> {
+        let mut events = lock(&self.events);
+        self.notifier.clear();
+        events.take()
+    }
+
+    /// Events that were dropped because the program did not take them.
+    pub fn dropped_events(&self) -> u64 {
+        lock(&self.events).dropped
+    }
+}

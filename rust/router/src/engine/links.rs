@@ -1,0 +1,168 @@
+//! The links of the endpoints, and the sink that the router sends to.
+
+use crate::engine::queue::QueueLink;
+use crate::engine::stream::StreamLink;
+use crate::engine::udp::UdpLink;
+use crate::event::EndpointNumber;
+use crate::ports::PortId;
+use crate::router::{Origin, QueueFull, Sink};
+use mio::event::Source;
+use mio::{Interest, Registry, Token};
+use slab::Slab;
+use std::io;
+use std::net::SocketAddr;
+
+/// The transport of one endpoint.
+#[derive(Debug)]
+pub enum Transport {
+    Udp(UdpLink),
+    Stream(StreamLink),
+    Queue(QueueLink),
+}
+
+/// One endpoint's link.
+#[derive(Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "independent flags")]
+pub struct Link {
+    pub number: EndpointNumber,
+    /// Index of the endpoint in the router.
+    pub endpoint: usize,
+    pub transport: Transport,
+    /// It has its ports, and is read.
+    pub is_started: bool,
+    /// It is removed when it is read to its end.
+    pub is_closing: bool,
+    /// It is in the list of links that may have something to read.
+    pub is_ready: bool,
+    /// It is in the list of links with something to send.
+    is_dirty: bool,
+    /// Something became readable for the program.
+    pub became_readable: bool,
+    /// The transport accepts no more bytes until it is writable again.
+    pub is_blocked: bool,
+}
+
+/// Where packets for a port go to.
+#[derive(Clone, Copy, Debug)]
+struct Destination {
+    link: usize,
+    address: Option<SocketAddr>,
+}
+
+/// All links.
+#[derive(Debug, Default)]
+pub struct Links {
+    pub all: Slab<Link>,
+    ports: Vec<Option<Destination>>,
+    dirty: Vec<usize>,
+}
+
+impl Links {
+    pub fn insert(&mut self, number: EndpointNumber, endpoint: usize, transport: Transport) -> usize {
+        self.all.insert(Link {
+            number,
+            endpoint,
+            transport,
+            is_started: false,
+            is_closing: false,
+            is_ready: false,
+            is_dirty: false,
+            became_readable: false,
+            is_blocked: false,
+        })
+    }
+
+    pub fn connect_port(&mut self, port: PortId, link: usize, address: Option<SocketAddr>) {
+        if self.ports.len() <= port {
+            self.ports.resize(port + 1, None);
+        }
+        self.ports[port] = Some(Destination { link, address });
+    }
+
+    pub fn disconnect_port(&mut self, port: PortId) {
+        if let Some(known) = self.ports.get_mut(port) {
+            *known = None;
+        }
+    }
+
+    /// The ports of a link.
+    #[must_use]
+    pub fn ports_of(&self, link: usize) -> Vec<PortId> {
+        let is_of = |place: &Option<Destination>| place.is_some_and(|place| place.link == link);
+        self.ports.iter().enumerate().filter(|(_, place)| is_of(place)).map(|(port, _)| port).collect()
+    }
+
+    /// Takes the links with something to send.
+    pub fn take_dirty(&mut self) -> Vec<usize> {
+        let dirty = std::mem::take(&mut self.dirty);
+        for &link in &dirty {
+            if let Some(link) = self.all.get_mut(link) {
+                link.is_dirty = false;
+            }
+        }
+        dirty
+    }
+
+    /// Returns the memory of a list from [`Links::take_dirty`].
+    pub fn return_dirty(&mut self, mut dirty: Vec<usize>) {
+        if self.dirty.is_empty() {
+            dirty.clear();
+            self.dirty = dirty;
+        }
+    }
+}
+
+impl Sink for Links {
+    #[inline]
+    fn send(&mut self, port: PortId, packet: &[u8], origin: Origin) -> Result<(), QueueFull> {
+        let place = self.ports.get(port).copied().flatten().ok_or(QueueFull)?;
+        let link = self.all.get_mut(place.link).ok_or(QueueFull)?;
+        match &mut link.transport {
+            Transport::Udp(udp) => udp.send(packet, place.address, origin)?,
+            Transport::Stream(stream) => stream.send(packet, origin)?,
+            Transport::Queue(queue) => {
+                link.became_readable |= queue.shared.send(packet, origin)?;
+            }
+        }
+        if !link.is_dirty {
+            link.is_dirty = true;
+            self.dirty.push(place.link);
+        }
+        Ok(())
+    }
+}
+
+/// Calls `use_source` with the event source of a link, if it has one.
+fn with_source(link: &mut Link, use_source: impl FnOnce(&mut dyn Source) -> io::Result<()>) -> io::Result<()> {
+    match &mut link.transport {
+        Transport::Udp(udp) => use_source(&mut udp.socket),
+        #[cfg(unix)]
+        Transport::Stream(stream) => {
+            use std::os::fd::AsRawFd;
+            let descriptor = stream.stream.0.as_raw_fd();
+            use_source(&mut mio::unix::SourceFd(&descriptor))
+        }
+        #[cfg(not(unix))]
+        Transport::Stream(stream) => use_source(&mut stream.stream.0),
+        Transport::Queue(..) => Ok(()),
+    }
+}
+
+/// Registers the transport of a link for events with its index.
+pub fn register(registry: &Registry, link: &mut Link, index: usize) -> io::Result<()> {
+    with_source(link, |source| source.register(registry, Token(index), Interest::READABLE))
+}
+
+/// Asks for an event when a blocked link can send again, or for no more of them: sockets that are not blocked would
+/// cause one for each packet.
+pub fn await_writable(registry: &Registry, link: &mut Link, index: usize, is_blocked: bool) {
+    let interest = if is_blocked { Interest::READABLE | Interest::WRITABLE } else { Interest::READABLE };
+    // A source that is gone is reported when it is read.
+    let _ = with_source(link, |source| source.reregister(registry, Token(index), interest));
+}
+
+/// Ends the registration of a link.
+pub fn deregister(registry: &Registry, link: &mut Link) {
+    // A socket that is gone already is not registered any more.
+    let _ = with_source(link, |source| source.deregister(registry));
+}

@@ -1,0 +1,64 @@
+//! A descriptor that is readable while events wait, so that event loops can wait for it.
+
+use std::io::{self, Read, Write};
+
+#[cfg(unix)]
+type Pipe = std::os::unix::net::UnixStream;
+#[cfg(not(unix))]
+type Pipe = std::net::TcpStream;
+
+#[cfg(unix)]
+fn pair() -> io::Result<(Pipe, Pipe)> {
+    Pipe::pair()
+}
+
+/// Two connected sockets; a connection from elsewhere is refused.
+#[cfg(not(unix))]
+fn pair() -> io::Result<(Pipe, Pipe)> {
+    let listener = std::net::TcpListener::bind(("127.0.0.1", 0))?;
+    let reader = Pipe::connect(listener.local_addr()?)?;
+    loop {
+        let (writer, address) = listener.accept()?;
+        if address == reader.local_addr()? {
+            return Ok((reader, writer));
+        }
+    }
+}
+
+/// Both ends of the signal.
+#[derive(Debug)]
+pub struct Notifier {
+    reader: Pipe,
+    writer: Pipe,
+}
+
+impl Notifier {
+    pub fn new() -> io::Result<Self> {
+        let (reader, writer) = pair()?;
+        reader.set_nonblocking(true)?;
+        writer.set_nonblocking(true)?;
+        Ok(Self { reader, writer })
+    }
+
+    /// Makes the descriptor readable.
+    pub fn set(&self) {
+        // A full pipe is readable already.
+        let _ = (&self.writer).write(&[1]);
+    }
+
+    /// Makes the descriptor unreadable.
+    pub fn clear(&self) {
+        let mut bytes = [0; 64];
+        while matches!((&self.reader).read(&mut bytes), Ok(count) if count > 0) {}
+    }
+
+    #[cfg(unix)]
+    pub fn descriptor(&self) -> i64 {
+        i64::from(std::os::fd::AsRawFd::as_raw_fd(&self.reader))
+    }
+
+    #[cfg(windows)]
+    pub fn descriptor(&self) -> i64 {
+        std::os::windows::io::AsRawSocket::as_raw_socket(&self.reader) as i64
+    }
+}

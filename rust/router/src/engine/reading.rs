@@ -1,0 +1,235 @@
+//! Reading from links: one batch of each that has something, and the admission of new peers.
+
+use crate::counters::Cause;
+#[cfg(target_os = "linux")]
+use crate::engine::batch_linux::Batches;
+#[cfg(not(target_os = "linux"))]
+use crate::engine::batch_std::Batches;
+use crate::engine::datagrams::{ReceiveBuffer, TURN_BYTES};
+use crate::engine::links::Transport;
+use crate::engine::udp::{NoRoom, Sender};
+use crate::engine::worker::Worker;
+use crate::event::{EndpointNumber, Event};
+use crate::ports::PortId;
+use crate::router::Time;
+use mavstack_core::parser::Parser;
+use std::io;
+use std::net::SocketAddr;
+
+/// Memory for reading.
+#[derive(Default)]
+pub struct Reading {
+    buffer: ReceiveBuffer,
+    batches: Batches,
+    /// The content of frames, or of a queue.
+    content: Vec<u8>,
+}
+
+/// The state of a link after one batch.
+#[derive(Debug)]
+enum Progress {
+    /// More may be waiting.
+    More,
+    Drained,
+    Ended(String),
+}
+
+impl Worker {
+    /// Takes the links that may have something to read, and what the program pushed to them.
+    pub(super) fn take_ready(&mut self) -> Vec<usize> {
+        self.spare.clear();
+        let ready = std::mem::replace(&mut self.ready, std::mem::take(&mut self.spare));
+        for &index in &ready {
+            if let Some(link) = self.links.all.get_mut(index) {
+                link.is_ready = false;
+                if let Transport::Queue(queue) = &mut link.transport {
+                    queue.collect();
+                }
+            }
+        }
+        ready
+    }
+
+    /// Reads one batch from each of these links.
+    pub(super) fn read_links(&mut self, ready: &[usize]) {
+        for &index in ready {
+            let Some(link) = self.links.all.get(index).filter(|link| link.is_started) else {
+                continue;
+            };
+            let number = link.number;
+            let is_closing = link.is_closing;
+            match self.read_link(index) {
+                Progress::More => self.mark_ready(index),
+                Progress::Drained if is_closing => self.remove(number, None),
+                Progress::Drained => {}
+                Progress::Ended(reason) => self.remove(number, Some(reason)),
+            }
+        }
+    }
+
+    fn read_link(&mut self, index: usize) -> Progress {
+        let time = self.time();
+        let mut reading = self.reading.take().unwrap_or_default();
+        let progress = match &self.links.all[index].transport {
+            Transport::Udp(_) => self.read_datagrams(index, &mut reading, time),
+            Transport::Stream(_) => self.read_stream(index, &mut reading, time),
+            Transport::Queue(_) => self.read_queue(index, &mut reading, time),
+        };
+        self.reading = Some(reading);
+        progress
+    }
+
+    fn read_datagrams(&mut self, index: usize, reading: &mut Reading, time: Time) -> Progress {
+        let Transport::Udp(udp) = &mut self.links.all[index].transport else {
+            return Progress::Drained;
+        };
+        let more = match udp.receive(&mut reading.batches, &mut reading.buffer) {
+            Ok(more) => more,
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => return Progress::Drained,
+            // An unreachable peer may become reachable.
+            Err(_) => return Progress::More,
+        };
+        self.datagrams += reading.buffer.received.len();
+        // Datagrams of one sender mostly come together.
+        let mut last = None;
+        for number in 0..reading.buffer.received.len() {
+            let (datagram, address) = reading.buffer.datagram(number);
+            match last {
+                Some((sender, port)) if sender == address => self.feed(port, datagram, time),
+                _ => last = self.receive_datagram(index, datagram, address, time).map(|port| (address, port)),
+            }
+        }
+        if more { Progress::More } else { Progress::Drained }
+    }
+
+    /// Routes the packets of a datagram; returns the port of its sender.
+    #[inline]
+    fn receive_datagram(&mut self, index: usize, datagram: &[u8], address: SocketAddr, time: Time) -> Option<PortId> {
+        let Transport::Udp(udp) = &mut self.links.all[index].transport else {
+            return None;
+        };
+        let port = match udp.sender(address, time.now) {
+            Sender::Port(port) => port,
+            Sender::Confirmed(port) => {
+                self.router.set_hearing(port, true);
+                port
+            }
+            Sender::Refused => {
+                self.count(index, Cause::OtherPeer);
+                return None;
+            }
+            Sender::New => self.admit_peer(index, datagram, address, time.now)?,
+        };
+        self.feed(port, datagram, time);
+        Some(port)
+    }
+
+    /// Makes a new sender a peer, if its datagram has a valid packet and there is room.
+    #[cold]
+    fn admit_peer(&mut self, index: usize, datagram: &[u8], address: SocketAddr, now: u64) -> Option<PortId> {
+        let mut packets = 0;
+        Parser::new(false).feed(self.router.dialect(), datagram, |_| packets += 1);
+        if packets == 0 {
+            self.count(index, Cause::OtherPeer);
+            return None;
+        }
+        let Transport::Udp(udp) = &self.links.all[index].transport else {
+            return None;
+        };
+        match udp.make_room(now) {
+            Err(NoRoom) => {
+                self.count(index, Cause::TooManyPeers);
+                return None;
+            }
+            Ok(Some(silent)) => self.close_peer(index, silent),
+            Ok(None) => {}
+        }
+        let Some(port) = self.open_port(index, Some(address)) else {
+            self.count(index, Cause::TooManyPeers);
+            return None;
+        };
+        let link = &mut self.links.all[index];
+        if let Transport::Udp(udp) = &mut link.transport {
+            let is_hearing = udp.add_peer(address, port, now);
+            self.router.set_hearing(port, is_hearing);
+        }
+        self.router.events.push(Event::PeerOpened { endpoint: link.number, address });
+        Some(port)
+    }
+
+    pub(super) fn close_peer(&mut self, index: usize, address: SocketAddr) {
+        let link = &mut self.links.all[index];
+        let Transport::Udp(udp) = &mut link.transport else {
+            return;
+        };
+        if let Some(port) = udp.remove_peer(&address) {
+            self.router.events.push(Event::PeerClosed { endpoint: link.number, address });
+            self.close_port(port);
+        }
+    }
+
+    fn count(&mut self, index: usize, cause: Cause) {
+        if let Some(endpoint) = self.router.endpoint_mut(self.links.all[index].endpoint) {
+            endpoint.counters.drop_packet(cause);
+        }
+    }
+
+    fn read_stream(&mut self, index: usize, reading: &mut Reading, time: Time) -> Progress {
+        let Transport::Stream(stream) = &mut self.links.all[index].transport else {
+            return Progress::Drained;
+        };
+        let length = match stream.read(reading.buffer.stream()) {
+            Ok(0) => return Progress::Ended("the other side closed it".into()),
+            Ok(length) => length,
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => return Progress::Drained,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => return Progress::More,
+            Err(error) => return Progress::Ended(error.to_string()),
+        };
+        let (port, received) = (stream.port, reading.buffer.first(length));
+        reading.content.clear();
+        match stream.decode(received, &mut reading.content) {
+            Err(reason) => return Progress::Ended(reason),
+            Ok(true) => self.feed(port, &reading.content, time),
+            Ok(false) => self.feed(port, received, time),
+        }
+        // A terminal may return less than it has.
+        Progress::More
+    }
+
+    /// Removes an endpoint, a queue after what the program pushed to it is routed.
+    pub(super) fn remove_read(&mut self, number: EndpointNumber) {
+        let Some(&index) = self.numbers.get(&number) else {
+            return;
+        };
+        let link = &mut self.links.all[index];
+        if let Transport::Queue(queue) = &mut link.transport
+            && link.is_started
+        {
+            queue.collect();
+            if matches!(self.read_link(index), Progress::More) {
+                self.links.all[index].is_closing = true;
+                return self.mark_ready(index);
+            }
+        }
+        self.remove(number, None);
+    }
+
+    fn read_queue(&mut self, index: usize, reading: &mut Reading, time: Time) -> Progress {
+        let Transport::Queue(queue) = &mut self.links.all[index].transport else {
+            return Progress::Drained;
+        };
+        reading.content.clear();
+        let (port, more) = (queue.port, queue.read(TURN_BYTES, &mut reading.content));
+        self.feed(port, &reading.content, time);
+        if more { Progress::More } else { Progress::Drained }
+    }
+
+    /// Routes the packets in received bytes.
+    #[inline]
+    fn feed(&mut self, port: PortId, data: &[u8], time: Time) {
+        let (router, links) = (&mut self.router, &mut self.links);
+        if let Some(parser) = &mut self.parsers[port] {
+            parser.feed(&self.dialect, data, |packet| router.route(port, &packet, time, links));
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! Counters and routes of an engine at one moment.
+
+use crate::counters::Counters;
+use crate::endpoint::Endpoint;
+use crate::event::EndpointNumber;
+use crate::router::Router;
+use crate::rules::{RuleCounters, Rules};
+use mavstack_core::parser::Parser;
+use mavstack_core::sequence::Source;
+use mavstack_core::statistics::Statistics;
+use std::collections::BTreeMap;
+use std::net::SocketAddr;
+
+/// The counters of one endpoint.
+#[derive(Clone, Debug, Default)]
+pub struct EndpointSnapshot {
+    pub number: EndpointNumber,
+    pub counters: Counters,
+    /// Names and counters of the rules.
+    pub incoming: Vec<(String, RuleCounters)>,
+    pub outgoing: Vec<(String, RuleCounters)>,
+    /// Received and sent packets by message id; `None`: of messages that the dialect lacks.
+    pub messages: Vec<(Option<u32>, u64, u64)>,
+    pub sources: BTreeMap<(u8, u8), SourceCounts>,
+    /// Totals of the received bytes.
+    pub totals: Statistics,
+    /// Peers of a listening socket, with the seconds since each was heard.
+    pub peers: Vec<(SocketAddr, f64)>,
+    /// Packets or bytes that wait to be sent.
+    pub queued: usize,
+    pub radio_status: Vec<u8>,
+}
+
+/// The counters of one source on one endpoint.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SourceCounts {
+    pub received: u64,
+    pub bytes: u64,
+    pub lost: u64,
+    pub late: u64,
+}
+
+impl SourceCounts {
+    fn add(&mut self, source: &Source) {
+        self.received += source.received;
+        self.bytes += source.bytes;
+        self.lost += source.lost;
+        self.late += source.late;
+    }
+}
+
+/// A learned address and the endpoints that lead to it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RouteSnapshot {
+    pub system: u8,
+    pub component: u8,
+    pub endpoints: Vec<EndpointNumber>,
+    pub verified: bool,
+    /// Seconds since it was heard.
+    pub age: f64,
+}
+
+/// The state of an engine.
+#[derive(Clone, Debug, Default)]
+pub struct Snapshot {
+    pub endpoints: Vec<EndpointSnapshot>,
+    pub routes: Vec<RouteSnapshot>,
+    /// Events dropped because the program did not take them.
+    pub dropped_events: u64,
+}
+
+impl EndpointSnapshot {
+    pub(super) fn new(endpoint: &Endpoint, router: &Router) -> Self {
+        let rules = |rules: &Rules| rules.counters().map(|(name, counters)| (name.to_owned(), counters)).collect();
+        let layouts = router.dialect().layouts();
+        let id = |slot: Option<u16>| slot.map(|slot| layouts[usize::from(slot)].id);
+        Self {
+            number: endpoint.number,
+            counters: endpoint.counters.clone(),
+            incoming: rules(&endpoint.incoming),
+            outgoing: rules(&endpoint.outgoing),
+            messages: endpoint.messages().map(|(slot, received, sent)| (id(slot), received, sent)).collect(),
+            radio_status: endpoint.radio_status.clone(),
+            ..Self::default()
+        }
+    }
+
+    /// Adds what the parser of one port counted.
+    pub(super) fn add_parser(&mut self, parser: &Parser) {
+        self.totals.add(parser.statistics());
+        for (system, component, source) in parser.sources().all() {
+            self.sources.entry((system, component)).or_default().add(&source);
+        }
+    }
+}
+
+/// The learned routes, with the numbers of endpoints.
+pub(super) fn routes(router: &Router, now: u64) -> Vec<RouteSnapshot> {
+    let known = router.table().addresses().into_iter();
+    known
+        .map(|address| {
+            let mut endpoints: Vec<_> = address.ports.iter().filter_map(|&port| router.number_of(port)).collect();
+            endpoints.sort_unstable();
+            endpoints.dedup();
+            let age = now.saturating_sub(address.heard_at) as f64 * 1e-6;
+            let (system, component) = (address.system, address.component);
+            RouteSnapshot { system, component, endpoints, verified: address.verified, age }
+        })
+        .collect()
+}

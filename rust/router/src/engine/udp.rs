@@ -1,0 +1,304 @@
+//! UDP endpoints: one fixed peer, or a listening socket whose senders are peers of their own.
+
+use crate::engine::datagrams::{BATCH, ReceiveBuffer, SendQueue, TURN_BYTES};
+use crate::ports::PortId;
+use crate::router::{Origin, QueueFull};
+use mio::net::UdpSocket;
+use std::collections::HashMap;
+use std::io;
+use std::net::{IpAddr, SocketAddr};
+
+#[cfg(target_os = "linux")]
+use crate::engine::batch_linux as batch;
+#[cfg(not(target_os = "linux"))]
+use crate::engine::batch_std as batch;
+
+/// Datagrams of a batch while few come.
+const MIN_BATCH: usize = 8;
+
+/// Microseconds of silence after which a peer with one datagram makes room for another.
+const MIN_PEER_TIME: u64 = 1_000_000;
+
+/// Peers with one datagram that get packets without a target. A flood from invented addresses would otherwise have each
+/// packet sent to as many addresses as there may be peers.
+pub const MAX_UNCONFIRMED: usize = 8;
+/// Microseconds of silence for which any peer is kept. Longer silence is allowed to a peer that was heard as long before:
+/// datagrams with an invented sender must not have telemetry sent there for a minute.
+const MIN_IDLE: u64 = 10_000_000;
+
+/// Addresses and ports of which peers are accepted.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PeerRange {
+    pub network: IpAddr,
+    /// Bits of the network that count.
+    pub prefix: u8,
+    pub ports: std::ops::RangeInclusive<u16>,
+}
+
+impl PeerRange {
+    /// Returns whether the range contains an address.
+    #[must_use]
+    pub fn contains(&self, address: &SocketAddr) -> bool {
+        let bits = |value: IpAddr| match value.to_canonical() {
+            IpAddr::V4(v4) => (32, u128::from(u32::from(v4))),
+            IpAddr::V6(v6) => (128, u128::from(v6)),
+        };
+        let ((width, network), (other_width, other)) = (bits(self.network), bits(address.ip()));
+        let ignored = width - u32::from(self.prefix).min(width);
+        let is_inside = width == other_width && (network ^ other).checked_shr(ignored).unwrap_or(0) == 0;
+        is_inside && self.ports.contains(&address.port())
+    }
+}
+
+/// The options of a UDP endpoint.
+#[derive(Clone, Debug)]
+pub struct UdpOptions {
+    /// The only peer; `None`: every sender becomes a peer.
+    pub peer: Option<SocketAddr>,
+    /// Microseconds of silence after which a peer is removed.
+    pub idle: u64,
+    pub max_peers: usize,
+}
+
+/// A sender to a listening socket.
+#[derive(Clone, Copy, Debug)]
+pub struct Peer {
+    pub port: PortId,
+    opened_at: u64,
+    pub heard_at: u64,
+    /// Datagrams came from it more than once.
+    is_confirmed: bool,
+    /// It gets packets without a target.
+    is_hearing: bool,
+}
+
+/// The result of looking a sender up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sender {
+    Port(PortId),
+    /// A peer that gets packets without a target from now on.
+    Confirmed(PortId),
+    /// A new sender, which becomes a peer if it sends a valid packet.
+    New,
+    Refused,
+}
+
+/// A socket has as many peers as it may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NoRoom;
+
+/// A UDP socket with its peers. Times are monotonic, in microseconds.
+#[derive(Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "independent flags")]
+pub struct UdpLink {
+    pub socket: UdpSocket,
+    is_v6: bool,
+    peer: Option<SocketAddr>,
+    /// Senders other than the peer are accepted as the peer: its address stands for several.
+    is_group: bool,
+    is_connected: bool,
+    idle: u64,
+    max_peers: usize,
+    /// Peers that are accepted; `None`: all.
+    pub allowed: Option<Vec<PeerRange>>,
+    pub fixed: Option<PortId>,
+    pub peers: HashMap<SocketAddr, Peer>,
+    pub queue: SendQueue,
+    /// The system accepts no more datagrams.
+    is_blocked: bool,
+    /// Datagrams that are received at a time.
+    batch: usize,
+    /// The system divides datagrams that are sent together.
+    can_segment: bool,
+    /// Datagrams that the system refused to send.
+    pub refused: u64,
+}
+
+impl UdpLink {
+    /// Creates a link; a socket with an ordinary peer is connected to it.
+    pub fn new(socket: UdpSocket, options: UdpOptions) -> io::Result<Self> {
+        let is_group = options.peer.is_some_and(|peer| match peer.ip() {
+            IpAddr::V4(v4) => v4.is_multicast() || v4.octets()[3] == 255,
+            IpAddr::V6(v6) => v6.is_multicast(),
+        });
+        let is_connected = match options.peer {
+            Some(peer) if !is_group => socket.connect(peer).is_ok(),
+            _ => false,
+        };
+        batch::accept_joined(&socket);
+        Ok(Self {
+            is_v6: socket.local_addr()?.is_ipv6(),
+            socket,
+            peer: options.peer,
+            is_group,
+            is_connected,
+            idle: options.idle,
+            max_peers: options.max_peers,
+            allowed: None,
+            fixed: None,
+            peers: HashMap::new(),
+            queue: SendQueue::default(),
+            is_blocked: false,
+            batch: MIN_BATCH,
+            can_segment: true,
+            refused: 0,
+        })
+    }
+
+    /// Receives a batch; returns whether more may be waiting.
+    pub fn receive(&mut self, batches: &mut batch::Batches, buffer: &mut ReceiveBuffer) -> io::Result<bool> {
+        batches.receive(&self.socket, self.is_v6, self.batch, buffer)?;
+        let count = buffer.received.len();
+        let is_full = count == self.batch;
+        let bytes = buffer.received.iter().map(|(length, _)| length).sum::<usize>();
+        self.batch = match count {
+            _ if bytes > TURN_BYTES => (count * TURN_BYTES / bytes).max(1),
+            _ if is_full => (2 * self.batch).min(BATCH),
+            // The preparation of a batch costs time, also for what does not come.
+            _ if count < self.batch / 4 => (self.batch / 2).max(MIN_BATCH.min(self.batch)),
+            _ => self.batch,
+        };
+        Ok(is_full)
+    }
+
+    /// Adds a packet to the queue, which is sent first if it is full.
+    #[inline]
+    pub fn send(&mut self, packet: &[u8], address: Option<SocketAddr>, origin: Origin) -> Result<(), QueueFull> {
+        let added = self.queue.push(packet, address, origin);
+        if added.is_err() && !self.is_blocked && !self.flush() {
+            return self.queue.push(packet, address, origin);
+        }
+        added
+    }
+
+    /// Returns the port of a sender, and notes that it was heard.
+    #[inline]
+    pub fn sender(&mut self, address: SocketAddr, now: u64) -> Sender {
+        if let Some(fixed) = self.fixed {
+            let is_peer = self.is_connected || self.is_group || self.peer == Some(address);
+            return if is_peer && self.allows(&address) { Sender::Port(fixed) } else { Sender::Refused };
+        }
+        if let Some(peer) = self.peers.get_mut(&address) {
+            peer.is_confirmed |= now > peer.opened_at;
+            peer.heard_at = now;
+            if peer.is_confirmed && !peer.is_hearing {
+                peer.is_hearing = true;
+                return Sender::Confirmed(peer.port);
+            }
+            return Sender::Port(peer.port);
+        }
+        if self.allows(&address) { Sender::New } else { Sender::Refused }
+    }
+
+    #[inline]
+    fn allows(&self, address: &SocketAddr) -> bool {
+        self.allowed.as_ref().is_none_or(|ranges| ranges.iter().any(|range| range.contains(address)))
+    }
+
+    /// Returns a peer that must make room for a new one; `Err`: there is no room.
+    pub fn make_room(&self, now: u64) -> Result<Option<SocketAddr>, NoRoom> {
+        if self.peers.len() < self.max_peers {
+            return Ok(None);
+        }
+        let (address, oldest) = self
+            .peers
+            .iter()
+            .filter(|(_, peer)| !peer.is_confirmed || self.is_idle(peer, now))
+            .min_by_key(|(_, peer)| peer.heard_at)
+            .ok_or(NoRoom)?;
+        if oldest.heard_at + MIN_PEER_TIME <= now { Ok(Some(*address)) } else { Err(NoRoom) }
+    }
+
+    fn is_idle(&self, peer: &Peer, now: u64) -> bool {
+        let idle = (peer.heard_at - peer.opened_at).max(MIN_IDLE).min(self.idle);
+        now.saturating_sub(peer.heard_at) >= idle
+    }
+
+    /// Adds a peer; returns whether it gets packets without a target already.
+    pub fn add_peer(&mut self, address: SocketAddr, port: PortId, now: u64) -> bool {
+        let unconfirmed = self.peers.values().filter(|peer| peer.is_hearing && !peer.is_confirmed).count();
+        let is_hearing = unconfirmed < MAX_UNCONFIRMED;
+        self.peers.insert(address, Peer { port, opened_at: now, heard_at: now, is_confirmed: false, is_hearing });
+        is_hearing
+    }
+
+    pub fn remove_peer(&mut self, address: &SocketAddr) -> Option<PortId> {
+        self.peers.remove(address).map(|peer| peer.port)
+    }
+
+    /// The peers that are silent for too long, or no longer allowed.
+    #[must_use]
+    pub fn expired(&self, now: u64) -> Vec<SocketAddr> {
+        let is_expired = |(address, peer): &(&SocketAddr, &Peer)| self.is_idle(peer, now) || !self.allows(address);
+        self.peers.iter().filter(is_expired).map(|(address, _)| *address).collect()
+    }
+
+    /// Returns whether there is one peer only, which is known from the start.
+    #[must_use]
+    pub fn has_peer(&self) -> bool {
+        self.peer.is_some()
+    }
+
+    /// The address to send to for a port of the link.
+    #[must_use]
+    pub fn destination(&self) -> Option<SocketAddr> {
+        if self.is_connected { None } else { self.peer }
+    }
+
+    /// Sends what waits; returns whether the system accepts no more.
+    pub fn flush(&mut self) -> bool {
+        self.is_blocked = false;
+        while !self.queue.is_empty() {
+            match batch::send(&self.socket, &self.queue, &mut self.can_segment) {
+                Ok(count) => self.queue.remove(count.max(1)),
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
+                    self.is_blocked = true;
+                    break;
+                }
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                // An error belongs to the first datagram, or to an earlier one of a connected socket.
+                Err(_) => {
+                    self.queue.remove(1);
+                    self.refused += 1;
+                }
+            }
+        }
+        self.is_blocked
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_peer_is_kept_for_as_long_as_it_was_heard() {
+        let socket = UdpSocket::bind(([127, 0, 0, 1], 0).into()).expect("a port");
+        let mut link = UdpLink::new(socket, UdpOptions { peer: None, idle: 60_000_000, max_peers: 8 }).expect("a link");
+        let address = |port| SocketAddr::from(([127, 0, 0, 1], port));
+        (1..=4u16).for_each(|port| assert!(link.add_peer(address(port), usize::from(port), 0)));
+        let (twice, long, longer) = (address(2), address(3), address(4));
+        assert_eq!(link.sender(twice, 1), Sender::Port(2));
+        assert_eq!(link.sender(long, 30_000_000), Sender::Port(3));
+        assert_eq!(link.sender(longer, 900_000_000), Sender::Port(4));
+        let mut expired = |now| {
+            let addresses = link.expired(now);
+            assert!(addresses.iter().all(|address| link.remove_peer(address).is_some()));
+            addresses
+        };
+        assert_eq!((expired(MIN_IDLE - 1), expired(MIN_IDLE)), (vec![], vec![address(1)]));
+        assert_eq!((expired(MIN_IDLE + 1), expired(59_999_999)), (vec![twice], vec![]));
+        assert_eq!((expired(60_000_000), expired(959_999_999)), (vec![long], vec![]));
+        assert_eq!(expired(960_000_000), [longer]);
+    }
+
+    #[test]
+    fn ranges_contain_addresses_of_their_network_and_ports() {
+        let range = PeerRange { network: "10.1.0.0".parse().expect("valid"), prefix: 16, ports: 14_550..=14_560 };
+        let contains = |address: &str| range.contains(&address.parse().expect("valid"));
+        assert!(contains("10.1.200.3:14550") && contains("[::ffff:10.1.2.3]:14560"));
+        assert!(!contains("10.2.0.1:14550") && !contains("10.1.0.1:14561") && !contains("[::1]:14550"));
+        let all = PeerRange { network: "0.0.0.0".parse().expect("valid"), prefix: 0, ports: 0..=u16::MAX };
+        assert!(all.contains(&"203.0.113.9:1".parse().expect("valid")));
+    }
+}
