@@ -1,4 +1,4 @@
-"""Compilers and other programs that check generated code, from the machine, Debian and npm.
+"""Compilers, browsers and other programs that tests need, from the machine, Debian and npm.
 
     python -m tools.compilers NAME…       # install what is missing; `test`, `interop`, `nightly` are groups
     python -m tools.compilers --list
@@ -98,6 +98,7 @@ PROGRAMS: Final = {
     "dotnet": Program(("dotnet",), ("dotnet-sdk-8.0",)),
     "mono": Program(("mcs",), ("mono-mcs", "mono-runtime", "libmono-system-core4.0-cil")),
     "swift": Program(("swiftc",), ("swiftlang",)),
+    "chromium": Program(("chromium", "chromium-browser", "google-chrome"), ("chromium",)),
     # MicroPython for WebAssembly: a module for Node.
     "micropython": Program(
         (), npm=("@micropython/micropython-webassembly-pyscript@1.27",), module=_MICROPYTHON
@@ -105,7 +106,7 @@ PROGRAMS: Final = {
 }
 
 _TEST: Final = ("typescript", "lua5.4")
-_INTEROP: Final = (*_TEST, "clang", "lua5.3", "luajit", "tshark", "mono")
+_INTEROP: Final = (*_TEST, "clang", "lua5.3", "luajit", "tshark", "mono", "chromium")
 _NIGHTLY: Final = (
     *_INTEROP,
     "gcc-multilib",

@@ -48,5 +48,5 @@ NAMES = ("text", "escaping", "absolute", "doubled")
 def plugins(monkeypatch):
     """Make the languages of this module those of an installed package."""
     found = EntryPoints(EntryPoint(name, f"{__name__}:{name.upper()}", ENTRY_POINTS) for name in NAMES)
-    monkeypatch.setattr(registry, "_plugins", lambda: found)
+    monkeypatch.setattr(registry._REGISTRY, "plugins", lambda: found)
     return found

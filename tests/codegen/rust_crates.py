@@ -11,8 +11,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from mavstack.codegen import generate, write_files
 from mavstack.codegen.languages.rust.render import package_name
-from mavstack.codegen.languages.rust.types import WIRE_TYPES, identifier
-from mavstack.dialects.names import class_name
+from mavstack.codegen.languages.rust.types import WIRE_TYPES, identifier, message_types
 from tests.codegen.compilers import needs
 
 if TYPE_CHECKING:
@@ -57,7 +56,8 @@ def write_runner(library: Library, crate: Path) -> Path:
     environment = Environment(
         loader=FileSystemLoader(RUNNERS), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    messages = [{"type": class_name(item.name), "fields": _fields(item)} for item in library.messages]
+    types = message_types(library)
+    messages = [{"type": types[item.name], "fields": _fields(item)} for item in library.messages]
     crate_name = crate.name.replace("-", "_")
     return write_program(
         crate, environment.get_template("main.rs.j2").render(crate=crate_name, messages=messages)

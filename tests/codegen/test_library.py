@@ -84,6 +84,28 @@ def test_the_stamp_names_the_definitions_and_changes_with_them():
 
 def test_max_payload_length():
     assert make_library(COMMON, only=["HEARTBEAT", "SYSTEM_TIME"]).max_payload_length == 12
+    assert make_library(COMMON, only=["BATTERY_STATUS"]).max_payload_length == 54  # 36 without extensions
+
+
+def test_messages_are_sorted_by_id():
+    message = '<message id="{0}" name="M{0}"><field type="uint8_t" name="f"/></message>'
+    text = "".join(message.format(number) for number in (7, 3, 5))
+    library = make_library(Dialect.from_xml(f"<mavlink><messages>{text}</messages></mavlink>"))
+    assert [item.id for item in library.messages] == [3, 5, 7]
+    assert [item.id for item in library.files[0].messages] == [3, 5, 7]
+
+
+def test_included_files_are_named_whatever_the_path_and_case(tmp_path):
+    (tmp_path / "Sub").mkdir()
+    (tmp_path / "Sub" / "Base.XML").write_text(
+        '<mavlink><messages><message id="1" name="M"><field type="uint8_t" name="f"/></message>'
+        "</messages></mavlink>"
+    )
+    (tmp_path / "own.xml").write_text("<mavlink><include>Sub/Base.XML</include></mavlink>")
+    library = make_library(Dialect.from_xml(tmp_path / "own.xml"))
+    assert [file.name for file in library.files] == ["Base", "own"]
+    assert library.files[-1].includes == ("Base",)
+    assert (library.name, library.file_name) == ("own", "own")
 
 
 @pytest.mark.parametrize("name", ["all", "storm32", "common", "icarous"])

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from mavstack.codegen import generate, make_library, outdated_files, write_files
@@ -32,16 +34,16 @@ def test_files_are_sorted_and_listed():
 def test_a_second_run_changes_nothing(tmp_path):
     written = write_files(generate(FEW, "text"), tmp_path / "new" / "folder")
     assert len(written) == 4
-    times = [path.stat().st_mtime_ns for path in written]
+    times = [Path(path).stat().st_mtime_ns for path in written]
     assert write_files(generate(FEW, "text"), tmp_path / "new" / "folder") == []
-    assert [path.stat().st_mtime_ns for path in written] == times
+    assert [Path(path).stat().st_mtime_ns for path in written] == times
 
 
 def test_files_of_messages_that_are_gone_are_removed_and_others_stay(tmp_path):
     write_files(generate(FEW, "text"), tmp_path)
     (tmp_path / "messages" / "mine.txt").write_text("mine")
     changed = write_files(generate(ONE, "text"), tmp_path)
-    assert tmp_path / "messages" / "heartbeat.txt" in changed
+    assert str(tmp_path / "messages" / "heartbeat.txt") in changed
     assert names(tmp_path) == [".mavgen-text.txt", "README.md", "messages/attitude.txt", "messages/mine.txt"]
 
 
@@ -51,9 +53,9 @@ def test_outdated_files_are_missing_changed_or_left_over(tmp_path):
     write_files(files, tmp_path)
     (tmp_path / "README.md").unlink()
     (tmp_path / "messages" / "attitude.txt").write_text("edited")
-    assert {path.name for path in outdated_files(files, tmp_path)} == {"README.md", "attitude.txt"}
+    assert {Path(path).name for path in outdated_files(files, tmp_path)} == {"README.md", "attitude.txt"}
     write_files(files, tmp_path)
-    assert tmp_path / "messages" / "heartbeat.txt" in outdated_files(generate(ONE, "text"), tmp_path)
+    assert str(tmp_path / "messages" / "heartbeat.txt") in outdated_files(generate(ONE, "text"), tmp_path)
 
 
 def test_a_file_of_the_user_is_not_overwritten(tmp_path):

@@ -5,7 +5,7 @@ import sys
 import pytest
 
 from mavstack.codegen import GeneratedFile
-from mavstack.codegen.templates import Templates, camel_case, one_line
+from mavstack.codegen.templates import Templates, camel_case, one_line, string_literal
 from mavstack.errors import MissingExtraError
 
 
@@ -67,5 +67,28 @@ def test_camel_case(name, camel):
     assert camel_case(name) == camel
 
 
-def test_a_comment_cannot_be_ended_by_its_text():
-    assert one_line(" a\n\tb */ c ]] d ") == "a b * / c ] ] d"
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        (" a\n\tb */ c ]] d ", "a b * / c ]] d"),
+        ("/*/ */* **/", "/ * / * / * ** /"),
+        ("ends\\", "ends"),
+        ("ends \\ ??/ \\", "ends"),
+        ("a\\b ??/ c", "a\\b ??/ c"),
+        ("turned \u202eround\ufeff\u2028 \x7f", "turned round "),
+    ],
+)
+def test_a_comment_cannot_be_ended_or_continued_by_its_text(text, line):
+    assert one_line(text) == line
+
+
+@pytest.mark.parametrize(
+    ("text", "literal"),
+    [
+        ('a "b" \\ c', '"a \\"b\\" \\\\ c"'),
+        ("a\nb\u202e", '"a b"'),
+        ("*/ ]] ??/", '"*/ ]] ??/"'),
+    ],
+)
+def test_a_string_cannot_be_ended_by_its_text(text, literal):
+    assert string_literal(text) == literal

@@ -49,7 +49,8 @@ def generate_dissector(folder: Path, dialect: str | Dialect = "common") -> Path:
     """Write the dissector of a dialect; return its path."""
     loaded = Dialect.load(dialect) if isinstance(dialect, str) else dialect
     write_files(generate(make_library(loaded), "wireshark"), folder)
-    return folder / f"mavlink_{loaded.name.lower()}.lua"
+    (script,) = folder.glob("mavlink_*.lua")
+    return script
 
 
 def udp(data: bytes, source: int = 14550, target: int = 14550) -> bytes:

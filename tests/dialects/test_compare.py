@@ -82,14 +82,14 @@ FILE_WITH_WARNINGS = """<mavlink>
 <enums>
 <enum name="E" bitmask="true" colour="red">
 <entry name="E_A"/>
-<entry value="6" name="E_B"><param index="1" enum="NONE">p</param></entry>
+<entry value="6" name="E_B"><param index="1" enum="NONE" units="m&#9;s">p</param></entry>
 </enum>
 <enum name="EMPTY"></enum>
 </enums>
 <messages>
 <message id="53001" name="A_B"><field type="float" name="x" enum="E"/></message>
 <message id="53002" name="A__B"><description>d</description><note/>
-<field type="uint8_t" name="x" minValue="3" maxValue="1"/></message>
+<field type="uint8_t" name="x" minValue="3" maxValue="1" units="m&#10;s"/></message>
 </messages>
 </mavlink>"""
 
@@ -99,7 +99,7 @@ def test_warnings(tmp_path):
     path.write_text(FILE_WITH_WARNINGS)
     found = [(problem.line, problem.severity, problem.text) for problem in check_file(str(path))]
     assert [(line, severity) for line, severity, _ in found] == [
-        (line, "warning") for line in (3, 4, 5, 5, 7, 10, 10, 11, 11, 12)
+        (line, "warning") for line in (3, 4, 5, 5, 5, 7, 10, 10, 11, 11, 12, 12)
     ]
     texts = "\n".join(text for _, _, text in found)
     for part in (
@@ -111,6 +111,8 @@ def test_warnings(tmp_path):
         "A_B has no description",
         "cannot have the enum E",
         "minimum above",
+        "the unit of A__B.x has control characters: 'm\\ns'",
+        "the unit of param 1 of E_B has control characters",
         "<note>",
         "same class name",
     ):

@@ -62,7 +62,7 @@ def definition(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_a_type_checker_knows_the_messages_of_a_users_dialect(definition, tmp_path):
     folder = tmp_path / "package"
     write_dialect_module(definition, folder)

@@ -40,6 +40,10 @@ OTHER_KEY: Final = bytes(range(8, 40))
 NOW: Final = 34_719_840_000_000
 MINUTE: Final = 6_000_000
 _EXTENDED_BY: Final = 7
+#: Input of the hash of a signature without key and payload, in bytes.
+_HEADER_AND_CRC, _LINK_AND_TIMESTAMP = 12, 7
+#: Lengths around the end of a block of SHA-256, and around 56 bytes, after which its padding takes another.
+_HASHED_LENGTHS: Final = (*range(119, 124), 127, 128)
 
 
 @dataclass(frozen=True)
@@ -260,7 +264,24 @@ class Cases:
         data = bytes(range(1, 0xFC)) + b"\1\1\1\1"
         packet = packet_v2(long.id, long.crc_extra, data[: long.length], Sender(flags=SIGNED))
         yield case("longest", packet + signature(KEY, packet, 2, NOW + 1), second)
+        unknown = packet_v2(UNKNOWN_ID, UNKNOWN_EXTRA, b"\1\2\3", Sender(flags=SIGNED))
+        signatures = [signature(key, unknown, 1, NOW + 5) for key in (OTHER_KEY, KEY)]
+        plain = packet_v2(UNKNOWN_ID, UNKNOWN_EXTRA, b"\1\2\3", Sender())
+        yield case("unknown_id", *(unknown + item for item in signatures), plain, first, second)
+        yield case("hash_padding", *map(self._signed_length, _HASHED_LENGTHS))
         yield from self._streams()
+
+    def _signed_length(self, hashed: int) -> bytes:
+        """Return a signed packet without magics inside, of whose hash the input has a length in bytes."""
+        message = self._by_name["LOG_DATA"]
+        filled = b"\1" * (hashed - len(KEY) - _HEADER_AND_CRC - _LINK_AND_TIMESTAMP)
+        for sequence in range(0x80):
+            sender = Sender(sequence=sequence, flags=SIGNED)
+            packet = packet_v2(message.id, message.crc_extra, filled, sender)
+            signed = packet + signature(KEY, packet, 1, NOW + hashed)
+            if not {V1, V2} & set(signed[1:]):
+                return signed
+        raise AssertionError
 
     def _streams(self) -> Iterator[Case]:
         """Yield streams that begin at different times."""

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mavstack.codegen.language import language_names
-from mavstack.codegen.library import make_library
+from mavstack.codegen.library import make_library, name_patterns
 from mavstack.codegen.output import generate, outdated_files, write_files
-from mavstack.dialects.dialect import Dialect
+from mavstack.dialects.lookup import find_dialect
 from mavstack.errors import MavstackError
 
 if TYPE_CHECKING:
@@ -78,12 +78,12 @@ class GenerationForm:
         if not self.folder.strip():
             found["folder"] = "name a folder"
         try:
-            dialect = load_dialect(self.dialect)
+            dialect = find_dialect(self.dialect)
         except (MavstackError, OSError) as error:
             return {"dialect": str(error), **found}
         for name, only, exclude in (("only", self.only, ""), ("exclude", "", self.exclude)):
             try:
-                make_library(dialect, only=_words(only), exclude=_words(exclude))
+                make_library(dialect, only=name_patterns(only), exclude=name_patterns(exclude))
             except MavstackError as error:
                 found[name] = str(error)
         return found
@@ -122,9 +122,9 @@ class GenerationForm:
     def _outcome(self, name: str, work: Callable[[Library, str], Outcome]) -> Outcome:
         try:
             library = make_library(
-                load_dialect(self.dialect),
-                only=_words(self.only),
-                exclude=_words(self.exclude),
+                find_dialect(self.dialect),
+                only=name_patterns(self.only),
+                exclude=name_patterns(self.exclude),
                 package=self.package.strip(),
             )
             return work(library, name)
@@ -146,19 +146,3 @@ class GenerationForm:
         outdated = outdated_files(files, folder)
         text = f"{len(outdated)} files are out of date" if outdated else "up to date"
         return Outcome(name, folder, text, failed=bool(outdated))
-
-
-def load_dialect(name: str) -> Dialect:
-    """Load an official dialect by its name, or a custom one by the path of its file.
-
-    Raises:
-        DialectError: The file cannot be loaded, or there is no official dialect of that name.
-    """
-    name = name.strip()
-    if name.lower().endswith(".xml"):
-        return Dialect.from_xml(Path(name).expanduser())
-    return Dialect.load(name)
-
-
-def _words(text: str) -> list[str]:
-    return [word.strip() for word in text.split(",") if word.strip()]

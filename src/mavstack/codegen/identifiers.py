@@ -1,4 +1,7 @@
-"""Identifiers of generated code: enum members without their common words, fields, and no name twice."""
+"""Identifiers of generated code: enum members without their common words, fields, and no name twice.
+
+The members are those of `mavstack.dialects` in Python: `MAV_CMD_NAV_TAKEOFF` of `MAV_CMD` is `NAV_TAKEOFF`.
+"""
 
 from __future__ import annotations
 
@@ -14,15 +17,17 @@ if TYPE_CHECKING:
     from mavstack.codegen.library import Library
 
 
-def enum_members(library: Library) -> dict[str, dict[str, str]]:
+def enum_members(library: Library, taken: Iterable[str] = ()) -> dict[str, dict[str, str]]:
     """Return the member names of all enums, such as `QUADROTOR` for `MAV_TYPE_QUADROTOR`.
 
     Args:
         library: The library; the file that first defines an enum determines the words that are removed.
+        taken: Names that no member may have; such a member gets a trailing `_`.
 
     Returns:
         Member names by enum name and entry name.
     """
+    taken = frozenset(taken)
     origin: dict[str, list[str]] = {}
     for file in library.files:
         for enum in file.enums:
@@ -30,8 +35,9 @@ def enum_members(library: Library) -> dict[str, dict[str, str]]:
     members = {}
     for enum in library.enums:
         first = origin[enum.name]
-        added = [entry.name for entry in enum.entries if entry.name not in set(first)]
-        members[enum.name] = member_names(enum.name, first, added, ())
+        known = frozenset(first)
+        added = [entry.name for entry in enum.entries if entry.name not in known]
+        members[enum.name] = member_names(enum.name, first, added, taken)
     return members
 
 

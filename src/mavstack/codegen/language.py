@@ -7,15 +7,12 @@ entry point has the name of the language and loads a `Language`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from importlib import import_module
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
-from mavstack.errors import InvalidArgumentError
+from mavstack.plugins import Registry
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from importlib.metadata import EntryPoints
 
     from mavstack.codegen.library import Library
 
@@ -37,8 +34,7 @@ LANGUAGES: Final[tuple[str, ...]] = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class GeneratedFile:
+class GeneratedFile(NamedTuple):
     """One file of a generated library.
 
     Attributes:
@@ -50,8 +46,7 @@ class GeneratedFile:
     text: str
 
 
-@dataclass(frozen=True)
-class Language:
+class Language(NamedTuple):
     """A language for which libraries are generated.
 
     Attributes:
@@ -67,9 +62,14 @@ class Language:
     reserved_words: frozenset[str] = frozenset()
 
 
+_REGISTRY: Final[Registry[Language]] = Registry(
+    "language", ENTRY_POINTS, {name: f"mavstack.codegen.languages.{name}:LANGUAGE" for name in LANGUAGES}
+)
+
+
 def language_names() -> tuple[str, ...]:
     """Return the names of all languages, those of other packages included."""
-    return (*LANGUAGES, *sorted(_plugins().names - set(LANGUAGES)))
+    return _REGISTRY.names()
 
 
 def language(name: str) -> Language:
@@ -85,17 +85,4 @@ def language(name: str) -> Language:
         InvalidArgumentError: There is no such language.
         MissingExtraError: The language needs Jinja2, which is not installed.
     """
-    if name in LANGUAGES:
-        builtin: Language = import_module(f"mavstack.codegen.languages.{name}").LANGUAGE
-        return builtin
-    found = _plugins()
-    if name not in found.names:
-        raise InvalidArgumentError(f"language must be one of {', '.join(language_names())}, got {name!r}")
-    plugin: Language = found[name].load()
-    return plugin
-
-
-def _plugins() -> EntryPoints:
-    from importlib.metadata import entry_points
-
-    return entry_points(group=ENTRY_POINTS)
+    return _REGISTRY.get(name)

@@ -4,12 +4,15 @@ Languages with a folder or namespace for each definition file use `Library.files
 `messages` and `enums`. Both hold the values of `dialects.model`.
 """
 
+# ruff: noqa: PTH119
+# (importing pathlib takes longer than to select the messages)
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
 from fnmatch import fnmatchcase
 from hashlib import sha256
-from typing import TYPE_CHECKING
+from os.path import basename
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from mavstack.errors import InvalidArgumentError
 
@@ -19,15 +22,18 @@ if TYPE_CHECKING:
     from mavstack.dialects.dialect import Dialect
     from mavstack.dialects.model import DialectDefinition, EnumDefinition, MessageDefinition
 
+#: Characters of file names that could end a comment or a text, or are not allowed in paths.
+_UNUSUAL: Final = re.compile(r"[^\w.-]+")
+_XML: Final = re.compile(r"\.xml$", re.IGNORECASE)
 
-@dataclass(frozen=True)
-class DialectFile:
+
+class DialectFile(NamedTuple):
     """The selected content of one definition file.
 
     Attributes:
-        name: Name of the file in lower case, without `.xml`.
+        name: Name of the file without `.xml`, with `_` for characters that are not plain.
         version: The `<version>` of the file itself, or None.
-        includes: Names of the files that it includes directly, in lower case.
+        includes: Names of the files that it includes directly, as `name`.
         messages: Its own messages, by id.
         enums: Its own enums; an enum that it extends has only the added entries.
     """
@@ -39,8 +45,7 @@ class DialectFile:
     enums: tuple[EnumDefinition, ...]
 
 
-@dataclass(frozen=True)
-class Library:
+class Library(NamedTuple):
     """The content of a generated library.
 
     Attributes:
@@ -60,6 +65,11 @@ class Library:
     enums: tuple[EnumDefinition, ...]
     digest: str
     package: str = ""
+
+    @property
+    def file_name(self) -> str:
+        """Name of the dialect as that of its file: `ASLUAV`."""
+        return self.files[-1].name
 
     @property
     def stamp(self) -> str:
@@ -93,16 +103,17 @@ def make_library(
         InvalidArgumentError: A name or pattern matches no message, or no message is left.
     """
     only, exclude = tuple(only), tuple(exclude)
-    selected = _select(dialect.names, only, exclude)
     merged = dialect.definition
+    selected = _select((item.name for item in merged.messages), only, exclude)
     messages = sorted((item for item in merged.messages if item.name in selected), key=lambda item: item.id)
     used = None if not (only or exclude) else _used_enums(messages, merged.enums)
-    files = tuple(_file(item.own_definition, selected, used) for item in dialect.with_includes)
+    names = _file_names(dialect)
+    files = tuple(_file(item.own_definition, names, selected, used) for item in dialect.with_includes)
     enums = sorted(
         (enum for enum in merged.enums if used is None or enum.name in used), key=lambda enum: enum.name
     )
     return Library(
-        name=dialect.name.lower(),
+        name=names[dialect.name.lower()].lower(),
         version=_protocol_version(files),
         files=files,
         messages=tuple(messages),
@@ -154,13 +165,32 @@ def _used_enums(messages: Iterable[MessageDefinition], enums: Iterable[EnumDefin
     return frozenset(used | params)
 
 
+def name_patterns(text: str) -> list[str]:
+    """Return the names and patterns of a text with commas, for `only` and `exclude` of `make_library`."""
+    return [word.strip() for word in text.split(",") if word.strip()]
+
+
+def _file_names(dialect: Dialect) -> dict[str, str]:
+    """Return the names of the files for paths, comments and names, by their names in lower case."""
+    names = (item.name for item in dialect.with_includes)
+    return {name.lower(): _plain(name) for name in names}
+
+
+def _plain(name: str) -> str:
+    return (_UNUSUAL.sub("_", name).strip("_") or "dialect") if _UNUSUAL.search(name) else name
+
+
 def _file(
-    definition: DialectDefinition, selected: frozenset[str], used: frozenset[str] | None
+    definition: DialectDefinition,
+    names: dict[str, str],
+    selected: frozenset[str],
+    used: frozenset[str] | None,
 ) -> DialectFile:
+    included = (_XML.sub("", basename(include)).lower() for include in definition.includes)
     return DialectFile(
-        name=definition.name.lower(),
+        name=names[definition.name.lower()],
         version=definition.version,
-        includes=tuple(include.removesuffix(".xml").lower() for include in definition.includes),
+        includes=tuple(names[include] for include in included),
         messages=tuple(
             sorted((item for item in definition.messages if item.name in selected), key=lambda item: item.id)
         ),

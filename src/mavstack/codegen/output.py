@@ -4,10 +4,13 @@ A list of the files, `.mavgen-<language>.txt` in the folder, tells which files b
 a file of a message that is gone does not stay, and a file of the user's is neither removed nor overwritten.
 """
 
+# ruff: noqa: PTH103, PTH108, PTH110, PTH112, PTH113, PTH118, PTH120, PTH123, PTH208
+# (for hundreds of files, paths as objects take longer than the files)
 from __future__ import annotations
 
 import errno
-from pathlib import Path, PurePosixPath
+import fnmatch
+import os
 from typing import TYPE_CHECKING, Final
 
 from mavstack.codegen.language import GeneratedFile, language
@@ -42,20 +45,19 @@ def generate(library: Library, name: str) -> list[GeneratedFile]:
 
 
 def _check_paths(name: str, files: list[GeneratedFile]) -> None:
-    for file, other in zip(files, [None, *files], strict=False):
-        if not _is_inside(PurePosixPath(file.path)) or (other and other.path == file.path):
-            raise InvalidArgumentError(
-                f"language {name} generates {file.path!r} outside of its folder or twice"
-            )
+    paths = [file.path for file in files]
+    for path, other in zip(paths, ["", *paths], strict=False):
+        if path == other or not _is_inside(path):
+            raise InvalidArgumentError(f"language {name} generates {path!r} outside of its folder or twice")
 
 
-def _is_inside(path: PurePosixPath) -> bool:
-    return bool(path.parts) and not path.is_absolute() and ".." not in path.parts
+def _is_inside(path: str) -> bool:
+    return bool(path.strip("./")) and not path.startswith("/") and ".." not in path.split("/")
 
 
 def write_files(
     files: list[GeneratedFile], folder: str | PathLike[str], *, overwrite: bool = False
-) -> list[Path]:
+) -> list[str]:
     """Write generated files, and remove files of an earlier generation that are not among them.
 
     Args:
@@ -64,38 +66,43 @@ def write_files(
         overwrite: Overwrite files that were not generated.
 
     Returns:
-        The files that were written or removed; none if the folder was up to date.
+        The paths of the files that were written or removed; none if the folder was up to date.
 
     Raises:
         FileExistsError: A file exists that was not generated, and `overwrite` is false; nothing was written.
         NotADirectoryError: The folder is a file.
         OSError: A file cannot be written or removed.
     """
-    if Path(folder).exists() and not Path(folder).is_dir():
-        raise NotADirectoryError(errno.ENOTDIR, "is a file, not a folder", str(folder))
-    outdated = outdated_files(files, folder)
-    texts = {Path(folder, file.path): file.text for file in files}
+    root = os.fspath(folder) or os.curdir
+    if os.path.exists(root) and not os.path.isdir(root):
+        raise NotADirectoryError(errno.ENOTDIR, "is a file, not a folder", root)
+    changed, removed = _differences(files, root)
     if not overwrite:
-        _check_overwritten(outdated, folder)
-    for path in outdated:
-        if path not in texts:
-            path.unlink()
-            continue
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(texts[path].encode())
-    return outdated
+        _check_overwritten(changed, root)
+    for path in removed:
+        os.unlink(path)
+    for parent in sorted({os.path.dirname(path) for path in changed}):
+        os.makedirs(parent, exist_ok=True)
+    for path, content in changed.items():
+        with open(path, "wb") as file:
+            file.write(content)
+    return [*changed, *removed]
 
 
-def _check_overwritten(outdated: list[Path], folder: str | PathLike[str]) -> None:
+def _check_overwritten(changed: dict[str, bytes], root: str) -> None:
     """Raise FileExistsError for a file that no generation of any language has written."""
-    generated = {path for listing in Path(folder).glob(_LISTS) for path in _earlier(listing.name, folder)}
-    for path in outdated:
-        if path not in generated and path.exists() and not path.match(_LISTS):
-            raise FileExistsError(errno.EEXIST, "file exists and was not generated", str(path))
+    existing = [path for path in changed if os.path.exists(path)]
+    if not existing:
+        return
+    lists = fnmatch.filter(os.listdir(root), _LISTS)
+    generated = {path for name in lists for path in (os.path.join(root, name), *_earlier(name, root))}
+    for path in existing:
+        if path not in generated:
+            raise FileExistsError(errno.EEXIST, "file exists and was not generated", path)
 
 
-def outdated_files(files: list[GeneratedFile], folder: str | PathLike[str]) -> list[Path]:
-    """Return the files that `write_files` would write or remove.
+def outdated_files(files: list[GeneratedFile], folder: str | PathLike[str]) -> list[str]:
+    """Return the paths of the files that `write_files` would write or remove.
 
     Args:
         files: The files from `generate`.
@@ -104,19 +111,30 @@ def outdated_files(files: list[GeneratedFile], folder: str | PathLike[str]) -> l
     Raises:
         OSError: A file cannot be read.
     """
-    wanted = {Path(folder, file.path): file.text.encode() for file in files}
-    changed = [path for path, content in wanted.items() if not path.is_file() or path.read_bytes() != content]
-    return changed + [path for path in _earlier(files[0].path, folder) if path not in wanted]
+    changed, removed = _differences(files, os.fspath(folder) or os.curdir)
+    return [*changed, *removed]
 
 
-def _earlier(list_name: str, folder: str | PathLike[str]) -> list[Path]:
+def _differences(files: list[GeneratedFile], root: str) -> tuple[dict[str, bytes], list[str]]:
+    """Return the new content of files that differ, and the paths of files that are no longer generated."""
+    wanted = {os.path.join(root, file.path): file.text.encode() for file in files}
+    changed = {path: content for path, content in wanted.items() if _read(path) != content}
+    return changed, [path for path in _earlier(files[0].path, root) if path not in wanted]
+
+
+def _read(path: str) -> bytes | None:
+    if not os.path.isfile(path):
+        return None
+    with open(path, "rb") as file:
+        return file.read()
+
+
+def _earlier(list_name: str, root: str) -> list[str]:
     """Return the existing files of an earlier generation; never one outside the folder."""
-    listing = Path(folder, list_name)
-    if not listing.is_file():
-        return []
-    names = (PurePosixPath(line) for line in listing.read_text(encoding="utf-8").splitlines() if line)
-    inside = (Path(folder, name) for name in names if _is_inside(name))
-    return [path for path in inside if path.is_file()]
+    listing = _read(os.path.join(root, list_name))
+    names = listing.decode().splitlines() if listing is not None else []
+    paths = (os.path.join(root, name) for name in names if _is_inside(name))
+    return [path for path in paths if os.path.isfile(path)]
 
 
 def _list_name(name: str) -> str:

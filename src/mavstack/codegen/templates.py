@@ -5,12 +5,14 @@ an error, and the line of a block tag leaves no line. A template that has only v
 import and to compile would take longer than to generate a library.
 """
 
+# ruff: noqa: PTH118, PTH120, PTH123
+# (importing pathlib or importlib.resources takes longer than to generate a small library)
 from __future__ import annotations
 
+import os
 import re
-from functools import cached_property
+from functools import cached_property, lru_cache
 from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.codegen.language import GeneratedFile
@@ -22,6 +24,8 @@ if TYPE_CHECKING:
 
     from jinja2 import Environment
 
+#: The end of a line that continues in C.
+_CONTINUED: Final = re.compile(r"(?:\\|\?\?/|\s)+$")
 _VARIABLE: Final = re.compile(r"\{\{ ([a-z_]+)((?:\.[a-z_]+)*) \}\}")
 
 
@@ -72,14 +76,14 @@ class Templates:
 
     def _find_flat(self, name: str) -> FlatTemplate | None:
         if name not in self._flat:
-            source = (self._folder / name).read_text("utf-8")
+            with open(os.path.join(self._folder, name), encoding="utf-8") as file:
+                source = file.read()
             self._flat[name] = FlatTemplate(source) if FlatTemplate.fits(source) else None
         return self._flat[name]
 
     @cached_property
-    def _folder(self) -> Path:
-        # importlib.resources takes longer to import than to generate a small library.
-        return Path(str(import_module(self._package).__file__)).parent / "templates"
+    def _folder(self) -> str:
+        return os.path.join(os.path.dirname(str(import_module(self._package).__file__)), "templates")
 
     @cached_property
     def _environment(self) -> Environment:
@@ -136,10 +140,33 @@ def _environment(package: str) -> Environment:
 
 def camel_case(name: str) -> str:
     """Return an identifier such as `timeBootMs` for `time_boot_ms`."""
-    first, *rest = re.split("_+", name.strip("_"))
-    return first[:1].lower() + first[1:] + "".join(word[:1].upper() + word[1:] for word in rest)
+    pascal = "".join([word[:1].upper() + word[1:] for word in name.split("_")])
+    return pascal[:1].lower() + pascal[1:]
+
+
+def plain_line(text: str) -> str:
+    """Return a text on one line without invisible characters, such as those that turn its direction."""
+    line = " ".join(text.split())
+    return line if line.isprintable() else "".join(filter(str.isprintable, line))
 
 
 def one_line(text: str) -> str:
-    """Return a text for a comment of one line: without line ends and without the ends of comments."""
-    return " ".join(text.split()).replace("*/", "* /").replace("]]", "] ]")
+    """Return a text for a comment of one line, in any language.
+
+    It has no mark that begins or ends a comment, and does not end with a backslash (in C also the trigraph
+    `??/`), which would continue the comment in the next line.
+    """
+    if not text:
+        return ""
+    line = plain_line(text)
+    if "*/" in line or "/*" in line or line.endswith(("\\", "/")):
+        line = line.replace("*/", "* /").replace("/*", "/ *")
+        line = _CONTINUED.sub("", line)
+    return line
+
+
+@lru_cache(maxsize=1024)  # most texts are units
+def string_literal(text: str) -> str:
+    """Return a string of one line in double quotes, with the escapes that all languages here share."""
+    escaped = plain_line(text).replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'

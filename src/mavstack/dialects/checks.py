@@ -167,6 +167,7 @@ def _fields(message: MessageDefinition) -> Iterator[tuple[int, str]]:
                 item.line,
                 f"{message.name}.{item.name} is a {item.type} and cannot have the enum {item.enum}",
             )
+        yield from _unit(item.units, f"{message.name}.{item.name}", item.line)
         if item.minimum is not None and item.maximum is not None and item.minimum > item.maximum:
             yield item.line, f"{message.name}.{item.name} has a minimum above its maximum"
 
@@ -181,5 +182,12 @@ def _enums(definition: DialectDefinition, known: dict[str, EnumDefinition]) -> I
             if enum.bitmask and entry.value.bit_count() > 1:
                 yield entry.line, f"{entry.name} is in a bitmask, but {entry.value} is not a single bit"
             for param in entry.params:
+                yield from _unit(param.units, f"param {param.index} of {entry.name}", entry.line)
                 if param.enum and param.enum not in known:
                     yield entry.line, f"{entry.name} refers to the undefined enum {param.enum}"
+
+
+def _unit(units: str, owner: str, line: int) -> Iterator[tuple[int, str]]:
+    """Yield a unit that has line ends or other control characters, which generated code leaves out."""
+    if not units.isprintable():
+        yield line, f"the unit of {owner} has control characters: {units!a}"

@@ -9,8 +9,8 @@ line stays short and a change is one changed line. A field at or after the base 
 from __future__ import annotations
 
 import json
-from dataclasses import MISSING, fields
-from typing import TYPE_CHECKING, Any, TypeVar
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from mavstack.dialects.model import (
     DialectDefinition,
@@ -24,45 +24,56 @@ from mavstack.dialects.model import (
 from mavstack.dialects.tables import MessageRow, Table
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
-_IN_MESSAGE_ROW = frozenset({"id", "name", "fields", "crc_extra", "base_length", "length", "origin", "line"})
-_IN_FIELD_ROW = frozenset({"name", "type", "array_length", "offset", "enum", "extension", "line"})
-_IN_ENUM_ROW = frozenset({"name", "entries", "line"})
-_IN_ENTRY_ROW = frozenset({"name", "value", "line"})
+_encode = json.JSONEncoder(ensure_ascii=False, separators=(",", ":")).encode
 
-_Value = TypeVar(
-    "_Value", MessageDefinition, FieldDefinition, EnumDefinition, EnumEntry, EnumParam, Replacement
+
+class _Attributes:
+    """The attributes of a class in its metadata: all but those in the row."""
+
+    def __init__(self, definition_class: type[NamedTuple], *in_row: str) -> None:
+        self.names = tuple(name for name in definition_class._fields if name not in in_row)
+        self.defaults = tuple(definition_class._field_defaults.get(name) for name in self.names)
+        self.values: Callable[[object], tuple[object, ...]] = attrgetter(*self.names)
+
+
+_MESSAGE = _Attributes(
+    MessageDefinition, "id", "name", "fields", "crc_extra", "base_length", "length", "origin", "line"
 )
+_FIELD = _Attributes(FieldDefinition, "name", "type", "array_length", "offset", "enum", "extension", "line")
+_ENUM = _Attributes(EnumDefinition, "name", "entries", "line")
+_ENTRY = _Attributes(EnumEntry, "name", "value", "line")
+_PARAM, _REPLACEMENT = _Attributes(EnumParam), _Attributes(Replacement)
 
 
-def _metadata(value: object, excluded: frozenset[str] = frozenset()) -> dict[str, Any]:
+def _metadata(value: object, attributes: _Attributes) -> dict[str, Any]:
     """Return the attributes of a definition that differ from their default."""
-    found: dict[str, Any] = {}
-    for item in fields(value):  # type: ignore[arg-type]
-        content = getattr(value, item.name)
-        if item.name in excluded or (item.default is not MISSING and content == item.default):
-            continue
-        if isinstance(content, Replacement):
-            content = _metadata(content)
-        elif isinstance(content, tuple):
-            content = [_metadata(param) for param in content]
-        found[item.name] = content
-    return found
+    values = attributes.values(value)
+    if values == attributes.defaults:
+        return {}
+    items = zip(attributes.names, values, attributes.defaults, strict=True)
+    return {name: _plain(content) for name, content, default in items if content != default}
 
 
-def _restore(definition_class: type[_Value], metadata: dict[str, Any], row: dict[str, Any]) -> _Value:
-    """Return the definition from which `_metadata` was made."""
+def _plain(content: object) -> object:
+    if isinstance(content, Replacement):
+        return _metadata(content, _REPLACEMENT)
+    return [_metadata(param, _PARAM) for param in content] if isinstance(content, tuple) else content
+
+
+def _restore(metadata: dict[str, Any]) -> dict[str, Any]:
+    """Return the metadata from which `_metadata` was made: with objects."""
     for mark in ("deprecated", "superseded"):
         if mark in metadata:
-            row[mark] = Replacement(**metadata[mark])
+            metadata[mark] = Replacement(**metadata[mark])
     if "params" in metadata:
-        row["params"] = tuple(EnumParam(**param) for param in metadata["params"])
-    return definition_class(**{**metadata, **row})
+        metadata["params"] = tuple([EnumParam(**param) for param in metadata["params"]])
+    return metadata
 
 
 def _line(*values: object) -> str:
-    return "\t".join(json.dumps(value, ensure_ascii=False, separators=(",", ":")) for value in values)
+    return "\t".join(map(_encode, values))
 
 
 def message_row(message: MessageDefinition) -> MessageRow:
@@ -82,12 +93,12 @@ def table_lines(definition: DialectDefinition) -> Iterator[str]:
     }
     yield _line(header)
     for message in definition.messages:
-        field_metadata = {item.name: _metadata(item, _IN_FIELD_ROW) for item in message.fields}
+        field_metadata = {item.name: _metadata(item, _FIELD) for item in message.fields}
         kept = {name: metadata for name, metadata in field_metadata.items() if metadata}
-        yield _line(message_row(message), [_metadata(message, _IN_MESSAGE_ROW), kept])
+        yield _line(message_row(message), [_metadata(message, _MESSAGE), kept])
     for enum in definition.enums:
-        entries = [[entry.value, entry.name, _metadata(entry, _IN_ENTRY_ROW)] for entry in enum.entries]
-        yield f"{enum.name}\t{_line([_metadata(enum, _IN_ENUM_ROW), entries])}"
+        entries = [[entry.value, entry.name, _metadata(entry, _ENTRY)] for entry in enum.entries]
+        yield f"{enum.name}\t{_line([_metadata(enum, _ENUM), entries])}"
 
 
 def encode_table(definition: DialectDefinition) -> Table:
@@ -99,43 +110,35 @@ def decode_message(row: MessageRow, table: Table) -> MessageDefinition:
     """Return the definition of a message in a table."""
     number, name, crc_extra, base_length, length, field_rows = row
     metadata, field_metadata = table.message_metadata(name)
-    fields_ = tuple(
-        _restore(
-            FieldDefinition,
-            field_metadata.get(field_name, {}),
-            {
-                "name": field_name,
-                "type": kind,
-                "array_length": array_length,
-                "offset": offset,
-                "enum": enum,
-                "extension": offset >= base_length,
-            },
+    fields_ = [
+        FieldDefinition(
+            field_name,
+            kind,
+            array_length,
+            enum,
+            offset=offset,
+            extension=offset >= base_length,
+            **field_metadata.get(field_name, {}),
         )
         for field_name, kind, array_length, offset, enum in field_rows
-    )
-    return _restore(
-        MessageDefinition,
-        metadata,
-        {
-            "id": number,
-            "name": name,
-            "fields": fields_,
-            "crc_extra": crc_extra,
-            "base_length": base_length,
-            "length": length,
-            "origin": table.name,
-        },
+    ]
+    return MessageDefinition(
+        number,
+        name,
+        tuple(fields_),
+        crc_extra,
+        base_length,
+        length,
+        origin=table.name,
+        **_restore(metadata),
     )
 
 
 def decode_enum(name: str, table: Table) -> EnumDefinition:
     """Return the definition of an enum in a table, with the entries of this file only."""
     metadata, entry_rows = table.enum_row(name)
-    entries = tuple(
-        _restore(EnumEntry, more, {"value": value, "name": entry}) for value, entry, more in entry_rows
-    )
-    return _restore(EnumDefinition, metadata, {"name": name, "entries": entries})
+    entries = [EnumEntry(entry, value, **_restore(more)) for value, entry, more in entry_rows]
+    return EnumDefinition(name, tuple(entries), **_restore(metadata))
 
 
 def decode_table(table: Table) -> DialectDefinition:

@@ -6,8 +6,8 @@ an added extension field or a new enum entry it can.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Literal, TypeAlias, TypeVar
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, TypeVar
 
 from mavstack.dialects.model import (
     EnumParam,
@@ -83,30 +83,37 @@ def _pairs(
             yield old[name], new[name]
 
 
-def _changed_attributes(subject: str, old: object, new: object, ignored: frozenset[str]) -> Iterator[Change]:
+def _changed_attributes(
+    subject: str, old: NamedTuple, new: NamedTuple, ignored: frozenset[str]
+) -> Iterator[Change]:
     """Yield the changed attributes of one definition."""
-    for item in fields(old):  # type: ignore[arg-type]
-        before, after = getattr(old, item.name), getattr(new, item.name)
-        if "description" in ignored:
-            before, after = _without_prose(before), _without_prose(after)
-        if item.name not in ignored and before != after:
-            yield Change("changed", subject, f"{item.name} {_format(before)} -> {_format(after)}")
+    for name in old._fields:
+        if name not in ignored:
+            yield from _changed_attribute(subject, name, getattr(old, name), getattr(new, name), ignored)
+
+
+def _changed_attribute(
+    subject: str, name: str, before: object, after: object, ignored: frozenset[str]
+) -> Iterator[Change]:
+    if ignored >= _PROSE:
+        before, after = _without_prose(before), _without_prose(after)
+    if before != after:
+        yield Change("changed", subject, f"{name} {_format(before)} -> {_format(after)}")
 
 
 def _without_prose(value: object) -> object:
     """Remove the description of a deprecation or of the parameters of a command."""
     if isinstance(value, Replacement | EnumParam):
-        return replace(value, description="")
+        return value._replace(description="")
     return tuple(map(_without_prose, value)) if isinstance(value, tuple) else value
 
 
 def _format(value: object) -> str:
     """Format a value for the detail of a change."""
+    if isinstance(value, Replacement | EnumParam):
+        return " ".join(str(part) for part in value if part not in ("", None, False))
     if isinstance(value, tuple):
         return f"({', '.join(map(_format, value))})"
-    if isinstance(value, Replacement | EnumParam):
-        kept = (getattr(value, item.name) for item in fields(value))
-        return " ".join(str(part) for part in kept if part not in ("", None, False))
     return "nothing" if value in ("", None) else str(value)
 
 

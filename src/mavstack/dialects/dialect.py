@@ -84,8 +84,7 @@ class Dialect:
             data = path.encode() if isinstance(path, str) else path
             if data.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):
                 return _from_source(collect_text(data))
-            path = path if isinstance(path, str) else os.fsdecode(path)
-        return _from_source(collect(str(path)))
+        return _from_source(collect(os.fsdecode(path)))
 
     @property
     def name(self) -> str:
@@ -195,16 +194,10 @@ class Dialect:
     def layout(self, row: MessageRow) -> MessageLayout:
         """Return the layout of a message for the core."""
         number, name, crc_extra, base_length, length, fields = row
-        attributes = attribute_names(row) if self.path else None
+        attributes = attribute_names(row) if self.path else [field[0] for field in fields]
         layouts: list[FieldLayout] = [
-            (
-                attributes[index] if attributes else field,
-                kind,
-                count,
-                offset,
-                bool(enum) and kind not in _INTEGERS_ONLY,
-            )
-            for index, (field, kind, count, offset, enum) in enumerate(fields)
+            (attributes[index], kind, count, offset, bool(enum) and kind not in _INTEGERS_ONLY)
+            for index, (_, kind, count, offset, enum) in enumerate(fields)
         ]
         return number, name, crc_extra, base_length, length, layouts
 
@@ -396,4 +389,7 @@ def _from_definition(definition: DialectDefinition, includes: tuple[Dialect, ...
     if any(entry.automatic for enum in definition.enums for entry in enum.entries):
         for dialect, name in [(included, name) for included in includes for name in included.enums]:
             highest[name] = max(highest.get(name, 0), *dialect.enum_values(name).values(), 0)
-    return Dialect(encode_table(with_automatic_values(definition, highest)), includes, definition.path)
+    definition = with_automatic_values(definition, highest)
+    dialect = Dialect(encode_table(definition), includes, definition.path)
+    dialect.own_definition = definition  # instead of decoding the table again
+    return dialect

@@ -8,10 +8,9 @@ value must be unique.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from mavstack.dialects.codec import decode_table
 from mavstack.dialects.merging import merge_definitions, merge_enums, renumbered
@@ -31,8 +30,7 @@ MAX_FILES = 100
 MAX_INCLUDE_DEPTH = 20
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Source:
+class Source(NamedTuple):
     """A definition file with the files that it includes directly; `official` if it is a built-in dialect."""
 
     definition: DialectDefinition
@@ -192,7 +190,7 @@ def _check_messages(definitions: Iterable[DialectDefinition]) -> None:
 def with_automatic_values(definition: DialectDefinition, highest: Mapping[str, int]) -> DialectDefinition:
     """Return a definition whose entries without a value follow the highest values of the included files."""
     enums = tuple(renumbered(enum, highest.get(enum.name, 0)) for enum in definition.enums)
-    return replace(definition, enums=enums)
+    return definition._replace(enums=enums)
 
 
 def merged_definition(source: Source) -> DialectDefinition:

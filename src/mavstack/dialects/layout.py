@@ -8,7 +8,6 @@ bits. Extensions are excluded, so that peers with and without them can communica
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mavstack._core import crc16
@@ -36,23 +35,25 @@ def assign_offsets(fields: Sequence[FieldDefinition]) -> tuple[FieldDefinition, 
     for item in wire_order(fields):
         offsets[item.name] = position
         position += item.size
-    return tuple(replace(item, offset=offsets[item.name]) for item in fields)
+    return tuple([item.at(offsets[item.name]) for item in fields])
 
 
 def lengths(fields: Iterable[FieldDefinition]) -> tuple[int, int]:
     """Return the payload length without and with extensions, in bytes."""
     base = total = 0
     for item in fields:
-        total += item.size
-        base += 0 if item.extension else item.size
+        size = item.size
+        total += size
+        base += 0 if item.extension else size
     return base, total
 
 
 def crc_extra(name: str, fields: Sequence[FieldDefinition]) -> int:
     """Return the CRC_EXTRA of a message, which sender and receiver add to the checksum."""
-    crc = crc16(f"{name} ".encode())
-    for item in wire_order(fields):
-        if not item.extension:
-            crc = crc16(f"{item.type} {item.name} ".encode(), crc)
-            crc = crc16(bytes([item.array_length]), crc) if item.array_length else crc
+    parts = [f"{name} ".encode()]
+    for item in wire_order([item for item in fields if not item.extension]):
+        parts.append(f"{item.type} {item.name} ".encode())
+        if item.array_length:
+            parts.append(bytes([item.array_length]))
+    crc = crc16(b"".join(parts))
     return (crc & 0xFF) ^ (crc >> 8)

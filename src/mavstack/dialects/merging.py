@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mavstack.errors import DialectError
@@ -17,7 +16,7 @@ def merge_definitions(definitions: Sequence[DialectDefinition]) -> DialectDefini
     """Return the last definition with the messages and enums of all definitions."""
     messages = [message for definition in definitions for message in definition.messages]
     enums = tuple(merge_enums(definitions).values())
-    return replace(definitions[-1], messages=tuple(sorted(messages, key=lambda item: item.id)), enums=enums)
+    return definitions[-1]._replace(messages=tuple(sorted(messages, key=lambda item: item.id)), enums=enums)
 
 
 def merge_enums(definitions: Iterable[DialectDefinition]) -> dict[str, EnumDefinition]:
@@ -36,7 +35,7 @@ def merge_enum(known: EnumDefinition, more: EnumDefinition, path: str) -> EnumDe
     """Return an enum with the entries that another file adds."""
     highest = max((entry.value for entry in known.entries), default=0)
     added = tuple(_new_entries(known, renumbered(more, highest), path))
-    return replace(known, entries=known.entries + added, bitmask=known.bitmask or more.bitmask)
+    return known._replace(entries=known.entries + added, bitmask=known.bitmask or more.bitmask)
 
 
 def _new_entries(known: EnumDefinition, more: EnumDefinition, path: str) -> Iterator[EnumEntry]:
@@ -69,6 +68,6 @@ def renumbered(enum: EnumDefinition, highest: int) -> EnumDefinition:
     entries = []
     for entry in enum.entries:
         renumber = entry.automatic and entry.value <= highest
-        entries.append(replace(entry, value=highest + 1) if renumber else entry)
+        entries.append(entry._replace(value=highest + 1) if renumber else entry)
         highest = max(highest, entries[-1].value)
-    return replace(enum, entries=tuple(entries))
+    return enum._replace(entries=tuple(entries))

@@ -2,16 +2,15 @@
 
 Names follow the developer guide. The `type` of a field is the C name of its element (`uint8_t`, `char`);
 `array_length` is 0 for a single value. Optional texts are empty strings if absent, and optional numbers are
-None. `line` is the line in the XML file, for error texts: it is 0 in tables and ignored in comparisons.
+None. `line` is the line in the XML file, for error texts: it is 0 in tables.
 Values computed from the fields of a message (offsets, lengths, CRC_EXTRA) are set by `layout.assign_offsets`,
 never by hand.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 Number: TypeAlias = int | float
 
@@ -31,8 +30,7 @@ TYPE_SIZES = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Replacement:
+class Replacement(NamedTuple):
     """A deprecation: since when a message, enum or entry should not be used, and its replacement."""
 
     since: str = ""
@@ -40,8 +38,7 @@ class Replacement:
     description: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class FieldDefinition:
+class FieldDefinition(NamedTuple):
     """One field of a message."""
 
     name: str
@@ -62,12 +59,16 @@ class FieldDefinition:
     protocol_version: bool = False
     description: str = ""
     offset: int = 0
-    line: int = field(default=0, compare=False, repr=False)
+    line: int = 0
+
+    def at(self, offset: int) -> FieldDefinition:
+        """Return the field with a payload offset."""
+        return self._replace(offset=offset)
 
     @property
     def size(self) -> int:
         """Size of the field in the payload, in bytes."""
-        return TYPE_SIZES[self.type] * max(self.array_length, 1)
+        return TYPE_SIZES[self.type] * (self.array_length or 1)
 
     @property
     def is_integer(self) -> bool:
@@ -94,10 +95,7 @@ class FieldDefinition:
         return (0, 2**bits - 1) if self.type.startswith("u") else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
 
 
-@dataclass(frozen=True)
-class MessageDefinition:
-    """One message, its fields in the order of the definition."""
-
+class _Message(NamedTuple):
     id: int
     name: str
     fields: tuple[FieldDefinition, ...]
@@ -110,7 +108,11 @@ class MessageDefinition:
     wip: bool = False
     wip_since: str = ""
     origin: str = ""
-    line: int = field(default=0, compare=False, repr=False)
+    line: int = 0
+
+
+class MessageDefinition(_Message):
+    """One message, its fields in the order of the definition."""
 
     @cached_property
     def wire_order(self) -> tuple[FieldDefinition, ...]:
@@ -127,11 +129,10 @@ class MessageDefinition:
         return self.by_name[name]
 
 
-@dataclass(frozen=True, slots=True)
-class EnumParam:
+class EnumParam(NamedTuple):
     """One of the seven parameters of a command."""
 
-    index: int
+    index: int  # type: ignore[assignment]  # (hides the method of tuples)
     label: str = ""
     units: str = ""
     multiplier: str = ""
@@ -146,8 +147,7 @@ class EnumParam:
     description: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class EnumEntry:
+class EnumEntry(NamedTuple):
     """One named value of an enum."""
 
     name: str
@@ -166,12 +166,11 @@ class EnumEntry:
     wip: bool = False
     wip_since: str = ""
     description: str = ""
-    automatic: bool = field(default=False, compare=False, repr=False)
-    line: int = field(default=0, compare=False, repr=False)
+    automatic: bool = False
+    line: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class EnumDefinition:
+class EnumDefinition(NamedTuple):
     """A set of named values; `bitmask` if they are flags."""
 
     name: str
@@ -182,20 +181,14 @@ class EnumDefinition:
     wip: bool = False
     wip_since: str = ""
     description: str = ""
-    line: int = field(default=0, compare=False, repr=False)
+    line: int = 0
 
     def entry(self, value: int) -> EnumEntry | None:
         """Return the entry of a value, or None."""
         return next((entry for entry in self.entries if entry.value == value), None)
 
 
-@dataclass(frozen=True, eq=False)
-class DialectDefinition:
-    """Messages and enums of one file, or of a file with all its includes.
-
-    `includes` are the file names as written in the file.
-    """
-
+class _Dialect(NamedTuple):
     name: str
     version: int | None
     number: int | None
@@ -204,6 +197,18 @@ class DialectDefinition:
     enums: tuple[EnumDefinition, ...]
     path: str = ""
     include_lines: tuple[int, ...] = ()
+
+
+class DialectDefinition(_Dialect):
+    """Messages and enums of one file, or of a file with all its includes.
+
+    `includes` are the file names as written in the file. Definitions are compared by identity, so that they
+    are quick keys of caches.
+    """
+
+    __eq__ = object.__eq__
+    __ne__ = object.__ne__
+    __hash__ = object.__hash__
 
     @cached_property
     def messages_by_name(self) -> dict[str, MessageDefinition]:

@@ -11,6 +11,7 @@ keyword, or a name that the class itself uses, gets a trailing `_`.
 from __future__ import annotations
 
 from keyword import iskeyword
+from os.path import commonprefix
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -37,16 +38,11 @@ def to_identifier(name: str, taken: Iterable[str] = ()) -> str:
 
 def shared_prefix(enum: str, entries: Sequence[str]) -> str:
     """Return the words with which all entries begin, including the last `_`; never a complete entry."""
-    split = [entry.split("_") for entry in entries]
-    if len(split) == 1:
-        split.append([*enum.split("_"), ""])
-    count = 0
-    for words in zip(*split, strict=False):
-        if len(set(words)) > 1:
-            break
-        count += 1
-    count = min([count, *(len(words) - 1 for words in split[: len(entries)])])
-    prefix = "".join(f"{word}_" for word in split[0][:count]) if split else ""
+    if not entries:
+        return ""
+    names = entries if len(entries) > 1 else (*entries, f"{enum}_")
+    common = commonprefix((min(names), max(names)))  # noqa: RUF071 (texts, not paths)
+    prefix = common[: common.rfind("_") + 1]
     return "" if prefix in entries else prefix
 
 

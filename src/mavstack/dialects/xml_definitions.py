@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from functools import lru_cache
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from mavstack.dialects.layout import (
     MAX_FIELDS,
@@ -41,6 +41,23 @@ _TYPE = re.compile(r"([a-z0-9_]+?)(_mavlink_version)?(?:\[([0-9]+)\])?", re.ASCI
 _INTEGER = re.compile(
     r"(-?[0-9]{1,20})|0[xX]([0-9a-fA-F]{1,16})|0[bB]([01]{1,64})|2\*\*([0-9]{1,2})", re.ASCII
 )
+
+
+_REMARKS = frozenset({"deprecated", "superseded", "wip", "description"})
+_PARAM_TEXTS = frozenset({"label", "units", "multiplier", "enum", "default"})
+_FIELD_TEXTS = frozenset({"enum", "units", "multiplier", "invalid", "print_format", "display", "default"})
+#: Attributes of definitions by the attribute in XML.
+_LIMITS = {"minValue": "minimum", "maxValue": "maximum", "increment": "increment"}
+_FLAGS = {
+    "hasLocation": "has_location",
+    "isDestination": "is_destination",
+    "hasAltitudeOnly": "has_altitude_only",
+    "missionOnly": "mission_only",
+    "mission": "mission",
+    "fence": "fence",
+    "rally": "rally",
+    "command": "command",
+}
 
 
 @lru_cache(maxsize=64)
@@ -107,7 +124,10 @@ class _Reader:
             self.fail(f"{key} {text!r} is not a number", element)
 
     def flag(self, element: Element, key: str) -> bool:
-        text = element.attributes.get(key, "false").strip().lower()
+        text = element.attributes.get(key)
+        if text is None:
+            return False
+        text = text.strip().lower()
         if text not in ("true", "false", "1", "0"):
             self.fail(f"{key} {text!r} is neither true nor false", element)
         return text in ("true", "1")
@@ -157,21 +177,16 @@ class _Reader:
         base, total = lengths(fields)
         if total > MAX_PAYLOAD:
             self.fail(f"{name} has {total} bytes; the maximum payload is {MAX_PAYLOAD}", element)
-        wip = element.first("wip")
         return MessageDefinition(
             id=number,
             name=name,
-            fields=assign_offsets(fields),
             crc_extra=crc_extra(name, fields),
+            fields=assign_offsets(fields),
             base_length=base,
             length=total,
-            description=self.description(element),
-            deprecated=self.replacement(element, "deprecated"),
-            superseded=self.replacement(element, "superseded"),
-            wip=wip is not None,
-            wip_since=wip.attributes.get("since", "") if wip else "",
             origin=self.name,
             line=element.line,
+            **self.remarks(element),
         )
 
     def fields(self, message: Element, name: str) -> list[FieldDefinition]:
@@ -194,33 +209,40 @@ class _Reader:
 
     def field(self, element: Element, extension: bool) -> FieldDefinition:
         kind, array_length, protocol_version = self.type(element)
-        texts = element.attributes
-        enum = texts.get("enum", "").strip()
+        texts = self.texts(element, _FIELD_TEXTS)
+        if texts.get("enum"):
+            self.name_in(element, texts["enum"], "enum")
         item = FieldDefinition(
             name=self.identifier(element),
             type=kind,
             array_length=array_length,
-            enum=self.name_in(element, enum, "enum") if enum else "",
-            units=texts.get("units", "").strip(),
-            multiplier=texts.get("multiplier", "").strip(),
-            invalid=texts.get("invalid", "").strip(),
-            print_format=texts.get("print_format", "").strip(),
-            display=texts.get("display", "").strip(),
-            default=texts.get("default", "").strip(),
-            minimum=self.number(element, "minValue"),
-            maximum=self.number(element, "maxValue"),
-            increment=self.number(element, "increment"),
-            instance=self.flag(element, "instance"),
             extension=extension,
             protocol_version=protocol_version,
             description=self.description(element),
             line=element.line,
+            **texts,
+            **self.limits(element),
         )
-        self.check_factor(item, element)
+        if item.multiplier:
+            self.check_factor(item, element)
         return item
+
+    def texts(self, element: Element, names: frozenset[str]) -> dict[str, Any]:
+        """Return the attributes of these names, as far as they are given."""
+        return {key: element.attributes[key].strip() for key in names & element.attributes.keys()}
+
+    def limits(self, element: Element) -> dict[str, Any]:
+        """Return the numbers and the mark that fields and params have in common, as far as they are given."""
+        known = _LIMITS.keys() & element.attributes.keys()
+        limits: dict[str, Any] = {_LIMITS[key]: self.number(element, key) for key in known}
+        if "instance" in element.attributes:
+            limits["instance"] = self.flag(element, "instance")
+        return limits
 
     def type(self, element: Element) -> tuple[str, int, bool]:
         text = self.attribute(element, "type")
+        if text in TYPE_SIZES:
+            return text, 0, False
         match = _TYPE.fullmatch(text)
         if match is None or match[1] not in TYPE_SIZES or (match[2] and (match[1] != "uint8_t" or match[3])):
             self.fail(f"unknown field type {text!r}", element)
@@ -246,17 +268,12 @@ class _Reader:
 
     def enum(self, element: Element) -> EnumDefinition:
         name = self.identifier(element)
-        wip = element.first("wip")
         return EnumDefinition(
             name=name,
             entries=tuple(self.entries(element, name)),
             bitmask=self.flag(element, "bitmask"),
-            deprecated=self.replacement(element, "deprecated"),
-            superseded=self.replacement(element, "superseded"),
-            wip=wip is not None,
-            wip_since=wip.attributes.get("since", "") if wip else "",
-            description=self.description(element),
             line=element.line,
+            **self.remarks(element),
         )
 
     def entries(self, enum: Element, enum_name: str) -> Iterator[EnumEntry]:
@@ -282,27 +299,20 @@ class _Reader:
         text = element.attributes.get("value")
         if text is not None:
             next_value = self.integer(element, text, "enum value", -(2**63), 2**64 - 1)
-        wip = element.first("wip")
         return EnumEntry(
             name=self.identifier(element),
             value=next_value,
-            params=tuple(self.params(element)),
-            has_location=self.flag(element, "hasLocation"),
-            is_destination=self.flag(element, "isDestination"),
-            has_altitude_only=self.flag(element, "hasAltitudeOnly"),
-            mission_only=self.flag(element, "missionOnly"),
-            mission=self.flag(element, "mission"),
-            fence=self.flag(element, "fence"),
-            rally=self.flag(element, "rally"),
-            command=self.flag(element, "command"),
-            deprecated=self.replacement(element, "deprecated"),
-            superseded=self.replacement(element, "superseded"),
-            wip=wip is not None,
-            wip_since=wip.attributes.get("since", "") if wip else "",
-            description=self.description(element),
+            params=tuple(self.params(element)) if element.children else (),
             automatic=text is None,
             line=element.line,
+            **self.flags(element),
+            **self.remarks(element),
         )
+
+    def flags(self, entry: Element) -> dict[str, Any]:
+        """Return the flags that an entry of a command has."""
+        found = _FLAGS.keys() & entry.attributes.keys()
+        return {_FLAGS[key]: self.flag(entry, key) for key in found}
 
     def params(self, entry: Element) -> Iterator[EnumParam]:
         seen: set[int] = set()
@@ -311,30 +321,34 @@ class _Reader:
             if index in seen:
                 self.fail(f"param {index} is given twice", element)
             seen.add(index)
-            texts = element.attributes
-            places = texts.get("decimalPlaces")
+            places = element.attributes.get("decimalPlaces")
             yield EnumParam(
                 index=index,
-                label=texts.get("label", "").strip(),
-                units=texts.get("units", "").strip(),
-                multiplier=texts.get("multiplier", "").strip(),
-                enum=texts.get("enum", "").strip(),
-                minimum=self.number(element, "minValue"),
-                maximum=self.number(element, "maxValue"),
-                increment=self.number(element, "increment"),
                 decimal_places=None
                 if places is None
                 else self.integer(element, places, "decimalPlaces", 0, 255),
-                default=texts.get("default", "").strip(),
                 reserved=self.flag(element, "reserved"),
-                instance=self.flag(element, "instance"),
                 description=element.text,
+                **self.texts(element, _PARAM_TEXTS),
+                **self.limits(element),
             )
 
-    def replacement(self, element: Element, tag: str) -> Replacement | None:
-        mark = element.first(tag)
-        if mark is None:
-            return None
+    def remarks(self, element: Element) -> dict[str, Any]:
+        """Return the description and the marks of a message, enum or entry, as far as they are given."""
+        children = {child.tag: child for child in reversed(element.children) if child.tag in _REMARKS}
+        found: dict[str, Any] = {}
+        for tag, child in children.items():
+            if tag == "description":
+                found[tag] = child.text
+            elif tag == "wip":
+                found |= {"wip": True, "wip_since": child.attributes.get("since", "")}
+            else:
+                found[tag] = self.replacement(child)
+        if "description" not in found:
+            found["description"] = element.text
+        return found
+
+    def replacement(self, mark: Element) -> Replacement:
         texts = mark.attributes
         return Replacement(
             since=texts.get("since", "").strip(),
@@ -343,5 +357,5 @@ class _Reader:
         )
 
     def description(self, element: Element) -> str:
-        child = element.first("description")
+        child = element.first("description") if element.children else None
         return element.text if child is None else child.text

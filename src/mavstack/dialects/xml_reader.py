@@ -36,8 +36,10 @@ class Element:
     @property
     def text(self) -> str:
         """The text directly in this element, with stripped lines."""
-        lines = [line.strip() for line in "".join(self.texts).strip().splitlines()]
-        return "\n".join(lines)
+        text = "".join(self.texts).strip()
+        if text.isprintable():
+            return text  # one line
+        return "\n".join([line.strip() for line in text.splitlines()])
 
     def named(self, tag: str) -> Iterator[Element]:
         """Return the direct children with a tag."""
@@ -45,7 +47,10 @@ class Element:
 
     def first(self, tag: str) -> Element | None:
         """Return the first direct child with a tag, or None."""
-        return next(self.named(tag), None)
+        for child in self.children:
+            if child.tag == tag:
+                return child
+        return None
 
 
 class _TreeBuilder:
@@ -71,14 +76,15 @@ class _TreeBuilder:
         self.count += 1
         if self.count > MAX_ELEMENTS:
             self.fail(f"more than {MAX_ELEMENTS} elements")
-        if len(self.open) >= MAX_DEPTH:
+        parents = self.open
+        if len(parents) >= MAX_DEPTH:
             self.fail(f"elements nested deeper than {MAX_DEPTH}")
         element = Element(tag, attributes, self.parser.CurrentLineNumber)
-        if self.open:
-            self.open[-1].children.append(element)
+        if parents:
+            parents[-1].children.append(element)
         else:
             self.root = element
-        self.open.append(element)
+        parents.append(element)
 
     def end(self, _tag: str) -> None:
         self.open.pop()

@@ -17,16 +17,17 @@ WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 C99 = ("-std=c99", *WARNINGS)
 
 
-def write_library(language: str, dialect: str, folder: Path, only: Iterable[str] = ()) -> Path:
-    """Generate a library into a folder and return the folder."""
-    write_files(generate(make_library(Dialect.load(dialect), only=only), language), folder)
+def write_library(language: str, dialect: str | Path, folder: Path, only: Iterable[str] = ()) -> Path:
+    """Generate the library of an official dialect or of a file into a folder, and return the folder."""
+    loaded = Dialect.load(dialect) if isinstance(dialect, str) else Dialect.from_xml(dialect)
+    write_files(generate(make_library(loaded, only=only), language), folder)
     return folder
 
 
 def build(compiler: str, source: Path, program: Path, *flags: str) -> Path:
     """Compile a program against the headers beside it; its warnings are errors."""
     command = [compiler, *flags, f"-I{program.parent}", str(source), "-o", str(program), "-lm"]
-    finished = subprocess.run(command, capture_output=True, text=True, timeout=110, check=False)
+    finished = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
     assert finished.returncode == 0, finished.stderr[:3000]
     return program
 

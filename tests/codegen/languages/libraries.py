@@ -21,33 +21,6 @@ SMALL = (
     *("HEARTBEAT", "ATTITUDE", "STATUSTEXT", "PARAM_SET", "COMMAND_LONG", "AUTOPILOT_VERSION"),
     *("BATTERY_STATUS", "GPS_STATUS", "ESC_INFO", "PLAY_TUNE", "TUNNEL", "VICON_POSITION_ESTIMATE"),
 )
-#: A dialect with names that languages reserve, and values at their limits.
-AWKWARD = """<mavlink>
-  <enums>
-    <enum name="LIMITS"><description>"Text" with \\u0041 */ &lt;b&gt; {@link X} // and 'more'.</description>
-      <entry name="LIMITS_NEW" value="0"/><entry name="LIMITS_CLASS" value="2147483648"/>
-      <entry name="LIMITS_2D" value="18446744073709551615"/><entry name="LIMITS_VALUE" value="7"/></enum>
-    <enum name="STRING" bitmask="true"><entry name="STRING_A" value="1"/>
-      <entry name="STRING_B" value="8"/></enum>
-    <enum name="PARSER"><entry name="PARSER_RED" value="0"/><entry name="PARSER_BLUE" value="300"/></enum>
-  </enums>
-  <messages>
-    <message id="1" name="OBJECT"><description>Fields with the names of "keywords" \\u000a.</description>
-      <field type="uint8_t" name="class">a*/b</field><field type="float" name="int">x</field>
-      <field type="uint8_t" name="type" enum="PARSER">x</field><field type="uint8_t" name="func">x</field>
-      <field type="uint8_t[3]" name="b">x</field><field type="uint8_t" name="o">x</field>
-      <field type="uint16_t" name="m" units="m/s" enum="STRING">x</field></message>
-    <message id="2" name="PARSER"><description/><field type="uint8_t" name="parser">x</field>
-      <field type="char" name="c">x</field><field type="uint64_t" name="id" enum="LIMITS">x</field>
-      <field type="int8_t" name="message_id">x</field><field type="int64_t[2]" name="info">x</field>
-      <field type="double[3]" name="value">x</field><field type="int16_t" name="get">x</field></message>
-    <message id="3" name="STRING"><description>x</description><field type="uint8_t" name="i">x</field>
-      <field type="uint8_t" name="string">x</field><field type="uint8_t" name="field">x</field></message>
-    <message id="4" name="LINUX_TEST"><description>x</description>
-      <field type="uint8_t" name="z">x</field></message>
-  </messages>
-</mavlink>
-"""
 
 
 def files(

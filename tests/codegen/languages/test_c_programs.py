@@ -9,19 +9,20 @@ import contextlib
 import io
 import subprocess
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
 import mavstack
 from mavstack.dialects import Dialect
 from tests.codegen.compilers import needs
-from tests.codegen.languages.compiling import RUNNERS, run, write_library
+from tests.codegen.languages.compiling import C99, RUNNERS, run, write_library
 
 pytestmark = [pytest.mark.interop, pytest.mark.nightly]
 
 DEFINITIONS = Path(mavstack.__file__).parent / "dialects" / "definitions"
 GITHUB = "https://github.com"
-CORTEX = ("-std=c99", "-Os", "-mthumb", "-mcpu=cortex-m4", "-DMAVLINK_COMM_NUM_BUFFERS=1", "-w", "-c")
+CORTEX = ("-std=c99", "-Os", "-mthumb", "-DMAVLINK_COMM_NUM_BUFFERS=1", "-w", "-c")
 
 
 @pytest.fixture(scope="module")
@@ -83,17 +84,33 @@ def test_the_test_suite_of_pymavlink(headers, tmp_path):
         assert "No errors detected" in run(program)
 
 
-def mavgen_headers(folder):
+def mavgen_headers(folder, definition=DEFINITIONS / "common.xml"):
     mavgen = pytest.importorskip("pymavlink.generator.mavgen")
     options = mavgen.Opts(str(folder), wire_protocol="2.0", language="C", validate=False)
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-        assert mavgen.mavgen(options, [str(DEFINITIONS / "common.xml")])
+        assert mavgen.mavgen(options, [str(definition)])
     return folder
 
 
-def sizes(source, headers, target):
+def three_messages(path):
+    """Write a definition with the messages of the firmware alone, and their enums."""
+    trees = [ElementTree.parse(DEFINITIONS / f"{name}.xml") for name in ("minimal", "standard", "common")]
+    wanted = ("HEARTBEAT", "ATTITUDE", "SYSTEM_TIME")
+    messages = [item for tree in trees for item in tree.iter("message") if item.get("name") in wanted]
+    used = {field.get("enum") for message in messages for field in message.iter("field")}
+    enums = [item for tree in trees for item in tree.iter("enum") if item.get("name") in used]
+    root = ElementTree.Element("mavlink")
+    for tag, items in (("enums", enums), ("messages", messages)):
+        ElementTree.SubElement(root, tag).extend(items)
+    ElementTree.ElementTree(root).write(path)
+    return path
+
+
+def sizes(source, headers, target, processor="m4"):
     """Return the bytes of code and constants, and those of variables."""
-    run(needs("arm-none-eabi-gcc"), *CORTEX, f"-I{headers}", source, "-o", target)
+    run(
+        needs("arm-none-eabi-gcc"), *CORTEX, f"-mcpu=cortex-{processor}", f"-I{headers}", source, "-o", target
+    )
     compiler = needs("arm-none-eabi-gcc")
     text, data, bss = run(compiler.removesuffix("gcc") + "size", target).splitlines()[1].split()[:3]
     return int(text) + int(data), int(bss)
@@ -117,13 +134,42 @@ return msg->len; }}
 """
 
 
+def test_bare_metal_needs_only_functions_of_memory(tmp_path):
+    headers, target = write_library("c", "common", tmp_path / "headers"), tmp_path / "firmware.o"
+    compiler = needs("arm-none-eabi-gcc")
+    flags = (*C99, "-Os", "-ffreestanding", "-mthumb", "-mcpu=cortex-m0", f"-I{headers}", "-c")
+    run(compiler, *flags, RUNNERS / "c" / "firmware.c", "-o", target)
+    undefined = run(compiler.removesuffix("gcc") + "nm", "-u", target).replace("U", "").split()
+    functions = {name for name in undefined if not name.startswith("__aeabi_")}
+    assert functions <= {
+        "memcpy",
+        "memmove",
+        "memset",
+        "memcmp",
+        "roll",
+        "boot_time",
+        "uart_read",
+        "uart_write",
+    }
+
+
+@pytest.mark.parametrize("processor", ["m0", "m4"])
 @pytest.mark.parametrize("messages", ["three", "all"])
-def test_code_for_a_small_processor_is_no_larger_than_that_of_mavgen(messages, tmp_path):
+def test_code_for_a_small_processor_is_no_larger_than_that_of_mavgen(messages, processor, tmp_path):
     source = RUNNERS / "c" / "firmware.c"
     if messages == "all":
         source = tmp_path / "all.c"
         source.write_text(all_messages())
-    ours = sizes(source, write_library("c", "common", tmp_path / "ours"), tmp_path / "ours.o")
-    theirs = sizes(source, mavgen_headers(tmp_path / "theirs"), tmp_path / "theirs.o")
+    ours = sizes(source, write_library("c", "common", tmp_path / "ours"), tmp_path / "ours.o", processor)
+    theirs = sizes(source, mavgen_headers(tmp_path / "theirs"), tmp_path / "theirs.o", processor)
+    assert ours[0] <= theirs[0]
+    assert ours[1] <= theirs[1]
+
+
+def test_a_dialect_of_three_messages_is_no_larger_than_that_of_mavgen(tmp_path):
+    definition = three_messages(tmp_path / "common.xml")
+    source = RUNNERS / "c" / "firmware.c"
+    ours = sizes(source, write_library("c", definition, tmp_path / "ours"), tmp_path / "ours.o")
+    theirs = sizes(source, mavgen_headers(tmp_path / "theirs", definition), tmp_path / "theirs.o")
     assert ours[0] <= theirs[0]
     assert ours[1] <= theirs[1]

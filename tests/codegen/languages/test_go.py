@@ -14,8 +14,8 @@ from mavstack.dialects.tables import official_names
 from mavstack.errors import InvalidArgumentError
 from tests.codegen.compilers import needs
 from tests.codegen.conformance import check_runner
+from tests.codegen.languages.awkward import AWKWARD
 from tests.codegen.languages.libraries import (
-    AWKWARD,
     SMALL,
     check_ground_station,
     check_signing,
@@ -94,11 +94,6 @@ def test_every_official_dialect_compiles(name, tmp_path):
     compile_go(write(files("go", name), tmp_path))
 
 
-@pytest.mark.nightly
-def test_awkward_names_compile(tmp_path):
-    compile_go(write(files("go", Dialect.from_xml(AWKWARD)), tmp_path))
-
-
 def test_equal_input_gives_equal_files():
     assert files("go", "standard") == files("go", "standard")
 
@@ -107,6 +102,11 @@ def test_a_selection_has_its_messages_and_their_enums():
     paths = {file.path for file in files("go", only=("ATTITUDE", "HEARTBEAT"))}
     assert {"attitude_message.go", "heartbeat_message.go", "mav_type_enum.go", "go.mod", "README.md"} <= paths
     assert not {"statustext_message.go", "gps_fix_type_enum.go"} & paths
+
+
+def test_a_heartbeat_sends_the_version_of_the_dialect():
+    text = next(file.text for file in files("go", "minimal") if file.path == "heartbeat_message.go")
+    assert "= protocolVersion(m.MavlinkVersion)" in text
 
 
 def test_every_source_has_the_stamp_and_the_licence():

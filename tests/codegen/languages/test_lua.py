@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from mavstack.codegen import generate, language, make_library, write_files
 from mavstack.dialects.dialect import Dialect
+from mavstack.dialects.tables import official_names
 from mavstack.errors import InvalidArgumentError
 from tests.codegen.compilers import needs
 from tests.codegen.conformance import check_runner, corpus, expected_lines, input_line
@@ -95,6 +96,11 @@ def test_the_chosen_package_is_the_name_of_the_module():
     assert not [path for path in found if path.startswith("mavlink")]
     with pytest.raises(InvalidArgumentError, match="package must be a name such as mavlink"):
         files(make_library(COMMON, only=["HEARTBEAT"], package="a.b"))
+
+
+def test_numbers_beyond_63_bits_are_hexadecimal():
+    text = files(make_library(Dialect.from_xml(ODD)))["mavlink/enum_tables.lua"]
+    assert '{ "TOP", 0x8000000000000000 }, -- WIDE_TOP' in text
 
 
 def test_reserved_words_end_with_an_underscore():
@@ -192,6 +198,26 @@ def test_chunks_of_any_length_give_equal_results(interpreter, common, data):
 @pytest.mark.parametrize("seed", range(10))
 def test_damaged_streams_give_the_packets_of_the_core(interpreter, seed, common):
     check_random_streams([needs(interpreter), RUNNER, common, str(1 + 7 * seed)], "common", seed)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", official_names())
+def test_every_official_dialect_loads(name, tmp_path):
+    loaded = Dialect.load(name)
+    write_files(generate(make_library(loaded), "lua"), tmp_path)
+    own = {"lua53.lua", "luajit.lua"}  # those of one interpreter
+    paths = [str(path) for path in tmp_path.rglob("*.lua") if path.name not in own]
+    source = """
+    for _, path in ipairs(arg) do assert(loadfile(path)) end
+    local count = 0
+    for id, row in pairs(require("mavlink.index")) do
+        assert(require("mavlink.messages." .. row[4]).id == id)
+        count = count + 1
+    end
+    print(#arg, count)
+    """
+    for interpreter in INTERPRETERS:
+        assert run_lua(interpreter, tmp_path, source, *paths) == f"{len(paths)}\t{len(loaded)}\n"
 
 
 @pytest.mark.nightly

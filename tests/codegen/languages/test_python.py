@@ -6,7 +6,8 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -22,7 +23,6 @@ from tests.docs.blocks import BLOCKS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from types import ModuleType
 
 RUNNERS = Path(__file__).parents[1] / "runners" / "python"
 TRICKY = """<mavlink><enums>
@@ -158,6 +158,27 @@ def test_a_message_shows_and_lists_its_fields(package):
 def test_values_that_do_not_fit_are_refused(package, name, fields, problem):
     with pytest.raises(ValueError, match=problem):
         getattr(package.messages, name)(**fields).pack(1, 1)
+
+
+@pytest.mark.parametrize("version", [1, 2])
+@pytest.mark.parametrize("sender", [(256, 1, 0), (1, -1, 0), (1, 1, 300)])
+def test_a_sender_that_does_not_fit_is_refused(package, version, sender):
+    system, component, sequence = sender
+    with pytest.raises(ValueError, match=r"255|range"):
+        package.messages.Heartbeat().pack(system, component, sequence, version)
+
+
+@pytest.mark.parametrize("version", [1, 2])
+def test_checksums_by_the_table_of_micropython_are_equal(package, version, monkeypatch):
+    checksums = package._checksum
+    packet = package.messages.Attitude(roll=0.5).pack(3, 4, 5, version)
+    monkeypatch.setitem(sys.modules, "binascii", ModuleType("binascii"))
+    slow: dict[str, Any] = {"__name__": "slow"}
+    exec(Path(checksums.__file__).read_text(), slow)
+    assert slow["checksum"] is slow["_checksum_by_table"]
+    data, state = packet[:-2] + package.messages.Attitude.EXTRA, f"BEFORE_MAGIC_{version}"
+    assert slow["checksum"](data, slow[state]) == slow["checksum"](data[1:]) == packet[-2:]
+    assert checksums.checksum(data, getattr(checksums, state)) == packet[-2:]
 
 
 def test_mavlink_1_carries_no_large_id_and_no_signature(package):

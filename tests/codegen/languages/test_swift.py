@@ -8,7 +8,7 @@ import pytest
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from mavstack.codegen import generate, language, make_library, write_files
-from mavstack.codegen.languages.swift.types import WIRE_TYPES, properties, type_name
+from mavstack.codegen.languages.swift.types import WIRE_TYPES, message_types, properties
 from mavstack.dialects.dialect import Dialect
 from mavstack.dialects.tables import official_names
 from mavstack.errors import InvalidArgumentError
@@ -69,7 +69,8 @@ def runner_source(library) -> str:
     environment = Environment(
         loader=FileSystemLoader(RUNNERS), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    messages = [{"type": type_name(item.name), "fields": fields(item)} for item in library.messages]
+    types = message_types(library)
+    messages = [{"type": types[item.name], "fields": fields(item)} for item in library.messages]
     module = "Mavlink" + library.name.title()
     return environment.get_template("main.swift.j2").render(module=module, messages=messages)
 
@@ -127,7 +128,7 @@ def test_the_chosen_package_is_the_name_of_the_module():
 def test_names_that_swift_or_the_runtime_has_are_changed():
     found = files(make_library(Dialect.from_xml(ODD)))
     message = next(text for path, text in found.items() if "/Messages/" in path)
-    assert re.findall(r"public var (\w+):", message) == ["protocol_", "is_", "a_b_", "aB_", "text"]
+    assert re.findall(r"public var (\w+):", message) == ["protocol_", "is_", "aB", "aB_", "text"]
     assert "public struct Parser_: Message" in message
     enum = next(text for path, text in found.items() if path.endswith("Parser_EnumValues.swift"))
     assert re.findall(r"static let (\w+)", enum) == ["default_", "_2d", "also2d"]

@@ -7,7 +7,10 @@ import shutil
 import socket
 import subprocess
 from contextlib import suppress
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING
 
 import pytest
@@ -18,11 +21,12 @@ from mavstack.dialects.tables import official_names
 from mavstack.wire import encode
 from tests.codegen.compilers import needs
 from tests.codegen.conformance import check_runner
+from tests.codegen.languages.libraries import SMALL
 from tests.docs.blocks import BLOCKS
 from tools.compilers import TOOLS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
 RUNNERS = Path(__file__).parents[1] / "runners" / "typescript"
 PROGRAMS = {
@@ -30,6 +34,13 @@ PROGRAMS = {
     for block in BLOCKS
     if block.page == "guides/generate-typescript.md" and block.directive.startswith("file: ")
 }
+PARSE_IN_BROWSER = """async bytes => {
+  const { Parser, messages } = await import("/index.js")
+  return [...new Parser(messages).push(new Uint8Array(bytes))].map(
+    message => [message.name, message.system, message.fields.roll])
+}"""
+#: Messages of the programs here and in the guide.
+FEW = (*SMALL, "SYSTEM_TIME")
 #: Flags beyond those of the tsconfig.json of the library.
 STRICT = ("--erasableSyntaxOnly", "--noPropertyAccessFromIndexSignature", "--noImplicitAny")
 TRICKY = """<mavlink><enums>
@@ -80,6 +91,12 @@ def test_the_package_has_the_chosen_name():
     assert 'from "@example/mavlink"' in files["README.md"]
 
 
+def test_a_bitmask_is_a_number_and_an_enum_one_of_its_values():
+    enums = "".join(text for path, text in texts("minimal").items() if "/enums/" in path)
+    assert "export type MavModeFlag = number;" in enums
+    assert "export type MavState = (typeof MavState)[keyof typeof MavState];" in enums
+
+
 def test_enums_of_64_bit_fields_are_bigints():
     files = texts("common")
     assert "  MISSION_FLOAT: 1n," in "".join(text for path, text in files.items() if "enums/" in path)
@@ -102,18 +119,19 @@ def test_a_field_may_be_named_as_a_keyword():
     assert not {"type", "class", "of"} & language("typescript").reserved_words
 
 
-def build(folder: Path, dialect: str | Dialect, *programs: str) -> Path:
+def build(folder: Path, dialect: str | Dialect, *programs: str, only: Iterable[str] = ()) -> Path:
     """Generate a library with further modules, compile it, and return the folder of its modules."""
     compiler = needs("typescript")
     loaded = Dialect.load(dialect) if isinstance(dialect, str) else dialect
-    write_files(generate(make_library(loaded), "typescript"), folder)
+    write_files(generate(make_library(loaded, only=only), "typescript"), folder)
     for name in programs:
         source = folder / "src" / name
         if name in PROGRAMS:
             source.write_text(PROGRAMS[name], "utf-8")
         else:
             shutil.copy(RUNNERS / name, source)
-    node = ["--types", "node", "--typeRoots", str(TOOLS / "node_modules" / "@types")] if programs else []
+    types = str(TOOLS / "node_modules" / "@types")
+    node = ["--types", "node", "--typeRoots", types, "--skipLibCheck"] if programs else []
     done = subprocess.run(
         [compiler, "-p", str(folder), "--sourceMap", "false", "--declarationMap", "false", *STRICT, *node],
         capture_output=True,
@@ -126,9 +144,9 @@ def build(folder: Path, dialect: str | Dialect, *programs: str) -> Path:
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The library of common with the runner, the test of types and the programs of the guide."""
-    folder = tmp_path_factory.mktemp("common")
-    return build(folder, "common", "runner.ts", "types.ts", *PROGRAMS)
+    """A small library with the runner, the test of types and the programs of the guide."""
+    folder = tmp_path_factory.mktemp("small")
+    return build(folder, "common", "runner.ts", "types.ts", *PROGRAMS, only=FEW)
 
 
 def node(program: Path, *words: str) -> str:
@@ -141,9 +159,9 @@ def node(program: Path, *words: str) -> str:
 @pytest.mark.interop
 @pytest.mark.smoke
 @pytest.mark.xdist_group("typescript")
-def test_common_passes_the_corpus_in_any_chunks(built):
+def test_a_small_library_passes_the_corpus_in_any_chunks(built):
     for chunk in ((), ("1",)):
-        check_runner([needs("node"), built / "runner.js", *chunk], "common")
+        check_runner([needs("node"), built / "runner.js", *chunk], "common", messages=FEW)
 
 
 @pytest.mark.interop
@@ -193,6 +211,32 @@ def test_the_ground_station_of_the_guide_receives_and_answers(ground):
     assert process.stdout.readline() == "vehicle 7: roll 0.100 pitch -0.200 yaw 3.000\n"
 
 
+@pytest.fixture
+def website(built: Path) -> Iterator[str]:
+    """The address of a server of the modules."""
+    handler = partial(SimpleHTTPRequestHandler, directory=str(built))
+    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        thread = Thread(target=server.serve_forever)
+        thread.start()
+        yield f"http://127.0.0.1:{server.server_port}/"
+        server.shutdown()
+        thread.join()
+
+
+@pytest.mark.interop
+@pytest.mark.xdist_group("typescript")
+def test_a_browser_loads_the_modules_and_parses(website):
+    playwright = pytest.importorskip("playwright.sync_api")
+    packet = encode(common.Attitude(roll=0.5), system=7, component=1, sequence=0)
+    with playwright.sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=needs("chromium"), args=["--no-sandbox"])
+        page = browser.new_page()
+        page.goto(website)
+        found = page.evaluate(PARSE_IN_BROWSER, list(packet))
+        browser.close()
+    assert found == [["ATTITUDE", 7, 0.5]]
+
+
 @pytest.mark.interop
 def test_difficult_names_compile(tmp_path):
     build(tmp_path, Dialect.from_xml(TRICKY))
@@ -201,7 +245,9 @@ def test_difficult_names_compile(tmp_path):
 @pytest.mark.interop
 @pytest.mark.xdist_group("typescript_all")
 def test_all_passes_the_corpus(tmp_path):
-    check_runner([needs("node"), build(tmp_path, "all", "runner.ts") / "runner.js"], "all")
+    runner = build(tmp_path, "all", "runner.ts") / "runner.js"
+    for chunk in ((), ("1",)):
+        check_runner([needs("node"), runner, *chunk], "all")
 
 
 @pytest.mark.nightly

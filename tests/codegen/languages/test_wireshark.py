@@ -71,6 +71,11 @@ def test_there_is_one_lua_file_with_the_stamp_and_the_licence():
         assert "SPDX-License-Identifier: MIT" in files[path][:400]
 
 
+def test_filters_of_messages_are_apart_from_those_of_the_dissector():
+    text = "".join(file.text for file in generate(make_library(Dialect.from_xml(TRICKY)), "wireshark"))
+    assert '"CRC", "mavlink.crc_"' in text
+
+
 def test_only_the_selected_messages_are_there():
     library = make_library(Dialect.load("common"), only=["ATTITUDE"], package="small")
     files = {file.path: file.text for file in generate(library, "wireshark")}
@@ -235,6 +240,34 @@ def test_requests_are_linked_to_their_answers(dissector, tmp_path):
     assert links("response_to") == {3: ["1"], 5: ["1"], 8: ["6"], 10: ["9"]}
     assert links("response_time")[5] == ["0.004000000"]
     assert column_info(dissector, path)[4] == f"1/1 COMMAND_ACK {ARM} MAV_RESULT_ACCEPTED"
+
+
+def ftp(sequence: int, opcode: int, requested: int = 0, target: int = 1) -> common.FileTransferProtocol:
+    payload = struct.pack("<HBBBB", sequence, 0, opcode, 0, requested)
+    return common.FileTransferProtocol(target_system=target, target_component=1, payload=payload)
+
+
+@pytest.mark.interop
+@pytest.mark.xdist_group("tshark")
+def test_pings_and_files_are_linked_to_their_answers(dissector, tmp_path):
+    messages = [
+        (common.Ping(seq=7), 255),
+        (common.Ping(seq=8, target_system=255, target_component=190), 1),  # an echo of another one
+        (common.Ping(seq=7, target_system=254, target_component=190), 1),  # to another station
+        (common.Ping(seq=7, target_system=255, target_component=190), 1),
+        (ftp(65535, 4), 255),
+        (ftp(1, 5), 255),
+        (ftp(0, 128, 5, target=255), 1),  # of another operation
+        (ftp(0, 128, 4, target=255), 1),
+        (ftp(2, 129, 5, target=255), 1),
+    ]
+    path = capture(tmp_path / "links.pcap", [udp(packed(item, system)) for item, system in messages])
+    packets = dissect(dissector, path)
+    links = {packet.frame: packet.values["mavlink.response_to"] for packet in packets if
+             "mavlink.response_to" in packet.values}  # fmt: skip
+    assert links == {4: ["1"], 8: ["5"], 9: ["6"]}
+    assert packets[0].one("response_in") == "4"
+    assert packets[4].one("response_in") == "8"
 
 
 @pytest.mark.interop

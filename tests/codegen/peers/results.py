@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -110,9 +111,19 @@ def node_mavlink(_dialect: str, folder: Path) -> list[str]:
     return [needs("node"), str(HERE / "node_mavlink_runner.mjs"), str(folder)]
 
 
+def gomavlib(_dialect: str, folder: Path) -> list[str]:
+    """Build the runner with the package, whose definitions are its own, from the proxy of Go's modules."""
+    shutil.copy(HERE / "gomavlib_runner.go", folder / "main.go")
+    for words in (["mod", "init", "peer"], ["get", GOMAVLIB], ["build", "-o", "runner", "."]):
+        subprocess.run([needs("go"), *words], cwd=folder, check=True, capture_output=True, timeout=300)
+    return [str(folder / "runner")]
+
+
 NODE_MAVLINK = "node-mavlink@2.3.0"
+GOMAVLIB = "github.com/bluenviron/gomavlib/v3@v3.2.0"
 PEERS = (
     Peer("pymavlink", pymavlink, min_found=234, min_repacked=182),
     Peer("mavgen C", mavgen_c, min_found=234, min_repacked=234),
     Peer("node-mavlink", node_mavlink, min_found=214, min_repacked=1),
+    Peer("gomavlib", gomavlib, min_found=226, min_repacked=226),
 )

@@ -19,8 +19,8 @@ VALID = "message"
 
 
 def cases() -> list[ParameterSet]:
-    """Return the peers; one that npm installs is nightly."""
-    tiers = {"node-mavlink": pytest.mark.nightly}
+    """Return the peers; those that npm and Go install are nightly."""
+    tiers = dict.fromkeys(("node-mavlink", "gomavlib"), pytest.mark.nightly)
     return [
         pytest.param(peer, id=peer.name, marks=tiers.get(peer.name, pytest.mark.interop)) for peer in PEERS
     ]

@@ -7,10 +7,10 @@ the first definition that the compiler reads counts, which is that of the includ
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 from zlib import crc32
 
+from mavstack.codegen.languages.c.reserved import identifier, namespace
 from mavstack.codegen.templates import one_line
 
 if TYPE_CHECKING:
@@ -23,11 +23,11 @@ _INT_MAX: Final = 2**31 - 1
 _TARGETS: Final = ("target_system", "target_component")
 
 
-@dataclass(frozen=True, slots=True)
-class DialectParts:
+class DialectParts(NamedTuple):
     """Texts of a dialect for the templates of its headers."""
 
     name: str
+    macro: str
     hash: int
     version: int
     includes: tuple[str, ...]
@@ -48,6 +48,7 @@ def dialect_parts(library: Library, file: DialectFile) -> DialectParts:
     messages = sorted((message for item in files for message in item.messages), key=lambda item: item.id)
     return DialectParts(
         name=file.name,
+        macro=namespace(file.name).upper(),
         hash=crc32(file.name.encode()),
         version=library.version,
         includes=file.includes,
@@ -76,7 +77,7 @@ def _entry_rows(messages: Iterable[MessageDefinition]) -> str:
 
 def _test_name(file: DialectFile) -> str:
     """Return the end of the name of the function that tests a file; `mavlink_test_all` is taken."""
-    return "all_" if file.name == "all" else file.name
+    return "all_" if file.name == "all" else namespace(file.name)
 
 
 def closure(library: Library, file: DialectFile) -> tuple[DialectFile, ...]:
@@ -119,22 +120,38 @@ def entry(message: MessageDefinition) -> str:
 
 def _enum(enum: EnumDefinition, entries: tuple[EnumEntry, ...]) -> str:
     """Return an enum: values that do not fit into an `int`, the type of enumerators in C99, are macros."""
-    end = max((item.value for item in entries), default=-1) + 1
-    values = [(item.name, item.value, one_line(item.description)) for item in entries]
+    end = enum_end(entries)
+    values = [(identifier(item.name), item.value, one_line(item.description)) for item in entries]
     values.append((f"{enum.name}_ENUM_END", end, ""))
     lines = "\n".join(
-        f"    {name} = {value},{_note(note)}" for name, value, note in values if value <= _INT_MAX
+        f"    {name} = {value},{_note(note)}"
+        for name, value, note in values
+        if -_INT_MAX <= value <= _INT_MAX
     )
     macros = "".join(
-        f"#define {name} {value}{'ULL' if value > 2**32 - 1 else 'U'}{_note(note)}\n"
+        f"#define {name} {_macro_value(value)}{_note(note)}\n"
         for name, value, note in values
-        if value > _INT_MAX
+        if not -_INT_MAX <= value <= _INT_MAX
     )
+    name = identifier(enum.name)
+    name += "_" * any(name == entry for entry, _, _ in values)
     comment, guard = _note(one_line(enum.description)).strip(), f"HAVE_ENUM_{enum.name}"
     return (
         f"{comment}\n#ifndef {guard}\n#define {guard}\n"
-        f"typedef enum {enum.name} {{\n{lines.removesuffix(',')}\n}} {enum.name};\n{macros}#endif\n"
+        f"typedef enum {name} {{\n{lines.removesuffix(',')}\n}} {name};\n{macros}#endif\n"
     ).lstrip("\n")
+
+
+def enum_end(entries: Iterable[EnumEntry]) -> int:
+    """Return the value of an enum's `_ENUM_END`: one more than the greatest value, if 64 bits hold it."""
+    return min(max((item.value for item in entries), default=-1) + 1, 2**64 - 1)
+
+
+def _macro_value(value: int) -> str:
+    """Return a number that is no `int`; the most negative one is not a constant of C."""
+    if value < 0:
+        return f"({value + 1}LL - 1)"
+    return f"{value}ULL" if value > 2**32 - 1 else f"{value}U"
 
 
 def _note(text: str) -> str:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import groupby
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from mavstack.codegen.languages.c.reserved import identifier
+from mavstack.codegen.languages.c.reserved import identifier, parameter, quoted, struct_name
 from mavstack.codegen.templates import one_line
 from mavstack.dialects.model import TYPE_SIZES
 
@@ -16,11 +15,11 @@ if TYPE_CHECKING:
     from mavstack.dialects.model import FieldDefinition, MessageDefinition
 
 
-@dataclass(frozen=True, slots=True)
-class MessageParts:
+class MessageParts(NamedTuple):
     """Texts of a message for the template of its header."""
 
     lower: str
+    pointer: str
     comment: str
     attribute: str
     packed_start: str
@@ -43,7 +42,8 @@ def message_parts(message: MessageDefinition, version: int) -> MessageParts:
         message: The message.
         version: Version of the dialect, which HEARTBEAT carries.
     """
-    lower = message.name.lower()
+    lower = struct_name(message.name)
+    pointer = parameter(lower)
     packed = any(field.offset % TYPE_SIZES[field.type] for field in message.fields)
     attribute = "MAVLINK_WIP " if message.wip else ""
     passed = [field for field in message.fields if not field.protocol_version]
@@ -53,6 +53,7 @@ def message_parts(message: MessageDefinition, version: int) -> MessageParts:
     ]
     return MessageParts(
         lower=lower,
+        pointer=pointer,
         comment=one_line(message.description) or message.name,
         attribute=attribute,
         packed_start="MAVPACKED(" if packed else "",
@@ -65,10 +66,10 @@ def message_parts(message: MessageDefinition, version: int) -> MessageParts:
         members="\n".join(f"    {_member(field)};{_comment(field)}" for field in message.wire_order),
         info=", \\\n".join(f"        {_info(field, lower)}" for field in message.fields),
         parameters=", ".join(map(_parameter, passed)),
-        arguments=", ".join(identifier(field.name) for field in passed),
+        arguments=", ".join(parameter(field.name) for field in passed),
         puts="\n".join(_put(field, version) for field in message.wire_order),
         swaps="\n".join([*(f"    _MAVLINK_SWAP(_buf, {swap});" for swap in swaps), *constants]),
-        decode_swaps="".join(f"    _MAVLINK_SWAP({lower}, {swap});\n" for swap in swaps),
+        decode_swaps="".join(f"    _MAVLINK_SWAP({pointer}, {swap});\n" for swap in swaps),
         getters="".join(_getter(field, lower, attribute) for field in message.fields),
     )
 
@@ -79,18 +80,18 @@ def _member(field: FieldDefinition) -> str:
 
 
 def _comment(field: FieldDefinition) -> str:
-    words = [f"[{field.units}]" if field.units else "", field.enum, one_line(field.description)]
-    text = " ".join(word for word in words if word)
+    words = [f"[{field.units}]" if field.units else "", field.enum, field.description]
+    text = one_line(" ".join(words))
     return f" /**< {text} */" if text else ""
 
 
 def _parameter(field: FieldDefinition) -> str:
-    name = identifier(field.name)
+    name = parameter(field.name)
     return f"const {field.type} *{name}" if field.array_length else f"{field.type} {name}"
 
 
 def _put(field: FieldDefinition, version: int) -> str:
-    name = str(version) if field.protocol_version else identifier(field.name)
+    name = str(version) if field.protocol_version else parameter(field.name)
     if field.array_length:
         return f"    _mav_put_{field.type}_array(_buf, {field.offset}, {name}, {field.array_length});"
     return f"    _mav_put_{field.type}(_buf, {field.offset}, {name});"
@@ -105,18 +106,18 @@ def _swaps(message: MessageDefinition) -> Iterator[str]:
 
 
 def _info(field: FieldDefinition, lower: str) -> str:
-    print_format = f'"{field.print_format}"' if field.print_format else "NULL"
+    print_format = quoted(field.print_format) if field.print_format else "NULL"
     return (
         f'{{ "{field.name}", {print_format}, MAVLINK_TYPE_{field.type.upper()}, {field.array_length}, '
         f"{field.offset}, offsetof(mavlink_{lower}_t, {identifier(field.name)}), "
-        f'"{field.units}", "{field.enum}" }}'
+        f'{quoted(field.units)}, "{field.enum}" }}'
     )
 
 
 def _getter(field: FieldDefinition, lower: str, attribute: str) -> str:
     head = f"{attribute}static inline %s mavlink_msg_{lower}_get_{field.name}(const mavlink_message_t *msg%s)"
     if field.array_length:
-        name = identifier(field.name)
+        name = parameter(field.name)
         head %= "uint16_t", f", {field.type} *{name}"
         value = f"_MAV_RETURN_{field.type}_array(msg, {name}, {field.array_length}, {field.offset})"
     else:

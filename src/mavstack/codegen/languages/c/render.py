@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from mavstack.codegen.language import GeneratedFile, Language
 from mavstack.codegen.languages.c.dialects import dialect_parts
 from mavstack.codegen.languages.c.messages import message_parts
-from mavstack.codegen.languages.c.reserved import CPP_WORDS
+from mavstack.codegen.languages.c.reserved import RESERVED, namespace
 from mavstack.codegen.templates import Templates
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ RUNTIME: Final = (
 def render(library: Library) -> Iterator[GeneratedFile]:
     """Yield the files of a library: the runtime, and a folder for each definition file."""
     templates = Templates("mavstack.codegen.languages.c", library=library)
-    yield from runtime_files(templates)
+    yield from runtime_files(templates, library)
     for file in library.files:
         parts = dialect_parts(library, file)
         yield templates.file(f"{file.name}/mavlink.h", "mavlink.h.j2", file=parts)
@@ -46,14 +46,15 @@ def render(library: Library) -> Iterator[GeneratedFile]:
         yield templates.file(f"{file.name}/testsuite.h", "testsuite.h.j2", file=parts)
         for message in file.messages:
             values = message_parts(message, library.version)
-            path = f"{file.name}/mavlink_msg_{values.lower}.h"
+            path = f"{file.name}/mavlink_msg_{message.name.lower()}.h"
             yield templates.file(path, "message.h.j2", m=message, v=values)
 
 
-def runtime_files(templates: Templates) -> Iterator[GeneratedFile]:
+def runtime_files(templates: Templates, library: Library) -> Iterator[GeneratedFile]:
     """Yield the files of the runtime, which the libraries in C and C++ share."""
     for path in RUNTIME:
-        yield templates.file(path, f"{path}.j2", crc_tables=crc_tables())
+        values = {"crc_tables": crc_tables(), "namespace": namespace(library.file_name)}
+        yield templates.file(path, f"{path}.j2", **values)
 
 
 @cache
@@ -76,4 +77,4 @@ def _table(values: list[int]) -> str:
     return ",\n".join("            " + ", ".join(f"0x{value:04X}" for value in row) for row in rows)
 
 
-LANGUAGE: Final = Language("c", "C99", render, CPP_WORDS)
+LANGUAGE: Final = Language("c", "C99", render, RESERVED)

@@ -6,11 +6,11 @@ there. An enum to which a file adds entries is complete in its namespace.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
-from mavstack.codegen.languages.c.dialects import closure, entry, enums
-from mavstack.codegen.languages.c.reserved import identifier
+from mavstack.codegen.languages.c.dialects import closure, entry, enum_end, enums
+from mavstack.codegen.languages.c.reserved import identifier, namespace
+from mavstack.codegen.languages.cpp11.messages import struct_name
 from mavstack.codegen.templates import one_line
 from mavstack.dialects.model import TYPE_SIZES
 
@@ -20,20 +20,22 @@ if TYPE_CHECKING:
     from mavstack.codegen.library import DialectFile, Library
     from mavstack.dialects.model import EnumDefinition, EnumEntry, MessageDefinition
 
-#: Names of entries that are macros of C headers.
-_MACROS: Final = frozenset({"MIN", "MAX", "NO_DATA", "NULL", "TRUE", "FALSE", "EOF"})
+#: Names in the namespace of a dialect, and those of the runtime that its headers use.
+_TAKEN: Final = frozenset(
+    {"MESSAGE_ENTRIES", "Parser", "Variant", "impl", "mavlink", "msg", "to_variant", "visit"}
+)
 
 
-@dataclass(frozen=True, slots=True)
-class DialectParts:
+class DialectParts(NamedTuple):
     """Texts of a dialect for the templates of its headers."""
 
     name: str
+    macro: str
     namespace: str
     version: int
     includes: tuple[str, ...]
     message_files: tuple[str, ...]
-    count: int
+    message_count: int
     entries: str
     enums: str
     enum_aliases: str
@@ -52,25 +54,26 @@ def dialect_parts(library: Library, file: DialectFile) -> DialectParts:
     ]
     return DialectParts(
         name=file.name,
-        namespace=identifier(file.name),
+        macro=namespace(file.name).upper(),
+        namespace=namespace(file.name),
         version=library.version,
         includes=file.includes,
         message_files=tuple(message.name.lower() for message in file.messages),
-        count=len(messages),
+        message_count=len(messages),
         entries=",\n".join(f"    {entry(message)}" for message in messages),
         enums="\n".join(text for _, text in own),
         enum_aliases="".join(_enum_aliases(library, file, {name for name, _ in own})),
         message_aliases="\n".join(
-            f"using {identifier(item.name)}::msg::{message.name};"
+            f"using {namespace(item.name)}::msg::{struct_name(message)};"
             for item in files
             if item is not file
             for message in item.messages
         ),
         cases="\n".join(
-            f"    case {message.id}:\n        return impl::call<msg::{message.name}>(0, packet, visitor);"
-            for message in messages
+            f"    case {item.id}:\n        return impl::call<msg::{struct_name(item)}>(0, packet, visitor);"
+            for item in messages
         ),
-        types=",\n".join(f"    msg::{message.name}" for message in messages) or "    std::monostate",
+        types=",\n".join(f"    msg::{struct_name(message)}" for message in messages) or "    std::monostate",
     )
 
 
@@ -89,22 +92,35 @@ def _size(type_name: str) -> tuple[int, bool]:
 
 
 def _enum(enum: EnumDefinition, entries: tuple[EnumEntry, ...], field_type: str) -> str:
-    end = max((item.value for item in entries), default=-1) + 1
-    underlying = _fitting(field_type, end - 1)
+    end = enum_end(entries)
+    underlying = _fitting(field_type, min((item.value for item in entries), default=0), end - 1)
     lines = "".join(
-        f"    {_entry_name(enum.name, item.name)} = {item.value},{_note(item.description)}\n"
+        f"    {_entry_name(enum.name, item.name)} = {_value(item.value)},{_note(item.description)}\n"
         for item in entries
     )
-    suffix = "LL" if end > 2**31 - 1 else ""
+    suffix = "ULL" if end > 2**63 - 1 else "LL" if end > 2**31 - 1 else ""
     comment = one_line(enum.description)
     return (
-        f"/// {comment or enum.name}\nenum class {enum.name} : {underlying} {{\n{lines}}};\n"
+        f"/// {comment or enum.name}\nenum class {enum_name(enum.name)} : {underlying} {{\n{lines}}};\n"
         f"constexpr auto {enum.name}_ENUM_END = {end}{suffix};\n"
     )
 
 
-def _fitting(field_type: str, maximum: int) -> str:
-    """Return the type of the fields if it holds the largest value, else the smallest that does."""
+def _value(value: int) -> str:
+    """Return a number as C++ writes it: neither 2^63 nor -2^63 is a constant without more."""
+    if value > 2**63 - 1:
+        return f"{value}ULL"
+    return f"({value + 1} - 1)" if value == -(2**63) else str(value)
+
+
+def _fitting(field_type: str, minimum: int, maximum: int) -> str:
+    """Return the type of the fields if it holds all values, else the smallest that does."""
+    if minimum < 0:
+        bits = max(~minimum, maximum).bit_length() + 1
+        size = max(
+            TYPE_SIZES.get(field_type, 4) * 8, next((item for item in (8, 16, 32) if item >= bits), 64)
+        )
+        return f"int{size}_t"
     if field_type in ("", "float", "double", "char"):
         return "int32_t" if maximum < 2**31 else "int64_t"
     bits = TYPE_SIZES[field_type] * 8 - (not field_type.startswith("u"))
@@ -123,7 +139,12 @@ def _entry_name(enum: str, name: str) -> str:
     if words[0][:1].isdigit():
         words.insert(0, prefix[-1])
     short = "_".join(words)
-    return f"{short}_" if short in _MACROS else identifier(short)
+    return identifier(short)
+
+
+def enum_name(official: str) -> str:
+    """Return the name of an enum, which is in the namespace of its file."""
+    return f"{official}_" if official in _TAKEN else identifier(official)
 
 
 def _note(text: str) -> str:
@@ -137,5 +158,5 @@ def _enum_aliases(library: Library, file: DialectFile, own: set[str]) -> Iterato
         for enum, _ in enums(library, item):
             if enum.name not in done:
                 done.add(enum.name)
-                namespace = identifier(item.name)
-                yield f"using {namespace}::{enum.name};\nusing {namespace}::{enum.name}_ENUM_END;\n"
+                place = namespace(item.name)
+                yield f"using {place}::{enum_name(enum.name)};\nusing {place}::{enum.name}_ENUM_END;\n"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.codegen.language import Language
 from mavstack.codegen.languages.c.render import runtime_files
-from mavstack.codegen.languages.c.reserved import CPP_WORDS, identifier
+from mavstack.codegen.languages.c.reserved import RESERVED
 from mavstack.codegen.languages.cpp11.dialects import dialect_parts
 from mavstack.codegen.languages.cpp11.messages import message_parts
 from mavstack.codegen.templates import Templates
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 def render(library: Library) -> Iterator[GeneratedFile]:
     """Yield the files of a library: the runtime, and a folder for each definition file."""
-    yield from runtime_files(Templates("mavstack.codegen.languages.c", library=library))
+    yield from runtime_files(Templates("mavstack.codegen.languages.c", library=library), library)
     templates = Templates("mavstack.codegen.languages.cpp11", library=library)
     yield templates.file("message.hpp", "message.hpp.j2")
     yield templates.file("msgmap.hpp", "msgmap.hpp.j2")
@@ -32,8 +32,7 @@ def render(library: Library) -> Iterator[GeneratedFile]:
         for message in file.messages:
             path = f"{file.name}/mavlink_msg_{message.name.lower()}.hpp"
             values = message_parts(message, library.version)
-            namespace = identifier(file.name)
-            yield templates.file(path, "mavlink_msg.hpp.j2", m=message, v=values, dialect=namespace)
+            yield templates.file(path, "mavlink_msg.hpp.j2", m=message, v=values, dialect=parts.namespace)
 
 
-LANGUAGE: Final = Language("cpp11", "C++11", render, CPP_WORDS)
+LANGUAGE: Final = Language("cpp11", "C++11", render, RESERVED)

@@ -6,21 +6,22 @@ import re
 from html import escape
 from typing import TYPE_CHECKING, Any, Final
 
+from mavstack.codegen.facts import enum_numbers, message_facts, table_row
 from mavstack.codegen.identifiers import distinct, enum_members, package_part, pascal_field, type_names
 from mavstack.codegen.language import GeneratedFile, Language
 from mavstack.codegen.languages.csharp.values import ARRAYS, TYPES, Access, access
 from mavstack.codegen.languages.csharp.words import CLASSES, CSHARP_WORDS, MEMBERS, RUNTIME
-from mavstack.codegen.templates import Templates, one_line
+from mavstack.codegen.templates import Templates, one_line, string_literal
 from mavstack.errors import InvalidArgumentError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from mavstack.codegen.facts import EnumNumber
     from mavstack.codegen.library import Library
     from mavstack.dialects.model import EnumDefinition, EnumEntry, FieldDefinition, MessageDefinition
 
 _NAMESPACE: Final = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", re.ASCII)
-_MAX_UINT: Final = 0xFFFFFFFF
 
 
 def render(library: Library) -> Iterator[GeneratedFile]:
@@ -35,16 +36,18 @@ def render(library: Library) -> Iterator[GeneratedFile]:
     templates = Templates(
         __package__, stamp=one_line(library.stamp), package=namespace, name=package_part(library.name)
     )
-    classes = type_names((message.name for message in library.messages), {*CLASSES, *namespace.split(".")})
+    classes = type_names(
+        (message.name for message in library.messages), {*CLASSES, *MEMBERS, *namespace.split(".")}
+    )
     taken = {*CLASSES, *classes.values(), *namespace.split(".")}
     enums = type_names((enum.name for enum in library.enums), taken)
     yield from _runtime(library, templates, namespace, classes)
     for message in library.messages:
         values = _message(message, classes[message.name], enums)
         yield templates.file(f"Messages/{classes[message.name]}.cs", "class.cs.j2", **values)
-    members, wide = enum_members(library), _wide(library)
+    members, numbers = enum_members(library), enum_numbers(library)
     for enum in library.enums:
-        values = _enum(enum, enums[enum.name], members[enum.name], wide=enum.name in wide)
+        values = _enum(enum, enums[enum.name], members[enum.name], numbers[enum.name])
         yield templates.file(f"Enums/{enums[enum.name]}.cs", "enum.cs.j2", **values)
 
 
@@ -55,7 +58,7 @@ def _runtime(
         "count": len(library.messages),
         "version": library.version,
         "max_length": library.max_payload_length,
-        "table": "".join(f"            {_row(message)}\n" for message in library.messages),
+        "table": "".join(f"            {table_row(message)}\n" for message in library.messages),
         "slots": 1 << (2 * len(library.messages)).bit_length(),
         "cases": "".join(
             f"                case {message.id}:\n                    return new {classes[message.name]}();\n"
@@ -73,33 +76,16 @@ def _runtime(
     yield templates.file("README.md", "README.md.j2", **values)
 
 
-def _row(message: MessageDefinition) -> str:
-    facts = 1 << 24 | message.crc_extra << 16 | message.base_length << 8 | message.length
-    return f"{message.id}, 0x{facts:07X},"
-
-
-def _wide(library: Library) -> set[str]:
-    """Return the enums that need 64 bits."""
-    fields = (field for message in library.messages for field in message.fields)
-    used = {field.enum for field in fields if field.type in ("int64_t", "uint64_t")}
-    large = {enum.name for enum in library.enums if any(entry.value > _MAX_UINT for entry in enum.entries)}
-    return used | large
-
-
 def _message(message: MessageDefinition, class_name: str, enums: dict[str, str]) -> dict[str, Any]:
-    names = distinct((pascal_field(field.name) for field in message.fields), {*MEMBERS, class_name})
+    names = _property_names(message, class_name, enums)
     fields = {
         field.name: (name, _commented(field), access(field, name, enums.get(field.enum)))
         for field, name in zip(message.fields, names, strict=True)
     }
     wire = [fields[field.name][2] for field in message.wire_order]
     return {
-        "name": message.name,
+        **message_facts(message),
         "class_name": class_name,
-        "id": message.id,
-        "length": message.length,
-        "base_length": message.base_length,
-        "crc_extra": message.crc_extra,
         "title": comment(f"{message.name} ({message.id}): {message.description}".rstrip(": ")),
         "obsolete": _obsolete(message),
         "infos": "".join(_info(message)),
@@ -111,6 +97,22 @@ def _message(message: MessageDefinition, class_name: str, enums: dict[str, str])
         "decode": "".join(f"            {field.decode}\n" for field in wire),
         "encode": "".join(f"            {field.encode}\n" for field in wire),
     }
+
+
+def _property_names(message: MessageDefinition, class_name: str, enums: dict[str, str]) -> list[str]:
+    """Return the names of the properties: none hides a class that the code of the message names.
+
+    The exception is a property with the name of its own type.
+    """
+    used = {enums[field.enum] for field in message.fields if field.enum in enums}
+    names: list[str] = []
+    for field in message.fields:
+        own = enums.get(field.enum) if field.is_integer and not field.array_length else None
+        name = pascal_field(field.name)
+        while name in MEMBERS or name == class_name or name in names or (name in used and name != own):
+            name += "_"
+        names.append(name)
+    return names
 
 
 def _commented(field: FieldDefinition) -> str:
@@ -129,24 +131,28 @@ def _obsolete(message: MessageDefinition) -> str:
     if message.deprecated is None:
         return ""
     replaced = message.deprecated.replaced_by
-    text = _escaped(f"since {message.deprecated.since}{f', replaced by {replaced}' if replaced else ''}")
-    return f'    [Obsolete("{text}")]\n'
+    text = string_literal(
+        f"since {message.deprecated.since}{f', replaced by {replaced}' if replaced else ''}"
+    )
+    return f"    [Obsolete({text})]\n"
 
 
 def _info(message: MessageDefinition) -> Iterator[str]:
     for field in message.fields:
-        texts = f'"{_escaped(field.units)}", "{field.enum}"'
+        texts = f'{string_literal(field.units)}, "{field.enum}"'
         place = f"{field.offset}, {field.array_length}, {'true' if field.extension else 'false'}"
         kind = f"FieldType.{TYPES[field.type][1]}"
         yield f',\n            new FieldInfo("{field.name}", {kind}, {place}, {texts})'
 
 
-def _enum(enum: EnumDefinition, class_name: str, members: dict[str, str], *, wide: bool) -> dict[str, Any]:
+def _enum(
+    enum: EnumDefinition, class_name: str, members: dict[str, str], number: EnumNumber
+) -> dict[str, Any]:
     names = dict(zip(members, distinct(map(pascal_field, members.values())), strict=True))
     return {
         "class_name": class_name,
         "title": comment(f"{enum.name}: {enum.description}".rstrip(": ")),
-        "type": "ulong" if wide else "uint",
+        "type": f"{'' if number.signed else 'u'}{'long' if number.bits == 64 else 'int'}",
         "using": "using System;\n\n" if enum.bitmask else "",
         "flags": "    [Flags]\n" if enum.bitmask else "",
         "entries": "\n".join(_entry(entry, names[entry.name]) for entry in enum.entries),
@@ -158,13 +164,9 @@ def _entry(entry: EnumEntry, name: str) -> str:
     return f"        /// <summary>{text}</summary>\n        {name} = {entry.value},\n"
 
 
-def _escaped(text: str) -> str:
-    return one_line(text.replace("\\", "\\\\").replace('"', '\\"'))
-
-
 def comment(text: str) -> str:
     """Return a text for a documentation comment, which is XML."""
     return escape(one_line(text), quote=False)
 
 
-LANGUAGE: Final = Language("csharp", "C# (.NET Standard 2.0)", render, CSHARP_WORDS)
+LANGUAGE: Final = Language("csharp", "C# (.NET Standard 2.0)", render)

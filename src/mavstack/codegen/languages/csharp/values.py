@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 if TYPE_CHECKING:
     from mavstack.dialects.model import FieldDefinition
@@ -37,8 +36,7 @@ ARRAYS: Final = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Access:
+class Access(NamedTuple):
     """A field in C#: its type, initial value, and the statements that decode and encode it."""
 
     type: str

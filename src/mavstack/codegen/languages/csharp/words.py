@@ -35,9 +35,18 @@ CLASSES: Final = frozenset(
         *("Obsolete", "ObsoleteAttribute", "Predicate", "Stream", "System", "Task", "Type"),
     }
 )
-#: The members of messages.
+#: The members of messages, and the classes that their code names.
 MEMBERS: Final = frozenset(
     {
+        *(
+            "ArgumentOutOfRangeException",
+            "Dialect",
+            "FieldInfo",
+            "FieldType",
+            "Message",
+            "MessageInfo",
+            "Wire",
+        ),
         *("Decode", "Definition", "Encode", "Equals", "Finalize", "GetHashCode", "GetType", "GetValue"),
         *("Info", "MemberwiseClone", "ReferenceEquals", "ToPayload", "ToString"),
     }

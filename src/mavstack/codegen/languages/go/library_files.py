@@ -5,21 +5,22 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any, Final
 
+from mavstack.codegen.facts import enum_numbers, message_facts
 from mavstack.codegen.identifiers import distinct, enum_members, package_part, pascal_field, type_names
 from mavstack.codegen.language import GeneratedFile, Language
 from mavstack.codegen.languages.go.values import access, field_type, imports
 from mavstack.codegen.languages.go.words import GO_WORDS, METHODS, RUNTIME, RUNTIME_NAMES
-from mavstack.codegen.templates import Templates, one_line
+from mavstack.codegen.templates import Templates, one_line, string_literal
 from mavstack.errors import InvalidArgumentError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from mavstack.codegen.facts import EnumNumber
     from mavstack.codegen.library import Library
     from mavstack.dialects.model import EnumDefinition, EnumEntry, FieldDefinition, MessageDefinition
 
 _MODULE: Final = re.compile(r"[a-z0-9][\w.~-]*(/[\w.~-]+)*", re.ASCII | re.IGNORECASE)
-_MAX_UINT32: Final = 0xFFFFFFFF
 
 
 def render(library: Library) -> Iterator[GeneratedFile]:
@@ -47,9 +48,9 @@ def render(library: Library) -> Iterator[GeneratedFile]:
         yield templates.file(f"{message.name.lower()}_message.go", "struct.go.j2", **values)
     members = enum_members(library)
     taken = {*RUNTIME_NAMES, *classes.values(), *enums.values()}
-    wide = _wide(library)
+    numbers = enum_numbers(library)
     for enum in library.enums:
-        values = _enum(enum, enums[enum.name], members[enum.name], taken, wide=enum.name in wide)
+        values = _enum(enum, enums[enum.name], members[enum.name], taken, numbers[enum.name])
         yield templates.file(f"{enum.name.lower()}_enum.go", "enum.go.j2", **values)
 
 
@@ -75,17 +76,8 @@ def _runtime(library: Library, templates: Templates, classes: dict[str, str]) ->
     yield templates.file("README.md", "README.md.j2", **values)
 
 
-def _wide(library: Library) -> set[str]:
-    """Return the enums that need 64 bits."""
-    fields = (field for message in library.messages for field in message.fields)
-    used = {field.enum for field in fields if field.type in ("int64_t", "uint64_t")}
-    large = {enum.name for enum in library.enums if any(entry.value > _MAX_UINT32 for entry in enum.entries)}
-    return used | large
-
-
 def _message(message: MessageDefinition, class_name: str, enums: dict[str, str]) -> dict[str, Any]:
-    raw_names = distinct((pascal_field(field.name).lstrip("_") for field in message.fields), METHODS)
-    names = [f"X{name}" if name[:1].isdigit() else name for name in raw_names]
+    names = distinct((_exported(field.name) for field in message.fields), METHODS)
     done = {
         field.name: access(field, name, enums.get(field.enum))
         for field, name in zip(message.fields, names, strict=True)
@@ -93,13 +85,9 @@ def _message(message: MessageDefinition, class_name: str, enums: dict[str, str])
     named = list(zip(message.fields, names, strict=True))
     wire = [done[field.name] for field in message.wire_order]
     return {
-        "name": message.name,
+        **message_facts(message),
         "class_name": class_name,
-        "id": message.id,
-        "length": message.length,
-        "base_length": message.base_length,
-        "crc_extra": message.crc_extra,
-        "title": one_line(f"{message.name} ({message.id}): {message.description}".rstrip(": ")),
+        "title": comment(f"{message.name} ({message.id}): {message.description}".rstrip(": ")),
         "tags": _deprecation(message),
         "bound": f"\t_ = b[{message.length - 1}]\n" if message.length > 1 else "",
         "imports": _imports(message),
@@ -113,6 +101,12 @@ def _message(message: MessageDefinition, class_name: str, enums: dict[str, str])
     }
 
 
+def _exported(name: str) -> str:
+    """Return a name that begins with an upper-case letter, as exported names do."""
+    pascal = pascal_field(name).lstrip("_")
+    return pascal if pascal[:1].isalpha() else f"X{pascal}"
+
+
 def _imports(message: MessageDefinition) -> str:
     names = [f'"{name}"' for name in imports(message.fields)]
     if len(names) < 2:
@@ -123,12 +117,12 @@ def _imports(message: MessageDefinition) -> str:
 
 def _commented(field: FieldDefinition) -> str:
     units = f" [{field.units}]" if field.units else ""
-    return one_line(f"{field.description or field.name}{units}")
+    return comment(f"{field.description or field.name}{units}")
 
 
 def _info(field: FieldDefinition) -> str:
     place = f"{field.offset}, {field.array_length}, {'true' if field.extension else 'false'}"
-    texts = f'{_quoted(field.units)}, "{field.enum}"'
+    texts = f'{string_literal(field.units)}, "{field.enum}"'
     return f'\t\t{{"{field.name}", {field_type(field)}, {place}, {texts}}},\n'
 
 
@@ -136,12 +130,12 @@ def _deprecation(message: MessageDefinition) -> str:
     if message.deprecated is None:
         return ""
     replaced = message.deprecated.replaced_by
-    replacement = f", replaced by {one_line(replaced)}" if replaced else ""
-    return f"//\n// Deprecated: since {one_line(message.deprecated.since)}{replacement}.\n"
+    replacement = f", replaced by {comment(replaced)}" if replaced else ""
+    return f"//\n// Deprecated: since {comment(message.deprecated.since)}{replacement}.\n"
 
 
 def _enum(
-    enum: EnumDefinition, class_name: str, members: dict[str, str], taken: set[str], *, wide: bool
+    enum: EnumDefinition, class_name: str, members: dict[str, str], taken: set[str], number: EnumNumber
 ) -> dict[str, Any]:
     constants = (f"{class_name}{pascal_field(name).lstrip('_')}" for name in members.values())
     names = dict(zip(members, distinct(constants, taken), strict=True))
@@ -153,8 +147,8 @@ def _enum(
     values = f"// Values of {class_name}.\nconst (\n{''.join(entries)})\n\n" if entries else ""
     return {
         "class_name": class_name,
-        "title": one_line(f"{enum.name}: {enum.description}".rstrip(": ")),
-        "type": "uint64" if wide else "uint32",
+        "title": comment(f"{enum.name}: {enum.description}".rstrip(": ")),
+        "type": f"{'' if number.signed else 'u'}int{max(number.bits, 32)}",
         "constants": values,
         "each": ", or of each flag that is set" if enum.bitmask else "",
         "string": _flags_string(enum) if enum.bitmask else _value_string(enum, names),
@@ -163,7 +157,7 @@ def _enum(
 
 def _flags_string(enum: EnumDefinition) -> str:
     names = ", ".join(f'"{entry.name}"' for entry in enum.entries)
-    values = ", ".join(str(entry.value) for entry in enum.entries)
+    values = ", ".join(str(entry.value % (1 << 64)) for entry in enum.entries)
     lists = f"\t\t[]string{{{names}}},\n\t\t[]uint64{{{values}}})\n"
     return f'\treturn flagsText("{enum.name}", uint64(v),\n{lists}'
 
@@ -176,12 +170,12 @@ def _value_string(enum: EnumDefinition, names: dict[str, str]) -> str:
 
 
 def _described(entry: EnumEntry) -> str:
-    return one_line(f"{entry.name} ({entry.value}): {entry.description}".rstrip(": "))
+    return comment(f"{entry.name} ({entry.value}): {entry.description}".rstrip(": "))
 
 
-def _quoted(text: str) -> str:
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{one_line(escaped)}"'
+def comment(text: str) -> str:
+    """Return a text for a comment; gofmt makes one mark of two quotation marks."""
+    return one_line(text).replace("''", '"').replace("``", '"')
 
 
-LANGUAGE: Final = Language("go", "Go 1.21", render, GO_WORDS)
+LANGUAGE: Final = Language("go", "Go 1.21", render)

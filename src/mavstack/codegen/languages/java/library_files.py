@@ -6,11 +6,12 @@ import re
 from html import escape
 from typing import TYPE_CHECKING, Any, Final
 
+from mavstack.codegen.facts import message_facts, table_row
 from mavstack.codegen.identifiers import camel_field, distinct, enum_members, package_part, type_names
 from mavstack.codegen.language import GeneratedFile, Language
 from mavstack.codegen.languages.java.values import ARRAYS, SCALARS, Access, access, field_type
 from mavstack.codegen.languages.java.words import JAVA_WORDS, OTHER_CLASSES, RUNTIME
-from mavstack.codegen.templates import Templates, one_line
+from mavstack.codegen.templates import Templates, one_line, string_literal
 from mavstack.errors import InvalidArgumentError
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ def _runtime(
         "count": len(library.messages),
         "version": library.version,
         "max_length": library.max_payload_length,
-        "table": "".join(f"        {_row(message)}\n" for message in library.messages),
+        "table": "".join(f"        {table_row(message)}\n" for message in library.messages),
         "dispatch": "".join(_dispatch(part, index, len(parts)) for index, part in enumerate(parts, 1)),
         "creators": "".join(_creator(part, index) for index, part in enumerate(parts, 1)),
         "scalars": "".join(
@@ -105,11 +106,6 @@ def _default_package(name: str) -> str:
     return f"mavlink.{part}_" if part in JAVA_WORDS else f"mavlink.{part}"
 
 
-def _row(message: MessageDefinition) -> str:
-    facts = 1 << 24 | message.crc_extra << 16 | message.base_length << 8 | message.length
-    return f"{message.id}, 0x{facts:07X},"
-
-
 def _imports(message: MessageDefinition) -> list[str]:
     names = ["FieldInfo", "FieldType", "Message", "MessageInfo", "Wire"]
     used = names if message.fields else ["Message", "MessageInfo"]
@@ -124,18 +120,15 @@ def _message(message: MessageDefinition, class_name: str, links: dict[str, str])
     }
     wire = [fields[field.name][2] for field in message.wire_order]
     return {
-        "name": message.name,
+        **message_facts(message),
         "class_name": class_name,
-        "id": message.id,
-        "length": message.length,
-        "base_length": message.base_length,
-        "crc_extra": message.crc_extra,
         "title": comment(f"{message.name} ({message.id}): {message.description}".rstrip(": ")),
         "deprecation": _deprecation(message),
         "infos": "".join(_info(message)),
         "fields": "".join(_declaration(*item) for item in fields.values()),
         "values": "".join(
-            f"            case {index}:\n                return {name};\n" for index, name in enumerate(names)
+            f"            case {index}:\n                return this.{name};\n"
+            for index, name in enumerate(names)
         ),
         "decode": "".join(f"        {field.decode}\n" for field in wire),
         "encode": "".join(f"        {field.encode}\n" for field in wire),
@@ -162,7 +155,7 @@ def _deprecation(item: MessageDefinition) -> str:
 
 def _info(message: MessageDefinition) -> Iterator[str]:
     for field in message.fields:
-        texts = f'{_quoted(field.units)}, "{field.enum}"'
+        texts = f'{string_literal(field.units)}, "{field.enum}"'
         extension = "true" if field.extension else "false"
         place = f"{field.offset}, {field.array_length}, {extension}"
         yield f',\n            new FieldInfo("{field.name}", FieldType.{field_type(field)}, {place}, {texts})'
@@ -206,11 +199,6 @@ def _described(entry: EnumEntry) -> str:
 def _signed(value: int) -> int:
     """Return the 64-bit value as Java writes it."""
     return value - (1 << 64) if value >= 1 << 63 else value
-
-
-def _quoted(text: str) -> str:
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{one_line(escaped)}"'
 
 
 def comment(text: str) -> str:

@@ -6,15 +6,13 @@ Unsigned types are one size larger, as Java has none: `uint8_t` is `int`, `uint3
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 if TYPE_CHECKING:
     from mavstack.dialects.model import FieldDefinition
 
 
-@dataclass(frozen=True, slots=True)
-class JavaType:
+class JavaType(NamedTuple):
     """A wire type in Java.
 
     Attributes:
@@ -67,8 +65,7 @@ ARRAYS: Final = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Access:
+class Access(NamedTuple):
     """A field in Java: its type, initial value, and the statements that decode and encode it."""
 
     java: str
@@ -103,8 +100,8 @@ def _access(java: str, initial: str, method: str, name: str, place: str, count: 
     return Access(
         java,
         initial,
-        f"{name} = Wire.{method}({place}{length});",
-        f"Wire.{method}({place}, {name}{length});",
+        f"this.{name} = Wire.{method}({place}{length});",
+        f"Wire.{method}({place}, this.{name}{length});",
     )
 
 

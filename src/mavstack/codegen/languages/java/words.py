@@ -30,7 +30,14 @@ RUNTIME: Final = (
     "Wire",
 )
 
-#: Classes of Java that the generated code uses by their short names.
-OTHER_CLASSES: Final = frozenset(
-    {"Deprecated", "EnumSet", "IndexOutOfBoundsException", "Object", "Override", "String"}
-)
+_CLASSES: Final = """
+AbstractMethodError Appendable ArithmeticException ArrayStoreException AssertionError AutoCloseable Boolean
+Byte CharSequence Character Class ClassLoader ClassValue Cloneable Comparable Compiler Deprecated Double
+Enum Error Exception Float FunctionalInterface IndexOutOfBoundsException Integer Iterable LinkageError Long
+Math Module ModuleLayer Number Object Override Package Process ProcessBuilder ProcessHandle Readable Record
+Runnable Runtime RuntimeException SafeVarargs ScopedValue SecurityException SecurityManager Short
+StackWalker StrictMath String StringBuffer StringBuilder StringTemplate SuppressWarnings System Thread
+ThreadGroup ThreadLocal Throwable Void
+"""
+#: Classes of `java.lang`, whose names are then ambiguous, and of others that the generated code uses.
+OTHER_CLASSES: Final = frozenset({*_CLASSES.split(), "EnumSet"})

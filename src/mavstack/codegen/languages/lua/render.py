@@ -6,8 +6,9 @@ import re
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
-from mavstack.codegen.enum_names import entry_names
-from mavstack.codegen.templates import Templates, one_line
+from mavstack.codegen.facts import message_facts
+from mavstack.codegen.identifiers import enum_members
+from mavstack.codegen.templates import Templates, one_line, string_literal
 from mavstack.errors import InvalidArgumentError
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ def _module_files(library: Library) -> Iterator[GeneratedFile]:
     templates, module = _templates(), module_name(library)
     stamp = library.stamp
     values = {"stamp": stamp, "module": module, "dialect": library.name, "version": library.version}
-    names = entry_names(library)
+    names = enum_members(library)
     rows = _lines(4, map(_index_line, library.messages))
     yield templates.file(f"{module}.lua", "mavlink.lua.j2", **values)
     yield templates.file(f"{module}/index.lua", "index.lua.j2", rows=rows, **values)
@@ -109,11 +110,7 @@ def _index_line(message: MessageDefinition) -> str:
 
 def _message_values(message: MessageDefinition) -> dict[str, object]:
     return {
-        "id": message.id,
-        "name": message.name,
-        "length": message.length,
-        "base_length": message.base_length,
-        "crc_extra": message.crc_extra,
+        **message_facts(message),
         "doc": _doc(message.description),
         "fields": _lines(8, map(_field_line, message.fields)),
     }
@@ -121,13 +118,13 @@ def _message_values(message: MessageDefinition) -> dict[str, object]:
 
 def _field_line(item: FieldDefinition) -> str:
     """Return the table of a field."""
-    parts = [f'name = "{item.name}"', f'key = "{identifier(item.name)}"', f'type = "{item.type}"']
-    parts += [f"offset = {item.offset}", f"array_length = {item.array_length}"]
-    parts += [f"units = {_quoted(item.units)}"] if item.units else []
-    parts += [f'enum = "{item.enum}"'] if item.enum else []
-    parts += ["extension = true"] if item.extension else []
-    description = one_line(item.description)
-    return f"{{ {', '.join(parts)} }},{f' -- {description}' if description else ''}"
+    names = f'name = "{item.name}", key = "{identifier(item.name)}", type = "{item.type}"'
+    units = f", units = {string_literal(item.units)}" if item.units else ""
+    enum = f', enum = "{item.enum}"' if item.enum else ""
+    extension = ", extension = true" if item.extension else ""
+    comment = f" -- {one_line(item.description)}" if item.description else ""
+    place = f"offset = {item.offset}, array_length = {item.array_length}"
+    return f"{{ {names}, {place}{units}{enum}{extension} }},{comment}"
 
 
 def _enum_function(enum: EnumDefinition, names: dict[str, str]) -> str:
@@ -151,8 +148,3 @@ def _entry_line(entry: EnumEntry, name: str) -> str:
     value = hex(entry.value) if entry.value >= 1 << 63 else entry.value
     description = one_line(entry.description)
     return f'{{ "{name}", {value} }}, -- {entry.name}{f": {description}" if description else ""}'
-
-
-def _quoted(text: str) -> str:
-    escaped = one_line(text).replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{escaped}"'

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from functools import cache
 from keyword import kwlist, softkwlist
 from textwrap import wrap
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from mavstack.codegen.templates import one_line
-from mavstack.dialects.names import class_name, member_names
 
 if TYPE_CHECKING:
     from mavstack.dialects.model import EnumDefinition, FieldDefinition, MessageDefinition
 
 #: Attributes of the class `Message`, and names in its methods.
-_OWN_NAMES: Final = ("self", "cls", "to_payload", "from_payload", "to_dict", "pack")
+_OWN_NAMES: Final = (
+    *("self", "cls", "to_payload", "from_payload", "to_dict", "pack"),
+    *("ID", "NAME", "CRC_EXTRA", "BASE_LENGTH", "LENGTH", "STRUCT", "EXTRA", "NUMBER"),
+)
 RESERVED_WORDS: Final = frozenset({*kwlist, *(word for word in softkwlist if word == "_"), *_OWN_NAMES})
 
 _FORMATS: Final = {
@@ -34,7 +35,6 @@ _FORMATS: Final = {
 _WIDTH: Final = 92
 #: Columns of a line of code.
 _LINE: Final = 100
-_class_name: Final = cache(class_name)
 
 
 class MessageClass(NamedTuple):
@@ -103,15 +103,22 @@ def _field(item: FieldDefinition, version: int) -> _Field:
     return _Field(name, f"{name}: {kind} = {default}", code, value, "", 1)
 
 
-def message_class(message: MessageDefinition, version: int) -> MessageClass:
-    """Return the parts of the class of a message; version is that of the dialect."""
+def message_class(message: MessageDefinition, name: str, enums: dict[str, str], version: int) -> MessageClass:
+    """Return the parts of the class of a message.
+
+    Args:
+        message: The message.
+        name: Name of the class.
+        enums: Names of the classes of enums, by their official names.
+        version: Version of the dialect.
+    """
     fields = {item.name: _field(item, version) for item in message.fields}
     wire = [fields[item.name] for item in message.wire_order]
     names = [item.name for item in fields.values()]
     return MessageClass(
-        name=_class_name(message.name),
+        name=name,
         definition=message,
-        doc=_message_doc(message, fields),
+        doc=_message_doc(message, fields, enums),
         slots=_group("__slots__ = (", [f'"{name}"' for name in names], ")", 4),
         arguments=",\n        ".join([item.argument for item in fields.values()]),
         assignments="\n        ".join([f"self.{name} = {name}" for name in names]),
@@ -142,22 +149,22 @@ def _group(start: str, items: list[str], end: str, indent: int) -> str:
     return f"{start}{gap}    {f',{gap}    '.join(items)},{gap}{end}"
 
 
-def _message_doc(message: MessageDefinition, fields: dict[str, _Field]) -> str:
+def _message_doc(message: MessageDefinition, fields: dict[str, _Field], enums: dict[str, str]) -> str:
     lines = [*_wrapped(_doc_text(message.description) or f"{message.name}."), ""]
     if message.deprecated:
         replaced = f" Use {message.deprecated.replaced_by}." if message.deprecated.replaced_by else ""
-        lines += [f"Deprecated since {message.deprecated.since}.{replaced}", ""]
+        lines += [_doc_text(f"Deprecated since {message.deprecated.since}.{replaced}"), ""]
     lines.append("Attributes:")
     for item in message.fields:
-        lines += [f"    {line}" for line in _field_doc(item, fields[item.name].name)]
+        lines += [f"    {line}" for line in _field_doc(item, fields[item.name].name, enums)]
     return "\n    ".join(lines).replace("\n    \n", "\n\n")
 
 
-def _field_doc(item: FieldDefinition, name: str) -> list[str]:
+def _field_doc(item: FieldDefinition, name: str, enums: dict[str, str]) -> list[str]:
     """Return lines with the type, unit, enum and description of a field."""
     text = f"{name}: {item.type}[{item.array_length}]" if item.array_length else f"{name}: {item.type}"
-    text += f", in {item.units}" if item.units else ""
-    text += f", `enums.{_class_name(item.enum)}`" if item.enum else ""
+    text += f", in {_doc_text(item.units)}" if item.units else ""
+    text += f", `enums.{enums[item.enum]}`" if item.enum else ""
     text += ", extension." if item.extension else "."
     return _wrapped(f"{text} {_doc_text(item.description)}" if item.description else text, indent="    ")
 
@@ -174,14 +181,11 @@ def _doc_text(text: str) -> str:
     return one_line(text).replace("\\", "\\\\").replace('"', "'")
 
 
-def enum_class(enum: EnumDefinition) -> EnumClass:
-    """Return the parts of the class of an enum."""
-    names = member_names(enum.name, [entry.name for entry in enum.entries], (), ())
+def enum_class(enum: EnumDefinition, name: str, names: dict[str, str]) -> EnumClass:
+    """Return the parts of the class of an enum, with the names of its members by those of the entries."""
     members = []
     for entry in enum.entries:
         comment = f"  # {one_line(entry.description)}" if entry.description else ""
         members.append(f"{names[entry.name]} = {entry.value}{comment}")
     text = _doc_text(enum.description) or enum.name
-    return EnumClass(
-        _class_name(enum.name), "\n    ".join(_wrapped(text)), "\n    ".join(members or ["pass"])
-    )
+    return EnumClass(name, "\n    ".join(_wrapped(text)), "\n    ".join(members or ["pass"]))

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import re
 from functools import cache
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
+from mavstack.codegen.identifiers import enum_members, type_names
 from mavstack.codegen.language import GeneratedFile, Language
 from mavstack.codegen.languages.python.classes import RESERVED_WORDS, enum_class, message_class
 from mavstack.codegen.languages.python.tables import field_table
 from mavstack.codegen.templates import Templates
-from mavstack.dialects.names import class_name, to_identifier
+from mavstack.dialects.names import to_identifier
 from mavstack.errors import InvalidArgumentError
 
 if TYPE_CHECKING:
@@ -26,28 +27,46 @@ if TYPE_CHECKING:
 _RUNTIME: Final = ("_checksum", "_codec", "_message", "_packet", "_parser", "_signing")
 
 
+class Names(NamedTuple):
+    """The names of the classes, by the official names of messages and enums."""
+
+    messages: dict[str, str]
+    enums: dict[str, str]
+
+    @classmethod
+    def of(cls, library: Library) -> Names:
+        """Return the names of a library."""
+        messages = type_names((message.name for message in library.messages), {"Message", "Struct"})
+        return cls(messages, type_names(enum.name for enum in library.enums))
+
+
 def render(library: Library) -> Iterator[GeneratedFile]:
     """Yield the files of a package."""
-    templates, package = _templates(), _package_name(library)
+    templates, package, names = _templates(), _package_name(library), Names.of(library)
     values = {
         "library": library,
         "package": package,
         "distribution": package.replace("_", "-"),
         "count": len(library.messages),
-        "first": class_name(library.messages[0].name),
+        "first": names.messages[library.messages[0].name],
     }
     for name in ("README.md", "pyproject.toml"):
         yield templates.file(name, f"{name}.j2", **values)
     for name in ("__init__.py", "py.typed", *(f"{name}.py" for name in _RUNTIME)):
         yield templates.file(f"{package}/{name}", f"{name}.j2", **values)
-    enums = "".join(templates.text("enum_class.py.j2", enum=enum_class(enum)) for enum in library.enums)
+    members = enum_members(library)
+    enums = "".join(
+        templates.text("enum_class.py.j2", enum=enum_class(enum, names.enums[enum.name], members[enum.name]))
+        for enum in library.enums
+    )
     yield templates.file(f"{package}/enums.py", "enums.py.j2", classes=enums, **values)
     rows = "\n    ".join(field_table(library))
     yield templates.file(f"{package}/info.py", "info.py.j2", rows=rows, **values)
     yield _all_messages(library, f"{package}/messages/__init__.py")
     for file in library.files:
         if file.messages:
-            yield _messages_of_file(library, file, f"{package}/messages/{_module_name(file)}.py")
+            path = f"{package}/messages/{_module_name(file)}.py"
+            yield _messages_of_file(library, file, names, path)
 
 
 def _all_messages(library: Library, path: str) -> GeneratedFile:
@@ -62,8 +81,10 @@ def _all_messages(library: Library, path: str) -> GeneratedFile:
     )
 
 
-def _messages_of_file(library: Library, file: DialectFile, path: str) -> GeneratedFile:
-    messages = [message_class(message, library.version) for message in file.messages]
+def _messages_of_file(library: Library, file: DialectFile, names: Names, path: str) -> GeneratedFile:
+    messages = [
+        message_class(item, names.messages[item.name], names.enums, library.version) for item in file.messages
+    ]
     return _templates().file(
         path,
         "messages_of_file.py.j2",
@@ -76,7 +97,7 @@ def _messages_of_file(library: Library, file: DialectFile, path: str) -> Generat
 
 
 def _module_name(file: DialectFile) -> str:
-    return _identifier(file.name)
+    return _identifier(file.name.lower())
 
 
 def _identifier(name: str) -> str:

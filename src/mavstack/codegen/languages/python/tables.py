@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mavstack.codegen.templates import string_literal
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -19,6 +21,6 @@ def _rows(library: Library) -> Iterator[str]:
     for message in library.messages:
         yield f"{message.id}: ("
         for item in message.fields:
-            texts = f'"{item.name}", "{item.type}"'
-            yield f'    Field({texts}, {item.array_length}, {item.offset}, "{item.units}", "{item.enum}"),'
+            place, units = f"{item.array_length}, {item.offset}", string_literal(item.units)
+            yield f'    Field("{item.name}", "{item.type}", {place}, {units}, "{item.enum}"),'
         yield "),"

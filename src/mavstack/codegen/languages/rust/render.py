@@ -6,7 +6,7 @@ import re
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
-from mavstack.codegen.languages.rust.types import enum_types, enum_values, message_values
+from mavstack.codegen.languages.rust.types import enum_types, enum_values, message_types, message_values
 from mavstack.codegen.templates import Templates
 from mavstack.errors import InvalidArgumentError
 
@@ -35,7 +35,8 @@ def render(library: Library) -> Iterator[GeneratedFile]:
     templates = _templates()
     types = enum_types(library)
     enums = list(enum_values(library, types))
-    messages = [message_values(message, types) for message in library.messages]
+    names = message_types(library)
+    messages = [message_values(message, names[message.name], types) for message in library.messages]
     common = {"stamp": library.stamp, **_names(library), "example": _example(messages)}
     yield templates.file("Cargo.toml", "Cargo.toml.j2", **common)
     yield templates.file("README.md", "README.md.j2", **common)

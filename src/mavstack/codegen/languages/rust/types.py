@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+import re
+from typing import TYPE_CHECKING, Final, NamedTuple
 
-from mavstack.codegen.enum_names import entry_names
-from mavstack.codegen.templates import one_line
-from mavstack.dialects.model import TYPE_SIZES
-from mavstack.dialects.names import class_name
+from mavstack.codegen.facts import enum_numbers, field_description, message_facts
+from mavstack.codegen.identifiers import distinct, enum_members, type_names
+from mavstack.codegen.templates import one_line, string_literal
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from mavstack.codegen.library import Library
-    from mavstack.dialects.model import EnumDefinition, FieldDefinition, MessageDefinition
+    from mavstack.dialects.model import FieldDefinition, MessageDefinition
 
 _WORDS: Final = """
 Self abstract as async await become box break const continue crate do dyn else enum extern false final fn for
@@ -22,6 +21,27 @@ gen if impl in let loop macro match mod move mut override priv pub ref return se
 true try type typeof union unsafe unsized use virtual where while yield
 """
 RESERVED_WORDS: Final = frozenset(_WORDS.split())
+#: Types of the crate and of Rust that the modules of messages and enums name, and the variants of `Option`.
+_TYPES: Final = frozenset(
+    {
+        *(
+            "Decode",
+            "Default",
+            "Encode",
+            "FieldType",
+            "From",
+            "MessageInfo",
+            "None",
+            "Option",
+            "Self",
+            "Some",
+        ),
+        *("Text", "Wire"),
+    }
+)
+#: Constants and methods of enums and bitmasks.
+_MEMBERS: Final = frozenset({"ENTRIES", "contains", "insert", "intersects", "is_empty", "name", "remove"})
+_SNAKE: Final = re.compile(r"_?[a-z0-9]+(_[a-z0-9]+)*_?")
 
 #: Types of values by their type in the definition.
 WIRE_TYPES: Final = {
@@ -41,12 +61,10 @@ WIRE_TYPES: Final = {
 
 def identifier(name: str) -> str:
     """Return a name of the definition as the name of a field or module."""
-    name = f"_{name}" if name[:1].isdigit() else name
-    return f"{name}_" if name in RESERVED_WORDS else name
+    return f"{name}_" if name in RESERVED_WORDS or not name.strip("_") else name
 
 
-@dataclass(frozen=True)
-class EnumType:
+class EnumType(NamedTuple):
     """The struct of an enum.
 
     Attributes:
@@ -58,32 +76,27 @@ class EnumType:
     number: str
 
 
+def message_types(library: Library) -> dict[str, str]:
+    """Return the names of the structs of all messages, by the name of the message."""
+    return type_names((message.name for message in library.messages), _TYPES | RESERVED_WORDS)
+
+
 def enum_types(library: Library) -> dict[str, EnumType]:
-    """Return the structs of all enums, by the name of the enum.
-
-    The number is as wide as the widest field of the enum, and wide enough for all entries.
-    """
-    widths: dict[str, int] = {}
-    for message in library.messages:
-        for item in message.fields:
-            if item.enum:
-                widths[item.enum] = max(widths.get(item.enum, 1), TYPE_SIZES[item.type])
-    return {enum.name: EnumType(class_name(enum.name), _number(enum, widths)) for enum in library.enums}
-
-
-def _number(enum: EnumDefinition, widths: dict[str, int]) -> str:
-    values = [entry.value for entry in enum.entries]
-    signed = any(value < 0 for value in values)
-    bits = max((value.bit_length() for value in values), default=0) + signed
-    width = max(widths.get(enum.name, 4), next(size for size in (1, 2, 4, 8) if size * 8 >= bits))
-    return f"{'i' if signed else 'u'}{width * 8}"
+    """Return the structs of all enums, by the name of the enum; none has the name of a message's struct."""
+    taken = _TYPES | RESERVED_WORDS | frozenset(message_types(library).values())
+    names = type_names((enum.name for enum in library.enums), taken)
+    return {
+        enum: EnumType(names[enum], f"{'i' if number.signed else 'u'}{number.bits}")
+        for enum, number in enum_numbers(library).items()
+    }
 
 
 def enum_values(library: Library, types: dict[str, EnumType]) -> Iterable[dict[str, object]]:
     """Yield the values for the template of each enum."""
-    names = entry_names(library, {"ENTRIES"})
+    members = enum_members(library)
     for enum in library.enums:
-        official = names[enum.name]
+        short = members[enum.name]
+        official = dict(zip(short, distinct(short.values(), RESERVED_WORDS | _MEMBERS), strict=True))
         yield {
             "type": types[enum.name].name,
             "module": identifier(enum.name.lower()),
@@ -101,23 +114,19 @@ def enum_values(library: Library, types: dict[str, EnumType]) -> Iterable[dict[s
         }
 
 
-def message_values(message: MessageDefinition, types: dict[str, EnumType]) -> dict[str, object]:
+def message_values(message: MessageDefinition, name: str, types: dict[str, EnumType]) -> dict[str, object]:
     """Return the values for the template of a message."""
     fields = [field_values(item, types) for item in message.fields]
     enums = sorted({types[item.enum].name for item in message.fields if item.enum})
     wire = ["get", "put", "resize", *(["Text"] if any(_is_text(item) for item in message.fields) else [])]
     return {
-        "type": class_name(message.name),
+        **message_facts(message),
+        "type": name,
         "module": identifier(message.name.lower()),
-        "name": message.name,
-        "id": message.id,
-        "length": message.length,
-        "base_length": message.base_length,
-        "crc_extra": message.crc_extra,
         "doc": _doc(f"`{message.name}`.", message.description),
         "enums": _use_list(enums) if enums else "",
         "wire": _use_list(sorted(wire, key=str.swapcase)),
-        "odd_names": any(item.name != item.name.lower() for item in message.fields),
+        "odd_names": not all(_SNAKE.fullmatch(identifier(item.name)) for item in message.fields),
         "fields": fields,
     }
 
@@ -139,8 +148,8 @@ def field_values(item: FieldDefinition, types: dict[str, EnumType]) -> dict[str,
         "offset": item.offset,
         "decode": get,
         "encode": put,
-        "doc": _field_doc(item),
-        "info": f'field({arguments}("{one_line(item.units)}", "{item.enum}"), {extension})',
+        "doc": field_description(item, _escape),
+        "info": f'field({arguments}({string_literal(item.units)}, "{item.enum}"), {extension})',
     }
 
 
@@ -163,18 +172,6 @@ def _field_type(item: FieldDefinition, enum: EnumType | None) -> str:
 
 def _is_text(item: FieldDefinition) -> bool:
     return item.type == "char" and item.array_length > 0
-
-
-def _field_doc(item: FieldDefinition) -> str:
-    """Return the description, and type, units and extension."""
-    array = f"[{item.array_length}]" if item.array_length else ""
-    facts = [f"`{item.type}{array}`"]
-    facts += [f"in {one_line(item.units)}"] if item.units else []
-    facts += [f"times {item.multiplier}"] if item.multiplier else []
-    facts += [f"`{item.invalid}` if unknown"] if item.invalid else []
-    facts += ["extension"] if item.extension else []
-    text = _escape(item.description)
-    return f"{text} ({', '.join(facts)})" if text else f"{', '.join(facts)}."
 
 
 def _doc(first: str, description: str) -> list[str]:

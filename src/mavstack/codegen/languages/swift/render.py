@@ -6,7 +6,7 @@ import re
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
-from mavstack.codegen.languages.swift.types import enum_types, enum_values, message_values
+from mavstack.codegen.languages.swift.types import enum_types, enum_values, message_types, message_values
 from mavstack.codegen.templates import Templates
 from mavstack.dialects.names import class_name
 from mavstack.errors import InvalidArgumentError
@@ -43,7 +43,8 @@ def render(library: Library) -> Iterator[GeneratedFile]:
     """
     templates = _templates()
     types = enum_types(library)
-    messages = [message_values(message, types) for message in library.messages]
+    names = message_types(library)
+    messages = [message_values(message, names[message.name], types) for message in library.messages]
     example = next((message for message in messages if message["name"] == "HEARTBEAT"), messages[0])
     module, stamp = module_name(library), library.stamp
     values = {"stamp": stamp, "dialect": library.name, "module": module, "example": example}

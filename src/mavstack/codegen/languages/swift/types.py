@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
-from mavstack.codegen.enum_names import entry_names
-from mavstack.codegen.templates import camel_case, one_line
-from mavstack.dialects.model import TYPE_SIZES
-from mavstack.dialects.names import class_name
+from mavstack.codegen.facts import enum_numbers, field_description, message_facts
+from mavstack.codegen.identifiers import distinct, enum_members, type_names
+from mavstack.codegen.templates import camel_case, one_line, string_literal
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from mavstack.codegen.library import Library
-    from mavstack.dialects.model import EnumDefinition, FieldDefinition, MessageDefinition
+    from mavstack.dialects.model import FieldDefinition, MessageDefinition
 
 _WORDS: Final = """
-Any Protocol Self Type as associatedtype async await break case catch class continue default defer deinit do
+_ Any Protocol Self Type as associatedtype async await break case catch class continue default defer deinit do
 else enum extension fallthrough false fileprivate for func guard if import in init inout internal is let nil
 open operator precedencegroup private protocol public repeat rethrows return self static struct subscript
 super switch throw throws true try typealias var where while
@@ -33,7 +31,9 @@ UInt32 UInt64 UInt8 UTF8 Verifier Version WritableKeyPath
 """
 _TAKEN_TYPES: Final = RESERVED_WORDS | frozenset(_TYPES.split())
 #: Names that an enum's struct uses itself.
-_TAKEN_ENTRIES: Final = RESERVED_WORDS | {"description", "hashValue", "rawValue"}
+_TAKEN_ENTRIES: Final = RESERVED_WORDS | {"description", "hash", "hashValue", "rawValue"}
+#: Members of the structs of messages; `payload` is the argument of an initializer.
+_TAKEN_PROPERTIES: Final = RESERVED_WORDS | {"encodePayload", "hash", "hashValue"}
 
 #: Types of values by their type in the definition.
 WIRE_TYPES: Final = {
@@ -51,8 +51,7 @@ WIRE_TYPES: Final = {
 }
 
 
-@dataclass(frozen=True)
-class EnumType:
+class EnumType(NamedTuple):
     """The struct of an enum.
 
     Attributes:
@@ -64,59 +63,38 @@ class EnumType:
     number: str
 
 
-def type_name(official: str) -> str:
-    """Return the name of the struct of a message or enum."""
-    name = class_name(official)
-    return f"{name}_" if name in _TAKEN_TYPES else name
-
-
-def identifier(name: str) -> str:
-    """Return the name of the property of a field."""
-    camel = camel_case(name)
-    camel = f"_{camel}" if not camel or camel[0].isdigit() else camel
-    return f"{camel}_" if camel in RESERVED_WORDS else camel
+def message_types(library: Library) -> dict[str, str]:
+    """Return the names of the structs of all messages, by the name of the message."""
+    return type_names((message.name for message in library.messages), _TAKEN_TYPES)
 
 
 def properties(message: MessageDefinition) -> dict[str, str]:
-    """Return the names of the properties by those of the fields; equal ones keep their form."""
-    names = {item.name: identifier(item.name) for item in message.fields}
-    values = list(names.values())
-    return {name: found if values.count(found) == 1 else f"{name}_" for name, found in names.items()}
+    """Return the names of the properties by those of the fields."""
+    # An initializer with the argument `payload` alone decodes a payload.
+    taken = _TAKEN_PROPERTIES | ({"payload"} if len(message.fields) == 1 else set())
+    names = distinct((_camel(item.name) for item in message.fields), taken)
+    return dict(zip((item.name for item in message.fields), names, strict=True))
+
+
+def _camel(name: str) -> str:
+    camel = camel_case(name)
+    return camel if camel[:1].isalpha() else f"_{camel}"
 
 
 def enum_types(library: Library) -> dict[str, EnumType]:
-    """Return the structs of all enums, by the name of the enum.
-
-    The raw value is as wide as the widest field of the enum, and wide enough for all entries. An enum with
-    the name of a message gets the ending `Enum`.
-    """
-    widths: dict[str, int] = {}
-    for message in library.messages:
-        for item in message.fields:
-            if item.enum:
-                widths[item.enum] = max(widths.get(item.enum, 1), TYPE_SIZES[item.type])
-    messages = {type_name(message.name) for message in library.messages}
-    names = {enum.name: type_name(enum.name) for enum in library.enums}
+    """Return the structs of all enums by the names of the enums; one with a message's name ends in `Enum`."""
+    names = type_names((enum.name for enum in library.enums), _TAKEN_TYPES)
+    messages = frozenset(message_types(library).values())
+    free = distinct((f"{name}Enum" if name in messages else name for name in names.values()), messages)
     return {
-        enum.name: EnumType(
-            f"{names[enum.name]}Enum" if names[enum.name] in messages else names[enum.name],
-            _number(enum, widths),
-        )
-        for enum in library.enums
+        enum: EnumType(name, f"{'' if number.signed else 'U'}Int{number.bits}")
+        for (enum, number), name in zip(enum_numbers(library).items(), free, strict=True)
     }
-
-
-def _number(enum: EnumDefinition, widths: dict[str, int]) -> str:
-    values = [entry.value for entry in enum.entries]
-    signed = any(value < 0 for value in values)
-    bits = max((value.bit_length() for value in values), default=0) + signed
-    width = max(widths.get(enum.name, 4), next(size for size in (1, 2, 4, 8) if size * 8 >= bits))
-    return f"{'' if signed else 'U'}Int{width * 8}"
 
 
 def enum_values(library: Library, types: dict[str, EnumType]) -> Iterable[dict[str, object]]:
     """Yield the values for the template of each enum."""
-    short = entry_names(library)
+    short = enum_members(library)
     for enum in library.enums:
         names = _entry_identifiers(short[enum.name])
         first = {entry.value: entry.name for entry in reversed(enum.entries)}
@@ -144,26 +122,16 @@ def enum_values(library: Library, types: dict[str, EnumType]) -> Iterable[dict[s
 
 def _entry_identifiers(short: dict[str, str]) -> dict[str, str]:
     """Return the names of the constants by those of the entries."""
-    names: dict[str, str] = {}
-    for entry, name in short.items():
-        words = name.strip("_").lower()
-        camel = camel_case(words)
-        camel = f"_{camel}" if not camel or camel[0].isdigit() else camel
-        camel = f"{camel}_" if camel in _TAKEN_ENTRIES else camel
-        names[entry] = camel if camel not in names.values() else entry
-    return names
+    names = distinct((_camel(name.strip("_").lower()) for name in short.values()), _TAKEN_ENTRIES)
+    return dict(zip(short, names, strict=True))
 
 
-def message_values(message: MessageDefinition, types: dict[str, EnumType]) -> dict[str, object]:
+def message_values(message: MessageDefinition, name: str, types: dict[str, EnumType]) -> dict[str, object]:
     """Return the values for the template of a message."""
     names = properties(message)
     return {
-        "type": type_name(message.name),
-        "name": message.name,
-        "id": message.id,
-        "length": message.length,
-        "base_length": message.base_length,
-        "crc_extra": message.crc_extra,
+        **message_facts(message),
+        "type": name,
         "doc": one_line(message.description),
         "fields": [_field_values(item, names[item.name], types) for item in message.fields],
     }
@@ -184,7 +152,7 @@ def _field_values(item: FieldDefinition, name: str, types: dict[str, EnumType]) 
         "zero": zero,
         "decode": decode,
         "encode": encode,
-        "doc": _field_doc(item),
+        "doc": field_description(item, one_line),
         "definition": _definition(item),
     }
 
@@ -209,22 +177,9 @@ def _conversions(item: FieldDefinition, name: str, enum: EnumType | None) -> tup
     return f"{enum.name}(rawValue: {number})", f"{wire}(truncatingIfNeeded: self.{name}.rawValue), {place}"
 
 
-def _field_doc(item: FieldDefinition) -> str:
-    """Return the description, and type, units and extension."""
-    array = f"[{item.array_length}]" if item.array_length else ""
-    facts = [f"`{item.type}{array}`"]
-    facts += [f"in {one_line(item.units)}"] if item.units else []
-    facts += [f"times {item.multiplier}"] if item.multiplier else []
-    facts += [f"`{item.invalid}` if unknown"] if item.invalid else []
-    facts += ["extension"] if item.extension else []
-    text = one_line(item.description)
-    return f"{text} ({', '.join(facts)})" if text else f"{', '.join(facts)}."
-
-
 def _definition(item: FieldDefinition) -> str:
     parts = [f'"{item.name}", "{item.type}", {item.array_length}, at: {item.offset}']
-    units = one_line(item.units).replace("\\", "\\\\").replace('"', '\\"')
-    parts += [f'units: "{units}"'] if units else []
+    parts += [f"units: {string_literal(item.units)}"] if item.units else []
     parts += [f'enumeration: "{item.enum}"'] if item.enum else []
     parts += ["isExtension: true"] if item.extension else []
     return f"FieldDefinition({', '.join(parts)})"

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from mavstack.codegen.templates import string_literal
 
 if TYPE_CHECKING:
     from mavstack.dialects.model import EnumDefinition, FieldDefinition
@@ -25,15 +26,13 @@ FUNCTIONS: Final = {
 WIDE: Final = frozenset({"int64_t", "uint64_t"})
 
 
-@dataclass(frozen=True, slots=True)
-class Property:
+class Property(NamedTuple):
     """A field as a property of a class.
 
     Attributes:
         name: Name of the property.
         field: The field.
         type: Type of the value.
-        function: Name of the reader and of the writer.
         read: Expression of the getter.
         write: Statement of the writer.
         info: The object that describes the field.
@@ -42,7 +41,6 @@ class Property:
     name: str
     field: FieldDefinition
     type: str
-    function: str
     read: str
     write: str
     info: str
@@ -60,41 +58,33 @@ def make_property(
         definition: The enum, or None.
         version: Value of the protocol version, if the field holds it.
     """
-    function, length = _function(field)
+    function, value_type, length = _access(field)
+    if definition is not None and field.is_integer and not length:
+        value_type = enum if definition.bitmask or value_type == "bigint" else f"Open<{enum}>"
     at = f" + {field.offset}" if field.offset else ""
     more = f", {length}" if length else ""
     optional = f" ?? {_default(field, version)}" if field.extension or field.protocol_version else ""
     return Property(
-        name=name,
-        field=field,
-        type=_type(field, enum, definition),
-        function=function,
-        read=f"read.{function}(this._view, this._start{at}, this._end{more})",
-        write=f'write.{function}(view, at{at}{more}, fields.{name}{optional}, "{name}");',
-        info=_info(field, name),
+        name,
+        field,
+        value_type,
+        f"read.{function}(this._view, this._start{at}, this._end{more})",
+        f'write.{function}(view, at{at}{more}, fields.{name}{optional}, "{name}");',
+        _info(field, name),
     )
 
 
-def _function(field: FieldDefinition) -> tuple[str, int]:
-    """Return the name of the reader and writer, and the length that it takes; 0 for a single number."""
-    if field.type == "char":
-        return "text", max(field.array_length, 1)
-    if not field.array_length:
-        return FUNCTIONS[field.type], 0
-    return ("bytes" if field.type == "uint8_t" else f"{FUNCTIONS[field.type]}Array"), field.array_length
-
-
-def _type(field: FieldDefinition, enum: str, definition: EnumDefinition | None) -> str:
-    if field.type == "char":
-        return "string"
+def _access(field: FieldDefinition) -> tuple[str, str, int]:
+    """Return the name of reader and writer, the type, and their length; 0 for a single number."""
+    function, length = FUNCTIONS[field.type], field.array_length
+    if function == "text":
+        return function, "string", length or 1
     number = "bigint" if field.type in WIDE else "number"
-    if field.array_length:
-        return "Uint8Array" if field.type == "uint8_t" else f"readonly {number}[]"
-    if definition is None or not field.is_integer:
-        return number
-    if definition.bitmask or number == "bigint":
-        return enum
-    return f"Open<{enum}>"
+    if not length:
+        return function, number, 0
+    if function == "u8":
+        return "bytes", "Uint8Array", length
+    return f"{function}Array", f"readonly {number}[]", length
 
 
 def _default(field: FieldDefinition, version: int) -> str:
@@ -108,19 +98,13 @@ def _default(field: FieldDefinition, version: int) -> str:
 
 
 def _info(field: FieldDefinition, name: str) -> str:
-    parts = [
-        f'name: "{field.name}", property: "{name}", type: "{field.type}"',
-        f"offset: {field.offset}, arrayLength: {field.array_length}",
-    ]
-    if field.units:
-        parts.append(f'units: "{field.units}"')
-    if field.multiplier:
-        parts.append(f"multiplier: {field.factor!r}")
-    if field.enum:
-        parts.append(f'enum: "{field.enum}"')
-    if field.extension:
-        parts.append("extension: true")
-    return f"{{ {', '.join(parts)} }}"
+    names = f'name: "{field.name}", property: "{name}", type: "{field.type}"'
+    place = f"offset: {field.offset}, arrayLength: {field.array_length}"
+    units = f", units: {string_literal(field.units)}" if field.units else ""
+    multiplier = f", multiplier: {field.factor!r}" if field.multiplier else ""
+    enum = f', enum: "{field.enum}"' if field.enum else ""
+    extension = ", extension: true" if field.extension else ""
+    return f"{{ {names}, {place}{units}{multiplier}{enum}{extension} }}"
 
 
 def is_wide(uses: set[str]) -> bool:

@@ -9,8 +9,9 @@ from __future__ import annotations
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
+from mavstack.codegen.identifiers import distinct, enum_members, type_names
 from mavstack.codegen.templates import camel_case
-from mavstack.dialects.names import class_name, member_names
+from mavstack.dialects.names import class_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -26,7 +27,7 @@ _USED: Final = """
     SigningOptions String Symbol Uint8Array
 """
 #: Properties of every message class.
-_METHODS: Final = frozenset({"constructor", "toObject", "toJSON"})
+_METHODS: Final = frozenset({"constructor", "toJSON", "toObject", "toString", "valueOf"})
 #: Words that a property may not be named; those of ECMAScript and TypeScript are allowed.
 RESERVED_WORDS: Final = _METHODS
 
@@ -42,37 +43,33 @@ class Names:
         self.version = library.version
         self.definitions = {item.name: item for item in library.enums}
         taken = set(_USED.split())
-        self.messages = {item.name: _unique(class_name(item.name), taken) for item in library.messages}
-        taken |= {f"{name}Fields" for name in self.messages.values()}
-        self.enums = {item.name: _unique(class_name(item.name), taken) for item in library.enums}
-        self._origins: dict[str, list[str]] = {}
-        for file in library.files:
-            for enum in file.enums:
-                self._origins.setdefault(enum.name, [entry.name for entry in enum.entries])
+        self.messages = {item.name: _class(item.name, taken) for item in library.messages}
+        self.enums = type_names((item.name for item in library.enums), taken)
+        self._members = enum_members(library)
 
     def members(self, enum: EnumDefinition) -> list[str]:
         """Return the member names of the entries of an enum."""
-        names = [entry.name for entry in enum.entries]
-        origin = [name for name in self._origins.get(enum.name, names) if name in set(names)]
-        known = set(origin)
-        members = member_names(enum.name, origin, [name for name in names if name not in known], ())
-        return [members[name] for name in names]
+        return [self._members[enum.name][entry.name] for entry in enum.entries]
+
+
+def _class(official: str, taken: set[str]) -> str:
+    """Return the name of a message's class, and take it and that of the interface of its fields."""
+    name = class_name(official)
+    while name in taken or f"{name}Fields" in taken:
+        name += "_"
+    taken |= {name, f"{name}Fields"}
+    return name
 
 
 def property_names(message: MessageDefinition) -> list[str]:
     """Return the property names of the fields of a message."""
-    taken = set(_METHODS)
-    return [_unique(_camel(field.name), taken) for field in message.fields]
+    return distinct((_property(field.name) for field in message.fields), _METHODS)
 
 
-_camel = cache(camel_case)
-
-
-def _unique(name: str, taken: set[str]) -> str:
-    while name in taken:
-        name += "_"
-    taken.add(name)
-    return name
+@cache
+def _property(name: str) -> str:
+    camel = camel_case(name)
+    return camel if camel[:1].isalpha() else f"_{camel}"
 
 
 def file_names(names: Iterable[str]) -> dict[str, str]:

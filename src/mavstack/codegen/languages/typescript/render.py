@@ -22,7 +22,7 @@ from mavstack.codegen.languages.typescript.runtime import runtime_files
 from mavstack.codegen.templates import Templates, one_line
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator
 
     from mavstack.codegen.language import GeneratedFile
     from mavstack.codegen.library import Library
@@ -109,22 +109,18 @@ def _member(name: str, entry: EnumEntry, suffix: str) -> list[str]:
         if text and not param.reserved:
             texts.append(f"Param {param.index}: {text}")
     doc = _doc(texts, entry.deprecated)
-    return [*(f"  {line}" for line in doc), f"  {name}: {entry.value}{suffix},"]
+    return [*[f"  {line}" for line in doc], f"  {name}: {entry.value}{suffix},"]
 
 
-def _doc(texts: Iterable[str], deprecated: Replacement | None = None) -> list[str]:
+def _doc(lines: list[str], deprecated: Replacement | None = None) -> list[str]:
     """Return the lines of a documentation comment; none without text."""
-    lines = [one_line(text) for text in texts]
     if deprecated is not None:
         replaced = f" since {deprecated.since}" if deprecated.since else ""
-        lines.append(
-            f"@deprecated{replaced}" + (f", use {deprecated.replaced_by}" if deprecated.replaced_by else "")
-        )
-    if not lines:
-        return []
-    if len(lines) == 1:
-        return [f"/** {lines[0]} */"]
-    return ["/**", *(f" * {line}" for line in lines), " */"]
+        use = f", use {deprecated.replaced_by}" if deprecated.replaced_by else ""
+        lines = [*lines, f"@deprecated{replaced}{use}"]
+    if len(lines) > 1:
+        return ["/**", *[f" * {one_line(line)}" for line in lines], " */"]
+    return [f"/** {one_line(line)} */" for line in lines]
 
 
 def _messages(
@@ -166,14 +162,14 @@ def _message(message: MessageDefinition, name: str, properties: list[Property]) 
         "name": name,
         "info": message,
         "doc": "\n".join(_doc([text], message.deprecated)),
-        "lines": "\n".join(line for item in properties for line in _property(item)),
-        "fields": "\n".join(f"      {item.info}," for item in properties),
-        "writes": "\n".join(f"    {item.write}" for item in properties),
+        "lines": "\n".join([line for item in properties for line in _property(item)]),
+        "fields": "\n".join([f"      {item.info}," for item in properties]),
+        "writes": "\n".join([f"    {item.write}" for item in properties]),
         "getters": "\n".join(
-            f"\n  get {item.name}(): {item.type} {{\n    return {item.read};\n  }}" for item in properties
+            [f"\n  get {item.name}(): {item.type} {{\n    return {item.read};\n  }}" for item in properties]
         ),
         "init": f"Init<{name}Fields, {options}>" if options else f"Init<{name}Fields>",
-        "object": ", ".join(f"{item.name}: this.{item.name}" for item in properties),
+        "object": ", ".join([f"{item.name}: this.{item.name}" for item in properties]),
     }
 
 
@@ -186,8 +182,8 @@ def _property(item: Property) -> list[str]:
         notes.append(f"Values of {field.enum}.")
     if field.extension:
         notes.append("Extension, MAVLink 2 only.")
-    doc = _doc([" ".join(notes)]) if notes else []
-    return [*(f"  {line}" for line in doc), f"  readonly {item.name}: {item.type};"]
+    declared = f"  readonly {item.name}: {item.type};"
+    return [f"  /** {one_line(' '.join(notes))} */", declared] if notes else [declared]
 
 
 LANGUAGE: Final = Language("typescript", "TypeScript (ES modules)", render, RESERVED_WORDS)

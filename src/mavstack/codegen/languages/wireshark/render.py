@@ -10,7 +10,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Final
 
 from mavstack.codegen.language import Language
-from mavstack.codegen.templates import Templates, one_line
+from mavstack.codegen.templates import Templates, string_literal
 from mavstack.dialects.names import shared_prefix
 
 if TYPE_CHECKING:
@@ -47,12 +47,6 @@ def _templates() -> Templates:
     return Templates("mavstack.codegen.languages.wireshark")
 
 
-def quoted(text: str) -> str:
-    """Return a text as a string of Lua, on one line."""
-    plain = one_line(text).replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{plain}"'
-
-
 def _enum(enum: EnumDefinition) -> str:
     prefix = shared_prefix(enum.name, [entry.name for entry in enum.entries])
     rows = ", ".join(
@@ -70,15 +64,15 @@ def _message(message: MessageDefinition) -> str:
     rows = ",\n  ".join(_field(field) for field in message.fields)
     return (
         f'message({message.id}, "{message.name}", "{prefix}", {message.crc_extra}, {message.base_length}, '
-        f"{message.length}, {quoted(message.description)}, {{\n  {rows},\n}})"
+        f"{message.length}, {string_literal(message.description)}, {{\n  {rows},\n}})"
     )
 
 
 def _field(field: FieldDefinition) -> str:
     return (
         f'{{"{field.name}", "{field.type}", {field.array_length}, {field.offset}, '
-        f"{str(field.extension).lower()}, {quoted(field.units)}, {quoted(field.enum)}, "
-        f"{quoted(field.description)}}}"
+        f"{str(field.extension).lower()}, {string_literal(field.units)}, {string_literal(field.enum)}, "
+        f"{string_literal(field.description)}}}"
     )
 
 
@@ -86,7 +80,7 @@ def _params(commands: EnumDefinition) -> Iterator[str]:
     """Yield a row for each command with labels of its parameters."""
     for entry in commands.entries:
         labels = [
-            f"[{param.index}] = {quoted(param.label + (f', {param.units}' if param.units else ''))}"
+            f"[{param.index}] = {string_literal(param.label + (f', {param.units}' if param.units else ''))}"
             for param in entry.params
             if param.label
         ]

@@ -1,0 +1,82 @@
+"""Facts of messages and enums that several languages need in the same form."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from mavstack.codegen.templates import one_line
+from mavstack.dialects.model import TYPE_SIZES
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from mavstack.codegen.library import Library
+    from mavstack.dialects.model import EnumDefinition, FieldDefinition, MessageDefinition
+
+
+class EnumNumber(NamedTuple):
+    """The integers that hold the values of an enum.
+
+    Attributes:
+        signed: True if an entry is negative.
+        bits: Number of bits: 8, 16, 32 or 64.
+    """
+
+    signed: bool
+    bits: int
+
+
+def message_facts(message: MessageDefinition) -> dict[str, Any]:
+    """Return the values of a message that each language has in its tables."""
+    return {
+        "name": message.name,
+        "id": message.id,
+        "length": message.length,
+        "base_length": message.base_length,
+        "crc_extra": message.crc_extra,
+    }
+
+
+def table_row(message: MessageDefinition) -> str:
+    """Return id and facts of a message in a table of numbers: 1, CRC_EXTRA and the two lengths in 25 bits."""
+    facts = 1 << 24 | message.crc_extra << 16 | message.base_length << 8 | message.length
+    return f"{message.id}, 0x{facts:07X},"
+
+
+def field_description(item: FieldDefinition, escape: Callable[[str], str]) -> str:
+    """Return the description of a field with its type, unit and extension, in Markdown.
+
+    Args:
+        item: The field.
+        escape: Makes a text plain in a comment of the language.
+    """
+    array = f"[{item.array_length}]" if item.array_length else ""
+    facts = [f"`{item.type}{array}`"]
+    facts += [f"in {escape(item.units)}"] if item.units else []
+    facts += [f"times {escape(item.multiplier)}"] if item.multiplier else []
+    facts += [f"`{_code(item.invalid)}` if unknown"] if item.invalid else []
+    facts += ["extension"] if item.extension else []
+    text = escape(item.description)
+    return f"{text} ({', '.join(facts)})" if text else f"{', '.join(facts)}."
+
+
+def _code(text: str) -> str:
+    return one_line(text.replace("`", "'"))
+
+
+def enum_numbers(library: Library) -> dict[str, EnumNumber]:
+    """Return the integers of all enums: as wide as their widest field, and wide enough for all entries."""
+    widths: dict[str, int] = {}
+    for message in library.messages:
+        for item in message.fields:
+            if item.enum:
+                widths[item.enum] = max(widths.get(item.enum, 1), TYPE_SIZES[item.type])
+    return {enum.name: _number(enum, widths.get(enum.name, 4)) for enum in library.enums}
+
+
+def _number(enum: EnumDefinition, width: int) -> EnumNumber:
+    values = [entry.value for entry in enum.entries]
+    signed = any(value < 0 for value in values)
+    # The most negative number needs no bit more than the greatest one.
+    bits = max((value if value >= 0 else ~value for value in values), default=0).bit_length() + signed
+    return EnumNumber(signed, max(width * 8, next((size for size in (8, 16, 32) if size >= bits), 64)))
