@@ -156,6 +156,26 @@ class LogConformance:
         assert {record.name for record in view.records()} == {name}
         assert {found for window in view.windows() for found in window} == {name}
 
+    def test_facts_are_read_once(self, log):
+        assert log.info is log.info  # an export asks for them in each window
+        assert log.vehicles is log.vehicles
+
+    def test_views_are_counted_without_decoding_where_the_index_knows(self, log, monkeypatch):
+        name = next(iter(log))
+        assert [log.schema(each).name for each in log]  # those of DataFlash depend on the texts
+        with monkeypatch.context() as patch:
+            patch.setattr(type(log), "decode_tables", lambda *_: pytest.fail("a table was decoded"))
+            assert log.select(name).counts == {name: log.counts[name]}
+            assert log.select().select(name).counts == {name: log.counts[name]}
+        systems = sorted(log.vehicles)
+        for selection in ({"system": systems[0]}, {"system": 201}, {"component": 1}, {"instance": 0}):
+            view = log.select(**selection)
+            expected = {name: len(table) for name, table in view.decode_tables(list(log)).items()}
+            assert all(view.counts[name] == expected[name] for name in view.counts)
+            assert all(
+                not expected[name] for name in log if name not in view.counts and "instance" not in selection
+            )
+
     def test_selecting_times(self, log):
         middle = log.duration / 2
         first, last = log.select(end=middle), log.select(start=middle)

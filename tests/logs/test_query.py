@@ -8,6 +8,7 @@ from mavstack import open_log
 from mavstack.errors import InvalidArgumentError
 from mavstack.logs.query import expand_short_form, query_logs
 from tests.logs.flights import flight_tlog
+from tests.logs.memory_log import MemoryLog
 
 
 def ask(logs, query, **options):
@@ -113,3 +114,34 @@ def test_columns_of_one_name_are_kept_apart(flight):
 def test_variables_of_the_program_are_no_tables(flight):
     with pytest.raises(InvalidArgumentError, match="Table with name connection does not exist"):
         ask([flight], "SELECT * FROM connection")
+
+
+def table_names_in_two_cases():
+    columns = {"TimeUS": [1, 2]}
+    return MemoryLog({"ATT": columns | {"Roll": [1.0, 2.0]}, "att": columns | {"Alt": [3, 4], "alt": [5, 6]}})
+
+
+@pytest.mark.parametrize(
+    ("query", "rows"),
+    [
+        ("SELECT max(Roll) FROM ATT", [(2.0,)]),
+        ("SELECT max(TimeUS), count(*) FROM att", [(2, 2)]),
+        ("SELECT max(Roll), max(Alt_1) FROM ATT_1 JOIN att_2 USING (TimeUS)", [(2.0, 4)]),
+        ("SELECT max(alt_2) FROM att", [(6,)]),
+    ],
+)
+def test_tables_and_columns_that_differ_in_case_only_do_not_hide_each_other(query, rows):
+    assert ask([table_names_in_two_cases()], query)[1] == rows
+
+
+@pytest.mark.parametrize("query", ["SELECT * FROM Att", "SELECT * FROM ATT, att"])
+def test_a_table_that_is_not_distinct_is_refused(query):
+    with pytest.raises(
+        InvalidArgumentError, match="distinguish the tables ATT and att; name them ATT_1 and att_2"
+    ):
+        ask([table_names_in_two_cases()], query)
+
+
+def test_a_column_that_is_not_distinct_is_refused():
+    with pytest.raises(InvalidArgumentError, match=r'"alt" not found .*"Alt_1"'):
+        ask([table_names_in_two_cases()], "SELECT alt FROM att")

@@ -18,6 +18,10 @@ _ITEM_FIELDS: Final = {
         "seq", "command", "frame", "param1", "param2", "param3", "param4", "x", "y", "z",
     ),
     "MISSION_ITEM": ("seq", "command", "frame", "param1", "param2", "param3", "param4", "x", "y", "z"),
+    "navigator_mission_item": (
+        "sequence_current", "nav_cmd", "frame", "time_inside", "acceptance_radius", "loiter_radius", "yaw",
+        "latitude", "longitude", "altitude",
+    ),
     "CMD": ("CNum", "CId", "Frame", "Prm1", "Prm2", "Prm3", "Prm4", "Lat", "Lng", "Alt"),
 }  # fmt: skip
 
@@ -31,14 +35,15 @@ class Difference:
     second: float | str | None
 
 
-def parameter_differences(first: Log, second: Log) -> list[Difference]:
+def parameter_differences(first: Log, second: Log, *, system: int | None = None) -> list[Difference]:
     """Return the parameters whose values at the end of two logs differ, by name.
 
     Args:
         first: A log.
         second: Another log.
+        system: System id of the vehicle; None for the first one in each log.
     """
-    one, other = last_parameters(first), last_parameters(second)
+    one, other = last_parameters(first, system), last_parameters(second, system)
     return [
         Difference(name, one.get(name), other.get(name))
         for name in sorted(one.keys() | other.keys())
@@ -46,25 +51,28 @@ def parameter_differences(first: Log, second: Log) -> list[Difference]:
     ]
 
 
-def last_parameters(log: Log) -> dict[str, float]:
-    """Return the last value of each parameter in a log.
+def last_parameters(log: Log, system: int | None = None) -> dict[str, float]:
+    """Return the last value of each parameter of a vehicle in a log.
 
     Args:
         log: The log.
+        system: System id of the vehicle; None for the first one.
     """
+    log = log if system is None else log.select(system=system)
     values = dict(log.parameters)
     values.update({change.name: change.value for change in log.parameter_changes})
     return values
 
 
-def mission_differences(first: Log, second: Log) -> list[Difference]:
+def mission_differences(first: Log, second: Log, *, system: int | None = None) -> list[Difference]:
     """Return the mission items that differ between two logs, by their number.
 
     Args:
         first: A log.
         second: Another log.
+        system: System id of the vehicle; None for the first one in each log.
     """
-    one, other = mission_of(first), mission_of(second)
+    one, other = mission_of(first, system), mission_of(second, system)
     return [
         Difference(f"item {number}", _text(one.get(number)), _text(other.get(number)))
         for number in sorted(one.keys() | other.keys())
@@ -72,16 +80,34 @@ def mission_differences(first: Log, second: Log) -> list[Difference]:
     ]
 
 
-def mission_of(log: Log) -> dict[int, tuple[float, ...]]:
-    """Return the mission items in a log by number: command, frame, parameters, position.
+def mission_of(log: Log, system: int | None = None) -> dict[int, tuple[float, ...]]:
+    """Return the mission items of a vehicle in a log by number: command, frame, parameters, position.
+
+    A ULog holds the items that were flown.
 
     Args:
         log: The log.
+        system: System id of the vehicle; None for the first one.
     """
+    vehicle = next(iter(log.vehicles), None) if system is None else system
     for name, fields in _ITEM_FIELDS.items():
         if name in log and log.schema(name).has_numbers(fields[0]):
-            return _items(log[name], fields)
+            items = _items(_of_vehicle(log[name], vehicle), fields)
+            if items:  # another vehicle may use the other message
+                return items
     return {}
+
+
+def _of_vehicle(table: MessageTable, system: int | None) -> MessageTable:
+    """Return the items that a vehicle sent or received; those of the last mission if the table tells."""
+    names = table.dtype.names or ()
+    if system is not None and {"_system", "target_system"} <= set(names):
+        table = table.where((table["_system"] == system) | (table["target_system"] == system))
+    if table.schema.has_numbers("nav_sub_cmd"):  # a step of PX4 on its own, such as the takeoff to a waypoint
+        table = table.where(np.asarray(table["nav_sub_cmd"]) == 0)
+    if table.schema.has_numbers("instance_count") and len(table):
+        table = table.where(table["instance_count"] == table["instance_count"][-1])
+    return table
 
 
 def _items(table: MessageTable, fields: tuple[str, ...]) -> dict[int, tuple[float, ...]]:

@@ -10,17 +10,16 @@ from abc import abstractmethod
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
-from mavstack.errors import InvalidArgumentError, LogError
-from mavstack.logs.log_tables import LogTables
+from mavstack.errors import LogError
+from mavstack.logs.log_times import LogTimes
 from mavstack.logs.records import merged_rows
 from mavstack.logs.select import Selection, parse_moment
-from mavstack.logs.time_base import CLOCKS, TimeBase, unix_seconds
+from mavstack.logs.time_base import TimeBase
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
+    import numpy as np
     from numpy.typing import NDArray
 
     from mavstack.logs.damage import LogDamage
@@ -28,14 +27,14 @@ if TYPE_CHECKING:
     from mavstack.logs.records import LogRecord, LogText, ParameterChange
     from mavstack.logs.schema import TableSchema
     from mavstack.logs.select import Moment
-    from mavstack.logs.time_base import Clock, ClockChoice
+    from mavstack.logs.time_base import Clock
     from mavstack.logs.vehicles import LogVehicle
 
 #: Bytes of a file that `windows` decodes at a time.
 DEFAULT_WINDOW: Final = 32 << 20
 
 
-class Log(LogTables):
+class Log(LogTimes):
     """A log as a mapping from names to tables: `log["ATTITUDE"]["roll"]` is a column.
 
     The names are those of MAVLink messages, of ULog topics, or of DataFlash record types. `log["GPS[1]"]` is
@@ -48,32 +47,6 @@ class Log(LogTables):
     @abstractmethod
     def skipped(self) -> LogDamage:
         """Counts of everything in the file that is in no table."""
-
-    @property
-    def time_span(self) -> tuple[float, float] | None:
-        """Earliest and latest time in seconds on the log's own time base, or None without times."""
-        return None
-
-    @property
-    def clock(self) -> Clock:
-        """The kind of the time base: "utc", "received" or "boot"."""
-        return self.time_base.kind
-
-    def boot_times(self, name: str, table: MessageTable) -> NDArray[np.float64] | None:
-        """Return the time since boot in seconds of each row of (a part of) a table.
-
-        Args:
-            name: Name of the table.
-            table: The rows.
-
-        Returns:
-            The times, NaN where not known; None if the table has none.
-        """
-        return None
-
-    def utc_times(self, name: str, table: MessageTable) -> NDArray[np.float64] | None:
-        """Return the UTC in seconds since 1970 of each row of (a part of) a table; see `boot_times`."""
-        return None if self.clock == "boot" else unix_seconds(table["_time"])
 
     def read_time_base(self, log: Log) -> TimeBase:
         """Return the clock of a view of this log."""
@@ -94,6 +67,15 @@ class Log(LogTables):
     def read_vehicles(self, log: Log) -> dict[int, LogVehicle]:
         """Return the vehicles in a view of this log by system id."""
         return {}
+
+    def selected_rows(self, name: str, selection: Selection) -> int | None:
+        """Return how many rows of a table a selection keeps; None if only its decoded rows can tell.
+
+        Args:
+            name: Name of the table.
+            selection: The selection, which keeps the table itself.
+        """
+        return self.counts[name] if selection.keeps_all_rows(self.schema(name)) else None
 
     def prepare_windows(self) -> None:
         """Give back what only speeds up the decoding of tables; learn `counts`, `time_span` and `skipped`."""
@@ -179,70 +161,9 @@ class Log(LogTables):
         """The best clock of the log, and its offset to the time since boot."""
         return self.read_time_base(self)
 
-    @property
-    def start(self) -> np.datetime64 | None:
-        """Earliest time in UTC, or None if it is not known."""
-        return self._utc(0)
-
-    @property
-    def end(self) -> np.datetime64 | None:
-        """Latest time in UTC, or None if it is not known."""
-        return self._utc(1)
-
-    def _utc(self, index: int) -> np.datetime64 | None:
-        span = self.time_span
-        if span is None or self.clock == "boot":
-            return None
-        microseconds = round(span[index] * 1e6)
-        # A damaged record may have any time.
-        return np.datetime64(microseconds, "us") if abs(microseconds) < 1 << 63 else None
-
-    @property
-    def duration(self) -> float:
-        """Seconds from the earliest to the latest recorded time; 0 without times."""
-        first, last = self.time_span or (0.0, 0.0)
-        return last - first
-
-    def times(self, name: str, base: ClockChoice = "auto") -> NDArray[np.float64]:
-        """Return the time of each row of a table in seconds.
-
-        Args:
-            name: Name of the table.
-            base: "utc", "received": seconds since 1970; "boot": since boot; "auto": those of `time_base`.
-
-        Returns:
-            The times; NaN where the time is not known.
-
-        Raises:
-            UnknownMessageError: The log has no table of that name.
-            InvalidArgumentError: `base` is none of these.
-            LogError: The log does not hold that clock for the table.
-        """
-        return self.times_of(name, self[name], base)
-
-    def times_of(self, name: str, table: MessageTable, base: ClockChoice = "auto") -> NDArray[np.float64]:
-        """Return the time of each row of (a part of) a table in seconds; see `times`."""
-        if base not in CLOCKS:
-            raise InvalidArgumentError(f"base must be one of {', '.join(CLOCKS)}, got {base!r}")
-        wanted = self.clock if base == "auto" else base
-        times = None
-        if wanted == "boot":
-            times = self.boot_times(name, table)
-        elif wanted == "utc":
-            times = self.utc_times(name, table)
-        elif self.clock == "received":
-            times = unix_seconds(table["_time"])
-        if times is None:
-            raise LogError(f"{self.path}: the {wanted} time of {name} is not known")
-        return times
-
-    def seconds_from_start(self, name: str, table: MessageTable) -> NDArray[np.float64]:
-        """Return the times of rows in seconds from the beginning of the log."""
-        return self.times_of(name, table, "auto") - (self.time_span or (0.0,))[0]
-
     # the vehicle
 
-    @property
+    @cached_property
     def info(self) -> dict[str, str]:
         """Facts about the vehicle that the file holds.
 
@@ -270,7 +191,7 @@ class Log(LogTables):
         """Texts of the vehicle, in the order of the file."""
         return self.read_texts(self)
 
-    @property
+    @cached_property
     def vehicles(self) -> dict[int, LogVehicle]:
         """Vehicles in the log by system id; `log.select(system=…)` is the log of one of them."""
         return self.read_vehicles(self)
@@ -299,18 +220,36 @@ class LogView(Log):
     def counts(self) -> Mapping[str, int]:
         """Number of selected rows by table name; tables without such rows are left out."""
         if self._counts is None:
-            names = [name for name in self._log if self._selection.keeps_table(name, self._log.schema(name))]
-            self._counts = {name: rows for name in names if (rows := len(self._rows(name, self._log[name])))}
+            wanted = self._selection.names or self._log
+            names = [name for name in self._log if name in wanted and self._keeps_table(name)]
+            counts = {name: self._log.selected_rows(name, self._selection) for name in names}
+            unknown = [name for name, rows in counts.items() if rows is None]
+            if unknown:
+                self._log.load(*unknown)
+            counts |= {name: len(self._rows(name, self._log[name])) for name in unknown}
+            self._counts = {name: rows for name, rows in counts.items() if rows}
         return self._counts
 
     def schema(self, name: str) -> TableSchema:
         """Return the meaning of the columns of a table; see `Log.schema`."""
         return self._log.schema(name)
 
+    def _keeps_table(self, name: str) -> bool:
+        return self._selection.keeps_table(name, self._log.schema(name))
+
     def _rows(self, name: str, table: MessageTable) -> MessageTable:
-        seconds = self._log.seconds_from_start(name, table) if self._selection.has_times else None
+        seconds = self._seconds(name, table) if self._selection.has_times else None
         mask = self._selection.mask(table, seconds)
         return table if mask is None else table.where(mask)
+
+    def _seconds(self, name: str, table: MessageTable) -> NDArray[np.float64]:
+        try:
+            return self._log.seconds_from_start(name, table)
+        except LogError:
+            raise LogError(
+                f"cannot select rows of {name} by time: {self.path} has no times of reception, and {name} "
+                "has no time of its own; leave out start and end, or name only tables that have one"
+            ) from None
 
     def decode_tables(self, names: Sequence[str]) -> Mapping[str, MessageTable]:
         """Decode tables; see `Log.decode_tables`."""

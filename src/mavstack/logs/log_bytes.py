@@ -52,6 +52,7 @@ class LogBytes:
     Attributes:
         path: Path of the file.
         size: Size of the file in bytes when it was opened.
+        modified_ns: Time of its last change then, in nanoseconds since 1970.
 
     Raises:
         LogError: The file cannot be opened, or is not a regular file.
@@ -68,7 +69,7 @@ class LogBytes:
         status = os.fstat(self._descriptor)
         if not stat.S_ISREG(status.st_mode) and not _is_null_device(status):
             raise LogError(f"cannot open {path}: not a regular file")
-        self.size = status.st_size
+        self.size, self.modified_ns = status.st_size, status.st_mtime_ns
         self._map: mmap.mmap | None = None
         self._copy: mmap.mmap | bytes | None = None if self.size else b""
 

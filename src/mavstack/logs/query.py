@@ -4,6 +4,9 @@ The names of the tables are those of the messages. A query over several logs see
 with the column `_file`. Only the tables that the query names are decoded. Times are in UTC. If the query
 names `armed` or `mode`, every table has these columns: the state of the vehicle at the time of the row.
 
+SQL ignores the case of names. Of tables whose names differ in case only, a query names one exactly, or each
+with its number (`ATT_1`, `att_2`); columns that differ in case only have such numbers.
+
 The short form is `MESSAGE.FIELD, … [where CONDITION]`: `ATTITUDE.roll where abs(roll) > 0.5` gives the time
 and the fields of one message. DuckDB knows many functions: `histogram`, `quantile_cont`, `time_bucket`, and
 ASOF joins.
@@ -57,8 +60,8 @@ def query_logs(
     duckdb = _duckdb()
     sql = expand_short_form(query) or query
     with duckdb.connect(":memory:") as connection:
-        for name in _tables_in(logs, sql):
-            connection.register(name, _rows(logs, name, states_in(sql), scaled=scaled, enums=enums))
+        for alias, name in _tables_in(logs, sql).items():
+            connection.register(alias, _rows(logs, name, states_in(sql), scaled=scaled, enums=enums))
         # A query must not read or write other files, or variables of this program.
         connection.execute("SET enable_external_access = false")
         connection.execute("SET python_enable_replacements = false")
@@ -104,10 +107,38 @@ def _column(field: str) -> str:
     return f'"{name}"[{int(index.rstrip("]")) + 1}] AS "{field}"' if bracket else f'"{name}"'
 
 
-def _tables_in(logs: Iterable[Log], sql: str) -> list[str]:
-    """Return the tables of the logs that a query names; DuckDB ignores the case of names."""
-    words = {word.lower() for word in _WORD.findall(sql)}
-    return list(dict.fromkeys(name for log in logs for name in log if name.lower() in words))
+def _tables_in(logs: Iterable[Log], sql: str) -> dict[str, str]:
+    """Return the tables of the logs that a query names, by their names in SQL."""
+    words = set(_WORD.findall(sql))
+    lower = {word.lower() for word in words}
+    found: dict[str, str] = {}
+    for names in _equal_but_for_case(name for log in logs for name in log):
+        exact = [name for name in names if name in words] if names[1:] else names
+        if names[1:]:
+            numbered = _numbered(names)
+            found |= {alias: name for alias, name in numbered.items() if alias in words}
+        if names[0].lower() not in lower:
+            continue
+        if len(exact) != 1:
+            raise InvalidArgumentError(
+                f"query failed: SQL does not distinguish the tables {' and '.join(names)}; "
+                f"name them {' and '.join(numbered)}"
+            )
+        found[exact[0]] = exact[0]
+    return found
+
+
+def _equal_but_for_case(names: Iterable[str]) -> Iterable[list[str]]:
+    """Return names in groups of those that SQL does not distinguish."""
+    groups: dict[str, list[str]] = {}
+    for name in dict.fromkeys(names):
+        groups.setdefault(name.lower(), []).append(name)
+    return groups.values()
+
+
+def _numbered(names: Sequence[str]) -> dict[str, str]:
+    """Return names that SQL distinguishes for names that it does not."""
+    return {f"{name}_{number}": name for number, name in enumerate(names, 1)}
 
 
 def states_in(sql: str) -> list[str]:
@@ -132,11 +163,18 @@ def _rows(logs: Sequence[Log], name: str, states: Sequence[str], *, scaled: bool
         if len(logs) > 1:
             files = pyarrow.array([log.path.name]).dictionary_encode().take(pyarrow.array([0] * len(rows)))
             rows = rows.append_column("_file", files)
-        pieces.append(rows.replace_schema_metadata(None))
+        pieces.append(_with_distinct_columns(rows.replace_schema_metadata(None)))
     try:
         return pyarrow.concat_tables(pieces, promote_options="permissive").combine_chunks()
     except pyarrow.ArrowException as error:
         raise LogError(f"query failed: {name} differs between the logs: {error}") from error
+
+
+def _with_distinct_columns(rows: Any) -> Any:  # noqa: ANN401 (no types)
+    """Return a table whose columns have a number behind their names if these differ in case only."""
+    groups = [names for names in _equal_but_for_case(rows.column_names) if names[1:]]
+    new = {name: alias for names in groups for alias, name in _numbered(names).items()}
+    return rows.rename_columns([new.get(name, name) for name in rows.column_names]) if new else rows
 
 
 def _states(log: Log, name: str, state: str) -> NDArray[Any]:

@@ -8,11 +8,10 @@ group `mavstack.log_formats`: the entry point has the name of the format and loa
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
-from mavstack.errors import InvalidArgumentError
+from mavstack.plugins import Registry
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -59,9 +58,14 @@ FORMATS: Final[Mapping[str, str]] = MappingProxyType(
 )
 
 
+_REGISTRY: Final[Registry[LogFormat]] = Registry(
+    "format", ENTRY_POINTS, {name: f"mavstack.logs.formats.{place}" for name, place in FORMATS.items()}
+)
+
+
 def format_names() -> tuple[str, ...]:
     """Return the names of all formats, those of other packages included."""
-    return (*FORMATS, *sorted(plugins().names - FORMATS.keys()))
+    return _REGISTRY.names()
 
 
 def log_format(name: str) -> LogFormat:
@@ -76,15 +80,7 @@ def log_format(name: str) -> LogFormat:
     Raises:
         InvalidArgumentError: There is no such format.
     """
-    if name in FORMATS:
-        module, attribute = FORMATS[name].split(":")
-        builtin: LogFormat = getattr(import_module(f"mavstack.logs.formats.{module}"), attribute)
-        return builtin
-    found = plugins()
-    if name not in found.names:
-        raise InvalidArgumentError(f"format must be one of {', '.join(format_names())}, got {name!r}")
-    plugin: LogFormat = found[name].load()
-    return plugin
+    return _REGISTRY.get(name)
 
 
 def recognise(head: bytes) -> LogFormat | None:
@@ -107,9 +103,7 @@ def recognise_plugin(head: bytes) -> LogFormat | None:
 
 def plugins() -> EntryPoints:
     """Return the entry points of other packages, by format."""
-    from importlib.metadata import entry_points
-
-    return entry_points(group=ENTRY_POINTS)
+    return _REGISTRY.plugins()
 
 
 def _first_match(formats: Iterable[LogFormat], head: bytes) -> LogFormat | None:

@@ -54,6 +54,25 @@ class Selection:
             return False
         return self.instance is None or bool(schema.instance_field)
 
+    def keeps_all_rows(self, schema: TableSchema) -> bool:
+        """Return whether nothing in the selection can leave out a row of a table.
+
+        Args:
+            schema: Schema of the table.
+        """
+        ids = {"_system": self.system, "_component": self.component}
+        selects_ids = any(value is not None and name in schema.names for name, value in ids.items())
+        return not self.has_times and self.instance is None and not selects_ids
+
+    def keeps_source(self, system: int | None, component: int | None) -> bool:
+        """Return whether rows of a component can be selected.
+
+        Args:
+            system: System id; None in a log without.
+            component: Component id; None in a log without.
+        """
+        return self.system in (None, system) and self.component in (None, component)
+
     def keeps_record(self, record: LogRecord, instance_field: str, first: float) -> bool:
         """Return whether a record is selected.
 
@@ -64,7 +83,7 @@ class Selection:
         """
         if self.names and record.name not in self.names:
             return False
-        if self.system not in (None, record.system) or self.component not in (None, record.component):
+        if not self.keeps_source(record.system, record.component):
             return False
         if self.instance is not None and (not instance_field or record[instance_field] != self.instance):
             return False

@@ -2,119 +2,21 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import pytest
 
 from mavstack import open_log
 from mavstack.dialects import common
 from mavstack.logs.analysis import Finding, Rule, Severity, all_rules, analyse, flights
 from mavstack.wire import Encoder
+from tests.logs.analysis.telemetry import ARMED, during, flight_tlog
 from tests.logs.files import stamped
-
-SECONDS, RATE = 60, 10
-ARMED, DISARMED = 5, 55
-
-
-@dataclasses.dataclass
-class Telemetry:
-    """The values of a quadcopter's telemetry at one time; a fault changes them."""
-
-    time: float
-    armed: bool
-    altitude: float = 0.0
-    north: float = 0.0
-    vibration: float = 8.0
-    clipping: int = 0
-    fix: int = 3
-    satellites: int = 14
-    hdop: float = 0.8
-    ratio: float = 0.2
-    voltage: float = 12.4
-    remaining: int = 80
-    board: float = 5.0
-    outputs: tuple[int, int, int, int] = (1500, 1510, 1495, 1505)
-    roll: float = 0.02
-    rssi: int = 200
-    noise: int = 50
-    heard: bool = True
-    texts: tuple[tuple[int, str], ...] = ()
-    parameters: tuple[tuple[str, float], ...] = ()
-
-
-def sound(step: int) -> Telemetry:
-    time = step / RATE
-    armed = ARMED <= time < DISARMED
-    climb = min(time - ARMED, DISARMED - 1 - time, 10.0)
-    telemetry = Telemetry(time, armed, altitude=max(climb, 0.0), north=max(time - 10, 0.0))
-    if not armed:
-        telemetry.outputs = (1000, 1000, 1000, 1000)
-    return telemetry
-
-
-def messages_of(telemetry: Telemetry, step: int):
-    boot = round(telemetry.time * 1000)
-    if step % RATE == 0:
-        yield common.Heartbeat(
-            type=common.MavType.QUADROTOR,
-            autopilot=common.MavAutopilot.ARDUPILOTMEGA,
-            base_mode=129 if telemetry.armed else 1,
-            custom_mode=5,
-        )
-    yield common.Attitude(time_boot_ms=boot, roll=telemetry.roll)
-    yield common.GlobalPositionInt(
-        time_boot_ms=boot,
-        lat=round((47 + telemetry.north / 111_195) * 1e7),
-        lon=round(8.5 * 1e7),
-        alt=500_000,
-        relative_alt=round(telemetry.altitude * 1000),
-    )
-    yield common.Vibration(
-        vibration_x=telemetry.vibration, vibration_y=5, vibration_z=6, clipping_0=telemetry.clipping
-    )
-    yield common.GpsRawInt(
-        fix_type=telemetry.fix,
-        satellites_visible=telemetry.satellites,
-        eph=round(telemetry.hdop * 100),
-        lat=1,
-        lon=1,
-    )
-    ratios = {f"{name}_variance": telemetry.ratio for name in ("compass", "velocity", "pos_horiz")}
-    yield (
-        common.EkfStatusReport(**ratios)
-        if hasattr(common, "EkfStatusReport")
-        else common.EstimatorStatus(mag_ratio=telemetry.ratio, vel_ratio=0.1, pos_horiz_ratio=0.1)
-    )
-    yield common.SysStatus(
-        voltage_battery=round(telemetry.voltage * 1000),
-        current_battery=1000,
-        battery_remaining=telemetry.remaining,
-    )
-    yield common.PowerStatus(Vcc=round(telemetry.board * 1000))
-    one, two, three, four = telemetry.outputs
-    yield common.ServoOutputRaw(servo1_raw=one, servo2_raw=two, servo3_raw=three, servo4_raw=four)
-    yield common.RadioStatus(
-        rssi=telemetry.rssi, remrssi=telemetry.rssi, noise=telemetry.noise, remnoise=telemetry.noise
-    )
-    yield from (common.Statustext(severity=severity, text=text) for severity, text in telemetry.texts)
-    for name, value in telemetry.parameters:
-        yield common.ParamValue(param_id=name, param_value=value, param_type=9, param_count=1, param_index=0)
 
 
 @pytest.fixture
 def findings_of(tmp_path):
     def run(change=lambda telemetry: None) -> dict[str, list[Finding]]:
-        encoder, records = Encoder(1, 1), []
-        for step in range(SECONDS * RATE):
-            telemetry = sound(step)
-            change(telemetry)
-            if telemetry.heard:
-                start = 1_700_000_000_000_000 + step * 100_000
-                records.append(
-                    stamped([encoder.encode(message) for message in messages_of(telemetry, step)], start, 1)
-                )
         path = tmp_path / "flight.tlog"
-        path.write_bytes(b"".join(records))
+        path.write_bytes(flight_tlog(change))
         (flight,) = flights(open_log(path))
         found: dict[str, list[Finding]] = {}
         for finding in analyse(flight):
@@ -126,17 +28,6 @@ def findings_of(tmp_path):
 
 def test_a_sound_flight_has_no_findings(findings_of):
     assert findings_of() == {}
-
-
-def during(start, end, **values):
-    """Return a fault: these values from one time to another."""
-
-    def change(telemetry):
-        if start <= telemetry.time < end:
-            for name, value in values.items():
-                setattr(telemetry, name, value)
-
-    return change
 
 
 def clipped(telemetry):
@@ -173,6 +64,18 @@ FAULTS = {
     "upside down": ("crash", Severity.CRITICAL, during(30, 31, roll=3.0), 30),
     "crash text": ("crash", Severity.CRITICAL, during(30, 30.1, texts=((2, "Crash: Disarming"),)), 30),
     "failsafe": ("failsafes", Severity.CRITICAL, during(30, 30.1, texts=((4, "Radio Failsafe"),)), 30),
+    "refused mode": (
+        "mode_failures",
+        Severity.WARNING,
+        during(30, 30.1, texts=((4, "Mode change to LOITER failed"),)),
+        30,
+    ),
+    "refused mode of PX4": (
+        "mode_failures",
+        Severity.WARNING,
+        during(30, 30.1, texts=((2, "Switching to Mission is currently not available"),)),
+        30,
+    ),
     "error": ("errors", Severity.WARNING, during(30, 30.1, texts=((3, "Baro: not healthy"),)), 30),
     "silence": ("lost_link", Severity.WARNING, during(20, 28, heard=False), 19),
     "noise": ("radio_margin", Severity.WARNING, during(20, 30, noise=190), 20),
@@ -188,7 +91,7 @@ def test_a_fault_is_found(findings_of, name):
     finding = found[rule][0]
     assert finding.severity is severity
     assert finding.title
-    assert finding.text.endswith((".", "Disarming", "Failsafe", "healthy"))
+    assert finding.text.endswith((".", "Disarming", "Failsafe", "healthy", "failed", "available"))
     assert finding.time is None if time is None else finding.time == pytest.approx(time, abs=0.2)
     usual = {rule, "motor_imbalance"} if rule == "motor_saturation" else {rule}
     assert set(found) <= usual, "no other rule takes this fault for its own"
@@ -347,3 +250,19 @@ def _heartbeat_log(folder):
     path = folder / "beat.tlog"
     path.write_bytes(stamped([Encoder(1, 1).encode(common.Heartbeat(type=2, autopilot=3))]))
     return path
+
+
+def test_samples_clipped_while_disarmed_do_not_count(findings_of):
+    def change(telemetry):
+        telemetry.armed = 5 <= telemetry.time < 20 or 40 <= telemetry.time < 55
+        telemetry.clipping = 500 if telemetry.time >= 30 else 0
+
+    assert "clipping" not in findings_of(change)
+
+
+def test_a_counter_that_begins_again_takes_nothing_back(findings_of):
+    def change(telemetry):
+        telemetry.clipping = 40 if 20 <= telemetry.time < 30 else 0
+
+    (finding,) = findings_of(change)["clipping"]
+    assert (finding.numbers, finding.time) == ({"samples": 40.0}, pytest.approx(20.0, abs=0.1))

@@ -9,6 +9,7 @@ from mavstack import open_log
 from mavstack.dialects import common
 from mavstack.logs.analysis import SIGNALS, flights, read_signal
 from tests.logs.files import encoded, stamped
+from tests.logs.memory_log import MemoryLog
 from tests.logs.ulog.ulog_files import UlogBuilder
 
 
@@ -58,5 +59,26 @@ def test_values_have_the_unit_of_the_signal(tmp_path):
     assert read_signal(log, "roll", system=7) is None
 
 
+def test_a_charge_that_the_vehicle_does_not_know_is_no_value():
+    log = MemoryLog({"BAT": {"TimeUS": [1, 2, 3], "RemPct": [255, 80, 255]}})
+    assert read_signal(log, "remaining").values.tolist() == [80.0]
+
+
 def test_every_signal_has_a_title_and_a_source():
     assert all(each.title and each.sources for each in SIGNALS.values())
+
+
+def test_outputs_are_those_of_the_first_port(tmp_path):
+    outputs = [
+        common.ServoOutputRaw(port=number % 2, servo1_raw=1900 if number % 2 else 1500)
+        for number in range(10)
+    ]
+    path = tmp_path / "ports.tlog"
+    path.write_bytes(stamped(encoded(outputs)))
+    assert read_signal(open_log(path, "common"), "output_1").values.tolist() == [1500.0] * 5
+
+
+def test_the_precision_before_the_first_fix_is_unknown(tmp_path):
+    path = tmp_path / "fix.tlog"
+    path.write_bytes(stamped(encoded([common.GpsRawInt(eph=eph) for eph in (9999, 9999, 85)])))
+    assert read_signal(open_log(path, "common"), "hdop").values.tolist() == pytest.approx([0.85])

@@ -197,6 +197,24 @@ def test_header_without_definitions(tmp_path):
         open_log(path)
 
 
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b"Field S signed:0", b"Field S signed:1,0,1,0,1,0"),
+        (b",failsafePhase", b",_time"),
+        (b",failsafePhase", b","),
+    ],
+)
+def test_damaged_definitions(tmp_path, old, new):
+    data = flight(frames=60).data
+    assert old in data
+    path = tmp_path / "x"
+    path.write_bytes(data.replace(old, new))
+    log = open_log(path)
+    log.load()
+    assert len(log["MAIN"]) == 60
+
+
 def test_unknown_encodings_are_counted(opened):
     data = bytes(flight().data).replace(b"Field S encoding:1", b"Field S encoding:4")
     log = opened(data, flight())
@@ -214,3 +232,18 @@ def test_track_and_exports(opened, tmp_path):
     assert track.altitudes[0] == pytest.approx(written.rows["GPS"][0][4] / 10)
     assert export_log(log, "kml", tmp_path / "x.kml").description.endswith("points of 1 vehicle")
     assert export_log(log, "csv", tmp_path / "csv").rows == log.counts
+
+
+def test_main_frames_of_other_fields_are_unusable(tmp_path):
+    writer = flight(frames=40)
+    names = ",".join(f"x{number}" for number in range(len(MAIN) + 3))
+    head, rest = bytes(writer.data).split(b"H Field P predictor", 1)
+    path = tmp_path / "log.bbl"
+    extra = b",0,0,0\n"
+    lines = rest.split(b"\n")
+    lines[0], lines[1] = lines[0] + extra.strip(), lines[1] + extra.strip()
+    path.write_bytes(
+        head + b"H Field P name:" + names.encode() + b"\nH Field P predictor" + b"\n".join(lines)
+    )
+    log = open_log(path)
+    assert (dict(log.counts), log.skipped.other) == ({}, {"flights with unusable headers": 1})

@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import LogError
+from mavstack.errors import InvalidArgumentError, LogError
 from mavstack.logs.book import COLUMNS, FlightBook
 from tests.logs.files import encoded, stamped
 from tests.logs.flights import flight_tlog, packets
 
-ONE = str(Path("2023", "one.tlog"))
+ONE = str(Path("logs", "2023", "one.tlog"))
 
 
 @pytest.fixture
@@ -68,8 +68,31 @@ def test_a_log_that_cannot_be_read_does_not_stop_the_others(folder, tmp_path):
     (folder / "bad.bin").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(100))
     with FlightBook(tmp_path / "book.duckdb") as book:
         update = book.update(folder)
-        assert list(update.failed) == ["bad.bin"]
+        assert list(update.failed) == [str(Path("logs", "bad.bin"))]
         assert len(book.rows()) == 2
+
+
+def test_damage_is_in_the_book(folder, tmp_path):
+    (folder.parent / ONE).write_bytes(flight_tlog() + b"junk")
+    with FlightBook(tmp_path / "book.duckdb") as book:
+        assert book.update(folder).skipped == {ONE: "4 bad bytes"}
+        assert {row["skipped"] for row in book.rows()} == {"4 bad bytes"}
+        assert book.update(folder).skipped == {}
+
+
+def test_a_book_of_an_earlier_version_gets_new_columns(folder, tmp_path):
+    import duckdb
+
+    with FlightBook(tmp_path / "book.duckdb") as book:
+        book.update(folder)
+        book.add_incident(ONE, "propeller lost")
+    with duckdb.connect(str(tmp_path / "book.duckdb")) as connection:
+        connection.execute("ALTER TABLE flights DROP COLUMN skipped")
+    with FlightBook(tmp_path / "book.duckdb") as book:
+        assert book.update(folder).read == 1
+        assert [(row["incidents"], row["skipped"]) for row in book.rows()] == [("propeller lost", "")] * 2
+    with FlightBook(tmp_path / "book.duckdb") as book:
+        assert book.update(folder).unchanged == 1
 
 
 def test_the_book_as_csv(folder, tmp_path):
@@ -97,7 +120,7 @@ def test_an_interrupted_update_keeps_the_remarks(folder, tmp_path, monkeypatch):
     with FlightBook(path) as book:
         book.update(folder)
         book.add_incident(ONE, "propeller lost")
-        (folder / ONE).write_bytes(flight_tlog() + b"x")
+        (folder.parent / ONE).write_bytes(flight_tlog() + b"x")
         forget = book._forget
 
         def interrupt(name):
@@ -113,7 +136,7 @@ def test_an_interrupted_update_keeps_the_remarks(folder, tmp_path, monkeypatch):
 
 
 def test_a_log_that_is_removed_meanwhile_is_reported(folder, tmp_path, monkeypatch):
-    monkeypatch.setattr(Path, "rglob", lambda self, pattern: [Vanishing(folder / ONE)])
+    monkeypatch.setattr(Path, "rglob", lambda self, pattern: [Vanishing(folder.parent / ONE)])
     with FlightBook(tmp_path / "book.duckdb") as book:
         assert list(book.update(folder).failed) == [ONE]
 
@@ -131,8 +154,43 @@ class Vanishing(type(Path())):
 def test_the_first_takeoff_and_the_last_landing(folder, tmp_path):
     armed = [False, True, False, False, True, True, False, False]
     beats = [common.Heartbeat(type=2, autopilot=3, base_mode=129 if now else 1) for now in armed]
-    (folder / ONE).write_bytes(stamped(encoded(beats), step=1_000_000))
+    (folder.parent / ONE).write_bytes(stamped(encoded(beats), step=1_000_000))
     with FlightBook(tmp_path / "book.duckdb") as book:
         book.update(folder)
         (row,) = [row for row in book.rows() if row["file"] == ONE]
     assert (row["first_takeoff_s"], row["last_landing_s"], row["flight_time_s"]) == (1.0, 6.0, 3.0)
+
+
+def test_logs_of_other_folders_stay(folder, tmp_path):
+    other = tmp_path / "other" / "2023"
+    other.mkdir(parents=True)
+    (other / "one.tlog").write_bytes(flight_tlog())
+    book_folder = tmp_path / "books"
+    book_folder.mkdir()
+    with FlightBook(book_folder / "book.duckdb") as book:
+        assert book.update(folder).read == 1
+        first = str(tmp_path / ONE)
+        assert book.add_incident("2023/one.tlog", "propeller lost") == 2
+        assert (book.update(other.parent).read, book.update(other).unchanged) == (1, 1)
+        assert {row["file"] for row in book.rows()} == {first, str(other / "one.tlog")}
+        with pytest.raises(InvalidArgumentError, match=r"one\.tlog names several logs of the book: "):
+            book.add_incident("one.tlog", "x")
+        assert book.add_incident("ne.tlog", "x") == 0
+        (other / "one.tlog").unlink()
+        assert (book.update(folder).removed, book.update(other).removed) == (0, 1)
+        assert [row["incidents"] for row in book.rows()] == ["propeller lost"] * 2
+
+
+def test_a_book_beside_its_logs_can_be_moved(folder, tmp_path):
+    with FlightBook(folder / "flights.duckdb") as book:
+        book.update(folder)
+    moved = folder.rename(tmp_path / "moved")
+    with FlightBook(moved / "flights.duckdb") as book:
+        assert book.update(moved).unchanged == 1
+
+
+@pytest.mark.parametrize("suffix", [".bbl", ".BFL", ".ulg", ".pcapng"])
+def test_logs_of_every_format_are_looked_at(tmp_path, suffix):
+    (tmp_path / f"flight{suffix}").write_bytes(b"no log of any format")
+    with FlightBook(tmp_path / "book.duckdb") as book:
+        assert list(book.update(tmp_path).failed) == [f"flight{suffix}"]

@@ -66,10 +66,12 @@ def test_parquet(flight, tmp_path):
     table = pyarrow.parquet.read_table(file, partitioning=None)
     assert table["voltages"].to_pylist() == flight["BATTERY_STATUS"]["voltages"].tolist()
     assert table["_time"].to_pylist()[0].isoformat() == "2023-11-14T22:13:20.300000+00:00"
-    metadata = table.schema.field("voltages").metadata
-    assert metadata[b"unit"] == b"V"
+    assert table.schema.field("voltages").metadata[b"unit"] == b"V"
+    assert table.schema.field("type").metadata[b"enum"] == b"MAV_BATTERY_TYPE"
     origin = json.loads(table.schema.metadata[b"mavstack.table"])
     assert (origin["name"], origin["source"]) == ("BATTERY_STATUS", "common")
+    (enum,) = [field["enum_values"] for field in origin["fields"] if field["name"] == "type"]
+    assert enum["1"] == "LIPO"
     rows = duckdb.sql(
         f"SELECT vehicle, count(*) FROM read_parquet('{tmp_path}/dataset/**/*.parquet', union_by_name=true) "
         "WHERE message = 'GLOBAL_POSITION_INT' GROUP BY 1 ORDER BY 1"

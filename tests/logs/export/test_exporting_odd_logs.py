@@ -81,8 +81,8 @@ def test_the_schema_of_mcap_is_that_of_the_values(flight, tmp_path):
     assert kinds == {
         (False, False, "type"): ("integer", int),
         (False, False, "alt"): ("integer", int),
-        (True, False, "type"): ("number", float),
-        (True, False, "alt"): ("number", float),
+        (True, False, "type"): ("number", int),  # whole numbers
+        (True, False, "alt"): ("number", int),
         (False, True, "type"): ("string", str),
         (False, True, "alt"): ("integer", int),
     }

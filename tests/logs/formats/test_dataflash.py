@@ -68,3 +68,21 @@ class TestText(LogConformance):
         path = folder / "log.BIN"
         path.write_text(as_text(mavstack.open_log(binary)), "utf-8")
         return path
+
+
+@pytest.mark.parametrize("lost", [(), (30,), (40, 41, 60), (0,)])
+def test_logs_that_mavlink_router_received_block_by_block(tmp_path, lost):
+    # A block of 200 bytes is written at its place; lost ones, and the rest of the last one, are zeros.
+    data = bytes(flight(records=900).data)
+    blocks = [data[at : at + 200].ljust(200, b"\0") for at in range(0, len(data), 200)]
+    path = tmp_path / "00001-2024-05-01_10-00-00.bin"
+    path.write_bytes(b"".join(bytes(200) if number in lost else block for number, block in enumerate(blocks)))
+    whole = tmp_path / "whole.bin"
+    whole.write_bytes(data)
+    log, expected = mavstack.open_log(path), mavstack.open_log(whole)
+    assert log.format == "dataflash"
+    assert log.skipped.bad_bytes >= 200 * len(lost) + len(blocks) * 200 - len(data)
+    times = expected["IMU"]["TimeUS"].tolist()
+    kept = log["IMU"]["TimeUS"].tolist()
+    assert len(times) - 6 * len(lost) <= len(kept) <= len(times)
+    assert set(kept) <= set(times)

@@ -77,3 +77,28 @@ def test_parameters_of_a_payload_are_not_those_of_the_vehicle(log_of):
     gimbal = encoded([parameter("SYSID", 9.0), parameter("ONLY_GIMBAL", 1.0)], component=154)
     log = log_of(COPTER, parameter("SYSID", 1.0), others=gimbal)
     assert (log.parameters, log.parameter_changes) == ({"SYSID": 1.0}, [])
+
+
+def test_severities_of_apm_until_2015_count_upwards(log_of):
+    texts = [
+        (1, "Initialising APM..."),
+        (2, "medium"),
+        (3, "Low Battery!"),
+        (4, "critical"),
+        (5, "Press a key"),
+    ]
+    messages = [common.Statustext(severity=severity, text=text) for severity, text in texts]
+    other = encoded([common.Statustext(severity=1, text="of another system")], system=2)
+    log = log_of(*messages, others=[stamped(other)])
+    assert [text.severity for text in log.texts] == [6, 4, 3, 2, 5, 1]
+    later = log.select(start=0.0005, end=0.0015)
+    assert [text.severity for text in later.texts] == [4]
+
+
+@pytest.mark.parametrize(
+    "texts",
+    [((1, "Fly away"), (3, "x")), ((1, "Initialising APM"), (6, "x")), ((1, "Initialising APM"), (0, "y"))],
+)
+def test_severities_of_other_firmware_stay(log_of, texts):
+    log = log_of(*[common.Statustext(severity=severity, text=text) for severity, text in texts])
+    assert [text.severity for text in log.texts] == [severity for severity, _ in texts]

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mavstack.logs.report.charts import Band, Chart, Line, draw, envelope, svg_document
+from mavstack.logs.report.charts import Band, Chart, Line, aligned, draw, envelope, svg_document
 from mavstack.logs.report.png import png_of
 from mavstack.logs.report.style import STYLE
 
@@ -41,6 +41,22 @@ def test_every_point_is_inside_of_the_chart(values):
 
 def test_a_chart_without_points_is_not_drawn():
     assert draw(Chart("empty", "", [Line("a", np.empty(0), np.empty(0))])) == ""
+
+
+def test_the_axis_shows_all_points_and_the_span():
+    line = Line("x", np.array([2.0, 5.0]), np.array([1.0, 2.0]))
+    assert Chart("x", "", [line]).extent == (2.0, 5.0)
+    assert Chart("x", "", [line], span=(0.0, 9.0)).extent == (0.0, 9.0)
+    assert Chart("x", "", [line], span=(3.0, 4.0)).extent == (2.0, 5.0), "no point is outside"
+
+
+def test_charts_over_time_have_one_axis():
+    def chart(left, right, axis="s"):
+        return Chart("x", "", [Line("x", np.array([left, right]), np.array([1.0, 2.0]))], axis=axis)
+
+    empty = Chart("empty", "", [Line("x", np.empty(0), np.empty(0))])
+    found = aligned([chart(2.0, 5.0), chart(0.0, 200.0, "Hz"), empty, chart(1.0, 4.0)])
+    assert [each.extent for each in found] == [(1.0, 5.0), (0.0, 200.0), (1.0, 5.0)]
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ import pytest
 from mavstack import open_log
 from mavstack.dialects import common
 from mavstack.logs.report import make_report
-from tests.logs.files import encoded, stamped
+from tests.logs.files import START, encoded, stamped
 from tests.logs.flights import flight_tlog
 
 VOID = {"meta", "br"}
@@ -69,6 +69,33 @@ def test_the_page_needs_no_other_file(flight):
     assert not re.search(r"(src|href|url)\s*[=(]", html)
     assert "@media (prefers-color-scheme:dark)" in html
     assert 'name="viewport"' in html
+
+
+def test_information_of_the_log(flight):
+    page = Page(make_report(flight).html)
+    subtitle, _, rest = page.text.partition("Findings")
+    assert "QUADROTOR · ARDUPILOTMEGA" in subtitle
+    assert "Information (" in rest
+    assert all(value in rest for value in flight.info.values())
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"), [(59, "59 s"), (429, "7 min 9 s"), (3599.6, "1 h 0 min"), (5400, "1 h 30 min")]
+)
+def test_the_length_of_a_flight(tmp_path, seconds, text):
+    path = tmp_path / "long.tlog"
+    beats = [common.Heartbeat(type=2, autopilot=3, base_mode=129)] * 2
+    path.write_bytes(stamped(encoded(beats), step=round(seconds * 1e6)))
+    page = Page(make_report(open_log(path, "common")).html)
+    assert f"0.0 MB · {text} ·" in page.text
+
+
+def test_rates_and_gaps_of_messages(tmp_path):
+    path = tmp_path / "gap.tlog"
+    packets = encoded([common.Attitude()])
+    path.write_bytes(b"".join(stamped(packets, START + second * 10**6) for second in (*range(20), 30)))
+    html = make_report(open_log(path, "common")).html
+    assert '<td>ATTITUDE</td><td class="n">21</td><td class="n">0.7</td><td class="n">11.0 s</td>' in html
 
 
 def test_a_text_of_the_vehicle_is_no_markup(tmp_path):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from mavstack import open_log
+from mavstack.logs.ulog import ulog
 from tests.logs.exercise import exercise
 from tests.logs.ulog.ulog_files import UlogBuilder
 
@@ -90,7 +91,10 @@ def test_values_from_before_the_start_do_not_lengthen_the_log(tmp_path):
     assert open_log(path).duration == 0.0
 
 
-def test_a_value_of_an_earlier_boot_is_no_end(tmp_path):
+@pytest.mark.parametrize("stored", [True, False])
+def test_a_value_of_an_earlier_boot_is_no_end(tmp_path, monkeypatch, stored):
+    if not stored:
+        monkeypatch.setattr(ulog, "_MAX_STORED", 0)
     builder = UlogBuilder(start_us=20_000_000).flags()
     builder.formats("t:uint64_t timestamp;", "mission:uint64_t timestamp;")
     builder.subscribe(0, "t").subscribe(1, "mission").record(1, "Q", 1_194_000_000)

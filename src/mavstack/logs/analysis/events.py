@@ -1,4 +1,4 @@
-"""Rules about what the vehicle reported: errors, failsafes, crashes, and parameters changed in flight."""
+"""Rules about what the vehicle reported: errors, failsafes, crashes, refused modes, parameters."""
 
 from __future__ import annotations
 
@@ -24,6 +24,16 @@ _CLEARED: Final = re.compile(
 #: Reasons why a vehicle on the ground refuses to arm, such as "PreArm: CrashDump data detected".
 _REFUSED: Final = re.compile(r"(pre-?arm|arm|preflight fail|arming denied)\b[^:]*:", re.IGNORECASE)
 _CRASH: Final = re.compile(r"crash|potential thrust loss|engine failure", re.IGNORECASE)
+#: "Mode change to LOITER failed: requires position" (ArduPilot), "Switching to Mission is currently not
+#: available" and "Switching to mode 'Mission' is currently not possible" (PX4).
+_MODE_FAILED: Final = re.compile(
+    r"mode change to .* failed|switching to .* not (possible|available)|\bmode\b.* (rejected|denied)",
+    re.IGNORECASE,
+)
+#: Subsystem FLIGHT_MODE of ArduPilot's ERR; the code is the mode that was refused.
+_FLIGHT_MODE_SUBSYSTEM: Final = 10
+#: Texts that are findings of other rules than `errors`.
+_OF_OTHER_RULES: Final = (_FAILSAFE, _CRASH, _MODE_FAILED)
 _ERROR_SEVERITY: Final = 3
 _MAX_LISTED: Final = 5
 #: Parameters that the vehicle changes itself.
@@ -37,7 +47,7 @@ def failsafes(flight: Flight) -> Iterator[Finding]:
     yield from _reported(flight, "failsafes", _is_failsafe)
     if "ERR" in flight.log and flight.log.schema("ERR").has_numbers("Subsys", "ECode"):
         errors = flight.log["ERR"]
-        errors = errors.where(errors["ECode"] != 0)
+        errors = errors.where((errors["ECode"] != 0) & (errors["Subsys"] != _FLIGHT_MODE_SUBSYSTEM))
         times = flight.log.seconds_from_start("ERR", errors)
         for row, time in zip(errors[:_MAX_LISTED], times.tolist(), strict=False):
             title = f"error: subsystem {row['Subsys']}, code {row['ECode']}"
@@ -66,13 +76,32 @@ def crash(flight: Flight) -> Iterator[Finding]:
             yield Finding("crash", Severity.CRITICAL, title, report, time, {"angle_deg": top})
 
 
+def mode_failures(flight: Flight) -> Iterator[Finding]:
+    """Look for modes that the vehicle refused to enter: texts, and errors of DataFlash logs (ERR)."""
+    texts = _first_times([(time, text) for time, text in flight.texts if _MODE_FAILED.search(text.text)])
+    for title, time in texts.items():
+        report = f"The vehicle stayed in its mode: {title}"
+        yield Finding("mode_failures", Severity.WARNING, title, report, _known(time))
+    # The texts tell the reason too.
+    if texts or "ERR" not in flight.log or not flight.log.schema("ERR").has_numbers("Subsys", "ECode"):
+        return
+    rows = flight.log["ERR"]
+    rows = rows.where(rows["Subsys"] == _FLIGHT_MODE_SUBSYSTEM)
+    times = flight.log.seconds_from_start("ERR", rows)
+    for row, time in zip(rows[:_MAX_LISTED], times.tolist(), strict=False):
+        mode = int(row["ECode"])
+        title = f"change to mode {mode} failed"
+        report = f"The vehicle refused to enter mode {mode} and logged an error (ERR)."
+        yield Finding("mode_failures", Severity.WARNING, title, report, _known(time), {"mode": float(mode)})
+
+
 def errors(flight: Flight) -> Iterator[Finding]:
-    """List texts of severity ERROR and above; failsafes and crashes are findings of their own."""
+    """List texts of severity ERROR and above; failsafes, crashes and modes are findings of their own."""
     grave = [
         (time, text)
         for time, text in flight.texts
         if text.severity <= _ERROR_SEVERITY
-        and (_REFUSED.match(text.text) or not (_FAILSAFE.search(text.text) or _CRASH.search(text.text)))
+        and (_REFUSED.match(text.text) or not any(found.search(text.text) for found in _OF_OTHER_RULES))
     ]
     distinct = _first_times(grave)
     for title, time in list(distinct.items())[:_MAX_LISTED]:
@@ -129,6 +158,7 @@ def _known(time: float) -> float | None:
 RULES: Final = (
     Rule("failsafes", str(failsafes.__doc__), failsafes),
     Rule("crash", str(crash.__doc__), crash),
+    Rule("mode_failures", str(mode_failures.__doc__), mode_failures),
     Rule("errors", str(errors.__doc__), errors),
     Rule("parameter_changes", str(parameter_changes.__doc__), parameter_changes),
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
@@ -57,6 +58,25 @@ class Flight:
             armed = None if signal is None else signal.during(self.is_armed(signal.times))
             self._armed_signals[name] = armed if armed is not None and len(armed) else None
         return self._armed_signals[name]
+
+    def armed_steps(self, name: str) -> Signal | None:
+        """Return the steps of a signal between values that follow each other while the vehicle is armed.
+
+        A counter that goes on while the vehicle is disarmed has no step for that time.
+
+        Args:
+            name: Name of the signal, a key of `SIGNALS`.
+
+        Returns:
+            The steps with the time of the end of each, or None if there are none.
+        """
+        signal = self.signal(name)
+        if signal is None:
+            return None
+        armed = self.is_armed(signal.times)
+        steps = replace(signal, times=signal.times[1:], values=np.diff(signal.values))
+        steps = steps.during(armed[1:] & armed[:-1])
+        return steps if len(steps) else None
 
     def is_armed(self, times: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Return whether the vehicle was armed at each of some times; always, if the log does not tell.

@@ -74,9 +74,8 @@ def gps_glitch(flight: Flight) -> Iterator[Finding]:
         "gps_glitch",
         Severity.CRITICAL,
         f"position jumped by {farthest:.0f} m",
-        f"The position ({track.source}) jumped {len(jumps)} times by more than the vehicle can fly, at "
-        f"most by "
-        f"{farthest:.0f} m: a glitch or spoofing of satellite navigation, or a reset of the estimator.",
+        f"The position ({track.source}) jumped {len(jumps)} times by more than the vehicle can fly, at most "
+        f"by {farthest:.0f} m: a glitch or spoofing of satellite navigation, or a reset of the estimator.",
         float(track.times[worst + 1] - flight.start),
         {"jump_m": farthest, "jumps": float(len(jumps))},
     )
@@ -109,15 +108,14 @@ def estimator(flight: Flight) -> Iterator[Finding]:
 
 def estimator_resets(flight: Flight) -> Iterator[Finding]:
     """Look for resets of the horizontal position estimate while armed."""
-    signal = flight.armed_signal("position_resets")
-    if signal is None or len(signal) < 2:
-        return
-    steps = np.flatnonzero(np.diff(signal.values) != 0)
-    if len(steps):
-        text = f"The estimator reset its horizontal position {len(steps)} times while armed."
-        time = float(signal.times[steps[0] + 1])
-        title = f"{len(steps)} resets of the position estimate"
-        numbers = {"resets": float(len(steps))}
+    steps = flight.armed_steps("position_resets")
+    resets = None if steps is None else steps.during(steps.values != 0)
+    if resets is not None and len(resets):
+        noun = "reset" if len(resets) == 1 else "resets"
+        text = f"The estimator reset its horizontal position while armed: {len(resets)} {noun}."
+        time = float(resets.times[0])
+        title = f"{len(resets)} {noun} of the position estimate"
+        numbers = {"resets": float(len(resets))}
         yield Finding("estimator_resets", Severity.WARNING, title, text, time, numbers)
 
 

@@ -33,10 +33,8 @@ def motor_saturation(flight: Flight) -> Iterator[Finding]:
                 Severity.CRITICAL,
                 f"{motor.title} at its limit for {share:.0%} of the flight",
                 f"{motor.title.capitalize()} was at {_FULL:.0f} us or more for {share:.0%} of the flight: "
-                f"the vehicle is "
-                "too heavy, a motor or propeller is damaged, or the wind was too strong. It cannot hold "
-                "its attitude "
-                "when another motor needs more.",
+                "the vehicle is too heavy, a motor or propeller is damaged, or the wind was too strong. It "
+                "cannot hold its attitude when another motor needs more.",
                 float(motor.times[motor.values.argmax()]),
                 {"share": share},
             )
@@ -55,9 +53,8 @@ def motor_imbalance(flight: Flight) -> Iterator[Finding]:
             "motor_imbalance",
             Severity.WARNING,
             f"motors differ by {difference:.0f} us",
-            f"On average {high} ran at {means[high]:.0f} us and {low} at {means[low]:.0f} us. The centre "
-            f"of mass is "
-            "off, a motor is tilted, or one is weaker than the others.",
+            f"On average {high} ran at {means[high]:.0f} us and {low} at {means[low]:.0f} us. The centre of "
+            "mass is off, a motor is tilted, or one is weaker than the others.",
             None,
             {"difference_us": difference},
         )

@@ -42,8 +42,7 @@ def lost_link(flight: Flight) -> Iterator[Finding]:
         Severity.WARNING,
         f"link lost for {max_gap:.0f} s",
         f"The vehicle was not heard {len(lost)} times for more than {_SILENCE:.0f} s while armed, at most "
-        f"for "
-        f"{max_gap:.0f} s.",
+        f"for {max_gap:.0f} s.",
         float(times[lost[gaps[lost].argmax()]]),
         {"max_gap_s": max_gap, "times": float(len(lost))},
     )
@@ -100,8 +99,7 @@ def radio_margin(flight: Flight) -> Iterator[Finding]:
                 Severity.WARNING,
                 f"{side} radio: {low:.0f} dB above the noise",
                 f"For 5 % of the flight the signal of the {side} radio was at most {low:.0f} dB above the "
-                f"noise; "
-                f"{_LOW_MARGIN:.0f} dB or more are needed for a link without losses.",
+                f"noise; {_LOW_MARGIN:.0f} dB or more are needed for a link without losses.",
                 float(signal.times[margin.argmin()]),
                 {"margin_db": low},
             )

@@ -7,7 +7,7 @@ value to the unit of the signal; values that stand for "unknown" are left out.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import degrees
+from math import degrees, inf, isfinite
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
 
@@ -27,11 +27,15 @@ Column: TypeAlias = "NDArray[np.float64]"
 
 
 class Source(NamedTuple):
-    """A column that holds a signal: the table, the field, and the factor to the unit of the signal."""
+    """A column that holds a signal: the table, the field, and the factor to the unit of the signal.
+
+    Values from `unknown_from` on, in the unit of the signal, stand for "unknown".
+    """
 
     table: str
     field: str
     factor: float = 1.0
+    unknown_from: float = inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,10 +80,20 @@ class Signal:
 
 
 _DEGREES: Final = degrees(1.0)
+#: Receivers of u-blox tell a dilution of precision of 99.99 as long as they have no fix.
+_UNKNOWN_DOP: Final = 99.0
+#: ArduPilot logs 255 % for a battery whose capacity it does not know.
+_UNKNOWN_PERCENTAGE: Final = 255.0
 
 
-def _define(title: str, unit: str, *sources: tuple[str, str] | tuple[str, str, float]) -> SignalDefinition:
-    return SignalDefinition(title, unit, tuple(Source(*source) for source in sources))
+def _define(
+    title: str,
+    unit: str,
+    *sources: tuple[str, str] | tuple[str, str, float],
+    unknown_from: float = inf,
+) -> SignalDefinition:
+    found = (Source(*source)._replace(unknown_from=unknown_from) for source in sources)
+    return SignalDefinition(title, unit, tuple(found))
 
 
 def _motors() -> dict[str, SignalDefinition]:
@@ -140,7 +154,7 @@ SIGNALS: Final[Mapping[str, SignalDefinition]] = MappingProxyType(
         ),
         "remaining": _define(
             "battery remaining", "%", ("SYS_STATUS", "battery_remaining"), ("BAT", "RemPct"),
-            ("battery_status", "remaining", 100.0),
+            ("battery_status", "remaining", 100.0), unknown_from=_UNKNOWN_PERCENTAGE,
         ),
         "board_voltage": _define(
             "board voltage", "V", ("POWER_STATUS", "Vcc", 1e-3), ("POWR", "Vcc"),
@@ -164,7 +178,7 @@ SIGNALS: Final[Mapping[str, SignalDefinition]] = MappingProxyType(
         ),
         "hdop": _define(
             "HDOP", "", ("GPS_RAW_INT", "eph", 1e-2), ("GPS", "HDop"), ("vehicle_gps_position", "hdop"),
-            ("sensor_gps", "hdop"),
+            ("sensor_gps", "hdop"), unknown_from=_UNKNOWN_DOP,
         ),
         "compass_variance": _define(
             "compass test ratio", "", ("EKF_STATUS_REPORT", "compass_variance"), ("XKF4", "SM"),
@@ -275,12 +289,13 @@ def _angle(log: Log, name: str, definition: SignalDefinition) -> Signal | None:
 
 
 def _rows(table: MessageTable, system: int | None) -> MessageTable:
-    """Return the rows of one vehicle, and of the first sensor if there are several."""
+    """Return the rows of one vehicle, and of the first sensor or port if there are several."""
     names = table.dtype.names or ()
     if system is not None and "_system" in names:
         table = _where(table, table["_system"] == system)
-    if "_instance" in names and len(table):
-        table = _where(table, table["_instance"] == table["_instance"].min())
+    for name in ("_instance", "port"):
+        if name in names and len(table):
+            table = _where(table, table[name] == table[name].min())
     return table
 
 
@@ -293,4 +308,4 @@ def _values(table: MessageTable, source: Source) -> NDArray[np.float64]:
     schema = table.schema[source.field.partition("[")[0]]
     # The factors of this module are those of the stored value.
     values: NDArray[np.float64] = table.scaled(source.field) / schema.multiplier * source.factor
-    return values
+    return np.where(values < source.unknown_from, values, np.nan) if isfinite(source.unknown_from) else values

@@ -37,9 +37,8 @@ def vibration(flight: Flight) -> Iterator[Finding]:
             Severity.CRITICAL if grave else Severity.WARNING,
             f"vibration on {axis}: {level:.0f} m/s/s",
             f"For 5 % of the flight the vibration on the {axis} axis is at least {level:.0f} m/s/s (highest "
-            f"{top:.0f}). Below {_ACCEPTABLE:.0f} is acceptable; above {_BAD:.0f} the estimates of "
-            f"altitude and "
-            "position become wrong. Balance the propellers, and look at the mount of the autopilot.",
+            f"{top:.0f}). Below {_ACCEPTABLE:.0f} is acceptable; above {_BAD:.0f} the estimates of altitude "
+            "and position become wrong. Balance the propellers, and look at the mount of the autopilot.",
             float(signal.times[signal.values.argmax()]),
             {"level_m_s2": level, "max_m_s2": top},
         )
@@ -47,21 +46,17 @@ def vibration(flight: Flight) -> Iterator[Finding]:
 
 def clipping(flight: Flight) -> Iterator[Finding]:
     """Look for samples of the accelerometer that reached the end of its range while armed."""
-    signal = flight.armed_signal("clipping")
-    if signal is None or len(signal) < 2:
+    steps = flight.armed_steps("clipping")
+    rises = None if steps is None else steps.during(steps.values > 0)
+    if rises is None or not len(rises):
         return
-    steps = np.diff(signal.values)
-    clipped = float(steps[steps > 0].sum())
-    if clipped <= 0:
-        return
-    first = float(signal.times[1:][steps > 0][0])
+    clipped, first = float(rises.values.sum()), float(rises.times[0])
     yield Finding(
         "clipping",
         Severity.CRITICAL if clipped > _FEW_CLIPS else Severity.INFO,
         f"{clipped:.0f} clipped samples of the accelerometer",
-        f"The accelerometer reached the end of its range {clipped:.0f} times while armed. A few on "
-        f"landing are "
-        "usual; more of them falsify the estimates of altitude and position.",
+        f"The accelerometer reached the end of its range {clipped:.0f} times while armed. A few on landing "
+        "are usual; more of them falsify the estimates of altitude and position.",
         first,
         {"samples": clipped},
     )

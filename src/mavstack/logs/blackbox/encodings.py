@@ -51,6 +51,12 @@ def extended(value: int, bits: int) -> int:
     return ((value & ((1 << bits) - 1)) ^ sign) - sign
 
 
+#: The signed numbers of one byte and of two, and the three of 2 bits that a tag of TAG2_3S32 or
+#: TAG2_3SVARIABLE holds itself.
+SIGNED_VALUES: Final = tuple((bits >> 1) ^ -(bits & 1) for bits in range(1 << 14))
+SMALL_TRIPLES: Final = tuple(tuple(extended(byte >> shift, 2) for shift in (4, 2, 0)) for byte in range(64))
+
+
 def _read_unsigned(data: bytes, position: int, count: int, values: list[int]) -> int:
     for _ in range(count):
         byte = data[position]
@@ -115,16 +121,22 @@ def _read_sized(data: bytes, position: int, values: list[int]) -> int:
     return position
 
 
+#: Three signed numbers by 12 bits of four each, and by 14 bits of five, five and four.
+_FOURS: Final = tuple(tuple(extended(bits >> shift, 4) for shift in (8, 4, 0)) for bits in range(1 << 12))
+_FIVES: Final = tuple(
+    (extended(bits >> 9, 5), extended(bits >> 4, 5), extended(bits, 4)) for bits in range(1 << 14)
+)
+
+
 def _read_tag2_3s32(data: bytes, position: int, _count: int, values: list[int]) -> int:
     """Read three numbers of 2, 4, 6 bits, or of one to four bytes each."""
     first = data[position]
     kind = first >> 6
     if kind == 0:
-        values += (extended(first >> 4, 2), extended(first >> 2, 2), extended(first, 2))
+        values += SMALL_TRIPLES[first]
         return position + 1
     if kind == 1:
-        second = data[position + 1]
-        values += (extended(first, 4), extended(second >> 4, 4), extended(second, 4))
+        values += _FOURS[(first & 15) << 8 | data[position + 1]]
         return position + 2
     if kind == 2:
         values += (extended(first, 6), extended(data[position + 1], 6), extended(data[position + 2], 6))
@@ -137,11 +149,10 @@ def _read_tag2_3svariable(data: bytes, position: int, _count: int, values: list[
     first = data[position]
     kind = first >> 6
     if kind == 0:
-        values += (extended(first >> 4, 2), extended(first >> 2, 2), extended(first, 2))
+        values += SMALL_TRIPLES[first]
         return position + 1
     if kind == 1:
-        bits = first << 8 | data[position + 1]
-        values += (extended(bits >> 9, 5), extended(bits >> 4, 5), extended(bits, 4))
+        values += _FIVES[(first & 63) << 8 | data[position + 1]]
         return position + 2
     if kind == 2:
         bits = first << 16 | data[position + 1] << 8 | data[position + 2]
@@ -150,26 +161,30 @@ def _read_tag2_3svariable(data: bytes, position: int, _count: int, values: list[
     return _read_sized(data, position, values)
 
 
+def _packed_layout(tag: int) -> tuple[int, tuple[tuple[int, int, int], ...]]:
+    """Return the bytes behind a tag of four sizes, and the shift, mask and sign bit of each number."""
+    sizes = [(0, 4, 8, 16)[tag >> shift & 3] for shift in (0, 2, 4, 6)]
+    size, place = (sum(sizes) + 7) // 8, 0
+    fields = []
+    for bits in sizes:
+        place += bits
+        fields.append((8 * size - place, (1 << bits) - 1, 1 << bits >> 1))
+    return size, tuple(fields)
+
+
+_PACKED: Final = tuple(map(_packed_layout, range(256)))
+
+
 def _read_tag8_4s16(data: bytes, position: int, _count: int, values: list[int]) -> int:
     """Read four numbers of 0, 4, 8 or 16 bits, one behind the other without gaps, high bits first."""
-    tag = data[position]
+    size, fields = _PACKED[data[position]]
     position += 1
-    # `bit` is 4 in the middle of a byte.
-    bit = 0
-    for _ in range(4):
-        size = (0, 4, 8, 16)[tag & 3]
-        tag >>= 2
-        if not size:
-            values.append(0)
-            continue
-        end = bit + size
-        last = position + (end + 7) // 8
-        if last > len(data):
-            raise IndexError
-        bits = int.from_bytes(data[position:last], "big") >> (-end % 8)
-        values.append(extended(bits, size))
-        position, bit = position + end // 8, end % 8
-    return position + (bit > 0)
+    end = position + size
+    if end > len(data):
+        raise IndexError
+    bits = int.from_bytes(data[position:end], "big")
+    values += [((bits >> shift & mask) ^ sign) - sign for shift, mask, sign in fields]
+    return end
 
 
 def read_tag8_4s16_v1(data: bytes, position: int, _count: int, values: list[int]) -> int:

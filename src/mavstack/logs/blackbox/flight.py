@@ -10,7 +10,9 @@ decoder would then drop the rest of the flight, the second of two I frames that 
 from __future__ import annotations
 
 from array import array
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from struct import Struct
+from struct import error as struct_error
 from typing import TYPE_CHECKING, Final
 
 from mavstack.logs.blackbox.events import LOG_END, RESUME, read_event
@@ -33,27 +35,29 @@ _PADDING: Final = b"\x00\xff"
 UNKNOWN_TIME: Final = -1
 
 
-@dataclass(slots=True)
 class Rows:
     """Rows of a table.
 
+    Args:
+        width: Number of values in a row.
+
     Attributes:
-        values: The values of all rows, one row after the other.
+        values: The values of all rows as 64-bit integers, one row after the other.
         times: Time of each row in microseconds since boot.
         positions: Position of each frame in the flight.
     """
 
-    values: array[int] = field(default_factory=lambda: array("q"))
-    times: array[int] = field(default_factory=lambda: array("q"))
-    positions: array[int] = field(default_factory=lambda: array("q"))
+    def __init__(self, width: int) -> None:
+        self.values = bytearray()
+        self.times: array[int] = array("q")
+        self.positions: array[int] = array("q")
+        self._pack = Struct(f"={width}q").pack
 
     def add(self, values: Sequence[int], time: int, position: int) -> bool:
         """Add a row, and return whether its values are numbers of 64 bits."""
-        before = len(self.values)
         try:
-            self.values.extend(values)
-        except OverflowError:
-            del self.values[before:]
+            self.values += self._pack(*values)
+        except struct_error:
             return False
         self.times.append(time)
         self.positions.append(position)
@@ -103,13 +107,16 @@ class FlightDecoder:
             ord(letter): FrameReader(definition, header) for letter, definition in header.frames.items()
         }
         names = header.frames["I"].names if {"I", "P"} <= header.frames.keys() else ()
-        if not {"loopIteration", "time"} <= set(names):
+        if not {"loopIteration", "time"} <= set(names) or header.frames["P"].names != names:
             raise UnsupportedFieldError("no definition of main frames")
+        self._nothing = [0] * len(names)
         self._iteration, self._time = names.index("loopIteration"), names.index("time")
         gps = header.frames.get("G")
         self._gps_time = gps.names.index("time") if gps is not None and "time" in gps.names else None
         self._skipped_after = _SkippedIterations(header)
-        self.main, self.slow, self.gps, self.home = Rows(), Rows(), Rows(), Rows()
+        self.main, self.slow, self.gps, self.home = (
+            Rows(len(header.frames[letter].names) if letter in header.frames else 0) for letter in "ISGH"
+        )
         self.events: list[tuple[Event, int, int]] = []
         self.damage = FlightDamage()
         self.is_complete = False
@@ -130,12 +137,15 @@ class FlightDecoder:
         data, damage = self._data, self.damage
         while position < self._end:
             marker = data[position]
-            if marker not in MARKERS or (marker != _EVENT and marker not in self._readers):
+            if marker in (_INTRA, _INTER):
+                end = self._main_frame(marker, position)
+            elif marker not in MARKERS or (marker != _EVENT and marker not in self._readers):
                 self._lose_sequence()
                 damage.bad_bytes += 1
                 position += 1
                 continue
-            end = self._frame(marker, position)
+            else:
+                end = self._frame(marker, position)
             if end is None:
                 self._lose_sequence()
                 damage.corrupt += 1
@@ -146,25 +156,25 @@ class FlightDecoder:
         rest = data[self._end :]
         damage.bad_bytes += len(rest) - sum(rest.count(byte) for byte in (_PADDING[:1], _PADDING[1:]))
 
+    def _is_complete_frame(self, position: int, end: int) -> bool:
+        """Return whether a frame is followed by another one, or by the end."""
+        size = len(self._data)
+        return end - position <= _MAX_FRAME and (end == size or (end < size and self._data[end] in MARKERS))
+
     def _frame(self, marker: int, position: int) -> int | None:
-        """Read a frame, and return the position behind it; None if it is not complete."""
-        data = self._data
+        """Read another frame, and return the position behind it; None if it is not complete."""
+        event, values = None, None
         try:
             if marker == _EVENT:
-                event, end = read_event(data, position + 1)
-                values: list[int] = []
+                event, end = read_event(self._data, position + 1)
             else:
-                values, end = self._readers[marker].read(data, position + 1)
-                event = None
+                values, end = self._readers[marker].read(self._data, position + 1)
         except IndexError:
             return None
-        is_last = event is not None and event.kind == LOG_END
-        followed = is_last or end == len(data) or (end < len(data) and data[end] in MARKERS)
-        if end - position > _MAX_FRAME or not followed:
+        is_last = event is not None and event.kind == LOG_END and end - position <= _MAX_FRAME
+        if not is_last and not self._is_complete_frame(position, end):
             return None
-        if marker in (_INTRA, _INTER):
-            self._main_frame(marker, values, position)
-        elif marker == _EVENT:
+        if values is None:
             self._event(event, position, end)
         else:
             self._other_frame(marker, values, position)
@@ -175,28 +185,39 @@ class FlightDecoder:
 
     # main frames
 
-    def _main_frame(self, marker: int, values: list[int], position: int) -> None:
-        previous = self._previous
+    def _main_frame(self, marker: int, position: int) -> int | None:
+        """Read a main frame, and return the position behind it; None if it is not complete."""
+        previous, last = self._previous, self._last
+        before, skipped = previous, 0
+        if marker == _INTER:
+            before = self._before
+            if last is not None:
+                skipped = self._skipped_after(last[0])
+        try:
+            values, end = self._readers[marker].decode(
+                self._data, position + 1, previous or self._nothing, before or self._nothing, skipped
+            )
+        except IndexError:
+            return None
+        if not self._is_complete_frame(position, end):
+            return None
         if marker == _INTER and previous is None:
             self.damage.out_of_sequence += 1
-            return
-        skipped = 0 if marker == _INTRA or self._last is None else self._skipped_after(self._last[0])
-        before = self._before if marker == _INTER else previous
-        self._readers[marker].predict(values, previous, before, skipped)
-        time = self._unwrapped(values[self._time])
-        values[self._time] = time
+            return end
+        time = values[self._time] = self._unwrapped(values[self._time])
         moment = values[self._iteration] % _WRAP, time
-        if not self._is_plausible(marker, moment) or not self.main.add(values, time, position):
+        follows = last is None or _follows(moment, last)
+        if not (follows or self._restarts(marker, moment)) or not self.main.add(values, time, position):
             self.damage.out_of_sequence += 1
             self._lose_sequence()
-            return
+            return end
         self._last, self._rejected = moment, None
         self._before = values if marker == _INTRA else previous
         self._previous = values
+        return end
 
-    def _is_plausible(self, marker: int, moment: tuple[int, int]) -> bool:
-        if self._last is None or _follows(moment, self._last):
-            return True
+    def _restarts(self, marker: int, moment: tuple[int, int]) -> bool:
+        """Return whether a frame that does not fit the last one fits the I frame that was dropped before."""
         if marker == _INTRA:
             rejected, self._rejected = self._rejected, moment
             return rejected is not None and _follows(moment, rejected)
@@ -218,7 +239,6 @@ class FlightDecoder:
         if marker == _GPS:
             self._gps_frame(reader, values, position)
             return
-        reader.predict(values, None, None, 0)
         if marker == _HOME:
             self._home = values
         rows = self.home if marker == _HOME else self.slow
@@ -229,7 +249,7 @@ class FlightDecoder:
         if reader.needs_home and (self._home is None or len(self._home) < 2):
             self.damage.without_home += 1
             return
-        reader.predict_position(values, self._home or (0, 0), max(self._last_time, 0))
+        reader.add_position(values, self._home or (0, 0), max(self._last_time, 0))
         time = self._last_time
         if self._gps_time is not None:
             time = values[self._gps_time] = self._unwrapped(values[self._gps_time])

@@ -7,13 +7,24 @@ the time of the last main frame.
 
 from __future__ import annotations
 
+from functools import cached_property
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
-from mavstack.logs.blackbox.encodings import GROUPS, READERS, TAG8_4S16, TAG8_8SVB, read_tag8_4s16_v1
+from mavstack.logs.blackbox.compiled import compile_decoder
+from mavstack.logs.blackbox.encodings import (
+    GROUPS,
+    NOTHING,
+    READERS,
+    TAG8_4S16,
+    TAG8_8SVB,
+    read_tag8_4s16_v1,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
+    from mavstack.logs.blackbox.compiled import Decoder
     from mavstack.logs.blackbox.encodings import Reader
     from mavstack.logs.blackbox.header import FlightHeader, FrameDefinition
 
@@ -31,6 +42,17 @@ if TYPE_CHECKING:
     MAIN_TIME,
     MIN_MOTOR,
 ) = range(12)
+#: Terms of other predictions, by predictor; those of positions come from other frames.
+_ADDED: Final[Mapping[int, tuple[str, ...]]] = MappingProxyType(
+    {
+        ZERO: (),
+        PREVIOUS: ("previous[{}]",),
+        STRAIGHT_LINE: ("2 * previous[{0}] - before[{0}]",),
+        INCREMENT: ("skipped + 1 + previous[{}]",),
+        HOME: (),
+        MAIN_TIME: (),
+    }
+)
 _MAX_SVB_GROUP: Final = 8
 _WORD: Final = 0xFFFF_FFFF
 _SIGN: Final = 0x8000_0000
@@ -57,27 +79,23 @@ class FrameReader:
     def __init__(self, definition: FrameDefinition, header: FlightHeader) -> None:
         self.definition = definition
         self._groups = list(_groups(definition, header.number("Data version", 2)))
-        self._constants: list[tuple[int, int, bool]] = []
-        self._by_predictor: dict[int, list[int]] = {number: [] for number in range(MIN_MOTOR + 1)}
-        constants = _constants(header)
-        for index, predictor in enumerate(definition.predictors):
-            if predictor in constants:
-                self._constants.append((index, constants[predictor], definition.signed[index]))
-            elif predictor in self._by_predictor:
-                self._by_predictor[predictor].append(index)
-            else:
-                raise UnsupportedFieldError(f"predictor {predictor}")
-        self._motor = definition.names.index(_FIRST_MOTOR) if _FIRST_MOTOR in definition.names else None
-        if self._by_predictor[FIRST_MOTOR] and self._motor is None:
-            raise UnsupportedFieldError("a prediction by the first motor, which is not logged")
+        self._predictions = list(_predictions(definition, _constants(header)))
+        self._nothing = [0] * len(definition.names)
+        self._home = [index for index, number in enumerate(definition.predictors) if number == HOME]
+        self._main_time = [index for index, number in enumerate(definition.predictors) if number == MAIN_TIME]
+
+    @cached_property
+    def decode(self) -> Decoder:
+        """The function that decodes a frame, made when the first one is read."""
+        return compile_decoder(self._groups, self._predictions)
 
     @property
     def needs_home(self) -> bool:
         """True if positions are differences to the home position."""
-        return bool(self._by_predictor[HOME])
+        return bool(self._home)
 
     def read(self, data: bytes, position: int) -> tuple[list[int], int]:
-        """Return the encoded values of a frame, and the position behind it.
+        """Return the values of a frame that does not depend on others, and the position behind it.
 
         Args:
             data: The bytes of the flight.
@@ -86,53 +104,44 @@ class FrameReader:
         Raises:
             IndexError: The flight ends inside the frame.
         """
-        values: list[int] = []
-        for reader, count in self._groups:
-            position = reader(data, position, count, values)
-        return values, position
+        return self.decode(data, position, self._nothing, self._nothing, 0)
 
-    def predict(
-        self, values: list[int], previous: Sequence[int] | None, before: Sequence[int] | None, skipped: int
-    ) -> None:
-        """Add the predictions of a main or slow frame to its values.
+    def add_position(self, values: list[int], home: Sequence[int], main_time: int) -> None:
+        """Add what a frame of satellite navigation is relative to.
 
         Args:
-            values: The encoded values, which are changed.
-            previous: The values of the last main frame, or None without one.
-            before: Those of the main frame before it.
-            skipped: Number of loop iterations since the last frame that are not logged.
-        """
-        for index, constant, signed in self._constants:
-            value = values[index] + constant & _WORD
-            values[index] = (value ^ _SIGN) - _SIGN if signed else value
-        kinds = self._by_predictor
-        if previous is not None and before is not None:
-            for index in kinds[PREVIOUS]:
-                values[index] += previous[index]
-            for index in kinds[AVERAGE]:
-                total = previous[index] + before[index]
-                values[index] += total // 2 if total >= 0 else -(-total // 2)
-            for index in kinds[STRAIGHT_LINE]:
-                values[index] += 2 * previous[index] - before[index]
-        for index in kinds[INCREMENT]:
-            values[index] = skipped + 1 + (0 if previous is None else previous[index])
-        if self._motor is not None:
-            for index in kinds[FIRST_MOTOR]:
-                values[index] += values[self._motor]
-
-    def predict_position(self, values: list[int], home: Sequence[int], main_time: int) -> None:
-        """Add the predictions of a frame of satellite navigation to its values.
-
-        Args:
-            values: The encoded values, which are changed.
+            values: The values, which are changed.
             home: Latitude and longitude of the home position.
             main_time: Time of the last main frame in microseconds.
         """
-        self.predict(values, None, None, 0)
-        for number, index in enumerate(self._by_predictor[HOME]):
+        for number, index in enumerate(self._home):
             values[index] += home[number % 2]
-        for index in self._by_predictor[MAIN_TIME]:
+        for index in self._main_time:
             values[index] += main_time
+
+
+def _predictions(definition: FrameDefinition, constants: Mapping[int, int]) -> Iterator[str]:
+    """Yield the statements that add the predictions; those by the first motor are the last ones."""
+    names = definition.names
+    motor = f"v{names.index(_FIRST_MOTOR)}" if _FIRST_MOTOR in names else ""
+    last = []
+    for index, predictor in enumerate(definition.predictors):
+        value = f"v{index}"
+        if predictor in constants:
+            yield f"{value} = {value} + {constants[predictor] & _WORD} & {_WORD}"
+            if definition.signed[index]:
+                yield f"{value} = ({value} ^ {_SIGN}) - {_SIGN}"
+        elif predictor == FIRST_MOTOR and motor:
+            last.append(f"{value} += {motor}")
+        elif predictor == AVERAGE:
+            # Division by two rounds towards zero.
+            yield f"total = previous[{index}] + before[{index}]"
+            yield f"{value} += total + (total < 0) >> 1"
+        elif predictor in _ADDED:
+            yield from (f"{value} += {term.format(index)}" for term in _ADDED[predictor])
+        else:
+            raise UnsupportedFieldError(f"predictor {predictor}")
+    yield from last
 
 
 def _constants(header: FlightHeader) -> dict[int, int]:
@@ -146,8 +155,8 @@ def _constants(header: FlightHeader) -> dict[int, int]:
     }
 
 
-def _groups(definition: FrameDefinition, version: int) -> Iterator[tuple[Reader, int]]:
-    """Yield the readers of successive fields with the number of fields of each."""
+def _groups(definition: FrameDefinition, version: int) -> Iterator[tuple[int, Reader, int]]:
+    """Yield the encoding and the reader of successive fields, with the number of fields of each."""
     encodings, predictors = definition.encodings, definition.predictors
     index = 0
     while index < len(encodings):
@@ -156,7 +165,7 @@ def _groups(definition: FrameDefinition, version: int) -> Iterator[tuple[Reader,
             raise UnsupportedFieldError(f"encoding {encoding}")
         end = index + 1
         if predictors[index] == INCREMENT:
-            yield _read_zero, 1
+            yield NOTHING, READERS[NOTHING], 1
             index = end
             continue
         limit = index + (_MAX_SVB_GROUP if encoding == TAG8_8SVB else len(encodings))
@@ -167,10 +176,5 @@ def _groups(definition: FrameDefinition, version: int) -> Iterator[tuple[Reader,
         if encoding in GROUPS and index + size > len(encodings):
             raise UnsupportedFieldError(f"encoding {encoding} of {len(encodings) - index} fields")
         reader = read_tag8_4s16_v1 if encoding == TAG8_4S16 and version < 2 else READERS[encoding]
-        yield reader, size
+        yield encoding, reader, size
         index += size
-
-
-def _read_zero(_data: bytes, position: int, _count: int, values: list[int]) -> int:
-    values.append(0)
-    return position

@@ -149,7 +149,9 @@ def _definition(lines: Mapping[str, list[str]]) -> FrameDefinition | None:
         )
     except ValueError:
         return None
-    if not names or len(set(names)) != len(names) or not len(names) == len(predictors) == len(encodings):
+    # Columns that no field may have begin with an underscore.
+    usable = names and all(name and name[0] != "_" for name in names) and len(set(names)) == len(names)
+    if not usable or not len(names) == len(predictors) == len(encodings):
         return None
-    signs += (0,) * (len(names) - len(signs))
-    return FrameDefinition(tuple(names), tuple(map(bool, signs)), predictors, encodings)
+    signed = [bool(sign) for sign in signs[: len(names)]] + [False] * (len(names) - len(signs))
+    return FrameDefinition(tuple(names), tuple(signed), predictors, encodings)

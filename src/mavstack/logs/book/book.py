@@ -1,7 +1,8 @@
-"""The flight book: a row for each vehicle in each log below a folder.
+"""The flight book: a row for each vehicle in each log below a folder, or below several.
 
 A log is read once; it is read again when its size or its time of change differs. Logs that were removed leave
-the book. The remarks that a pilot writes into `incidents` stay.
+the book. The remarks that a pilot writes into `incidents` stay. A log is named by its path from the folder of
+the book, so that both can be moved together, or by its whole path if it is elsewhere.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from mavstack.errors import LogError, MavstackError, MissingExtraError
+from mavstack.errors import InvalidArgumentError, LogError, MavstackError, MissingExtraError
 from mavstack.logs.analysis import analyse, flights
 from mavstack.logs.opening import open_log
 from mavstack.logs.report.report import flight_facts
@@ -27,7 +28,9 @@ if TYPE_CHECKING:
     from mavstack.logs.analysis import Flight
 
 #: Suffixes of the files that are opened; their content tells the format.
-SUFFIXES: Final = frozenset({".tlog", ".bin", ".log", ".ulg", ".mavlink", ".raw", ".pcap", ".pcapng"})
+SUFFIXES: Final = frozenset(
+    {".tlog", ".bin", ".log", ".ulg", ".bbl", ".bfl", ".mavlink", ".raw", ".pcap", ".pcapng"}
+)
 #: Columns of the book and their types in SQL; lengths in m, times in s, positions in degrees.
 COLUMNS: Final = {
     "file": "VARCHAR",
@@ -49,6 +52,7 @@ COLUMNS: Final = {
     "max_ground_speed_m_s": "DOUBLE",
     "used_mah": "DOUBLE",
     "findings": "VARCHAR",
+    "skipped": "VARCHAR",
     "incidents": "VARCHAR",
 }
 _FACTS: Final = ("takeoffs", "distance_m", "max_altitude_m", "max_ground_speed_m_s", "used_mah")
@@ -56,12 +60,16 @@ _FACTS: Final = ("takeoffs", "distance_m", "max_altitude_m", "max_ground_speed_m
 
 @dataclass
 class BookUpdate:
-    """The result of an update: files that were read, unchanged, removed, or failed with their problem."""
+    """The result of an update: files that were read, unchanged, removed, or failed with their problem.
+
+    `skipped` tells of the files that were read what they hold that could not be read.
+    """
 
     read: int = 0
     unchanged: int = 0
     removed: int = 0
     failed: dict[str, str] = field(default_factory=dict)
+    skipped: dict[str, str] = field(default_factory=dict)
 
 
 class FlightBook:
@@ -88,6 +96,7 @@ class FlightBook:
                 "CREATE TABLE IF NOT EXISTS files (path VARCHAR, size BIGINT, changed BIGINT)"
             )
             self._connection.execute(f"CREATE TABLE IF NOT EXISTS flights ({columns})")
+            self._add_columns()
         except self._duckdb.Error as error:
             reason = str(error).splitlines()[0]
             raise LogError(f"cannot open the flight book {path}: {reason}") from error
@@ -95,7 +104,7 @@ class FlightBook:
     def update(
         self, folder: str | os.PathLike[str], progress: Callable[[int, int], None] | None = None
     ) -> BookUpdate:
-        """Read the logs below a folder that are new or changed.
+        """Read the logs below a folder that are new or changed; logs elsewhere stay in the book.
 
         Args:
             folder: The folder.
@@ -112,9 +121,9 @@ class FlightBook:
             raise LogError(f"{root}: it is not a folder")
         files = sorted(path for path in root.rglob("*") if path.suffix.lower() in SUFFIXES and path.is_file())
         result = BookUpdate()
-        known = dict(self._known())
+        known = {name: state for name, state in self._known() if self._is_below(name, root)}
         for done, path in enumerate(files, 1):
-            name = str(path.relative_to(root))
+            name = self._name_of(root.resolve() / path.relative_to(root))
             before = known.pop(name, None)
             try:
                 status = path.stat()
@@ -135,23 +144,29 @@ class FlightBook:
 
     def rows(self) -> list[dict[str, Any]]:
         """Return the flights, the oldest first."""
-        result = self._connection.execute("SELECT * FROM flights ORDER BY start NULLS LAST, file, vehicle")
-        names = [column[0] for column in result.description]
-        return [dict(zip(names, row, strict=True)) for row in result.fetchall()]
+        table = self._connection.table("flights").order("start NULLS LAST, file, vehicle")
+        return [dict(zip(COLUMNS, row, strict=True)) for row in table.select(*COLUMNS).fetchall()]
 
     def add_incident(self, file: str, text: str) -> int:
         """Write a remark about the flights of a log.
 
         Args:
-            file: Path of the log as in the book.
+            file: Path of the log as in the book, or the end of it.
             text: The remark; it replaces an earlier one.
 
         Returns:
             Number of flights with the remark.
+
+        Raises:
+            InvalidArgumentError: Several logs in the book have such a path.
         """
-        self._connection.execute("UPDATE flights SET incidents = ? WHERE file = ?", [text, file])
-        count = self._connection.execute("SELECT count(*) FROM flights WHERE file = ?", [file]).fetchone()
-        return int(count[0])
+        names = [name for (name,) in self._connection.execute("SELECT DISTINCT file FROM flights").fetchall()]
+        found = [name for name in names if name == file] or [name for name in names if _ends_with(name, file)]
+        if len(found) > 1:
+            raise InvalidArgumentError(f"{file} names several logs of the book: {', '.join(sorted(found))}")
+        for name in found:
+            self._connection.execute("UPDATE flights SET incidents = ? WHERE file = ?", [text, name])
+        return sum(row["file"] in found for row in self.rows())
 
     def export_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the book as CSV.
@@ -173,16 +188,34 @@ class FlightBook:
         """Close the file. Idempotent."""
         self._connection.close()
 
+    def _add_columns(self) -> None:
+        """Give a book of an earlier version the columns that it lacks; its logs are read again."""
+        known = {row[0] for row in self._connection.execute("DESCRIBE flights").fetchall()}
+        missing = [name for name in COLUMNS if name not in known]
+        for name in missing:
+            self._connection.execute(f"ALTER TABLE flights ADD COLUMN {name} {COLUMNS[name]}")
+        if missing:
+            self._connection.execute("DELETE FROM files")
+
     def _known(self) -> Iterator[tuple[str, tuple[int, int]]]:
         for path, size, changed in self._connection.execute("SELECT * FROM files").fetchall():
             yield path, (size, changed)
+
+    def _name_of(self, path: Path) -> str:
+        """Return the name of a log in the book."""
+        folder = self.path.resolve().parent
+        return str(path.relative_to(folder) if path.is_relative_to(folder) else path)
+
+    def _is_below(self, name: str, root: Path) -> bool:
+        return (self.path.resolve().parent / name).is_relative_to(root.resolve())
 
     def _read(self, path: Path, name: str, state: tuple[int, int], result: BookUpdate) -> None:
         try:
             with open_log(path) as log:
                 if not len(log):
                     raise LogError(f"{path}: it holds no record")
-                rows = [_row(name, flight) for flight in flights(log)]
+                skipped = log.skipped.describe() if log.skipped else ""
+                rows = [_row(name, flight, skipped) for flight in flights(log)]
         except (MavstackError, OSError) as error:
             result.failed[name] = str(error)
             return
@@ -195,6 +228,8 @@ class FlightBook:
             raise
         self._connection.commit()
         result.read += 1
+        if skipped:
+            result.skipped[name] = skipped
 
     def _replace(self, name: str, state: tuple[int, int], rows: Sequence[Sequence[object]]) -> None:
         """Replace the flights of a log; the remarks stay."""
@@ -202,7 +237,9 @@ class FlightBook:
             "SELECT any_value(incidents) FROM flights WHERE file = ?", [name]
         ).fetchone()
         self._forget(name)
-        insert = f"INSERT INTO flights VALUES ({', '.join('?' * len(COLUMNS))})"  # noqa: S608 (only marks)
+        marks = ", ".join("?" * len(COLUMNS))
+        names = ", ".join(COLUMNS)
+        insert = f"INSERT INTO flights ({names}) VALUES ({marks})"  # noqa: S608 (only names and marks)
         for row in rows:
             self._connection.execute(insert, [*row, remarks[0] or ""])
         self._connection.execute("INSERT INTO files VALUES (?, ?, ?)", [name, *state])
@@ -220,7 +257,7 @@ class FlightBook:
         self.close()
 
 
-def _row(name: str, flight: Flight) -> list[object]:
+def _row(name: str, flight: Flight, skipped: str) -> list[object]:
     """Return the values of a flight in the order of the columns, without the remarks."""
     facts = flight_facts(flight)
     start = flight.log.start
@@ -240,7 +277,14 @@ def _row(name: str, flight: Flight) -> list[object]:
         *_positions(flight),
         *(facts.get(key) for key in _FACTS[1:]),
         "; ".join(finding.title for finding in analyse(flight)),
+        skipped,
     ]
+
+
+def _ends_with(name: str, end: str) -> bool:
+    """Return whether a path ends with the parts of another one."""
+    parts = Path(end).parts
+    return bool(parts) and Path(name).parts[-len(parts) :] == parts
 
 
 def _positions(flight: Flight) -> Sequence[float | None]:

@@ -27,6 +27,7 @@ from mavstack.logs.log_bytes import LogBytes
 from mavstack.logs.mapped_pages import STEP, release
 from mavstack.logs.message_table import MessageTable
 from mavstack.logs.records import RowRecord
+from mavstack.logs.saved_index import cached_index
 
 if TYPE_CHECKING:
     import mmap
@@ -65,7 +66,7 @@ class DataFlashLog(ArduPilotLog):
         self._threads = threads or os.cpu_count() or 1
         self._saves_memory = False
         with self._bytes.access() as data:
-            self._index = self._indexed(data)
+            self._index = self._opened(data)
             self._data = data
         self._types = [RecordType.of(*definition) for definition in self._index.definitions]
         counts = self._index.counts
@@ -106,6 +107,17 @@ class DataFlashLog(ArduPilotLog):
                 self._use_copy(data)
             self._index.decode(requests, threads=self._threads)
         return tables
+
+    def _opened(self, data: mmap.mmap | bytes) -> DataFlashIndex:
+        """Return the saved index, or a new one."""
+        return cached_index(
+            self._bytes,
+            data,
+            self.format,
+            restore=lambda saved: DataFlashIndex.restore(saved, data),
+            build=lambda: self._indexed(data),
+            save=lambda index: index.save(),
+        )
 
     def _indexed(self, data: mmap.mmap | bytes) -> DataFlashIndex:
         index = DataFlashIndex(data, threads=self._threads, step=STEP, done=partial(release, data))

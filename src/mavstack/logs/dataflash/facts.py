@@ -14,6 +14,8 @@ from mavstack.logs.schema import EnumSchema
 from mavstack.logs.vehicles import LogVehicle, is_system_id
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from mavstack.logs.log import Log
     from mavstack.logs.message_table import MessageTable
 
@@ -43,24 +45,26 @@ def texts(log: Log) -> list[LogText]:
     table = log.get("MSG")
     if table is None or "Message" not in (table.dtype.names or ()):
         return []
-    boot = log.boot_times("MSG", table)
+    boot, times = log.boot_times("MSG", table), table["_time"]
+    continues = _continuations(table)
     found: list[LogText] = []
     for row, message in enumerate(table["Message"].tolist()):
         text = message.decode("utf-8", "replace") if isinstance(message, bytes) else str(message)
-        if found and _continues(table, row):
+        if continues[row]:
             found[-1] = found[-1]._replace(text=found[-1].text + text)
             continue
         boot_us = None if boot is None or np.isnan(boot[row]) else round(boot[row] * 1e6)
-        found.append(LogText(table["_time"][row], _INFO_SEVERITY, text, boot_us=boot_us))
+        found.append(LogText(times[row], _INFO_SEVERITY, text, boot_us=boot_us))
     return found
 
 
-def _continues(table: MessageTable, row: int) -> bool:
-    """Return whether a record of MSG continues the text of the one before it."""
-    if not table.schema.has_numbers("ID", "Seq"):
-        return False
-    numbers = table["ID"], table["Seq"]
-    return bool(numbers[1][row] > 0 and numbers[0][row] == numbers[0][row - 1])
+def _continuations(table: MessageTable) -> NDArray[np.bool_]:
+    """Return which records of MSG continue the text of the one before them."""
+    continues = np.zeros(len(table), bool)
+    if table.schema.has_numbers("ID", "Seq"):
+        ids = table["ID"]
+        continues[1:] = (table["Seq"][1:] > 0) & (ids[1:] == ids[:-1])
+    return continues
 
 
 def info(log: Log) -> dict[str, str]:

@@ -8,23 +8,27 @@ from __future__ import annotations
 
 import json
 from importlib import import_module
-from math import isfinite
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from mavstack.errors import MissingExtraError
 from mavstack.logs.export.flights import by_vehicle
+from mavstack.logs.export.json_rows import joined, json_rows, json_values
+from mavstack.logs.export.mcap_stream import McapStream
 from mavstack.logs.export.registry import LogExporter
 from mavstack.logs.export.writer import ExportOptions, PartFile, TableWriter
 from mavstack.logs.tracks import tracks
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Mapping
     from pathlib import Path
+
+    from numpy.typing import NDArray
 
     from mavstack.logs.log import Log
     from mavstack.logs.message_table import MessageTable
+    from mavstack.logs.records import LogText
     from mavstack.logs.schema import FieldSchema, TableSchema
 
 _NANOSECONDS: Final = 1_000_000_000
@@ -70,14 +74,14 @@ class McapWriter(TableWriter):
 
     def __init__(self, log: Log, path: Path, options: ExportOptions) -> None:
         super().__init__(log, path, options)
-        try:
-            module = import_module("mcap.writer")
-        except ImportError:
-            raise MissingExtraError("the export to MCAP", "data") from None
         self._file = PartFile(path)
-        self._stream = self._file.temporary.open("wb")
-        self._writer = module.Writer(self._stream)
-        self._writer.start(profile="", library="mavstack")
+        self._opened = self._file.temporary.open("wb")
+        try:
+            self._mcap = McapStream(self._opened)
+            import_module("pyarrow.compute")
+        except ImportError:
+            self.discard()
+            raise MissingExtraError("the export to MCAP", "data") from None
         self._channels: dict[str, int] = {}
         self._schemas: dict[str, int] = {}
         self._start = log.time_span or (0.0, 0.0)
@@ -85,111 +89,93 @@ class McapWriter(TableWriter):
     def write(self, tables: Mapping[str, MessageTable]) -> None:
         """Write the next rows; see `TableWriter.write`."""
         for system, name, table in by_vehicle(self.log, tables):
-            self._write_table(f"/{system}/{name}" if system else f"/{name}", name, table)
+            channel = self._channel(f"/{system}/{name}" if system else f"/{name}", name, table.schema)
+            names = [field for field in table.dtype.names or () if field != "_time"]
+            columns = {field: self._column(table, field) for field in names}
+            times = self._nanoseconds(self.log.times_of(name, table))
+            self._mcap.add_messages(channel, times, json_rows(columns))
 
     def finish(self) -> list[Path]:
         """Complete the file; see `ExportWriter.finish`."""
         self._write_locations()
         self._write_texts()
-        self._writer.add_metadata("mavstack", {"file": self.log.path.name, "format": self.log.format})
-        self._writer.finish()
-        self._stream.close()
+        self._mcap.add_metadata("mavstack", {"file": self.log.path.name, "format": self.log.format})
+        self._mcap.finish()
+        self._opened.close()
         return [self._file.complete()]
 
     def discard(self) -> None:
         """Remove an incomplete file; see `ExportWriter.discard`."""
-        self._stream.close()
+        self._opened.close()
         self._file.discard()
 
-    def _write_table(self, topic: str, name: str, table: MessageTable) -> None:
-        channel = self._channel(topic, name, table.schema)
-        times = self._nanoseconds(self.log.times_of(name, table))
-        add = self._writer.add_message
-        for time, row in zip(times, self._rows(table), strict=True):
-            add(channel, time, json.dumps(row, allow_nan=False).encode(), time)
-
-    def _rows(self, table: MessageTable) -> Iterator[dict[str, Any]]:
-        """Yield the rows as values that JSON can hold; numbers that are no finite number are null."""
-        names = [name for name in table.dtype.names or () if name != "_time"]
-        columns = [self._values(table, name) for name in names]
-        return (dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True))
-
-    def _values(self, table: MessageTable, name: str) -> list[Any]:
-        schema = table.schema[name]
-        if self.options.enums and schema.enum is not None:
-            return list(table.enum_names(name).tolist())
+    def _column(self, table: MessageTable, name: str) -> NDArray[Any]:
+        if self.options.enums and table.schema[name].enum is not None:
+            return table.enum_names(name)
         column = np.asarray(table[name])
         if self.options.scaled and column.dtype.kind in "iuf" and not name.startswith("_"):
-            column = table.scaled(name)
-        if column.dtype.kind == "S":
-            return list(np.char.decode(column, "utf-8", "replace").tolist())
-        values: list[Any] = column.tolist()
-        if column.dtype.kind == "f" and not np.isfinite(column).all():
-            return [_finite(value) for value in values]
-        return values
+            return table.scaled(name)
+        return column
 
-    def _nanoseconds(self, seconds: np.ndarray[Any, np.dtype[np.float64]]) -> list[int]:
+    def _nanoseconds(self, seconds: NDArray[np.float64]) -> NDArray[np.uint64]:
         """Return times as MCAP has them; a time that is not known is that of the beginning."""
         known = np.where(np.isfinite(seconds), seconds, self._start[0])
-        return [_clamped(round(time * 1e6)) * 1000 for time in known.tolist()]
+        return _nanoseconds(np.rint(known * 1e6))
 
     def _channel(self, topic: str, name: str, schema: TableSchema) -> int:
         if topic not in self._channels:
             if name not in self._schemas:
-                self._schemas[name] = self._register_schema(name, _json_schema(schema, self.options))
-            self._channels[topic] = self._register_channel(topic, self._schemas[name])
+                self._schemas[name] = self._schema(name, _json_schema(schema, self.options))
+            self._channels[topic] = self._mcap.add_channel(topic, self._schemas[name])
         return self._channels[topic]
 
-    def _register_schema(self, name: str, schema: Mapping[str, Any]) -> int:
-        data = json.dumps(schema).encode()
-        number: int = self._writer.register_schema(name=name, encoding="jsonschema", data=data)
-        return number
-
-    def _register_channel(self, topic: str, schema: int) -> int:
-        number: int = self._writer.register_channel(topic=topic, message_encoding="json", schema_id=schema)
-        return number
+    def _schema(self, name: str, schema: Mapping[str, Any]) -> int:
+        return self._mcap.add_schema(name, json.dumps(schema).encode())
 
     def _write_locations(self) -> None:
         found = tracks(self.log)
-        schema = self._register_schema("foxglove.LocationFix", _LOCATION_SCHEMA) if found else 0
+        schema = self._schema("foxglove.LocationFix", _LOCATION_SCHEMA) if found else 0
         for track in found:
             topic = f"/{track.system}/location" if track.system else "/location"
-            channel = self._register_channel(topic, schema)
-            columns = (track.latitudes.tolist(), track.longitudes.tolist(), track.altitudes.tolist())
-            for time, latitude, longitude, altitude in zip(
-                self._nanoseconds(track.times), *columns, strict=True
-            ):
-                position = {"latitude": latitude, "longitude": longitude, "altitude": altitude}
-                self._add(channel, time, {**position, "position_covariance_type": 0, "frame_id": ""})
+            columns: dict[str, NDArray[Any]] = {
+                "latitude": track.latitudes,
+                "longitude": track.longitudes,
+                "altitude": track.altitudes,
+                "position_covariance_type": np.zeros(len(track.times), np.uint8),
+                "frame_id": np.full(len(track.times), ""),
+            }
+            self._add(self._mcap.add_channel(topic, schema), self._nanoseconds(track.times), columns)
 
     def _write_texts(self) -> None:
         texts = self.log.texts
         if not texts:
             return
-        channel = self._register_channel("/log", self._register_schema("foxglove.Log", _LOG_SCHEMA))
-        for text in texts:
-            time = text.boot_us or 0
-            if not np.isnat(text.time):
-                time = int(text.time.astype("M8[us]").astype(np.int64))
-            level = _LEVELS[min(max(text.severity, 0), 7)]
-            values = {"level": level, "message": text.text, "name": str(text.system), "file": "", "line": 0}
-            self._add(channel, _clamped(time) * 1000, values)
+        channel = self._mcap.add_channel("/log", self._schema("foxglove.Log", _LOG_SCHEMA))
+        columns: dict[str, NDArray[Any]] = {
+            "level": np.array([_LEVELS[min(max(text.severity, 0), 7)] for text in texts]),
+            "message": np.array([text.text for text in texts], object),
+            "name": np.array([str(text.system) for text in texts]),
+            "file": np.full(len(texts), ""),
+            "line": np.zeros(len(texts), np.uint8),
+        }
+        times = np.array([_microseconds(text) for text in texts], np.float64)
+        self._add(channel, _nanoseconds(times), columns)
 
-    def _add(self, channel: int, time: int, values: dict[str, Any]) -> None:
-        seconds, nanoseconds = divmod(time, _NANOSECONDS)
-        content = {"timestamp": {"sec": seconds, "nsec": nanoseconds}, **values}
-        self._writer.add_message(channel, time, json.dumps(content).encode(), time)
-
-
-def _clamped(microseconds: int) -> int:
-    """Return the nearest time that MCAP can hold; damaged records have any time."""
-    return min(max(microseconds, 0), _MAX_MICROSECONDS)
+    def _add(self, channel: int, times: NDArray[np.uint64], columns: dict[str, NDArray[Any]]) -> None:
+        """Add messages of one of Foxglove's own schemas, which have the time in them."""
+        seconds, nanoseconds = (json_values(part) for part in np.divmod(times, np.uint64(_NANOSECONDS)))
+        timestamp = joined(['{"sec": ', seconds, ', "nsec": ', nanoseconds, "}"])
+        self._mcap.add_messages(channel, times, json_rows({"timestamp": timestamp, **columns}))
 
 
-def _finite(value: Any) -> Any:  # noqa: ANN401 (a number, or a list of numbers)
-    if isinstance(value, list):
-        return [_finite(item) for item in value]
-    return value if isfinite(value) else None
+def _microseconds(text: LogText) -> int:
+    return text.boot_us or 0 if np.isnat(text.time) else int(text.time.astype("M8[us]").astype(np.int64))
+
+
+def _nanoseconds(microseconds: NDArray[np.float64]) -> NDArray[np.uint64]:
+    """Return the nearest times that MCAP can hold; damaged records have any time."""
+    within = np.clip(microseconds, 0, _MAX_MICROSECONDS).astype(np.uint64)
+    return np.minimum(within, np.uint64(_MAX_MICROSECONDS)) * np.uint64(1000)
 
 
 def _json_schema(schema: TableSchema, options: ExportOptions) -> dict[str, Any]:

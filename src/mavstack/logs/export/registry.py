@@ -8,15 +8,13 @@ and loads a `LogExporter`.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
-from mavstack.errors import InvalidArgumentError
+from mavstack.plugins import Registry
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
-    from importlib.metadata import EntryPoints
     from pathlib import Path
 
     from mavstack.logs.export.writer import ExportOptions, ExportWriter
@@ -60,9 +58,14 @@ EXPORTERS: Final[Mapping[str, str]] = MappingProxyType(
 )
 
 
+_REGISTRY: Final[Registry[LogExporter]] = Registry(
+    "format", ENTRY_POINTS, {name: f"mavstack.logs.export.{place}" for name, place in EXPORTERS.items()}
+)
+
+
 def exporter_names() -> tuple[str, ...]:
     """Return the names of all formats, those of other packages included."""
-    return (*EXPORTERS, *sorted(_plugins().names - EXPORTERS.keys()))
+    return _REGISTRY.names()
 
 
 def exporter(name: str) -> LogExporter:
@@ -77,18 +80,4 @@ def exporter(name: str) -> LogExporter:
     Raises:
         InvalidArgumentError: There is no such format.
     """
-    if name in EXPORTERS:
-        module, attribute = EXPORTERS[name].split(":")
-        builtin: LogExporter = getattr(import_module(f"mavstack.logs.export.{module}"), attribute)
-        return builtin
-    found = _plugins()
-    if name not in found.names:
-        raise InvalidArgumentError(f"format must be one of {', '.join(exporter_names())}, got {name!r}")
-    plugin: LogExporter = found[name].load()
-    return plugin
-
-
-def _plugins() -> EntryPoints:
-    from importlib.metadata import entry_points
-
-    return entry_points(group=ENTRY_POINTS)
+    return _REGISTRY.get(name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from math import isfinite
 from struct import pack, unpack
 from typing import TYPE_CHECKING, Final
@@ -25,6 +26,13 @@ _BIT_FORMATS: Final = {1: "<Bxxx", 2: "<bxxx", 3: "<Hxx", 4: "<hxx", 5: "<I", 6:
 _VERSION_TYPES: Final = ((255, ""), (192, "-rc"), (128, "-beta"), (64, "-alpha"), (0, "-dev"))
 #: Length of the text of STATUSTEXT: a longer text comes in several messages.
 _TEXT_LENGTH: Final = 50
+#: Texts that firmware of APM until 2015 sends while it starts, with the lowest of its own five severities.
+_STARTS: Final = re.compile(
+    r"Initialising APM|GROUND START|\S*Ardu\w+ V[23]\.|(Calibrating )?barometer", re.IGNORECASE
+)
+_LOWEST, _HIGHEST = 1, 5
+#: MAV_SEVERITY by the severities of this firmware: low, medium, high, critical, and questions to the user.
+_OLD_SEVERITIES: Final = {1: 6, 2: 4, 3: 3, 4: 2, 5: 5}
 
 
 def vehicles(log: Log) -> dict[int, LogVehicle]:
@@ -104,28 +112,43 @@ def parameters(log: Log) -> tuple[dict[str, float], list[ParameterChange]]:
     return initial, changes
 
 
-def texts(log: Log) -> list[LogText]:
-    """Return the texts of all systems, those of several messages joined.
+def texts(log: Log, whole: Log) -> list[LogText]:
+    """Return the texts of all systems, those of several messages joined, with severities of today.
 
     Args:
         log: The log, or a view of it.
+        whole: The log.
     """
     table = log.get("STATUSTEXT")
     if table is None:
         return []
+    old = _systems_with_old_severities(whole["STATUSTEXT"])
     found: list[LogText] = []
     open_texts: dict[tuple[int, int, int], tuple[int, bytes]] = {}  # place in `found` and bytes so far
     for row in table.view(np.ndarray):
         key = (int(row["_system"]), int(row["_component"]), int(row["id"]))
-        text, chunk = bytes(row["text"]), int(row["chunk_seq"])
+        part, chunk = bytes(row["text"]), int(row["chunk_seq"])
         place, before = open_texts.pop(key, (len(found), b"")) if key[2] and chunk else (len(found), b"")
         # PX4 marks a text that it also sends as an event by a tab at the end.
-        whole = (before + text).decode("utf-8", "replace").removesuffix("\t")
-        entry = LogText(row["_time"], int(row["severity"]), whole, key[0])
+        text = (before + part).decode("utf-8", "replace").removesuffix("\t")
+        severity = int(row["severity"])
+        known = _OLD_SEVERITIES.get(severity, severity) if key[0] in old else severity
+        entry = LogText(row["_time"], known, text, key[0])
         found[place : place + 1] = [entry]
-        if key[2] and len(text) == _TEXT_LENGTH:
-            open_texts[key] = (place, before + text)
+        if key[2] and len(part) == _TEXT_LENGTH:
+            open_texts[key] = (place, before + part)
     return found
+
+
+def _systems_with_old_severities(table: MessageTable) -> set[int]:
+    """Return the systems whose firmware counts severities upwards, as that of APM did until 2015.
+
+    A later firmware sends the texts of its start as MAV_SEVERITY_INFO.
+    """
+    severities, systems = np.asarray(table["severity"]), np.asarray(table["_system"])
+    lowest = np.flatnonzero(severities == _LOWEST)
+    old = {int(systems[row]) for row in lowest if _STARTS.match(table["text"][row].decode("latin-1"))}
+    return old.difference(systems[(severities < _LOWEST) | (severities > _HIGHEST)].tolist())
 
 
 def _first_vehicle(log: Log) -> LogVehicle | None:

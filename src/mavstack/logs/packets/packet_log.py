@@ -29,6 +29,7 @@ from mavstack.logs.packets.packet_record import PacketRecord
 from mavstack.logs.packets.tables import table_dtype
 from mavstack.logs.packets.window_reader import index_windows
 from mavstack.logs.registry import MAX_HEAD
+from mavstack.logs.saved_index import cached_index
 from mavstack.logs.schema import SchemaSource
 from mavstack.wire import Parser
 
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from mavstack.dialects import Dialect
     from mavstack.logs.records import LogText, ParameterChange
     from mavstack.logs.schema import TableSchema
+    from mavstack.logs.select import Selection
     from mavstack.logs.time_base import Clock, TimeBase
     from mavstack.logs.vehicles import LogVehicle
     from mavstack.wire import Packet, SourceStatistics, Statistics
@@ -151,8 +153,19 @@ class PacketLog(Log):
         """Return the index of the file, and make it before its first use."""
         if self._index is None:
             with self._bytes.access() as data:
-                self._index, self._data = self._indexed(data), data
+                self._index, self._data = self._opened(data), data
         return self._index
+
+    def _opened(self, data: mmap.mmap | bytes) -> Index:
+        """Return the saved index, or a new one."""
+        return cached_index(
+            self._bytes,
+            data,
+            f"{self.format} {self.dialect.name}",
+            restore=lambda saved: Index.restore(saved, data, self.dialect),
+            build=lambda: self._indexed(data),
+            save=lambda index: index.save(),
+        )
 
     @property
     def _totals(self) -> Index | WindowIndexer:
@@ -171,6 +184,14 @@ class PacketLog(Log):
 
     def _dtype(self, index: Index, message_id: int) -> np.dtype[np.void]:
         return table_dtype(self.dialect.message_definition(message_id), index.row_size(message_id))
+
+    def selected_rows(self, name: str, selection: Selection) -> int | None:
+        """Return how many rows of a table a selection keeps, if the sources tell; see `Log.selected_rows`."""
+        if not selection.has_times and selection.instance is None:
+            kept = [selection.keeps_source(system, component) for system, component in self.sources]
+            if all(kept) or not any(kept):
+                return self.counts[name] if all(kept) else 0
+        return None
 
     def prepare_windows(self) -> None:
         """Read the totals piece by piece; see `Log.prepare_windows`."""
@@ -287,7 +308,7 @@ class PacketLog(Log):
 
     def read_texts(self, log: Log) -> list[LogText]:
         """Return the texts in STATUSTEXT."""
-        return packet_facts.texts(log)
+        return packet_facts.texts(log, self)
 
     def read_vehicles(self, log: Log) -> dict[int, LogVehicle]:
         """Return the systems whose HEARTBEAT names an autopilot."""

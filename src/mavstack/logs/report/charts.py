@@ -7,7 +7,7 @@ has a light and a dark theme.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import escape
 from math import ceil, floor, log10
 from typing import TYPE_CHECKING, Final, NamedTuple
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from numpy.typing import NDArray
 
@@ -27,6 +27,10 @@ _LEFT, _RIGHT, _TOP, _BOTTOM = 52, 12, 12, 24
 _TITLE: Final = 24
 _MAP_SIZE: Final = 420
 _COLOURS: Final = 6
+#: Class of every other number at an axis, which phones do not show.
+_MINOR: Final = ("", " minor")
+#: Unit of the axis of a chart over time.
+TIME_AXIS: Final = "s"
 #: A value beyond it is that of a damaged record, and drawn at the edge: the range must not overflow.
 _MAX_VALUE: Final = 1e30
 _METRES_PER_DEGREE: Final = 111_195.0
@@ -59,7 +63,8 @@ class Chart:
         lines: The lines; a chart without points is not drawn.
         bands: Stretches in the background.
         marks: Positions of findings on the horizontal axis.
-        axis: Name of the horizontal axis.
+        axis: Unit of the horizontal axis.
+        span: Stretch that the horizontal axis shows at least; None: that of the lines.
     """
 
     title: str
@@ -67,7 +72,32 @@ class Chart:
     lines: Sequence[Line]
     bands: Sequence[Band] = ()
     marks: Sequence[float] = ()
-    axis: str = "s"
+    axis: str = TIME_AXIS
+    span: tuple[float, float] | None = None
+
+    @property
+    def drawn_lines(self) -> list[Line]:
+        """The lines that have points."""
+        return [line for line in self.lines if len(line.xs)]
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Beginning and end of the horizontal axis, of a chart with points."""
+        ends = [*(self.span or ()), *(float(line.xs[end]) for line in self.drawn_lines for end in (0, -1))]
+        return min(ends), max(ends)
+
+
+def aligned(charts: Iterable[Chart]) -> list[Chart]:
+    """Return charts with one axis of time for all of them; others, such as spectra, stay as they are.
+
+    Args:
+        charts: The charts.
+    """
+    drawn = [chart for chart in charts if chart.drawn_lines]
+    ends = [end for chart in drawn if chart.axis == TIME_AXIS for end in chart.extent]
+    return [
+        replace(chart, span=(min(ends), max(ends))) if chart.axis == TIME_AXIS else chart for chart in drawn
+    ]
 
 
 def draw(chart: Chart) -> str:
@@ -75,11 +105,16 @@ def draw(chart: Chart) -> str:
     content = _content(chart)
     if not content:
         return ""
-    lines = [line for line in chart.lines if len(line.xs)]
+    lines = chart.drawn_lines
     unit = f" <small>{escape(chart.unit)}</small>" if chart.unit else ""
-    legend = "".join(
-        f'<span class="key c{number % _COLOURS}">{escape(line.label)}</span>'
-        for number, line in enumerate(lines)
+    named = len(lines) == 1 and lines[0].label.lower() == chart.title.lower()
+    legend = (
+        ""
+        if named
+        else "".join(
+            f'<span class="key c{number % _COLOURS}">{escape(line.label)}</span>'
+            for number, line in enumerate(lines)
+        )
     )
     return (
         f"<figure><figcaption>{escape(chart.title)}{unit}{legend}</figcaption>"
@@ -90,10 +125,10 @@ def draw(chart: Chart) -> str:
 
 def _content(chart: Chart) -> str:
     """Return the elements of a chart; empty if it has no points."""
-    lines = [line for line in chart.lines if len(line.xs)]
+    lines = chart.drawn_lines
     if not lines:
         return ""
-    left, right = min(float(line.xs[0]) for line in lines), max(float(line.xs[-1]) for line in lines)
+    left, right = chart.extent
     low, high = min(float(line.ys.min()) for line in lines), max(float(line.ys.max()) for line in lines)
     low, high = max(low, -_MAX_VALUE), min(high, _MAX_VALUE)
     scale = _Scale(left, right if right > left else left + 1, *_padded(low, high))
@@ -214,13 +249,13 @@ def envelope(
 
 def _grid(scale: _Scale, axis: str) -> str:
     parts = []
-    for value in _ticks(scale.low, scale.high, 4):
-        y = scale.y(value)
+    for number, value in enumerate(_ticks(scale.low, scale.high, 4)):
+        y, minor = scale.y(value), _MINOR[number % 2]
         parts.append(f'<path class="grid" d="M{_LEFT} {y:.1f}H{_WIDTH - _RIGHT}"/>')
-        parts.append(f'<text class="y" x="{_LEFT - 6}" y="{y + 4:.1f}">{value:g}</text>')
-    for value in _ticks(scale.left, scale.right, 8):
-        x = scale.x(value)
-        parts.append(f'<text class="x" x="{x:.1f}" y="{_HEIGHT - 6}">{value:g} {axis}</text>')
+        parts.append(f'<text class="y{minor}" x="{_LEFT - 6}" y="{y + 4:.1f}">{value:g}</text>')
+    for number, value in enumerate(_ticks(scale.left, scale.right, 8)):
+        x, minor = scale.x(value), _MINOR[number % 2]
+        parts.append(f'<text class="x{minor}" x="{x:.1f}" y="{_HEIGHT - 6}">{value:g} {axis}</text>')
     return "".join(parts)
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from html import escape
+from itertools import chain
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from mavstack.errors import LogError
-from mavstack.logs.report.charts import draw, draw_track
+from mavstack.logs.report.charts import aligned, draw, draw_track
 from mavstack.logs.report.panels import PANELS, charts_of
 from mavstack.logs.report.style import STYLE
 
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from mavstack.logs.log import Log
     from mavstack.logs.report.charts import Chart
 
+#: Text near the beginning of each page, and of the facts beside it.
+MARK: Final = "mavstack flight report"
 _TITLES: Final = {
     "attitude": "Attitude",
     "altitude": "Altitude",
@@ -42,6 +45,8 @@ _FACTS: Final = {
     "max_current_a": ("highest current", "A"),
     "used_mah": ("used", "mAh"),
 }
+#: Information of a log that is shown at the head of the page.
+_SHOWN: Final = ("vehicle_type", "autopilot", "firmware", "firmware_version", "hardware")
 _MAX_ROWS: Final = 500
 #: Seconds without a message, in multiples of its usual interval, that are a gap.
 _GAP: Final = 5.0
@@ -57,15 +62,34 @@ def render_page(log: Log, found: Sequence[tuple[Flight, Sequence[Finding], Mappi
     body = "".join(_vehicle(flight, findings, facts, len(found) > 1) for flight, findings, facts in found)
     damage = f'<p class="dim">Skipped: {escape(log.skipped.describe())}.</p>' if log.skipped else ""
     head = f'<h1>{escape(log.path.name)}</h1><p class="dim">{escape(_subtitle(log))}</p>'
-    return _document(log.path.name, f"{head}{damage}{body}{_messages(log)}")
+    return _document(log.path.name, f"{head}{damage}{body}{_messages(log)}{_information(log)}")
 
 
 def _subtitle(log: Log) -> str:
-    parts = [log.format, f"{log.size / 1e6:.1f} MB", f"{log.duration:.0f} s"]
+    parts = [log.format, f"{log.size / 1e6:.1f} MB", _duration(log.duration)]
     if log.start is not None:
         parts.insert(0, f"{str(log.start)[:19].replace('T', ' ')} UTC")
-    parts += [f"{name.replace('_', ' ')} {value}" for name, value in log.info.items()]
+    parts += [log.info[name] for name in _SHOWN if name in log.info]
     return " · ".join(parts)
+
+
+def _information(log: Log) -> str:
+    """Return the table of what the log says about itself."""
+    rows = "".join(
+        f"<tr><td>{escape(name.replace('_', ' '))}</td><td>{escape(value)}</td></tr>"
+        for name, value in log.info.items()
+    )
+    if not rows:
+        return ""
+    return f"<details><summary>Information ({len(log.info)})</summary><table>{rows}</table></details>"
+
+
+def _duration(seconds: float) -> str:
+    """Return a length of time, such as "12 s", "7 min 9 s" or "1 h 30 min"."""
+    minutes, rest = divmod(round(seconds), 60)
+    if minutes >= 60:
+        return f"{minutes // 60} h {minutes % 60} min"
+    return f"{minutes} min {rest} s" if minutes else f"{rest} s"
 
 
 def _vehicle(flight: Flight, findings: Sequence[Finding], facts: Mapping[str, float], named: bool) -> str:
@@ -76,17 +100,19 @@ def _vehicle(flight: Flight, findings: Sequence[Finding], facts: Mapping[str, fl
     if flight.track is not None and len(flight.track):
         parts += ["<h2>Track</h2>", draw_track(flight.track, list(_places(flight, findings)))]
     marks = [finding.time for finding in findings if finding.time is not None]
-    for topic in PANELS:
-        charts = "".join(draw(chart) for chart in charts_of(flight, topic, marks))
-        if charts:
-            parts.append(f"<h2>{_TITLES[topic]}</h2>{charts}")
+    charts = {topic: list(charts_of(flight, topic, marks)) for topic in PANELS}
+    drawn = {chart.title: draw(chart) for chart in aligned(chain.from_iterable(charts.values()))}
+    for topic, found in charts.items():
+        if found:
+            parts.append(f"<h2>{_TITLES[topic]}</h2>{''.join(drawn[chart.title] for chart in found)}")
     parts += [_timeline(flight), _changes(flight)]
     return "".join(parts)
 
 
 def _cards(facts: Mapping[str, float]) -> str:
     cards = "".join(
-        f'<div class="card"><b>{value:,.4g} {unit}</b><span>{label}</span></div>'
+        f'<div class="card"><b>{_duration(value) if unit == "s" else f"{value:,.4g} {unit}"}</b>'
+        f"<span>{label}</span></div>"
         for name, (label, unit) in _FACTS.items()
         if (value := facts.get(name)) is not None
     )
@@ -189,5 +215,6 @@ def _document(title: str, body: str) -> str:
     return (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width,initial-scale=1">'
+        f'<meta name="generator" content="{MARK}">'
         f"<title>{escape(title)}</title><style>{STYLE}</style></head><body><main>{body}</main></body></html>\n"
     )

@@ -20,13 +20,17 @@ _RADIO_SCALE, _RADIO_OFFSET = 1 / 1.9, -127.0
 
 
 class Panel(NamedTuple):
-    """A chart of signals with one unit; `factor` and `offset` convert their values to `unit`."""
+    """A chart of signals with one unit; `factor` and `offset` convert their values to `unit`.
+
+    `leaves_out_zeros` is true if a signal that is always zero is one that is not connected.
+    """
 
     title: str
     unit: str
     signals: tuple[str, ...]
     factor: float = 1.0
     offset: float = 0.0
+    leaves_out_zeros: bool = False
 
 
 #: The panels by topic; the topics are the presets of `mav data plot`.
@@ -56,7 +60,11 @@ PANELS: Final[Mapping[str, tuple[Panel, ...]]] = MappingProxyType(
             Panel("Test ratios", "", ("compass_variance", "velocity_variance", "position_variance")),
         ),
         "gps": (Panel("Satellites", "", ("satellites",)), Panel("HDOP", "", ("hdop",))),
-        "outputs": (Panel("Outputs", "us", tuple(f"output_{number}" for number in range(1, 7))),),
+        "outputs": (
+            Panel(
+                "Outputs", "us", tuple(f"output_{number}" for number in range(1, 7)), leaves_out_zeros=True
+            ),
+        ),
         "link": (
             Panel("RC signal", "", ("rc_rssi",)),
             Panel(
@@ -84,7 +92,9 @@ def charts_of(flight: Flight, topic: str, marks: Sequence[float] = ()) -> Iterat
     for panel in PANELS[topic]:
         found = [signal for name in panel.signals if (signal := flight.signal(name)) is not None]
         lines = [
-            Line(signal.title, signal.times, signal.values * panel.factor + panel.offset) for signal in found
+            Line(signal.title, signal.times, signal.values * panel.factor + panel.offset)
+            for signal in found
+            if signal.values.any() or not panel.leaves_out_zeros
         ]
         if lines:
             yield Chart(panel.title, panel.unit, lines, bands, marks)

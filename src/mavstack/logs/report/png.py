@@ -48,6 +48,7 @@ def _draw(axes: Any, chart: Chart) -> None:  # noqa: ANN401 (matplotlib is optio
         axes.plot(line.xs, line.ys, linewidth=0.9, label=line.label)
     for number, band in enumerate(chart.bands):
         axes.axvspan(band.start, band.end, color="0.5", alpha=0.05 + 0.07 * (number % 2), linewidth=0)
+    axes.set_xlim(*chart.extent)
     axes.set_title(chart.title, loc="left", fontsize=10)
     axes.set_ylabel(chart.unit)
     axes.set_xlabel(chart.axis)

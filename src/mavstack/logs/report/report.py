@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from mavstack.logs.analysis import analyse, flights
-from mavstack.logs.report.page import render_page
+from mavstack.logs.report.page import MARK, render_page
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -48,6 +48,7 @@ def make_report(log: Log) -> Report:
     """
     found = [(flight, analyse(flight), flight_facts(flight)) for flight in flights(log)]
     data = {
+        "kind": MARK,
         "file": log.path.name,
         "format": log.format,
         "size": log.size,

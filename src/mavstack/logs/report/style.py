@@ -25,7 +25,9 @@ p{margin:.3rem 0}.dim,small{color:var(--dim);font-weight:normal}
 .info{border-color:var(--info)}figure{margin:1rem 0}figcaption{font-weight:600;margin-bottom:.2rem}
 svg{width:100%;height:auto;display:block;background:var(--card);border-radius:8px}
 svg.map{max-width:460px;margin:0 auto}svg text{fill:var(--dim);font-size:11px}svg text.y{text-anchor:end}
-svg text.x{text-anchor:middle}svg text.band{font-size:10px}.grid{stroke:var(--line);stroke-width:1}
+svg text.x{text-anchor:middle}
+svg text.band{font-size:10px;paint-order:stroke;stroke:var(--b0);stroke-width:3px}
+.grid{stroke:var(--line);stroke-width:1}
 .axis{stroke:var(--fg);stroke-width:2}.line{fill:none;stroke-width:1.5;stroke-linejoin:round}
 .line.c0{stroke:var(--c0)}.line.c1{stroke:var(--c1)}.line.c2{stroke:var(--c2)}.line.c3{stroke:var(--c3)}
 .line.c4{stroke:var(--c4)}.line.c5{stroke:var(--c5)}.key{font-weight:normal;margin-left:.9rem;font-size:.85rem}
@@ -36,8 +38,14 @@ svg text.x{text-anchor:middle}svg text.band{font-size:10px}.grid{stroke:var(--li
 circle.mark{fill:none;stroke:var(--critical);stroke-width:2}.start{fill:var(--c2)}.end{fill:var(--critical)}
 svg text.title{font-size:13px;font-weight:600;fill:var(--fg)}
 table{border-collapse:collapse;width:100%;font-size:.9rem}td,th{text-align:left;padding:.15rem .6rem .15rem 0;
-border-bottom:1px solid var(--line);vertical-align:top;overflow-wrap:anywhere}td.n,th.n{text-align:right;
-white-space:nowrap;font-variant-numeric:tabular-nums}
+border-bottom:1px solid var(--line);vertical-align:top}
+td:first-child,td:last-child{overflow-wrap:anywhere}
+td.n,th.n{text-align:right;width:6.5rem;white-space:nowrap;font-variant-numeric:tabular-nums}
 details{margin:.6rem 0}summary{cursor:pointer;font-weight:600}
+/* On a phone a chart is less than half as wide: larger texts, and every other number. */
+@media (max-width:600px){figure svg{overflow:visible}figure text{font-size:24px}
+figure text.minor,figure text.band{display:none}td.n,th.n{width:auto}
+figure text.y{text-anchor:start;transform:translateX(-42px)}figure .line{stroke-width:2.6}
+figure text.x,figure text.y{paint-order:stroke;stroke:var(--card);stroke-width:6px}}
 @media print{details{display:block}}
 """

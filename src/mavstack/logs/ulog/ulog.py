@@ -20,6 +20,7 @@ from mavstack.logs.log import DEFAULT_WINDOW, Log
 from mavstack.logs.log_bytes import LogBytes
 from mavstack.logs.mapped_pages import STEP, release
 from mavstack.logs.message_table import MessageTable
+from mavstack.logs.saved_index import cached_index
 from mavstack.logs.schema import SchemaSource
 from mavstack.logs.ulog import facts
 from mavstack.logs.ulog.clock import GPS_TOPICS, time_base
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from mavstack.logs.damage import LogDamage
     from mavstack.logs.records import LogText, ParameterChange
     from mavstack.logs.schema import TableSchema
+    from mavstack.logs.select import Selection
     from mavstack.logs.time_base import TimeBase
     from mavstack.logs.ulog.entries import Dropout, Entries, LoggedText, Value
     from mavstack.logs.vehicles import LogVehicle
@@ -72,12 +74,25 @@ class ULog(Log):
         self._threads = threads or os.cpu_count() or 1
         self._saves_memory = False
         with self._bytes.access() as data:
-            self._index = self._indexed(data, positions=self.size < _MAX_STORED)
+            self._index = self._opened(data)
             self._data = data
         self._instances = dict(self._index.instances)
         self._counts = {name: sum(counts.values()) for name, counts in self._instances.items()}
         self._dtypes: dict[str, np.dtype[np.void]] = {}
         self._schemas: dict[str, SchemaSource] = {}
+
+    def _opened(self, data: mmap.mmap | bytes) -> UlogIndex:
+        """Return the saved index, or a new one, of a very large file without positions."""
+        if self.size >= _MAX_STORED:
+            return self._indexed(data, positions=False)
+        return cached_index(
+            self._bytes,
+            data,
+            self.format,
+            restore=lambda saved: UlogIndex.restore(saved, data, threads=self._threads),
+            build=lambda: self._indexed(data),
+            save=lambda index: index.save(),
+        )
 
     def _indexed(
         self, data: mmap.mmap | bytes, *, positions: bool = True, size: int | None = None
@@ -103,6 +118,14 @@ class ULog(Log):
     def instances(self) -> Mapping[str, Mapping[int, int]]:
         """Number of records of each instance, by topic."""
         return self._instances
+
+    def selected_rows(self, name: str, selection: Selection) -> int | None:
+        """Return how many rows of a topic a selection keeps, without times; see `Log.selected_rows`."""
+        if selection.has_times:
+            return None
+        if selection.instance is None:
+            return self.counts[name]
+        return self.instances[name].get(selection.instance, 0)
 
     def schema(self, name: str) -> TableSchema:
         """Return the meaning of the columns of a topic's table; see `Log.schema`."""
@@ -236,14 +259,34 @@ class ULog(Log):
         """Bytes outside of messages, and messages that cannot be read."""
         return facts.damage(self._index, self._entries.damaged)
 
-    @cached_property
+    @property
     def _time_base(self) -> TimeBase:
-        names = [name for name in GPS_TOPICS if name in self.counts]
+        return self._clocks[0]
+
+    @cached_property
+    def _clocks(self) -> tuple[TimeBase, int]:
+        """The time base, and the latest time in some regular topics in microseconds since boot."""
+        satellites = [name for name in GPS_TOPICS if name in self.counts]
+        regular = sorted((count, name) for name, count in self._counts.items() if count >= _REGULAR)
+        compared = [name for _, name in regular[:_COMPARED]]
+        ends: list[int] = []
+
+        def pieces() -> Iterator[Mapping[str, MessageTable]]:
+            for tables in self._boot_pieces(list({*satellites, *compared})):
+                found = [tables[name] for name in compared if len(tables.get(name, ()))]
+                ends.extend(int(table["timestamp"].max()) for table in found if table.has_number("timestamp"))
+                yield {name: tables[name] for name in satellites if name in tables}
+
+        span = self._index.time_span
+        base = time_base(pieces(), self.information)
+        return base, max(ends, default=0 if span is None else span[1])
+
+    def _boot_pieces(self, names: Sequence[str]) -> Iterator[Mapping[str, MessageTable]]:
+        """Yield tables without UTC: of a large file piece by piece, so that no positions are stored."""
         if self._index.has_positions:
-            pieces: Iterator[Mapping[str, MessageTable]] = iter([self._decode_boot(names, None)])
+            yield self._decode_boot(names, None)
         else:
-            pieces = self._pieces(DEFAULT_WINDOW, names, None)
-        return time_base(pieces, self.information)
+            yield from self._pieces(DEFAULT_WINDOW, names, None)
 
     @property
     def time_span(self) -> tuple[float, float] | None:
@@ -255,20 +298,10 @@ class ULog(Log):
         span, offset = self._index.time_span, self._time_base.offset_us or 0
         if span is None:
             return None
-        last = span[1] if span[1] <= self._usual_end + _MAX_AHEAD_US else self._usual_end
+        end = self._clocks[1]
+        last = span[1] if span[1] <= end + _MAX_AHEAD_US else end
         first = min(max(span[0], self._index.start_time), last)
         return (first + offset) / 1e6, (last + offset) / 1e6
-
-    @cached_property
-    def _usual_end(self) -> int:
-        """Latest time in some regular topics, in microseconds since boot; without such topics that of all."""
-        span = self._index.time_span
-        if span is None or not self._index.has_positions:
-            return 0 if span is None else span[1]
-        regular = sorted((count, name) for name, count in self._counts.items() if count >= _REGULAR)
-        tables = self._decode_boot([name for _, name in regular[:_COMPARED]], None).values()
-        ends = [int(table["timestamp"].max()) for table in tables if table.has_number("timestamp")]
-        return max(ends, default=span[1])
 
     def boot_times(self, name: str, table: MessageTable) -> NDArray[np.float64] | None:
         """Return the field `timestamp` of each row, NaN in a topic without it; see `Log.boot_times`."""
