@@ -6,8 +6,9 @@ from math import inf
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import MavstackError
-from mavstack.links import MemoryNetwork
+from mavstack.errors import LinkURLError, MavstackError
+from mavstack.links import BytesReceived, ChannelOpened, MemoryNetwork
+from mavstack.msp import Direction, Frame
 from mavstack.node import Node
 from mavstack.node.pacing import MAX_BULK_BURST
 from mavstack.services.log.entry import CHUNK
@@ -220,3 +221,43 @@ def test_a_flood_of_packets_leaves_turns_to_other_tasks(monkeypatch):
     run_virtually(work())
     assert len(turns_of_packets) == 20 * EVENTS_PER_TURN
     assert max(map(turns_of_packets.count, set(turns_of_packets))) <= EVENTS_PER_TURN
+
+
+def test_a_link_carries_the_protocol_of_its_vehicles():
+    simulation = Simulation()
+    simulation.add()
+    first, second = (simulation.add_flight_controller(firmware) for firmware in ("betaflight", "inav"))
+
+    async def connect(url, vehicles):
+        async with Runner(simulation) as runner:
+            await runner.connect(url, vehicles)
+
+    for url, vehicles in (
+        ("udpout://127.0.0.1:9", [first]),
+        ("msp+udpout://127.0.0.1:9", [first, second]),
+        ("msp+udpout://127.0.0.1:9", simulation.vehicles),
+    ):
+        with pytest.raises(LinkURLError):
+            asyncio.run(connect(url, vehicles))
+    asyncio.run(connect("msp+udpout://127.0.0.1:9", [first]))
+
+
+def test_clients_of_a_flight_controller_are_answered_at_once():
+    simulation, network = Simulation(), MemoryNetwork()
+    controller = simulation.add_flight_controller("betaflight")
+
+    async def work():
+        async with Runner(simulation) as runner, network.link() as client:
+            await runner.connect(network.link(), [controller])
+            runner.start()
+            began = asyncio.get_running_loop().time()
+            async for event in client:
+                if isinstance(event, ChannelOpened):
+                    event.channel.write(Frame(2).encode())
+                elif isinstance(event, BytesReceived):
+                    return event.data, asyncio.get_running_loop().time() - began
+        raise AssertionError
+
+    data, seconds = run_virtually(work())
+    assert data == Frame(2, b"BTFL", Direction.RESPONSE).encode()
+    assert seconds < 0.03

@@ -57,6 +57,14 @@ def test_rust_is_checked() -> None:
     assert words("a.rs", text) == [(1, "What"), (2, "patience"), (2, "soup")]
 
 
+@pytest.mark.parametrize("name", ["a.ts", "a.svelte"])
+def test_scripts_of_the_station_are_checked(name) -> None:
+    text = (
+        "/** What runs. */\nconst patience = 1; // soup\nlibrary.patience();\nt('a bowl of soup', 'soup');\n"
+    )
+    assert words(name, text) == [(1, "What"), (2, "patience"), (2, "soup"), (4, "soup")]
+
+
 def test_code_blocks_of_markdown_are_left_out() -> None:
     assert words("a.md", "soup\n```py\nsoup\n```\n") == [(1, "soup")]
 

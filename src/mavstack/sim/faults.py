@@ -32,12 +32,32 @@ from mavstack.sim.motion.airframes import AIRFRAMES
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from mavstack.sim.autopilot.interfaces import Vehicle
+    from mavstack.services import Address
+    from mavstack.sim.motion import Body
+    from mavstack.sim.vehicle_types import VehicleType
 
 _LOG = logging.getLogger("mavstack.sim")
 _MOTORS = 16
 _PERCENT = 100.0
 _MAX_SYSTEMS = 255
+
+
+class FaultTarget(Protocol):
+    """A vehicle, as faults see it."""
+
+    body: Body
+    vehicle_type: VehicleType
+    address: Address
+    faults: Faults
+
+    def cut(self, off: bool) -> None:
+        """Cut or restore all links."""
+
+    def reboot(self) -> None:
+        """Restart the autopilot."""
+
+    def switch_transmitter(self, on: bool) -> bool:
+        """Switch the pilot's transmitter on or off; returns whether the pilot has lost it."""
 
 
 class FaultSimulation(Protocol):
@@ -47,7 +67,7 @@ class FaultSimulation(Protocol):
     before_step: list[Callable[[float], None]]
 
     @property
-    def vehicles(self) -> Sequence[Vehicle]:
+    def fault_targets(self) -> Sequence[FaultTarget]:
         """The vehicles."""
 
     @property
@@ -62,7 +82,7 @@ class FaultError(InvalidArgumentError):
 class Faults:
     """The faults of one vehicle."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: FaultTarget) -> None:
         self._vehicle = vehicle
         #: The active faults by subject ("gps", "gps spoof", "motor 1"), as they were injected.
         self.active: dict[str, str] = {}
@@ -117,7 +137,7 @@ class Fault:
             return f"{self.kind} {self.words[0]}"
         return self.kind
 
-    def inject(self, vehicle: Vehicle) -> None:
+    def inject(self, vehicle: FaultTarget) -> None:
         """Inject the fault into a vehicle."""
         _LOG.info("vehicle %d: fault %s", vehicle.address.system, self.text)
         active = _KINDS[self.kind](self.words)(vehicle)
@@ -146,7 +166,7 @@ class TimedFault:
 
     def inject(self, simulation: FaultSimulation) -> None:
         """Inject the fault now."""
-        for vehicle in simulation.vehicles:
+        for vehicle in simulation.fault_targets:
             if self.system in (0, vehicle.address.system):
                 self.fault.inject(vehicle)
 
@@ -218,66 +238,66 @@ def _timed(number: int, line: str) -> TimedFault:
 # it is active.
 
 
-def _gps(words: Sequence[str]) -> Callable[[Vehicle], bool]:
+def _gps(words: Sequence[str]) -> Callable[[FaultTarget], bool]:
     if words[:1] == ("spoof",):
         north, east = _numbers("gps spoof NORTH EAST", words[1:], 2)
 
-        def spoof(vehicle: Vehicle) -> bool:
+        def spoof(vehicle: FaultTarget) -> bool:
             vehicle.body.spoof_gps(north, east)
             return (north, east) != (0.0, 0.0)
 
         return spoof
     off = _is_off("gps off|on|spoof NORTH EAST", words)
 
-    def lose(vehicle: Vehicle) -> bool:
+    def lose(vehicle: FaultTarget) -> bool:
         vehicle.body.fail_gps(off)
         return off
 
     return lose
 
 
-def _compass(words: Sequence[str]) -> Callable[[Vehicle], bool]:
+def _compass(words: Sequence[str]) -> Callable[[FaultTarget], bool]:
     (degrees,) = _numbers("compass DEGREES", words, 1)
 
-    def turn(vehicle: Vehicle) -> bool:
+    def turn(vehicle: FaultTarget) -> bool:
         vehicle.body.offset_compass(radians(degrees))
         return degrees != 0
 
     return turn
 
 
-def _baro(words: Sequence[str]) -> Callable[[Vehicle], bool]:
+def _baro(words: Sequence[str]) -> Callable[[FaultTarget], bool]:
     (metres,) = _numbers("baro METRES", words, 1)
 
-    def drift(vehicle: Vehicle) -> bool:
+    def drift(vehicle: FaultTarget) -> bool:
         vehicle.body.drift_barometer(metres)
         return metres != 0
 
     return drift
 
 
-def _motor(words: Sequence[str]) -> Callable[[Vehicle], bool]:
+def _motor(words: Sequence[str]) -> Callable[[FaultTarget], bool]:
     usage = "motor NUMBER off|on"
     (number,) = _numbers(usage, words[:1], 1)
     off = _is_off(usage, words[1:])
     if number != int(number) or not 1 <= number <= _MOTORS:
         raise FaultError(f"the motor number must be 1 to {_MOTORS}, got {words[0]}")
 
-    def stop(vehicle: Vehicle) -> bool:
+    def stop(vehicle: FaultTarget) -> bool:
         vehicle.body.fail_motor(int(number), off)
         return off and number <= AIRFRAMES[vehicle.vehicle_type].motors
 
     return stop
 
 
-def _battery(words: Sequence[str]) -> Callable[[Vehicle], bool]:
+def _battery(words: Sequence[str]) -> Callable[[FaultTarget], bool]:
     usage = "battery sag VOLTS, or battery PERCENT"
     if words[:1] == ("sag",):
         (volts,) = _numbers(usage, words[1:], 1)
         if volts < 0:
             raise FaultError(f"the voltage sag must be at least 0 V, got {words[1]}")
 
-        def sag(vehicle: Vehicle) -> bool:
+        def sag(vehicle: FaultTarget) -> bool:
             vehicle.body.sag_battery(volts)
             return volts != 0
 
@@ -286,45 +306,44 @@ def _battery(words: Sequence[str]) -> Callable[[Vehicle], bool]:
     if not 0 <= percent <= _PERCENT:
         raise FaultError(f"the battery must be 0 to 100 percent, got {words[0]}")
 
-    def hold(vehicle: Vehicle) -> bool:
+    def hold(vehicle: FaultTarget) -> bool:
         vehicle.body.recharge(percent / _PERCENT)
         return False
 
     return hold
 
 
-def _radio(words: Sequence[str]) -> Callable[[Vehicle], bool]:
+def _radio(words: Sequence[str]) -> Callable[[FaultTarget], bool]:
     off = _is_off("radio off|on", words)
 
-    def switch(vehicle: Vehicle) -> bool:
-        vehicle.autopilot.radio.switch(not off)
-        return off and vehicle.autopilot.radio.has_transmitter
+    def switch(vehicle: FaultTarget) -> bool:
+        return vehicle.switch_transmitter(not off)
 
     return switch
 
 
-def _link(words: Sequence[str]) -> Callable[[Vehicle], bool]:
+def _link(words: Sequence[str]) -> Callable[[FaultTarget], bool]:
     off = _is_off("link off|on", words)
 
-    def cut(vehicle: Vehicle) -> bool:
+    def cut(vehicle: FaultTarget) -> bool:
         vehicle.cut(off)
         return off
 
     return cut
 
 
-def _reboot(words: Sequence[str]) -> Callable[[Vehicle], bool]:
+def _reboot(words: Sequence[str]) -> Callable[[FaultTarget], bool]:
     if words:
         raise FaultError("usage: reboot")
 
-    def reboot(vehicle: Vehicle) -> bool:
+    def reboot(vehicle: FaultTarget) -> bool:
         vehicle.reboot()
         return False
 
     return reboot
 
 
-_KINDS: Final[dict[str, Callable[[Sequence[str]], Callable[[Vehicle], bool]]]] = {
+_KINDS: Final[dict[str, Callable[[Sequence[str]], Callable[[FaultTarget], bool]]]] = {
     "gps": _gps,
     "compass": _compass,
     "baro": _baro,

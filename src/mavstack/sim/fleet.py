@@ -14,11 +14,19 @@ from typing import TYPE_CHECKING
 from mavstack.errors import InvalidArgumentError, LinkURLError
 from mavstack.links import parse_url
 from mavstack.sim.motion import LocalFrame
-from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, TerrainSource, VehicleType
+from mavstack.sim.vehicle_types import (
+    DEFAULT_HOME,
+    ControllerFirmware,
+    Firmware,
+    Home,
+    TerrainSource,
+    VehicleType,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from mavstack.sim.msp import SimulatedFlightController
     from mavstack.sim.rangefinders import Rangefinder
     from mavstack.sim.simulation import Simulation
     from mavstack.sim.vehicle import SimulatedVehicle
@@ -40,6 +48,8 @@ class Fleet:
     gimbal: bool = False
     rangefinders: Sequence[Rangefinder] = ()
     terrain: TerrainSource = TerrainSource.FLAT
+    #: Firmwares of vehicles that speak MSP, for `add_flight_controllers_to`.
+    controllers: Sequence[ControllerFirmware] = ()
 
     def add_to(self, simulation: Simulation) -> list[SimulatedVehicle]:
         """Add the fleet to a simulation.
@@ -53,10 +63,7 @@ class Fleet:
         Raises:
             InvalidArgumentError: A system id would exceed 255, or is taken.
         """
-        if not 1 <= self.first_system <= self.first_system + self.count - 1 <= 255:
-            raise InvalidArgumentError(
-                f"{self.count} vehicles from system id {self.first_system} do not fit into ids 1 to 255"
-            )
+        self._check_systems()
         types = islice(zip(cycle(self.types), cycle(self.firmwares), strict=False), self.count)
         return [
             simulation.add(
@@ -71,6 +78,31 @@ class Fleet:
             )
             for number, ((vehicle_type, firmware), home) in enumerate(zip(types, self.homes(), strict=True))
         ]
+
+    def add_flight_controllers_to(self, simulation: Simulation) -> list[SimulatedFlightController]:
+        """Add vehicles that speak MSP, with the firmwares of `controllers` in turn.
+
+        Args:
+            simulation: The simulation.
+
+        Returns:
+            The flight controllers.
+
+        Raises:
+            InvalidArgumentError: A system id would exceed 255, or is taken.
+        """
+        self._check_systems()
+        firmwares = islice(cycle(self.controllers), self.count)
+        return [
+            simulation.add_flight_controller(firmware, home=home, system=self.first_system + number)
+            for number, (firmware, home) in enumerate(zip(firmwares, self.homes(), strict=True))
+        ]
+
+    def _check_systems(self) -> None:
+        if not 1 <= self.first_system <= self.first_system + self.count - 1 <= 255:
+            raise InvalidArgumentError(
+                f"{self.count} vehicles from system id {self.first_system} do not fit into ids 1 to 255"
+            )
 
     def homes(self) -> Iterator[Home]:
         """Yield the home of each vehicle."""

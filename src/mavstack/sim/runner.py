@@ -16,7 +16,7 @@ import asyncio
 import logging
 from dataclasses import dataclass
 from math import ceil, inf, isinf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 from mavstack.dialects import Dialect
 from mavstack.errors import InvalidArgumentError, LinkClosedError, LinkError, LinkURLError
@@ -32,13 +32,15 @@ if TYPE_CHECKING:
     from typing import Self
 
     from mavstack.links import LinkEvent
+    from mavstack.links.settings import Version
     from mavstack.security import SigningKey
-    from mavstack.sim.port import Port
+    from mavstack.services import Address
     from mavstack.sim.simulation import Simulation
-    from mavstack.sim.vehicle import SimulatedVehicle
 
 _LOG = logging.getLogger("mavstack.sim")
 
+#: Prefix of the URLs of links that carry MSP.
+MSP_PREFIX = "msp+"
 #: Maximum backlog in seconds; simulated time beyond it is dropped, as after the machine slept.
 MAX_LAG = 0.5
 #: Maximum number of steps between two turns of the links, so that received packets do not wait so long
@@ -51,13 +53,41 @@ EVENTS_PER_TURN = 32
 BULK_RATE = 1000.0
 
 
+class LinkedVehicle(Protocol):
+    """A vehicle that can be connected to links; its ports are its own affair."""
+
+    address: Address
+    #: The vehicle speaks MSP instead of MAVLink.
+    speaks_msp: bool
+
+    def open_port(
+        self,
+        name: str,
+        *,
+        key: SigningKey | None,
+        version: Version,
+        bandwidth: float | None,
+        bulk_rate: float | None,
+    ) -> Any:  # noqa: ANN401 - ports differ
+        """Open a port for a peer."""
+
+    def close_port(self, port: Any) -> None:  # noqa: ANN401
+        """Close the port of a peer."""
+
+    def receive(self, port: Any, data: bytes) -> object:  # noqa: ANN401
+        """Process data from a peer."""
+
+    def data_to_send(self) -> Sequence[tuple[Any, bytes]]:
+        """Return the data sent since the last call, with its ports."""
+
+
 @dataclass(eq=False, slots=True)
 class _ChannelPorts:
     """One channel of a link, and the port of each vehicle on it."""
 
     channel: Channel
     pace: int  # bytes per second of the link; 0 if unknown
-    ports: dict[SimulatedVehicle, Port]
+    ports: dict[LinkedVehicle, Any]
     parser: Parser | None  # finds the addressee of a packet; None for a single vehicle
 
 
@@ -90,7 +120,7 @@ class Runner:
         self.lag = 0.0
         self._on_link_down = on_link_down
         self._dialect = Dialect.load("all")
-        self._channels: dict[Port, Channel] = {}
+        self._channels: dict[Any, Channel] = {}
         self._keys: dict[Link, SigningKey] = {}
         self._tasks: set[asyncio.Task[None]] = set()
 
@@ -114,29 +144,32 @@ class Runner:
             return pace or None, None
         return pace / self._speed or None, BULK_RATE / self._speed
 
-    async def connect(self, link: str | Link, vehicles: Iterable[SimulatedVehicle]) -> Link:
+    async def connect(self, link: str | Link, vehicles: Iterable[LinkedVehicle]) -> Link:
         """Open a link for some vehicles.
 
         Args:
-            link: A link URL or a link.
-            vehicles: The vehicles that the link carries.
+            link: A link URL or a link. The URL of a flight controller that speaks MSP begins with
+                `msp+`, such as `msp+tcpin://127.0.0.1:5761`.
+            vehicles: The vehicles that the link carries; MSP has no addresses, so a link of it carries one.
 
         Returns:
             The open link.
 
         Raises:
             LinkError: The link cannot be opened.
-            LinkURLError: The URL is invalid, or gives ids or heartbeats, which the vehicles have themselves.
+            LinkURLError: The URL is invalid, or gives ids or heartbeats, which the vehicles have themselves,
+                or has another protocol than the vehicles.
             SigningError: The key that the URL names cannot be read.
         """
-        opened = open_link(link) if isinstance(link, str) else link
+        vehicles = tuple(vehicles)
+        opened = open_link(_transport(link, vehicles)) if isinstance(link, str) else link
         if own := {"id", "heartbeat_rate"}.intersection(opened.settings.given):
             raise LinkURLError(f"{opened.url.redacted}: simulated vehicles do not use the option {min(own)}")
         self._keys |= link_keys([opened])
         await opened.open()
         self.links.append(opened)
         _LOG.info("link %s open", opened.url.redacted)
-        task = asyncio.get_running_loop().create_task(self._read(opened, tuple(vehicles)))
+        task = asyncio.get_running_loop().create_task(self._read(opened, vehicles))
         self._tasks.add(task)
         task.add_done_callback(self._ended)
         return opened
@@ -212,8 +245,10 @@ class Runner:
         """Send the pending data of all vehicles."""
         for vehicle in self.simulation.vehicles:
             self._flush(vehicle)
+        for controller in self.simulation.flight_controllers:
+            self._flush(controller)
 
-    def _flush(self, vehicle: SimulatedVehicle) -> None:
+    def _flush(self, vehicle: LinkedVehicle) -> None:
         for port, data in vehicle.data_to_send():
             channel = self._channels.get(port)
             if channel is not None and not channel.closed:
@@ -222,7 +257,7 @@ class Runner:
                 except LinkClosedError:
                     continue  # ChannelClosed follows
 
-    async def _read(self, link: Link, vehicles: Sequence[SimulatedVehicle]) -> None:
+    async def _read(self, link: Link, vehicles: Sequence[LinkedVehicle]) -> None:
         try:
             async for batch in link.batches():
                 for start in range(0, len(batch), EVENTS_PER_TURN):
@@ -236,7 +271,7 @@ class Runner:
             if self._on_link_down is not None:
                 self._on_link_down(link, str(error))
 
-    def _take(self, link: Link, vehicles: Sequence[SimulatedVehicle], event: LinkEvent) -> None:
+    def _take(self, link: Link, vehicles: Sequence[LinkedVehicle], event: LinkEvent) -> None:
         match event:
             case BytesReceived(channel, data):
                 self._received(self._channel_ports[channel], data)
@@ -251,7 +286,7 @@ class Runner:
                 if self._on_link_down is not None:
                     self._on_link_down(link, reason)
 
-    def _open_channel(self, link: Link, vehicles: Sequence[SimulatedVehicle], channel: Channel) -> None:
+    def _open_channel(self, link: Link, vehicles: Sequence[LinkedVehicle], channel: Channel) -> None:
         """Open the port of each vehicle on a channel."""
         bandwidth, bulk_rate = self._limits(link.pace)
         key = self._keys.get(link)
@@ -293,3 +328,16 @@ class Runner:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         await self.close()
+
+
+def _transport(url: str, vehicles: Sequence[LinkedVehicle]) -> str:
+    """Return the URL of the transport, without `msp+`; raises LinkURLError if the protocols differ."""
+    if not any(vehicle.speaks_msp for vehicle in vehicles):
+        return url
+    if not url.startswith(MSP_PREFIX):
+        raise LinkURLError(
+            f"link URL {url}: a flight controller speaks MSP, so its link is {MSP_PREFIX}{url}"
+        )
+    if len(vehicles) > 1:
+        raise LinkURLError(f"link URL {url}: MSP has no addresses, so each vehicle needs a link of its own")
+    return url.removeprefix(MSP_PREFIX)

@@ -23,13 +23,22 @@ from mavstack.sim.parameters import Parameters
 from mavstack.sim.profiles import profile_of
 from mavstack.sim.rangefinders import MAX_RANGEFINDERS
 from mavstack.sim.vehicle import SimulatedVehicle
-from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, TerrainSource, VehicleType
+from mavstack.sim.vehicle_types import (
+    DEFAULT_HOME,
+    ControllerFirmware,
+    Firmware,
+    Home,
+    TerrainSource,
+    VehicleType,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
+    from mavstack.sim.faults import FaultTarget
     from mavstack.sim.motion.obstacles import Obstacle
+    from mavstack.sim.msp import SimulatedFlightController
     from mavstack.sim.port import Port
     from mavstack.sim.rangefinders import Rangefinder
 
@@ -64,6 +73,8 @@ class Simulation:
         #: The folder of the vehicles' files and logs; None keeps them in memory.
         self.storage = storage
         self.vehicles: list[SimulatedVehicle] = []
+        #: Vehicles that speak MSP instead of MAVLink.
+        self.flight_controllers: list[SimulatedFlightController] = []
         #: Called before each step with the simulated seconds since the start.
         self.before_step: list[Callable[[float], None]] = []
         self._start = start
@@ -139,6 +150,45 @@ class Simulation:
         _LOG.info("vehicle %d added: %s %s", system, firmware, vehicle_type)
         return vehicle
 
+    def add_flight_controller(
+        self,
+        firmware: ControllerFirmware | str = ControllerFirmware.BETAFLIGHT,
+        *,
+        home: Home = DEFAULT_HOME,
+        system: int | None = None,
+    ) -> SimulatedFlightController:
+        """Add a copter whose flight controller speaks MSP.
+
+        Args:
+            firmware: The firmware, "betaflight" or "inav".
+            home: The start position.
+            system: The number by which faults and events name it, as a system id; None for the next free one.
+
+        Returns:
+            The flight controller, disarmed on the ground.
+
+        Raises:
+            InvalidArgumentError: The number is taken or out of range.
+        """
+        from mavstack.sim.msp import SimulatedFlightController
+
+        system = self._free_system(system)
+        controller = SimulatedFlightController(
+            self.world.add(VehicleType.COPTER, home),
+            ControllerFirmware(firmware),
+            Address(system, common.MavComponent.AUTOPILOT1),
+            now=self.now,
+            folder=self.storage and self.storage / str(system),
+        )
+        self.flight_controllers.append(controller)
+        _LOG.info("vehicle %d added: %s copter", system, controller.firmware)
+        return controller
+
+    @property
+    def fault_targets(self) -> Sequence[FaultTarget]:
+        """The vehicles into which faults can be injected."""
+        return (*self.vehicles, *self.flight_controllers)
+
     def add_obstacle(self, obstacle: Obstacle, *, home: Home = DEFAULT_HOME) -> None:
         """Add an obstacle to the world, before the vehicles that are to have a proximity sensor.
 
@@ -153,7 +203,7 @@ class Simulation:
 
     def _free_system(self, system: int | None) -> int:
         """Return a system id, the next free one for None; raises if it is not free."""
-        taken = {vehicle.address.system for vehicle in self.vehicles}
+        taken = {vehicle.address.system for vehicle in self.fault_targets}
         system = system or next((free for free in range(1, MAX_SYSTEMS + 1) if free not in taken), 0)
         if not 1 <= system <= MAX_SYSTEMS or system in taken:
             raise InvalidArgumentError(
@@ -172,6 +222,8 @@ class Simulation:
         now = self.now
         for vehicle in self.vehicles:
             vehicle.step(now)
+        for controller in self.flight_controllers:
+            controller.step(now)
 
     def advance(self, now: float) -> None:
         """Advance by all steps up to the simulated Unix time `now`."""

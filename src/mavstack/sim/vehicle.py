@@ -70,6 +70,9 @@ class SimulatedVehicle:
         terrain: The terrain that the vehicle has from ground stations; None: it knows the flat ground.
     """
 
+    #: The vehicle speaks MAVLink.
+    speaks_msp = False
+
     def __init__(
         self,
         body: Body,
@@ -220,6 +223,14 @@ class SimulatedVehicle:
         self._settle()
 
     @property
+    def equipment(self) -> list[str]:
+        """Names of the payloads and of the chosen distance sensors."""
+        payloads = {"camera": self.camera, "gimbal": self.gimbal}
+        names = [name for name, payload in payloads.items() if payload is not None]
+        names += [f"rangefinder {each.name}" for each in self.rangefinders]
+        return names + ["proximity sensor"] * self.proximity
+
+    @property
     def uptime(self) -> float:
         """Seconds since the last boot."""
         return self.now - self.booted_at
@@ -248,6 +259,12 @@ class SimulatedVehicle:
         if off and not self.cut_off:
             self.flush_pending()
         self.cut_off = off
+
+    def switch_transmitter(self, on: bool) -> bool:
+        """Switch the pilot's transmitter on or off; returns whether the pilot has lost it."""
+        radio = self.autopilot.radio
+        radio.switch(on)
+        return not on and radio.has_transmitter
 
     def flush_pending(self) -> None:
         """Keep the pending data, such as the acknowledgement of a reboot, for the next `data_to_send`."""

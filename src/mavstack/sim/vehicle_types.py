@@ -62,6 +62,13 @@ class Firmware(StrEnum):
         return common.MavAutopilot.PX4 if self is Firmware.PX4 else common.MavAutopilot.ARDUPILOTMEGA
 
 
+class ControllerFirmware(StrEnum):
+    """A firmware of a flight controller that speaks MSP."""
+
+    BETAFLIGHT = "betaflight"
+    INAV = "inav"
+
+
 class TerrainSource(StrEnum):
     """Where a vehicle has the heights of the terrain from."""
 

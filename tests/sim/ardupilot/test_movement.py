@@ -75,6 +75,7 @@ def test_quadplane_takes_off_transitions_and_lands_in_hover() -> None:
     assert hypot(north, east) < 5
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.flight
 @pytest.mark.parametrize("vehicle_type", ["rover", "boat"])
 def test_surface_vehicle_repositions_and_returns(vehicle_type: str) -> None:

@@ -183,6 +183,7 @@ def test_a_mission_above_unknown_terrain_prevents_arming():
     assert "Arm: terrain disabled" in one.autopilot.arm()
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.flight
 @pytest.mark.parametrize(("kind", "leg", "error"), [("copter", 300, 2), ("plane", 600, 10)])
 def test_a_mission_follows_the_terrain(kind, leg, error):

@@ -100,7 +100,7 @@ def test_a_relative_altitude_is_relative_to_a_moved_home_too() -> None:
 
 
 @pytest.mark.flight_cases(1)
-@pytest.mark.fast_cases(1)
+@pytest.mark.flight
 @pytest.mark.parametrize("kind", [VehicleType.ROVER, VehicleType.BOAT, VehicleType.SUB])
 def test_rovers_boats_and_submarines_reach_a_position(kind: VehicleType) -> None:
     flight = guided(kind)

@@ -101,6 +101,7 @@ def check(harness: VehicleHarness, case: Case) -> None:
     assert set(case.texts) <= set(harness.texts), list(harness.texts)
 
 
+@pytest.mark.flight_cases(8)
 @pytest.mark.flight
 @pytest.mark.parametrize("case", ARDUPILOT, ids=lambda case: case.name)
 def test_ardupilot_executes_fs_ekf_action(ardupilot, case) -> None:
@@ -165,6 +166,7 @@ def test_copter_lands_and_disarms_without_a_position() -> None:
     assert copter.autopilot.landed
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.flight
 @pytest.mark.parametrize("firmware", ["ardupilot", "px4"])
 def test_vehicle_follows_a_spoofed_gps(firmware) -> None:

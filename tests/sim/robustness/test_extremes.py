@@ -114,7 +114,8 @@ ENDLESS_MISSIONS = [
 ]
 
 
-@pytest.mark.fast_cases(48)
+@pytest.mark.flight_cases(48)
+@pytest.mark.fast_cases(16)
 @pytest.mark.parametrize(("kind", "firmware"), ALL_VEHICLES)
 @pytest.mark.parametrize("number", range(len(ENDLESS_MISSIONS)))
 def test_endless_mission_does_not_block_a_tick(number, kind, firmware, monkeypatch):

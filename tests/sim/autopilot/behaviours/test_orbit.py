@@ -21,6 +21,7 @@ def bearing(flight: AutopilotHarness, centre: tuple[float, float, float] = CENTR
     return atan2(flight.body.truth.east - centre[1], flight.body.truth.north - centre[0])
 
 
+@pytest.mark.flight_cases(1)
 @pytest.mark.flight
 @pytest.mark.parametrize("radius", [15.0, -15.0])
 def test_a_copter_orbits_in_the_commanded_direction(radius: float) -> None:
@@ -37,7 +38,7 @@ def test_a_copter_orbits_in_the_commanded_direction(radius: float) -> None:
     assert flight.speed == pytest.approx(4.0, abs=0.8)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_it_can_look_along_the_circle_or_where_it_looked() -> None:
     flight = AutopilotHarness().in_the_air(15.0)
     flight.fly(

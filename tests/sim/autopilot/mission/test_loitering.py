@@ -52,7 +52,8 @@ def turned(flight: MissionHarness, centre: tuple[float, float], until: int) -> f
     return total / (2 * pi)
 
 
-@pytest.mark.fast_cases(1)
+@pytest.mark.flight_cases(1)
+@pytest.mark.flight
 @pytest.mark.parametrize(("radius", "direction"), [(12.0, 1), (-12.0, -1)])
 def test_turns_of_a_copter(radius: float, direction: int) -> None:
     flight = fly_items(item(CMD.NAV_LOITER_TURNS, 2, 0, radius, at=(0, 0, 10)), waypoint(0, 0, 10))
@@ -86,7 +87,8 @@ def test_a_plane_circles_while_it_waits() -> None:
     assert 28 < flight.now - begun < 40
 
 
-@pytest.mark.fast_cases(1)
+@pytest.mark.flight_cases(1)
+@pytest.mark.flight
 @pytest.mark.parametrize("kind", [COPTER, PLANE])
 def test_loitering_to_an_altitude(kind: VehicleType) -> None:
     flight = MissionHarness(kind)

@@ -1,0 +1,1 @@
+"""Bridges: vehicles of other protocols as MAVLink vehicles."""

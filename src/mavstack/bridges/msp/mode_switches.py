@@ -1,0 +1,89 @@
+"""The switches of a transmitter: the AUX channels that switch boxes on, and how to enter one flight mode.
+
+A mode range switches a box on while an AUX channel is between two pulses (MSP_MODE_RANGES); ranges of one
+channel may overlap, and a box may have several. To enter a flight mode each AUX channel that has ranges of
+flight modes gets the pulse at which that mode is on, and as few others as possible.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable
+
+#: The pulses that a transmitter sends, in microseconds.
+MIN_PULSE, MAX_PULSE = 1000, 2000
+_STEP: Final = 25
+
+
+@dataclass(frozen=True, slots=True)
+class Switch:
+    """A range of an AUX channel, from 0, in which a box is on; microseconds, the upper end excluded."""
+
+    box: int
+    aux: int
+    start: int
+    end: int
+
+    def holds(self, pulse: int) -> bool:
+        """Return whether a pulse is in the range."""
+        return self.start <= pulse < self.end
+
+    @property
+    def middle(self) -> int:
+        """The middle of the part of the range that a transmitter reaches."""
+        return (max(self.start, MIN_PULSE) + min(self.end, MAX_PULSE)) // 2
+
+
+class ModeSwitches:
+    """The switches of one flight controller."""
+
+    def __init__(self, switches: Iterable[Switch] = ()) -> None:
+        self._switches = tuple(switch for switch in switches if switch.start < switch.end)
+
+    def find(self, box: int) -> Switch | None:
+        """Return the first switch of a box; None if the box has none."""
+        return next((switch for switch in self._switches if switch.box == box), None)
+
+    def off_pulse(self, box: int) -> int | None:
+        """Return the lowest pulse of the channel of a box at which the box is off; None if there is none."""
+        switch = self.find(box)
+        if switch is None:
+            return None
+        others = [each for each in self._switches if each.box == box and each.aux == switch.aux]
+        pulses = range(MIN_PULSE, MAX_PULSE + 1, _STEP)
+        return next((pulse for pulse in pulses if not any(each.holds(pulse) for each in others)), None)
+
+    def pulses_for(self, mode: int, flight_modes: Collection[int]) -> dict[int, int] | None:
+        """Return pulses of AUX channels that enter a flight mode.
+
+        Args:
+            mode: The permanent id of its box; one that is no flight mode stands for none of them.
+            flight_modes: The permanent ids of all flight modes.
+
+        Returns:
+            Pulses by AUX channel, from 0; None if no switch enters the mode.
+        """
+        ranges = [switch for switch in self._switches if switch.box in flight_modes]
+        if mode in flight_modes and not any(switch.box == mode for switch in ranges):
+            return None
+        home = next((switch.aux for switch in ranges if switch.box == mode), None)
+        return {
+            aux: _best_pulse([each for each in ranges if each.aux == aux], mode if aux == home else None)
+            for aux in sorted({switch.aux for switch in ranges})
+        }
+
+
+def _best_pulse(ranges: list[Switch], mode: int | None) -> int:
+    """Return the pulse at which a mode is on, if one is given, and as few other modes as possible."""
+    middles = [switch.middle for switch in ranges if switch.box == mode]
+    candidates: tuple[int, ...] = (*middles, *range(MIN_PULSE, MAX_PULSE + 1, _STEP))
+
+    def cost(pulse: int) -> tuple[bool, int]:
+        on = {switch.box for switch in ranges if switch.holds(pulse)}
+        others = sum(box != mode for box in on)
+        return mode is not None and mode not in on, others
+
+    return min(candidates, key=cost)
