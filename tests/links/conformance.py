@@ -141,10 +141,11 @@ class Conformance:
                     break
             assert data == b"a" * 100 + b"b" * 100
 
-    async def test_read_passes_all_bytes_to_the_callback_until_the_link_ends(self):
+    @pytest.mark.parametrize("direct", [False, True])
+    async def test_read_passes_all_bytes_to_the_callback_until_the_link_ends(self, direct):
         async with self.connected() as (link, channel, peer):
             events = []
-            reading = asyncio.create_task(link.read(events.extend))
+            reading = asyncio.create_task(link.read(events.extend, direct=direct))
             for letter in (b"a", b"b"):
                 await peer.send(letter * 100)
             await wait_until(lambda: sum(len(each.data) for each in events) == 200)

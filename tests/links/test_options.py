@@ -5,7 +5,7 @@ import pytest
 from mavstack.errors import LinkURLError
 from mavstack.links import open_link
 from mavstack.links.options import Options
-from mavstack.links.url import parse_url
+from mavstack.links.url import LinkURL, parse_url
 
 
 def options(query: str) -> Options:
@@ -95,3 +95,14 @@ def test_bandwidth_options_are_attributes_of_the_link(more):
     link = open_link(f"udpout://127.0.0.1:5?pace=5760&half_duplex=yes{more}")
     assert (link.pace, link.half_duplex) == (5760, True)
     assert open_link("udpout://127.0.0.1:5").pace == 0
+
+
+def test_a_link_below_reads_options_of_its_own_url():
+    above = LinkURL("msp", options={"baud": "9600", "speed": "3"})
+    options = Options(above)
+    below = options.of(LinkURL("serial", options={"baud": "115200", "speed": "3"}))
+    assert below.integer("baud", 57600) == 115200
+    with pytest.raises(LinkURLError, match="no option 'speed'"):
+        options.refuse_unknown()
+    assert options.integer("speed", 1) == 3
+    options.refuse_unknown()

@@ -49,6 +49,8 @@ def test_junk_between_packets_is_kept():
 def test_a_raw_stream_is_not_a_tlog():
     stream = b"".join(packet(bytes([n] * 20)) for n in range(200))
     assert not looks_like_tlog(stream)
+    zeros = packet(b"zero" + bytes(2) + b"time")
+    assert not any(looks_like_tlog(zeros * count) for count in (1, 2, 3, 4, 50))
     assert not looks_like_tlog(b"")
     assert not looks_like_tlog(entry(1e9, packet(b"x"))[:9])
 

@@ -8,6 +8,7 @@ import pytest
 
 from mavstack.errors import LinkError, LinkURLError
 from mavstack.links import ChannelOpened, open_link
+from mavstack.links.certificates import client_subject
 
 from .certificates import certificates  # noqa: F401 - a fixture
 from .conformance import Conformance
@@ -110,3 +111,18 @@ async def test_a_peer_without_tls_raises():
 def test_a_missing_certificate_is_a_link_url_error():
     with pytest.raises(LinkURLError):
         open_link("wssin://127.0.0.1:0")
+
+
+async def test_the_subject_of_a_clients_certificate_is_its_identity(server_url, certificates):  # noqa: F811
+    async with open_link(f"{server_url}&ca={certificates}/ca.pem") as server:
+        own = f"ca={certificates}/ca.pem&cert={certificates}/cert.pem&key={certificates}/key.pem"
+        async with open_link(f"tls://127.0.0.1:{server.address[1]}?{own}"):
+            assert (await anext(server)).channel.identity == "CN=127.0.0.1"
+
+
+def test_no_subject_looks_like_another():
+    class Transport:
+        def get_extra_info(self, _name):
+            return {"subject": ((("commonName", "a,O=b\n"),), (("organizationName", "c"),))}
+
+    assert client_subject(Transport()) == "CN=a\\,O\\=b\N{REPLACEMENT CHARACTER},O=c"

@@ -93,6 +93,31 @@ def test_an_event_loop_without_socket_readers():
         runner.run(exchange())
 
 
+async def test_a_reader_of_streams_gets_waiting_datagrams_of_one_sender_as_one_event():
+    async with open_link("udpin://127.0.0.1:0") as link:
+        link.joins_datagrams = True
+        with socket.socket(type=socket.SOCK_DGRAM) as one, socket.socket(type=socket.SOCK_DGRAM) as other:
+            for sender, data in ((one, b"a"), (one, b"b"), (other, b"x"), (one, b"c")):
+                sender.sendto(data, link.address)
+            events = [await anext(link) for _ in range(5)]
+        chunks = [event.data for event in events if isinstance(event, BytesReceived)]
+        assert chunks == [b"ab", b"x", b"c"]
+        assert [channel.counters.chunks_in for channel in link.channels] == [3, 1]
+
+
+@pytest.mark.parametrize("joined", [False, True])
+async def test_a_full_queue_counts_each_datagram_that_it_drops(joined):
+    async with open_link("udpin://127.0.0.1:0", receive_queue=1) as link:
+        link.joins_datagrams = joined
+        with socket.socket(type=socket.SOCK_DGRAM) as sender:
+            sender.sendto(b"a", link.address)
+            await wait_until(lambda: link.channels)
+            for _ in range(5):
+                sender.sendto(b"b", link.address)
+            await wait_until(lambda: link.counters.dropped_in >= 5)
+        assert link.counters.dropped_in + link.counters.chunks_in == 6
+
+
 async def test_each_remote_address_is_a_channel():
     async with open_link("udpin://127.0.0.1:0") as link:
         peers = [UdpPeer(link.address) for _ in range(3)]

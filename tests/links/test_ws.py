@@ -253,3 +253,13 @@ def test_a_header_that_http_does_not_allow_is_refused(option):
 def test_only_a_websocket_server_has_an_accept_callback():
     with pytest.raises(LinkURLError, match="is not a WebSocket server"):
         WsServer.of("ws://127.0.0.1:1")
+
+
+async def test_a_client_certificate_is_required_and_names_the_client(certificates):  # noqa: F811
+    own = f"cert={certificates}/cert.pem&key={certificates}/key.pem&ca={certificates}/ca.pem"
+    async with open_link(f"wssin://127.0.0.1:0?{own}") as server:
+        url = f"wss://127.0.0.1:{server.address[1]}?reconnect=no"
+        with pytest.raises(LinkError):
+            await open_link(f"{url}&ca={certificates}/ca.pem")
+        async with open_link(f"{url}&{own}"):
+            assert (await anext(server)).channel.identity == "CN=127.0.0.1"

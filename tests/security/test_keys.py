@@ -8,6 +8,7 @@ import logging
 import os
 import pickle
 import stat
+import sys
 import traceback
 
 import pytest
@@ -191,3 +192,15 @@ def test_a_missing_key_file_raises(tmp_path):
             SigningKey.load(path)
     with pytest.raises(SigningError):
         SigningKey(SECRET).save(tmp_path / "no" / "folder.key")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="permissions of POSIX")
+def test_a_key_file_that_others_can_read_is_reported(tmp_path, caplog):
+    path = tmp_path / "fleet.key"
+    SigningKey.generate().save(path)
+    SigningKey.load(path)
+    assert not caplog.records
+    path.chmod(0o640)
+    SigningKey.load(path)
+    assert "mode 640" in caplog.text
+    assert "chmod 600" in caplog.text

@@ -49,6 +49,9 @@ class Link(ABC):
     """
 
     logged = True  # false for a wrapper, whose inner link logs
+    #: True if the reader parses the bytes of a channel as a stream: datagrams of one sender that wait
+    #: together may then become one event, which costs much less.
+    joins_datagrams = False
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         self.url = url
@@ -67,6 +70,11 @@ class Link(ABC):
     def closed(self) -> bool:
         """True after `close`."""
         return self._closed
+
+    @property
+    def send_queue(self) -> int:
+        """Maximum number of unsent bytes of a channel."""
+        return self._send_queue
 
     @property
     def channels(self) -> Sequence[Channel]:
@@ -133,19 +141,21 @@ class Link(ABC):
         while events := await self._inbox.get_all():
             yield events
 
-    async def read(self, callback: Callable[[Sequence[LinkEvent]], None]) -> None:
+    async def read(self, callback: Callable[[Sequence[LinkEvent]], None], *, direct: bool = False) -> None:
         """Pass all events to a callback until the link ends, which is cheaper than `batches`.
 
         Links whose sockets are read by the event loop call it directly, without waking this task.
 
         Args:
             callback: Called with a sequence of events; it must not block.
+            direct: Let streams call it directly too: for callers that keep up with the link, and whose
+                requests wait for the reply before.
 
         Raises:
             InvalidStateError: The link is not open, or another task iterates over it.
         """
         self._require_open()
-        await self._inbox.run_reader(callback)
+        await self._inbox.run_reader(callback, direct=direct)
 
     @abstractmethod
     async def _open(self) -> None:

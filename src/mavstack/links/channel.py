@@ -17,6 +17,8 @@ from mavstack.errors import LinkClosedError
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from mavstack.security.roles import RoleFilter
+
 Data: TypeAlias = bytes | bytearray | memoryview
 
 
@@ -76,7 +78,10 @@ class Channel(ABC):
         name: Scheme and peer, such as `udpin 127.0.0.1:14550`.
         peer: Address of the peer as text.
         counters: Counters of this channel.
+        role_filter: Removes the packets that the peer's role does not allow; None: it may send everything.
         closed: True after the channel is closed by either side.
+        identity: The name that the peer has proved: the subject of its certificate, or the name of its key;
+            empty if it has proved none.
         request: The request with which the client of a WebSocket server came; None on all other channels.
         last_received: Unix time of the last received bytes in seconds; before any, of the opening.
         last_valid: Unix time of the last valid packet in seconds, set by the node of the link; 0: none yet.
@@ -87,6 +92,8 @@ class Channel(ABC):
         self.name = name
         self.peer = peer
         self.counters = Counters()
+        self.identity = ""
+        self.role_filter: RoleFilter | None = None
         self.request: Request | None = None
         self.closed = False
         self.last_received = time()
@@ -137,6 +144,10 @@ class Channel(ABC):
             self.closed = True
             self._close_transport()
             self._on_closed(self, reason)
+
+    def _allowed(self, data: bytes) -> bytes:
+        """Return received bytes without packets that the role of the peer does not allow."""
+        return data if self.role_filter is None else self.role_filter.filter(data)
 
     @abstractmethod
     def _send(self, data: Data) -> bool:

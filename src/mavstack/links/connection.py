@@ -97,7 +97,9 @@ class ServerLink(ConnectionLink):
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
-        self._admission = Admission(options.integer("max_peers", 64))
+        #: Maximum number of connections.
+        self.max_peers = options.integer("max_peers", 64)
+        self._admission = Admission(self.max_peers)
 
     def _admit(self, connection: ConnectionChannel) -> bool:
         """Add a new connection as a channel, unless there are too many peers or the receive queue is full."""
@@ -114,21 +116,27 @@ class ServerLink(ConnectionLink):
 
 
 class ClientLink(ConnectionLink):
-    """A link that connects, and reconnects when the connection is lost."""
+    """A link that connects, and reconnects when the connection is lost.
+
+    Attributes:
+        reconnect: Reconnect after a lost connection.
+        wait_for_peer: Keep trying if the first attempt fails.
+        backoff: The delays before further attempts.
+    """
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
-        self._reconnect = options.flag("reconnect", default=True)
-        self._wait_for_peer = options.flag("wait", default=False)
+        self.reconnect = options.flag("reconnect", default=True)
+        self.wait_for_peer = options.flag("wait", default=False)
         first, limit = options.seconds("retry", 0.25), options.seconds("retry_limit", 10.0)
-        self._backoff = Backoff(max(first, 0.001), max(limit, 0.001))
+        self.backoff = Backoff(max(first, 0.001), max(limit, 0.001))
 
     @abstractmethod
     async def _connect(self) -> ConnectionChannel:
         """Make one attempt to connect; raises `OSError` or `LinkError`."""
 
     async def _open(self) -> None:
-        self._spawn(self._maintain_connection(None if self._wait_for_peer else await self._attempt()))
+        self._spawn(self._maintain_connection(None if self.wait_for_peer else await self._attempt()))
 
     async def _attempt(self) -> ConnectionChannel:
         try:
@@ -139,7 +147,7 @@ class ClientLink(ConnectionLink):
         return connection
 
     async def _maintain_connection(self, connection: ConnectionChannel | None) -> None:
-        delays = self._backoff.delays()
+        delays = self.backoff.delays()
         while True:
             try:
                 connection = connection or await self._attempt()
@@ -147,10 +155,10 @@ class ClientLink(ConnectionLink):
                 reason = str(error)
             else:
                 reason = await self._serve(connection)
-                if self._closed or not self._reconnect:
+                if self._closed or not self.reconnect:
                     break
                 if connection.counters.bytes_in:
-                    delays = self._backoff.delays()
+                    delays = self.backoff.delays()
                 connection = None
             delay = next(delays)
             self._inbox.report_down(reason, delay)

@@ -19,7 +19,7 @@ class ChannelOpened(NamedTuple):
 
 
 class BytesReceived(NamedTuple):
-    """Received bytes: one datagram, or a chunk of a stream.
+    """Received bytes: one datagram (several with `Link.joins_datagrams`), or a chunk of a stream.
 
     `time` is the Unix time of reception in seconds, or in a replay the time of recording.
     """

@@ -62,6 +62,8 @@ class ImpairedChannel(Channel):
     def __init__(self, inner: Channel, inbox: Inbox, outgoing: Flow, incoming: Flow) -> None:
         super().__init__(inner.name, inner.peer, inbox.remove_channel)
         self.request = inner.request
+        self.identity = inner.identity
+        self.role_filter = inner.role_filter
         self._inner = inner
         self._inbox = inbox
         self._outgoing = FlowDriver(outgoing, self._forward)

@@ -40,6 +40,7 @@ class Inbox:
         self._channels: dict[Channel, None] = {}
         self._reader: asyncio.Future[None] | None = None
         self._callback: Callable[[Sequence[LinkEvent]], None] | None = None
+        self._is_direct = False
         self._has_room = asyncio.Event()
         self._has_room.set()
         self._ended = False
@@ -54,6 +55,11 @@ class Inbox:
     def full(self) -> bool:
         """True if the queue has no room."""
         return self._used >= self._limit
+
+    @property
+    def is_direct(self) -> bool:
+        """True if `receive` passes bytes directly now."""
+        return self._is_direct and not self._events and not self._ended
 
     def add_channel(self, channel: Channel) -> None:
         """Add a channel."""
@@ -77,41 +83,48 @@ class Inbox:
             self._log.link_down(reason, retry_in)
         self._push(LinkDown(reason, retry_in), 0)
 
-    def offer(self, channel: Channel, data: bytes, time: float) -> bool:
-        """Queue received bytes, or drop and count them if the queue is full."""
+    def offer(self, channel: Channel, data: bytes, time: float, count: int = 1) -> bool:
+        """Queue received bytes, or drop and count them if the queue is full; they are `count` chunks."""
         if self._used >= self._limit:
-            self.drop(channel.counters)
+            self.drop(channel.counters, count)
             return False
-        self.put(channel, data, time)
+        self.put(channel, data, time, count)
         return True
 
-    def drop(self, counters: Counters | None = None) -> None:
-        """Count and log a dropped chunk, of a channel or of no channel."""
+    def drop(self, counters: Counters | None = None, count: int = 1) -> None:
+        """Count and log dropped chunks, of a channel or of no channel."""
         counters = self.closed_counters if counters is None else counters
-        counters.dropped_in += 1
+        counters.dropped_in += count
         if self._log:
-            self._log.dropped()
+            self._log.dropped(count)
 
-    def deliver(self, channel: Channel, data: bytes, time: float) -> None:
+    def deliver(self, channel: Channel, data: bytes, time: float, count: int = 1) -> None:
         """Pass received bytes directly to the callback of `run_reader`, or else offer them.
 
         Must be called from a callback of the event loop.
         """
         callback = self._callback
         if callback is None or self._events or self._ended:
-            self.offer(channel, data, time)
+            self.offer(channel, data, time, count)
             return
         counters = channel.counters
         counters.bytes_in += len(data)
-        counters.chunks_in += 1
+        counters.chunks_in += count
         callback((BytesReceived(channel, data, time),))
 
-    def put(self, channel: Channel, data: bytes, time: float) -> None:
+    def put(self, channel: Channel, data: bytes, time: float, count: int = 1) -> None:
         """Queue received bytes even if the queue is full; the caller then awaits `wait_for_room`."""
         counters = channel.counters
         counters.bytes_in += len(data)
-        counters.chunks_in += 1
+        counters.chunks_in += count
         self._push(BytesReceived(channel, data, time), len(data))
+
+    def receive(self, channel: Channel, data: bytes, time: float) -> None:
+        """Pass received bytes of a stream to a direct callback of `run_reader`, or queue them."""
+        if self._is_direct:
+            self.deliver(channel, data, time)
+        else:
+            self.put(channel, data, time)
 
     async def wait_for_room(self) -> None:
         """Wait until the reader has made room."""
@@ -144,14 +157,16 @@ class Inbox:
         self._release(self._used)
         return events
 
-    async def run_reader(self, callback: Callable[[Sequence[LinkEvent]], None]) -> None:
-        """Call `callback` with all events until the last."""
-        self._callback = callback
+    async def run_reader(
+        self, callback: Callable[[Sequence[LinkEvent]], None], *, direct: bool = False
+    ) -> None:
+        """Call `callback` with all events until the last; `direct`: by the tasks of streams too."""
+        self._callback, self._is_direct = callback, direct
         try:
             while events := await self.get_all():
                 callback(events)
         finally:
-            self._callback = None
+            self._callback, self._is_direct = None, False
 
     def _push(self, event: LinkEvent, size: int) -> None:
         if self._ended:

@@ -53,9 +53,9 @@ class LinkLog:
         self._down = True
         _logger.log(level, "%s: link down: %s; next attempt in %g s", self._name, reason, retry_in)
 
-    def dropped(self) -> None:
-        """Log dropped input: the first chunk immediately, then a count every `DROP_LOG_INTERVAL` seconds."""
-        self._dropped += 1
+    def dropped(self, count: int = 1) -> None:
+        """Log dropped chunks: the first ones immediately, then a sum every `DROP_LOG_INTERVAL` seconds."""
+        self._dropped += count
         now = monotonic()
         if now >= self._next_drop_record:
             self._next_drop_record = now + DROP_LOG_INTERVAL

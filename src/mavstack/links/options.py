@@ -45,6 +45,12 @@ class Options:
         self._known[name] = None
         return name in self._url.options
 
+    def of(self, url: LinkURL) -> Options:
+        """Return the options of a link below this one; those that it reads count as read here too."""
+        options = Options(url)
+        options._known = self._known
+        return options
+
     def text(self, name: str, default: str = "") -> str:
         """Return the option as text."""
         return self._url.options[name] if self.has(name) else default

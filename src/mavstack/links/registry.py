@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from mavstack.links.impairment import Impairment
 from mavstack.links.options import Options
-from mavstack.links.url import LinkURL, parse_url
+from mavstack.links.url import SEALED, LinkURL, parse_url
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -38,12 +38,18 @@ BACKENDS: Final[Mapping[str, str]] = MappingProxyType(
         "tls": "tls:TlsClient",
         "tlsin": "tls:TlsServer",
         "serial": "serial:SerialLink",
+        "pty": "pseudo_terminal:PseudoTerminalLink",
         "unix": "unix:UnixClient",
         "unixin": "unix:UnixServer",
         "ws": "ws:WsClient",
         "wss": "ws:WsClient",
         "wsin": "ws:WsServer",
         "wssin": "ws:WsServer",
+        "sealed+udpin": "sealed:SealedLink",
+        "sealed+udpout": "sealed:SealedLink",
+        "sealed+tcpin": "sealed:SealedLink",
+        "sealed+tcpout": "sealed:SealedLink",
+        "sealed+serial": "sealed:SealedLink",
         "file": "file:FileLink",
         "memory": "memory:refuse_url",
     }
@@ -67,10 +73,17 @@ def open_link(url: str | LinkURL, **options: object) -> Link:
     """
     parsed = (resolve_url(url) if isinstance(url, str) else url).with_options(**options)
     reader = Options(parsed)
-    impairment = Impairment.from_options(reader)
-    radio = reader.choice("radio", RADIOS)
-    link = _backend(parsed.scheme)(parsed, reader)
+    is_sealed = parsed.scheme.startswith(SEALED)  # it impairs the link that it seals
+    link = _backend(parsed.scheme)(parsed, reader) if is_sealed else impaired_link(parsed, reader)
     reader.refuse_unknown()
+    return link
+
+
+def impaired_link(url: LinkURL, options: Options) -> Link:
+    """Create the link of a URL with the impairments of its options."""
+    impairment = Impairment.from_options(options)
+    radio = options.choice("radio", RADIOS)
+    link = _backend(url.scheme)(url, options)
     if radio == "sik":
         from mavstack.links.radio import sik_radio
 
@@ -80,6 +93,11 @@ def open_link(url: str | LinkURL, **options: object) -> Link:
     from mavstack.links.impaired import impair
 
     return impair(link, impairment)
+
+
+def plain_link(url: LinkURL, options: Options) -> Link:
+    """Create the link of a URL without the impairments of its options, for a link that is built upon it."""
+    return _backend(url.scheme)(url, options)
 
 
 def resolve_url(text: str) -> LinkURL:

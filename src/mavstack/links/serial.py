@@ -21,7 +21,7 @@ from mavstack.errors import LinkError, MissingExtraError
 from mavstack.links.connection import ClientLink, ConnectionChannel
 from mavstack.links.os_errors import open_error
 from mavstack.links.queued import QueuedChannel
-from mavstack.links.stream import StreamChannel
+from mavstack.links.stream import DirectProtocol, StreamChannel
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -46,8 +46,13 @@ class SerialLink(ClientLink):
         self._flow = options.choice("flow", ("none", "rtscts", "xonxoff"))
         self._threads = options.flag("threads", default=sys.platform == "win32")
 
+    @property
+    def baud(self) -> int:
+        """Rate of the line in bits per second."""
+        return self._baud
+
     async def _connect(self) -> ConnectionChannel:
-        port = self._open_port()
+        port = self.open_port()
         name = f"serial {self.url.path}"
         if self._threads:
             return ThreadedSerialChannel(
@@ -59,7 +64,13 @@ class SerialLink(ClientLink):
             port.close()
             raise
 
-    def _open_port(self) -> Serial:
+    def open_port(self) -> Serial:
+        """Open the port alone, for a program that reads it itself.
+
+        Raises:
+            LinkError: The port cannot be opened.
+            MissingExtraError: pyserial is not installed.
+        """
         try:
             import serial
         except ImportError as error:
@@ -112,11 +123,11 @@ async def _open_posix(
     port: Serial, name: str, on_closed: Callable[[Channel, str], None], send_queue: int
 ) -> PosixSerialChannel:
     """Register the port with the event loop, by a descriptor for each direction."""
-    _block_for_one_byte(port.fileno())
+    block_for_one_byte(port.fileno())
     loop = asyncio.get_running_loop()
     reader = asyncio.StreamReader()
     read_transport, _ = await loop.connect_read_pipe(
-        lambda: asyncio.StreamReaderProtocol(reader), os.fdopen(os.dup(port.fileno()), "rb", buffering=0)
+        lambda: DirectProtocol(reader), os.fdopen(os.dup(port.fileno()), "rb", buffering=0)
     )
     write_transport, protocol = await loop.connect_write_pipe(
         lambda: asyncio.StreamReaderProtocol(asyncio.StreamReader()),
@@ -126,7 +137,7 @@ async def _open_posix(
     return PosixSerialChannel(name, on_closed, (reader, writer), send_queue, (read_transport, port))
 
 
-def _block_for_one_byte(descriptor: int) -> None:
+def block_for_one_byte(descriptor: int) -> None:
     """Make a read without data fail with EAGAIN; with pyserial's settings it returns end of file."""
     import termios
 
@@ -147,11 +158,12 @@ class PosixSerialChannel(StreamChannel):
         resources: tuple[asyncio.ReadTransport, Serial],
     ) -> None:
         super().__init__(name, str(resources[1].port), on_closed, streams, send_queue)
-        self._read_transport, self._port = resources
+        self._terminal, self._port = resources
+        self._read_transport = self._terminal
 
     def _close_transport(self) -> None:
         super()._close_transport()
-        self._read_transport.close()
+        self._terminal.close()
         with suppress(OSError):
             self._port.close()
 

@@ -2,6 +2,9 @@
 
 The send queue is the transport's own buffer. Reading pauses while the receive queue is full, so that the
 kernel's flow control slows down the peer and no bytes are lost.
+
+A caller of `Link.read` with `direct=True` gets bytes from the transport, without a task that is woken for
+them: a request and its reply then cost two turns of the event loop instead of three.
 """
 
 from __future__ import annotations
@@ -18,12 +21,49 @@ from mavstack.links.framing import FrameReader, frame
 
 if TYPE_CHECKING:
     from asyncio.trsock import TransportSocket
-    from collections.abc import Callable, Iterable
+    from collections.abc import Awaitable, Callable, Iterable
 
     from mavstack.links.channel import Channel, Data
     from mavstack.links.inbox import Inbox
 
 MAX_READ = 1 << 16
+#: Unsent bytes of a TCP connection in the system (`send_at_once`).
+MAX_UNSENT = 16 << 10
+
+
+class DirectProtocol(asyncio.StreamReaderProtocol):
+    """The protocol of a stream, whose bytes a channel may take before its reader.
+
+    Attributes:
+        take: Takes received bytes, or returns False for those that the stream's reader gets.
+    """
+
+    take: Callable[[bytes], bool] | None = None
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Read less at once: asyncio allocates 256 KiB for each read, which costs more than a short one."""
+        super().connection_made(transport)
+        if hasattr(transport, "max_size"):
+            transport.max_size = MAX_READ
+
+    def data_received(self, data: bytes) -> None:
+        """Pass bytes to the channel, or to the reader."""
+        if self.take is None or not self.take(data):
+            super().data_received(data)
+
+
+async def connect_stream(
+    connect: Callable[[Callable[[], DirectProtocol]], Awaitable[tuple[asyncio.Transport, DirectProtocol]]],
+) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+    """Connect a stream, as `asyncio.open_connection` does, with a `DirectProtocol`.
+
+    Args:
+        connect: Connects a transport with the protocol that the function makes.
+    """
+    loop = asyncio.get_running_loop()
+    reader = asyncio.StreamReader(loop=loop)
+    transport, protocol = await connect(lambda: DirectProtocol(reader, loop=loop))
+    return reader, asyncio.StreamWriter(transport, protocol, reader, loop)
 
 
 class StreamChannel(ConnectionChannel):
@@ -43,22 +83,45 @@ class StreamChannel(ConnectionChannel):
         self._frames = FrameReader() if framed else None
         self._reader, self._writer = streams
         self._send_queue = send_queue
+        self._read_transport: asyncio.BaseTransport = self._writer.transport
+        self._is_behind = True  # the reader may have bytes
         self._writer.transport.set_write_buffer_limits(high=send_queue // 2)
 
     async def receive_all(self, inbox: Inbox) -> str:
         """Read until the connection ends."""
+        self._take_directly(inbox)
         try:
             while data := await self._reader.read(MAX_READ):
-                if not self.closed:
-                    self.last_received = now = time()
-                    for chunk in (data,) if self._frames is None else self._frames.feed(data):
-                        inbox.put(self, chunk, now)
-                    await inbox.wait_for_room()
+                self._is_behind = len(data) == MAX_READ
+                self._receive(data, inbox)
+                await inbox.wait_for_room()
         except OSError as error:
             return error.strerror or str(error)
         except LinkError as error:
             return str(error)
         return "closed by the peer"
+
+    def _take_directly(self, inbox: Inbox) -> None:
+        """Let the protocol pass bytes directly, while the reader has none that came before."""
+
+        def take(data: bytes) -> bool:
+            if self._is_behind or not inbox.is_direct:
+                self._is_behind = True
+                return False
+            self._receive(data, inbox)
+            return True
+
+        protocol = self._read_transport.get_protocol()
+        if isinstance(protocol, DirectProtocol) and self._frames is None:
+            protocol.take = take
+
+    def _receive(self, data: bytes, inbox: Inbox) -> None:
+        if self.closed:
+            return
+        self.last_received = now = time()
+        for chunk in (data,) if self._frames is None else self._frames.feed(data):
+            if allowed := self._allowed(chunk):
+                inbox.receive(self, allowed, now)
 
     async def drain(self) -> None:
         """Wait until less than half of the send queue is in use."""
@@ -103,8 +166,25 @@ async def stop_accepting(sockets: Iterable[TransportSocket | socket.socket]) -> 
 
 
 def enable_keepalive(writer: asyncio.StreamWriter) -> None:
+    """Enable TCP keepalive of a stream (see `keep_alive`)."""
+    keep_alive(writer.get_extra_info("socket"))
+
+
+def send_at_once(sock: socket.socket) -> None:
+    """Send small packets of a TCP connection without delay, and limit the unsent bytes that the system takes.
+
+    The others wait in the program, which can send urgent packets first.
+    """
+    with suppress(OSError):
+        sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    option = getattr(socket, "TCP_NOTSENT_LOWAT", None)  # not available on every system
+    if option is not None:
+        with suppress(OSError):
+            sock.setsockopt(socket.IPPROTO_TCP, option, MAX_UNSENT)
+
+
+def keep_alive(sock: socket.socket) -> None:
     """Enable TCP keepalive, so that a lost peer is detected within about a minute."""
-    sock = writer.get_extra_info("socket")
     settings = {"SO_KEEPALIVE": 1, "TCP_KEEPIDLE": 30, "TCP_KEEPINTVL": 10, "TCP_KEEPCNT": 3}
     for name, value in settings.items():
         option = getattr(socket, name, None)  # not available on every system

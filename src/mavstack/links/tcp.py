@@ -4,12 +4,23 @@ from __future__ import annotations
 
 import asyncio
 import socket
+import sys
+from functools import partial
 from typing import TYPE_CHECKING
 
 from mavstack.links.address import format_address, resolve
+from mavstack.links.certificates import client_subject
 from mavstack.links.connection import ClientLink, ConnectionChannel, ServerLink
 from mavstack.links.os_errors import open_error
-from mavstack.links.stream import StreamChannel, enable_keepalive, stop_accepting
+from mavstack.links.role_gate import RoleGate
+from mavstack.links.stream import (
+    DirectProtocol,
+    StreamChannel,
+    connect_stream,
+    enable_keepalive,
+    keep_alive,
+    stop_accepting,
+)
 
 if TYPE_CHECKING:
     import ssl
@@ -18,12 +29,17 @@ if TYPE_CHECKING:
     from mavstack.links.url import LinkURL
 
 
+#: Connections that wait to be accepted.
+BACKLOG = 100
+
+
 class TcpServer(ServerLink):
     """A link that listens; every connection is a channel."""
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
         self._server: asyncio.Server | None = None
+        self._roles = RoleGate(url, options)
 
     @property
     def address(self) -> tuple[str, int] | None:
@@ -38,15 +54,40 @@ class TcpServer(ServerLink):
         except OSError as error:
             raise open_error(self.url, error) from error
 
+    async def open_sockets(self) -> list[socket.socket]:
+        """Open the listening sockets alone, one for each address, for a program that accepts itself.
+
+        Raises:
+            LinkError: An address cannot be listened on.
+        """
+        sockets: list[socket.socket] = []
+        try:
+            for family, address in await resolve(self.url.host, self.url.port, socket.SOCK_STREAM):
+                sockets.append(sock := socket.socket(family, socket.SOCK_STREAM))
+                sock.setblocking(False)
+                if sys.platform != "win32":
+                    sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+                if family == socket.AF_INET6:
+                    sock.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
+                sock.bind(address)
+                sock.listen(BACKLOG)
+        except OSError as error:
+            for sock in sockets:
+                sock.close()
+            raise open_error(self.url, error) from error
+        return sockets
+
     def _new_protocol(self) -> asyncio.Protocol:
         """Return the protocol of a connection that is being accepted."""
-        return asyncio.StreamReaderProtocol(asyncio.StreamReader(), self._accept)
+        return DirectProtocol(asyncio.StreamReader(), self._accept)
 
     def _accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         enable_keepalive(writer)
         peer = format_address(writer.get_extra_info("peername"))
         name = f"{self.url.scheme} {peer}"
         connection = StreamChannel(name, peer, self._inbox.remove_channel, (reader, writer), self._send_queue)
+        connection.identity = client_subject(writer.transport)
+        connection.role_filter = self._roles.filter_of(connection.identity)
         if self._admit(connection):
             self._spawn(self._serve_task(connection))
 
@@ -65,29 +106,52 @@ class TcpClient(ClientLink):
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
-        self._timeout = options.seconds("timeout", 5.0)
+        self.timeout = options.seconds("timeout", 5.0)
         self._ssl: ssl.SSLContext | None = None
         self._server_name = url.host
 
     async def _connect(self) -> ConnectionChannel:
-        async with asyncio.timeout(self._timeout):
+        async with asyncio.timeout(self.timeout):
             reader, writer = await self._connect_any()
         enable_keepalive(writer)
         peer = format_address(writer.get_extra_info("peername"))
         name = f"{self.url.scheme} {peer}"
         return StreamChannel(name, peer, self._inbox.remove_channel, (reader, writer), self._send_queue)
 
+    async def connect_socket(self) -> socket.socket:
+        """Connect a socket alone, for a program that reads it itself; raises `OSError`."""
+        failure: OSError | None = None
+        for family, address in await resolve(self.url.host, self.url.port, socket.SOCK_STREAM):
+            sock = socket.socket(family, socket.SOCK_STREAM)
+            sock.setblocking(False)
+            try:
+                async with asyncio.timeout(self.timeout):
+                    await asyncio.get_running_loop().sock_connect(sock, address)
+            except OSError as error:  # a timeout too
+                sock.close()
+                failure = error
+            except BaseException:
+                sock.close()
+                raise
+            else:
+                keep_alive(sock)
+                return sock
+        raise failure or OSError("the host has no address")
+
     async def _connect_any(self) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
         """Try all addresses of the host in turn; if all fail, raise the last error."""
         failure: OSError | None = None
+        loop, name = asyncio.get_running_loop(), self._server_name if self._ssl else None
         for _, address in await resolve(self.url.host, self.url.port, socket.SOCK_STREAM):
+            connect = partial(
+                loop.create_connection,
+                host=address[0],
+                port=address[1],
+                ssl=self._ssl,
+                server_hostname=name,
+            )
             try:
-                return await asyncio.open_connection(
-                    address[0],
-                    address[1],
-                    ssl=self._ssl,
-                    server_hostname=self._server_name if self._ssl else None,
-                )
+                return await connect_stream(connect)
             except OSError as error:
                 failure = error
         raise failure or OSError("the host has no address")

@@ -19,6 +19,8 @@ _LENGTH_PREFIX: Final = 3  # first bytes of a packet, which determine its length
 _OVERHEAD_V1: Final = 8  # header and checksum
 _OVERHEAD_V2: Final = 12
 _SIGNATURE: Final = 13
+_MAGICS: Final = (b"\xfd", b"\xfe")
+_ADJACENT_PACKETS: Final = 4
 _ENTRY = re.compile(rb"\x00[\x00-\x0e][\x00-\xff]{6}[\xfd\xfe]")  # a time before 2100, then a magic
 
 
@@ -62,7 +64,9 @@ class TlogScanner:
 
 
 def looks_like_tlog(data: bytes) -> bool:
-    """Return whether the beginning of a file contains two adjacent entries of a tlog."""
+    """Return whether the beginning of a file contains two adjacent entries of a tlog, not only packets."""
+    if _begins_with_packets(data):
+        return False
     for match in _ENTRY.finditer(data):
         start = match.end() - 1
         if start + _LENGTH_PREFIX > len(data):
@@ -71,6 +75,18 @@ def looks_like_tlog(data: bytes) -> bool:
         if following == len(data) or _is_entry(data, following):
             return True
     return False
+
+
+def _begins_with_packets(data: bytes) -> bool:
+    """Return whether packets without times follow each other: zeros in their payloads may look like times."""
+    position = 0
+    for _ in range(_ADJACENT_PACKETS):
+        if data[position : position + 1] not in _MAGICS or position + _LENGTH_PREFIX > len(data):
+            return False
+        position += _packet_length(data, position)
+        if position == len(data):
+            return True
+    return position < len(data)
 
 
 def _is_entry(data: bytes, position: int) -> bool:

@@ -3,7 +3,7 @@
 A client verifies the server's certificate against the system's authorities or against `ca=file.pem`, and its
 name against the host or `server_name=…`; `insecure=yes` disables both and is for tests only. `cert=` and
 `key=` are the client's own certificate. A server needs `cert=` and `key=`; with `ca=` it requires a
-certificate of that authority from every client.
+certificate of that authority from every client, whose subject is then the `identity` of the channel.
 """
 
 from __future__ import annotations

@@ -5,20 +5,20 @@ With udpin each remote address is a channel, up to `max_peers` (see `admission`)
 the start: it receives datagrams from any port of the peer, and from any sender if the peer is a broadcast or
 multicast address.
 
-Each datagram becomes one event and is passed on before the next is read, because more arrive meanwhile. If
-many wait, they are first read into a `backlog`, which is fair to all senders, so that a flood from one of
-them does not lose the packets of the others; if even reading them takes too long, a `flood_filter` in the
-kernel thins out the senders that send most. Datagrams that have no room are dropped and counted.
-`kernel_drops` counts datagrams that the kernel dropped before that, where the system reports it (Linux): a
-larger `socket_buffer` helps, up to the system's limit (sysctl net.core.rmem_max; a process with CAP_NET_ADMIN
-may exceed it). A link to a loopback address is reachable from this machine only. Sending never
-blocks and never raises: an unreachable peer may become reachable later, so errors only count as drops.
+Each datagram becomes one event, or, for a reader that parses streams (`Link.joins_datagrams`), those of one
+sender that wait together become one. If many wait, they are first read into a `backlog`, which is fair to all
+senders, so that a flood from one of them does not lose the packets of the others; if even reading them takes
+too long, a `flood_filter` in the kernel thins out the senders that send most. Datagrams that have no room are
+dropped and counted. `kernel_drops` counts datagrams that the kernel dropped before that, where the system
+reports it (Linux): a larger `socket_buffer` helps, up to the system's limit (sysctl net.core.rmem_max; a
+process with CAP_NET_ADMIN may exceed it). A link to a loopback address is reachable from this machine only.
+Sending never blocks and never raises: an unreachable peer may become reachable later, so errors only count as
+drops.
 """
 
 from __future__ import annotations
 
 import asyncio
-import ipaddress
 import socket
 import struct
 import sys
@@ -27,24 +27,24 @@ from contextlib import suppress
 from time import monotonic, time
 from typing import TYPE_CHECKING
 
-from mavstack.links.address import Address, format_address, resolve
+from mavstack.links.address import Address, format_address, ip_of, local_address, resolve_datagram
 from mavstack.links.admission import Admission
 from mavstack.links.backlog import Backlog
 from mavstack.links.base import Link
 from mavstack.links.channel import Channel, Data
 from mavstack.links.flood_filter import ADJUST_INTERVAL, FloodFilter
+from mavstack.links.joined_datagrams import join_datagrams
 from mavstack.links.os_errors import open_error
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from mavstack.links.backlog import Datagram
     from mavstack.links.options import Options
     from mavstack.links.url import LinkURL
 
 DEFAULT_SOCKET_BUFFER = 4 << 20
-MAX_DIRECT = (
-    64  # datagrams handled one by one per wake-up of the event loop; if more wait, the backlog is used
-)
+MAX_DIRECT = 64  # datagrams handled per wake-up of the event loop; if more wait, the backlog is used
 MAX_BATCH = 1024  # maximum number of datagrams read into the backlog at a time
 BACKLOG_TIME = 0.004  # seconds for which the backlog is handled until the kernel's queue is emptied again
 CLOCK_INTERVAL = 8  # datagrams handled between two looks at the clock
@@ -122,8 +122,8 @@ class UdpLink(Link):
         """Remove a closed channel."""
 
     @abstractmethod
-    def _datagram(self, data: bytes, address: Address, now: float) -> None:
-        """Pass one datagram to its channel."""
+    def _datagram(self, data: bytes, address: Address, now: float, count: int = 1) -> None:
+        """Pass a datagram, or `count` joined datagrams, to the channel of the sender."""
 
     @abstractmethod
     def _knows(self, address: Address) -> bool:
@@ -152,17 +152,40 @@ class UdpLink(Link):
         if self._backlog:  # its next part is due in this round of the event loop
             self._fill_backlog(sock)
             return
+        emptied = self._read_joined(sock) if self.joins_datagrams else self._read_singly(sock)
+        if not emptied:
+            self._fill_backlog(sock)
+            self._handle_backlog()
+
+    def _read_singly(self, sock: socket.socket) -> bool:
+        """Pass on datagrams one by one, each before the next is read; return whether all were read."""
         receive, datagram = sock.recvfrom, self._datagram
         for _ in range(MAX_DIRECT):
             try:
                 data, address = receive(MAX_DATAGRAM)
             except (BlockingIOError, InterruptedError):
-                return
+                return True
             except OSError:  # an ICMP error about a datagram sent earlier
                 continue
             datagram(data, address, time())
-        self._fill_backlog(sock)
-        self._handle_backlog()
+        return False
+
+    def _read_joined(self, sock: socket.socket) -> bool:
+        """As `_read_singly`, but datagrams of one sender that follow each other are passed on as one."""
+        receive, now = sock.recvfrom, time()
+        datagrams: list[Datagram] = []
+        emptied = False
+        for _ in range(MAX_DIRECT):
+            try:
+                datagrams.append((*receive(MAX_DATAGRAM), now))
+            except (BlockingIOError, InterruptedError):
+                emptied = True
+                break
+            except OSError:  # as above
+                continue
+        for joined in join_datagrams(datagrams):
+            self._datagram(*joined)
+        return emptied
 
     def _fill_backlog(self, sock: socket.socket) -> None:
         """Empty the kernel's queue into the backlog."""
@@ -200,12 +223,12 @@ class UdpLink(Link):
 
     def _handle_backlog(self) -> None:
         """Pass on datagrams of the backlog for a moment; the rest follows in the next round of the loop."""
-        backlog, datagram = self._backlog, self._datagram
-        end = monotonic() + BACKLOG_TIME
+        backlog, end = self._backlog, monotonic() + BACKLOG_TIME
         try:
             while backlog and not self._closed and monotonic() < end:
-                for _ in range(min(CLOCK_INTERVAL, len(backlog))):
-                    datagram(*backlog.pop())
+                datagrams = (backlog.pop() for _ in range(min(CLOCK_INTERVAL, len(backlog))))
+                for each in join_datagrams(datagrams) if self.joins_datagrams else datagrams:
+                    self._datagram(*each)
         finally:
             if backlog and not self._closed:
                 asyncio.get_running_loop().call_soon(self._handle_backlog)
@@ -228,27 +251,41 @@ class UdpLink(Link):
 
 
 class UdpListener(UdpLink):
-    """A udpin link: each sender is a channel."""
+    """A udpin link: each sender is a channel.
+
+    Attributes:
+        max_peers: Maximum number of channels.
+        idle: Seconds of silence after which a channel is closed; 0: never.
+    """
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
-        self._admission = Admission(options.integer("max_peers", 256))
-        self._idle = options.seconds("idle", 60.0)
+        self.max_peers = options.integer("max_peers", 256)
+        self._admission = Admission(self.max_peers)
+        self.idle = options.seconds("idle", 60.0)
         self._peers: dict[Address, UdpChannel] = {}
 
-    async def _open(self) -> None:
+    async def open_socket(self) -> socket.socket:
+        """Open the bound socket alone, for a program that reads it itself; `close` closes it.
+
+        Raises:
+            LinkError: The socket cannot be opened.
+        """
         try:
-            family, address = await _resolve_one(self.url)
+            family, address = await resolve_datagram(self.url.host, self.url.port)
             sock = self._make_socket(family)
             self._bind(sock, address)
         except OSError as error:
             raise open_error(self.url, error) from error
-        await self._start_reading(sock)
-        if self._idle:
+        return sock
+
+    async def _open(self) -> None:
+        await self._start_reading(await self.open_socket())
+        if self.idle:
             self._spawn(self._close_idle())
 
     def _bind(self, sock: socket.socket, address: Address) -> None:
-        group_address = _ip(address)
+        group_address = ip_of(address)
         if sys.platform == "win32":
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)
         if group_address.version != 4 or not group_address.is_multicast:
@@ -258,16 +295,17 @@ class UdpListener(UdpLink):
         sock.bind(("", address[1]) if sys.platform == "win32" else address)
         sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group_address.packed + bytes(4))
 
-    def _datagram(self, data: bytes, address: Address, now: float) -> None:
+    def _datagram(self, data: bytes, address: Address, now: float, count: int = 1) -> None:
         channel = self._peers.get(address) or self._admit(address, now)
         if channel is not None:
             channel.last_received = now
-            self._inbox.deliver(channel, data, now)
+            self._inbox.deliver(channel, data, now, count)
+        else:
+            self._inbox.drop(count=count)
 
     def _admit(self, address: Address, now: float) -> UdpChannel | None:
         host = format_address(address).rpartition(":")[0]
         if self._inbox.full or self._closed or not self._admission.admit(host, self._peers.values(), now):
-            self._inbox.drop()
             return None
         channel = UdpChannel(f"udpin {format_address(address)}", address, self._inbox.remove_channel, self)
         self._peers[address] = channel
@@ -284,10 +322,10 @@ class UdpListener(UdpLink):
 
     async def _close_idle(self) -> None:
         while True:
-            await asyncio.sleep(self._idle / 4)
-            oldest = time() - self._idle
+            await asyncio.sleep(self.idle / 4)
+            oldest = time() - self.idle
             for channel in [peer for peer in self._peers.values() if peer.last_received < oldest]:
-                channel.close(f"silent for {self._idle:g} s")
+                channel.close(f"silent for {self.idle:g} s")
 
 
 class UdpSender(UdpLink):
@@ -298,14 +336,26 @@ class UdpSender(UdpLink):
         self._channel: UdpChannel | None = None
         self._accepts_any_sender = False
 
-    async def _open(self) -> None:
+    async def open_socket(self) -> tuple[socket.socket, Address]:
+        """Open the socket alone, for a program that reads it itself; `close` closes it.
+
+        Returns:
+            The socket, and the address of the peer.
+
+        Raises:
+            LinkError: The socket cannot be opened.
+        """
         try:
-            family, address = await _resolve_one(self.url)
+            family, address = await resolve_datagram(self.url.host, self.url.port)
             sock = self._make_socket(family)
             self._accepts_any_sender = self._is_broadcast_or_multicast(sock, address)
-            sock.bind((_local_address(address), 0))
+            sock.bind((local_address(address), 0))
         except OSError as error:
             raise open_error(self.url, error) from error
+        return sock, address
+
+    async def _open(self) -> None:
+        sock, address = await self.open_socket()
         await self._start_reading(sock)
         self._channel = UdpChannel(
             f"udpout {format_address(address)}", address, self._inbox.remove_channel, self
@@ -317,18 +367,18 @@ class UdpSender(UdpLink):
 
     def _is_broadcast_or_multicast(self, sock: socket.socket, address: Address) -> bool:
         """Return whether the address is a multicast group or looks like a broadcast address."""
-        target = _ip(address)
+        target = ip_of(address)
         if target.version == 4 and target.packed[3] == 255:
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
             return True
         return target.is_multicast
 
-    def _datagram(self, data: bytes, address: Address, now: float) -> None:
+    def _datagram(self, data: bytes, address: Address, now: float, count: int = 1) -> None:
         channel = self._channel
         if channel is not None and (self._accepts_any_sender or address[0] == channel.address[0]):
-            self._inbox.deliver(channel, data, now)
+            self._inbox.deliver(channel, data, now, count)
         else:
-            self._inbox.drop()
+            self._inbox.drop(count=count)
 
     def remove_channel(self, channel: UdpChannel) -> None:
         """End the link with its only channel."""
@@ -344,21 +394,3 @@ class _Protocol(asyncio.DatagramProtocol):
 
     def datagram_received(self, data: bytes, addr: Address) -> None:
         self._link.receive(data, addr)
-
-
-async def _resolve_one(url: LinkURL) -> tuple[int, Address]:
-    """Resolve the host, preferring IPv4: `localhost` must reach a listener on 0.0.0.0."""
-    addresses = await resolve(url.host, url.port, socket.SOCK_DGRAM)
-    return min(addresses, key=lambda entry: entry[0] != socket.AF_INET)
-
-
-def _local_address(remote: Address) -> str:
-    """Return the local address for a socket that sends to `remote`: loopback for loopback, else any."""
-    target = _ip(remote)
-    if target.version == 6:
-        return "::1" if target.is_loopback else "::"
-    return "127.0.0.1" if target.is_loopback else "0.0.0.0"  # noqa: S104
-
-
-def _ip(address: Address) -> ipaddress.IPv4Address | ipaddress.IPv6Address:
-    return ipaddress.ip_address(address[0].partition("%")[0])

@@ -10,6 +10,7 @@ import asyncio
 import socket
 import stat
 import sys
+from functools import partial
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,11 +18,15 @@ from typing import TYPE_CHECKING
 from mavstack.errors import LinkError
 from mavstack.links.connection import ClientLink, ConnectionChannel, ServerLink
 from mavstack.links.os_errors import open_error
-from mavstack.links.stream import StreamChannel, stop_accepting
+from mavstack.links.stream import StreamChannel, connect_stream, stop_accepting
 
 if TYPE_CHECKING:
     from mavstack.links.options import Options
     from mavstack.links.url import LinkURL
+
+
+#: Connections that wait to be accepted.
+BACKLOG = 100
 
 
 def _require_posix(url: LinkURL) -> None:
@@ -33,13 +38,39 @@ def _require_posix(url: LinkURL) -> None:
 
 
 class UnixServer(ServerLink):
-    """A link that listens on a path; every connection is a channel."""
+    """A link that listens on a path; every connection is a channel.
+
+    Attributes:
+        framed: The stream consists of frames with a length (`framing=length`).
+    """
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
         self._server: asyncio.Server | None = None
-        self._framed = _is_framed(options)
+        self.framed = _is_framed(options)
         self._numbers = count(1)
+
+    def open_socket(self) -> socket.socket:
+        """Open the listening socket alone, for a program that accepts itself.
+
+        Raises:
+            LinkError: The path cannot be listened on.
+        """
+        _require_posix(self.url)
+        path = Path(self.url.path)
+        sock = socket.socket(socket.AF_UNIX)
+        try:
+            _remove_stale(path)
+            sock.bind(str(path))
+            sock.listen(BACKLOG)
+        except OSError as error:
+            sock.close()
+            raise open_error(self.url, error) from error
+        except LinkError:
+            sock.close()
+            raise
+        sock.setblocking(False)
+        return sock
 
     async def _open(self) -> None:
         _require_posix(self.url)
@@ -55,7 +86,7 @@ class UnixServer(ServerLink):
         name = f"unixin {peer}"
         streams = reader, writer
         connection = StreamChannel(
-            name, peer, self._inbox.remove_channel, streams, self._send_queue, framed=self._framed
+            name, peer, self._inbox.remove_channel, streams, self._send_queue, framed=self.framed
         )
         if self._admit(connection):
             self._spawn(self._serve_task(connection))
@@ -64,9 +95,10 @@ class UnixServer(ServerLink):
         if self._server is not None:
             await stop_accepting(self._server.sockets)
             self._server.close()
-            self._remove()
+            self.remove_path()
 
-    def _remove(self) -> None:
+    def remove_path(self) -> None:
+        """Remove the socket from the file system. Idempotent."""
         Path(self.url.path).unlink(missing_ok=True)
 
     async def _release(self) -> None:
@@ -75,18 +107,35 @@ class UnixServer(ServerLink):
 
 
 class UnixClient(ClientLink):
-    """A link that connects to a listening path."""
+    """A link that connects to a listening path.
+
+    Attributes:
+        framed: The stream consists of frames with a length (`framing=length`).
+    """
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
-        self._framed = _is_framed(options)
+        self.framed = _is_framed(options)
+
+    async def connect_socket(self) -> socket.socket:
+        """Connect a socket alone, for a program that reads it itself; raises `OSError` or `LinkError`."""
+        _require_posix(self.url)
+        sock = socket.socket(socket.AF_UNIX)
+        sock.setblocking(False)
+        try:
+            await asyncio.get_running_loop().sock_connect(sock, self.url.path)
+        except BaseException:
+            sock.close()
+            raise
+        return sock
 
     async def _connect(self) -> ConnectionChannel:
         _require_posix(self.url)
-        streams = await asyncio.open_unix_connection(self.url.path)
+        loop = asyncio.get_running_loop()
+        streams = await connect_stream(partial(loop.create_unix_connection, path=self.url.path))
         name, path = f"unix {self.url.path}", self.url.path
         return StreamChannel(
-            name, path, self._inbox.remove_channel, streams, self._send_queue, framed=self._framed
+            name, path, self._inbox.remove_channel, streams, self._send_queue, framed=self.framed
         )
 
 

@@ -31,12 +31,18 @@ EXAMPLES: Final[Mapping[str, str]] = MappingProxyType(
         "tls": "tls://ground.example:5761?ca=ca.pem",
         "tlsin": "tlsin://0.0.0.0:5761?cert=cert.pem&key=key.pem",
         "serial": "serial:///dev/ttyACM0?baud=57600",
+        "pty": "pty:///tmp/ttyDrone",
         "unix": "unix:///run/mavlink.sock",
         "unixin": "unixin:///run/mavlink.sock",
         "ws": "ws://127.0.0.1:5770/mavlink",
         "wss": "wss://ground.example/mavlink",
         "wsin": "wsin://0.0.0.0:5770",
         "wssin": "wssin://0.0.0.0:5770?cert=cert.pem&key=key.pem",
+        "sealed+udpin": "sealed+udpin://0.0.0.0:14560?shared_key=fleet",
+        "sealed+udpout": "sealed+udpout://ground.example:14560?shared_key=fleet",
+        "sealed+tcpin": "sealed+tcpin://0.0.0.0:5762?private_key=ground&peer=peers.txt",
+        "sealed+tcpout": "sealed+tcpout://ground.example:5762?private_key=boat&peer=ground.pub",
+        "sealed+serial": "sealed+serial:///dev/ttyUSB0?baud=57600&shared_key=fleet",
         "file": "file://flight.tlog?speed=2",
         "memory": "memory://fleet",
     }
@@ -48,13 +54,17 @@ _ALIASES: Final[Mapping[str, tuple[str, Mapping[str, str]]]] = MappingProxyType(
         "udpbcast": ("udpout", {}),
         "tcp": ("tcpout", {}),
         "tlsout": ("tls", {}),
+        "sealed+udp": ("sealed+udpin", {}),
+        "sealed+tcp": ("sealed+tcpout", {}),
         "serial_flowcontrol": ("serial", {"flow": "rtscts"}),
         "wsserver": ("wsin", {}),
     }
 )
 
-_LISTENERS = frozenset({"udpin", "tcpin", "tlsin", "wsin", "wssin"})
-_PATHS = frozenset({"serial", "unix", "unixin", "file", "memory"})
+#: The prefix of the schemes of sealed links, in front of the scheme of the link that they use.
+SEALED: Final = "sealed+"
+_LISTENERS = frozenset({"udpin", "tcpin", "tlsin", "wsin", "wssin", "sealed+udpin", "sealed+tcpin"})
+_PATHS = frozenset({"serial", "pty", "unix", "unixin", "file", "memory", "sealed+serial"})
 _WEB_PORTS: Final[Mapping[str, int]] = MappingProxyType({"ws": 80, "wss": 443})
 _RECORDINGS = (".tlog", ".rlog", ".raw")
 
@@ -164,13 +174,15 @@ def _parse_bare(text: str) -> LinkURL:
 def _parse_path(text: str, scheme: str, body: str, options: dict[str, str]) -> LinkURL:
     if scheme == "file" and _DRIVE.match(body):
         body = body[1:]
-    if scheme == "serial" and (match := _DEVICE_BAUD.fullmatch(body)):
+    if scheme.removeprefix(SEALED) == "serial" and (match := _DEVICE_BAUD.fullmatch(body)):
         body = match[1]
         options = {"baud": match[2] or match[3], **options}
     if not body.strip("/"):
         _refuse(
             text,
-            {"serial": "it has no device", "memory": "it has no name"}.get(scheme, "it has no path"),
+            {"serial": "it has no device", "memory": "it has no name"}.get(
+                scheme.removeprefix(SEALED), "it has no path"
+            ),
             scheme,
         )
     return LinkURL(scheme, path=body, options=options)

@@ -11,6 +11,9 @@ request of each client is `channel.request`; a program that sets `accept` of the
 
     link = WsServer.of("wsin://0.0.0.0:5770")
     link.accept = lambda request: None if request.query.get("vehicle") else "name your vehicle"
+
+With `ticket_key=…` (a file or the name of a key) a server accepts tickets (see `ws_gate`), and a client
+makes a new ticket for each attempt to connect.
 """
 
 from __future__ import annotations
@@ -19,21 +22,26 @@ import asyncio
 import re
 from contextlib import suppress
 from dataclasses import replace
-from hmac import compare_digest
 from http import HTTPStatus
+from secrets import token_bytes
 from time import time
 from typing import TYPE_CHECKING, Any, Final, cast
 from urllib.parse import parse_qsl, quote, unquote, urlencode, urlsplit
 
 from mavstack.errors import LinkError, LinkURLError, MissingExtraError
 from mavstack.links.address import format_address
+from mavstack.links.certificates import client_subject
 from mavstack.links.channel import Request
 from mavstack.links.connection import ClientLink, ConnectionChannel, ServerLink
 from mavstack.links.handshakes import HANDSHAKE_TIMEOUT, Handshakes, TlsHandshake
 from mavstack.links.os_errors import open_error
 from mavstack.links.queued import QueuedChannel
+from mavstack.links.role_gate import RoleGate
 from mavstack.links.stream import stop_accepting
 from mavstack.links.tls import client_context, server_context
+from mavstack.links.ws_gate import WsGate, ticket_key
+from mavstack.security.roles import Role
+from mavstack.security.tickets import SUBPROTOCOL, make_ticket
 
 try:
     from websockets.asyncio.client import connect
@@ -72,6 +80,8 @@ class WsChannel(QueuedChannel):
         super().__init__(f"{scheme} {peer}", peer, on_closed, send_queue)
         self._socket = socket
         self.request = _request(socket)
+        if self.request is not None:
+            self.identity = client_subject(socket.transport)
 
     def abort(self) -> None:
         """Drop the connection without a closing handshake."""
@@ -82,9 +92,9 @@ class WsChannel(QueuedChannel):
             async for message in self._socket:
                 if isinstance(message, str):
                     inbox.drop(self.counters)
-                elif not self.closed:
+                elif not self.closed and (allowed := self._allowed(message)):
                     self.last_received = now = time()
-                    inbox.put(self, message, now)
+                    inbox.put(self, allowed, now)
                     await inbox.wait_for_room()
         except ConnectionClosed as error:
             return f"connection lost ({error})"
@@ -102,6 +112,8 @@ class _Opening(ServerConnection):
     """A connection to a server that is counted until its handshakes are done."""
 
     handshakes: Handshakes
+    #: The role of the client's credentials.
+    role = Role.ADMINISTER
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         super().connection_made(transport)
@@ -120,11 +132,20 @@ class WsServer(ServerLink):
         self._context: ssl.SSLContext | None = server_context(url, options) if url.scheme == "wssin" else None
         self._handshakes = Handshakes()
         self._origin = options.text("origin")
-        self._token = options.text("token")
         self._subprotocols = _words(options, "subprotocol")
-        #: Decides on each client: returns None to accept it, or the reason to refuse it; None accepts all.
-        self.accept: Callable[[Request], str | None] | None = None
+        #: Decides on the clients.
+        self.gate = WsGate(url, options)
+        self._roles = RoleGate(url, options)
         self._server: Server | None = None
+
+    @property
+    def accept(self) -> Callable[[Request], str | None] | None:
+        """Decides on each client: returns None to accept it, or the reason to refuse it; None accepts all."""
+        return self.gate.accept
+
+    @accept.setter
+    def accept(self, accept: Callable[[Request], str | None] | None) -> None:
+        self.gate.accept = accept
 
     @classmethod
     def of(cls, url: str) -> WsServer:
@@ -159,6 +180,7 @@ class WsServer(ServerLink):
                 origins=self._origins(),
                 create_connection=self._new_connection,  # type: ignore[arg-type]
                 process_request=self._check, subprotocols=self._subprotocols or None,
+                select_subprotocol=self._select_subprotocol if self.gate.takes_tickets else None,
                 compression=None, max_size=MAX_MESSAGE, close_timeout=1, open_timeout=HANDSHAKE_TIMEOUT,
             )  # fmt: skip
         except OSError as error:
@@ -172,12 +194,22 @@ class WsServer(ServerLink):
     def _check(self, socket: ServerConnection, received: HttpRequest) -> Response | None:
         """Return the response that refuses a client; None to accept it."""
         request = _parse_request(received.path, received.headers.raw_items())
-        if self._token and not compare_digest(_token(request).encode(), self._token.encode()):
-            response = socket.respond(HTTPStatus.UNAUTHORIZED, "a valid token is needed\n")
+        subprotocols = ",".join(received.headers.get_all("Sec-WebSocket-Protocol"))
+        decision = self.gate.check(request, subprotocols, time())
+        if isinstance(decision, Role):
+            cast("_Opening", socket).role = decision
+            return None
+        response = socket.respond(decision.status, f"{decision.reason}\n")
+        if decision.status is HTTPStatus.UNAUTHORIZED:
             response.headers["WWW-Authenticate"] = "Bearer"
-            return response
-        reason = self.accept(request) if self.accept is not None else None
-        return None if reason is None else socket.respond(HTTPStatus.FORBIDDEN, f"{reason}\n")
+        return response
+
+    def _select_subprotocol(
+        self, _socket: ServerConnection, offered: Sequence[Subprotocol]
+    ) -> Subprotocol | None:
+        """Choose the subprotocol of tickets if it is offered, else one of the link."""
+        accepted = cast("list[Subprotocol]", [SUBPROTOCOL]) + self._subprotocols
+        return next((word for word in accepted if word in offered), None)
 
     def _new_connection(self, *arguments: Any, **settings: Any) -> Any:  # noqa: ANN401 (of websockets)
         """Return the protocol of a connection that is being accepted: WebSocket, for wssin inside TLS."""
@@ -190,6 +222,7 @@ class WsServer(ServerLink):
     async def _accept(self, socket: ServerConnection) -> None:
         self._handshakes.end(socket.transport)
         connection = WsChannel(self.url.scheme, self._inbox.remove_channel, self._send_queue, socket)
+        connection.role_filter = self._roles.filter_of(connection.identity, cast("_Opening", socket).role)
         if self._admit(connection):
             await asyncio.wait({self._spawn(self._serve_task(connection))})
 
@@ -215,9 +248,10 @@ class WsClient(ClientLink):
             "max_size": MAX_MESSAGE,
             "close_timeout": 1,
             "additional_headers": _headers(url, options),
-            "subprotocols": _words(options, "subprotocol") or None,
             "origin": options.text("origin") or None,
         }
+        self._subprotocols = _words(options, "subprotocol")
+        self._ticket_key = ticket_key(url, options)
         query = urlencode(options.prefixed("query."))
         self._target = quote(url.path) + (f"?{query}" if query else "")
         if url.scheme == "wss":
@@ -227,7 +261,9 @@ class WsClient(ClientLink):
         host = f"[{self.url.host}]" if ":" in self.url.host else self.url.host
         address = f"{self.url.scheme}://{host}:{self.url.port}{self._target}"
         try:
-            socket = await connect(address, open_timeout=self._timeout, **self._settings)
+            socket = await connect(
+                address, open_timeout=self._timeout, subprotocols=self._offer() or None, **self._settings
+            )
         except InvalidHandshake as error:
             raise LinkError(
                 f"cannot open {self.url.redacted}: the server refused the WebSocket: {error}"
@@ -235,6 +271,13 @@ class WsClient(ClientLink):
         except WebSocketException as error:
             raise LinkError(f"cannot open {self.url.redacted}: {error}") from error
         return WsChannel(self.url.scheme, self._inbox.remove_channel, self._send_queue, socket)
+
+    def _offer(self) -> list[Subprotocol]:
+        """Return the subprotocols of one attempt, with a new ticket if the URL names a key."""
+        if not self._ticket_key:
+            return self._subprotocols
+        ticket = make_ticket(self._ticket_key, now=time(), nonce=token_bytes(16))
+        return [*cast("list[Subprotocol]", [SUBPROTOCOL, ticket]), *self._subprotocols]
 
 
 def _headers(url: LinkURL, options: Options) -> dict[str, str]:
@@ -265,8 +308,3 @@ def _parse_request(target: str, headers: Iterable[tuple[str, str]]) -> Request:
     parts = urlsplit(target)
     query = dict(parse_qsl(parts.query, keep_blank_values=True))
     return Request(unquote(parts.path), query, {name.lower(): value for name, value in headers})
-
-
-def _token(request: Request) -> str:
-    scheme, _, token = request.headers.get("authorization", "").partition(" ")
-    return token.strip() if scheme.lower() == "bearer" else request.query.get("access_token", "")

@@ -1,15 +1,19 @@
 """Signing keys: 32 secret bytes that are never shown.
 
 The key of a passphrase is its SHA-256, as in ground stations. A key file contains the key in hexadecimal and
-is readable by its owner only.
+is readable by its owner only; one that others can read is used, with a warning in the log.
 """
 
 from __future__ import annotations
 
 import hashlib
 import hmac
+import logging
 import os
 import secrets
+import stat
+import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from mavstack.bounded_file import read_file_bounded
@@ -18,6 +22,8 @@ from mavstack.wire import Signing
 
 if TYPE_CHECKING:
     from typing import Self
+
+logger = logging.getLogger("mavstack.security")
 
 KEY_LENGTH = 32
 #: A larger file is not a key file.
@@ -99,9 +105,11 @@ class SigningKey:
         except (OSError, UnicodeDecodeError) as error:
             raise SigningError(f"cannot read the key file {path}: {type(error).__name__}") from None
         try:
-            return cls.from_hex(text.strip())
+            key = cls.from_hex(text.strip())
         except SigningError as error:
             raise SigningError(f"cannot read the key file {path}: {error}") from None
+        _warn_if_exposed(path)
+        return key
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a key file that only its owner can read.
@@ -159,3 +167,15 @@ class SigningKey:
 
     def __reduce__(self) -> NoReturn:
         raise SigningError("signing keys cannot be pickled: save them to a key file")
+
+
+def _warn_if_exposed(path: str | os.PathLike[str]) -> None:
+    """Warn if others than its owner can read or replace a key file; Windows has no such permissions."""
+    if sys.platform == "win32":
+        return
+    try:
+        mode = stat.S_IMODE(Path(path).stat().st_mode)
+    except OSError:
+        return
+    if mode & 0o077:
+        logger.warning("the key file %s can be used by others (mode %03o): chmod 600 %s", path, mode, path)

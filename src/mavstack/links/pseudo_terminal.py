@@ -1,0 +1,111 @@
+"""Pseudo terminals: `pty:///tmp/ttyDrone` is a serial port of this machine for other programs; POSIX only.
+
+The path is a symbolic link to the terminal, and is removed when the link closes. The one channel is there
+from the beginning: a terminal does not tell whether a program has opened it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mavstack.errors import LinkError
+from mavstack.links.connection import ConnectionLink
+from mavstack.links.os_errors import open_error
+from mavstack.links.stream import DirectProtocol, StreamChannel
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from mavstack.links.channel import Channel
+    from mavstack.links.options import Options
+    from mavstack.links.url import LinkURL
+
+#: The folder of pseudo terminals: a link to one that a killed program left there is replaced.
+_TERMINALS = "/dev/pts/"
+
+
+class PseudoTerminalLink(ConnectionLink):
+    """A link over one pseudo terminal."""
+
+    def __init__(self, url: LinkURL, options: Options) -> None:
+        super().__init__(url, options)
+        self._path = Path(url.path)
+        self._descriptors: tuple[int, ...] = ()
+        self._is_linked = False
+
+    async def _open(self) -> None:
+        try:
+            import tty
+        except ImportError as error:
+            reason = "pseudo terminals exist only on Linux, macOS and other POSIX systems"
+            raise LinkError(f"cannot open {self.url.redacted}: {reason}") from error
+        try:
+            # The terminal stays open here, so that it keeps its settings between two programs.
+            self._descriptors = master, terminal = os.openpty()
+            tty.setraw(terminal)
+            self._link_path(os.ttyname(terminal))
+        except OSError as error:
+            await self._release()
+            raise open_error(self.url, error) from error
+        channel = await _channel(master, self.url, self._inbox.remove_channel, self._send_queue)
+        self._add_channel(channel)
+        self._spawn(self._serve_channel(channel))
+
+    def _link_path(self, terminal: str) -> None:
+        if self._path.is_symlink() and str(self._path.readlink()).startswith(_TERMINALS):
+            self._path.unlink()
+        self._path.symlink_to(terminal)
+        self._is_linked = True
+
+    async def _serve_channel(self, channel: TerminalChannel) -> None:
+        await self._serve(channel)
+        self._inbox.end()
+
+    async def _release(self) -> None:
+        if self._is_linked:
+            self._path.unlink(missing_ok=True)
+            self._is_linked = False
+        for descriptor in self._descriptors:
+            with suppress(OSError):
+                os.close(descriptor)
+        self._descriptors = ()
+
+
+class TerminalChannel(StreamChannel):
+    """A channel over the near end of a pseudo terminal."""
+
+    def __init__(
+        self,
+        url: LinkURL,
+        on_closed: Callable[[Channel, str], None],
+        send_queue: int,
+        streams: tuple[asyncio.StreamReader, asyncio.StreamWriter],
+        read_transport: asyncio.ReadTransport,
+    ) -> None:
+        super().__init__(f"pty {url.path}", url.path, on_closed, streams, send_queue)
+        self._read_transport = self._terminal = read_transport
+
+    def _close_transport(self) -> None:
+        super()._close_transport()
+        self._terminal.close()
+
+
+async def _channel(
+    master: int, url: LinkURL, on_closed: Callable[[Channel, str], None], send_queue: int
+) -> TerminalChannel:
+    """Register the near end of a terminal with the event loop, by a descriptor for each direction."""
+    loop = asyncio.get_running_loop()
+    reader = asyncio.StreamReader()
+    read_transport, _ = await loop.connect_read_pipe(
+        lambda: DirectProtocol(reader), os.fdopen(os.dup(master), "rb", buffering=0)
+    )
+    write_transport, protocol = await loop.connect_write_pipe(
+        lambda: asyncio.StreamReaderProtocol(asyncio.StreamReader()),
+        os.fdopen(os.dup(master), "wb", buffering=0),
+    )
+    writer = asyncio.StreamWriter(write_transport, protocol, None, loop)
+    return TerminalChannel(url, on_closed, send_queue, (reader, writer), read_transport)

@@ -1,0 +1,185 @@
+"""The interface of detectors, and their registry.
+
+A detector sees the packets of the messages that it names, in the order in which they arrive, and yields an
+alert for what is not right. It has no sockets and no clock. Only rare messages are shown to detectors,
+because these packets go through Python; a detector with `every_packet` sees all and is meant for slow links.
+A detector also gets the counters of each endpoint once a second.
+
+Detectors are registered by name. Other packages add them by entry points of the group
+`mavstack.router_filters`: the entry point has the name of the detector and loads its class.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar, Final
+
+from mavstack.errors import InvalidArgumentError
+from mavstack.router.firewall.alerts import Alert
+from mavstack.services import Address
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+    from importlib.metadata import EntryPoints
+
+    from mavstack.router.config import Table
+    from mavstack.wire import Packet
+
+ENTRY_POINTS: Final = "mavstack.router_filters"
+
+
+@dataclass(frozen=True, slots=True)
+class Traffic:
+    """The counters of one endpoint since it opened.
+
+    Attributes:
+        packets: Packets that came from it.
+        bad_bytes: Bytes that came from it and belong to no valid packet.
+    """
+
+    packets: int
+    bad_bytes: int
+
+
+class Detector:
+    """The base class of detectors; a subclass overrides `inspect` or `measure`.
+
+    Attributes:
+        name: Name of the detector in the configuration.
+        messages: Ids of the messages that it sees.
+        every_packet: True if it sees all packets, which costs time for each.
+    """
+
+    name: ClassVar[str] = ""
+    messages: ClassVar[frozenset[int]] = frozenset()
+    every_packet: ClassVar[bool] = False
+
+    def configure(self, options: Table) -> None:
+        """Read the options of the table `[firewall.detector.NAME]`.
+
+        Args:
+            options: The table, whose remaining keys are refused afterwards.
+
+        Raises:
+            RouterConfigError: An option is not valid.
+        """
+
+    def inspect(self, origin: str, packet: Packet, now: float) -> Iterable[Alert]:
+        """Look at a packet.
+
+        Args:
+            origin: Name of the endpoint that it came from, or of the group of the endpoint.
+            packet: The packet.
+            now: Time in seconds.
+
+        Returns:
+            Alerts; the packet is dropped if one of them refuses it.
+        """
+        return ()
+
+    def measure(self, origin: str, traffic: Traffic, now: float) -> Iterable[Alert]:
+        """Look at the counters of an endpoint, about once a second.
+
+        Args:
+            origin: Name of the endpoint.
+            traffic: Its counters.
+            now: Time in seconds.
+
+        Returns:
+            Alerts about the whole endpoint.
+        """
+        return ()
+
+    def alert(self, origin: str, packet: Packet | None, text: str, *, refuse: bool = True) -> Alert:
+        """Return an alert of this detector.
+
+        Args:
+            origin: Name of the endpoint or group.
+            packet: The packet; None: the alert is about the whole endpoint.
+            text: The reason.
+            refuse: The packet is dropped.
+
+        Returns:
+            The alert.
+        """
+        source = None if packet is None else Address(packet.system, packet.component)
+        return Alert(self.name, origin, source, text, refuse)
+
+
+#: Module and class of each built-in detector below `mavstack.router.firewall.detectors`.
+DETECTORS: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "spoofed-ids": "spoofed_ids:SpoofedIds",
+        "injected-positions": "injected_positions:InjectedPositions",
+        "replays": "replays:Replays",
+        "sequence": "sequence:SequenceAnomalies",
+        "floods": "floods:Floods",
+        "malformed": "malformed:MalformedFields",
+        "behaviour": "behaviour:FlightBehaviour",
+    }
+)
+#: The detectors of a firewall that names none: all that need only rare messages.
+DEFAULT_DETECTORS: Final = tuple(name for name in DETECTORS if name != "sequence")
+
+
+def detector_names() -> tuple[str, ...]:
+    """Return the names of all detectors, those of other packages included."""
+    return (*DETECTORS, *sorted(_plugins().names - DETECTORS.keys()))
+
+
+def make_detector(name: str) -> Detector:
+    """Make a detector.
+
+    Args:
+        name: Its name.
+
+    Returns:
+        A new detector with its default options.
+
+    Raises:
+        InvalidArgumentError: There is no detector of this name.
+    """
+    if name in DETECTORS:
+        module, attribute = DETECTORS[name].split(":")
+        found: Any = getattr(import_module(f"mavstack.router.firewall.detectors.{module}"), attribute)
+    elif name in _plugins().names:
+        found = _plugins()[name].load()
+    else:
+        known = ", ".join(detector_names())
+        raise InvalidArgumentError(f"there is no detector {name!r}; known: {known}")
+    made: Detector = found()
+    return made
+
+
+def messages_of(detectors: Iterable[Detector]) -> frozenset[int] | None:
+    """Return the messages that detectors see together.
+
+    Args:
+        detectors: The detectors.
+
+    Returns:
+        The ids; None: all messages.
+    """
+    chosen = list(detectors)
+    if any(detector.every_packet for detector in chosen):
+        return None
+    return frozenset().union(*(detector.messages for detector in chosen))
+
+
+def _plugins() -> EntryPoints:
+    from importlib.metadata import entry_points
+
+    return entry_points(group=ENTRY_POINTS)
+
+
+def make_room(table: dict[Any, Any], maximum: int) -> None:
+    """Drop the oldest entries of a full table, so that forged sources cannot fill the memory.
+
+    Args:
+        table: A table in the order of its insertions.
+        maximum: Entries that it may have after the next one is added.
+    """
+    while len(table) >= maximum:
+        table.pop(next(iter(table)))

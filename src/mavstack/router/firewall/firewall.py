@@ -1,0 +1,286 @@
+"""The firewall: which packets of which peers pass, and the alerts. Sans-IO.
+
+    firewall.open_endpoint(name, peer)        an endpoint with its peer; False: no rule allows it anything
+    firewall.rules(name)                      its rules, for the engine
+    firewall.decide(name, packet, now)        a packet that the engine hands over: True passes it
+    firewall.measure(name, traffic, now)      the counters of an endpoint, once a second
+    firewall.handle_timeout(now)              ends quarantines
+    firewall.alerts()                         what was noticed since the last call
+    firewall.changed()                        the endpoints whose rules changed, by quarantine
+
+The driver gives the rules to the engine, logs the alerts, counts them and sends them as STATUSTEXT if the
+configuration says so.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from dataclasses import dataclass, field
+from itertools import chain
+from typing import TYPE_CHECKING, Final
+
+from mavstack.errors import InvalidStateError
+from mavstack.router.firewall.alerts import Alert, AlertLimiter
+from mavstack.router.firewall.bucket import TokenBucket
+from mavstack.router.firewall.compiler import (
+    PREFIX,
+    admits,
+    deciding_rule,
+    engine_rules,
+    inspection,
+    with_filter,
+)
+from mavstack.router.firewall.detector import messages_of
+from mavstack.router.firewall.ids import IdAssignment
+from mavstack.router.rules import Rule, RuleSet
+from mavstack.services import Address
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from mavstack.router.firewall.config import FirewallConfig, Peer
+    from mavstack.router.firewall.detector import Traffic
+    from mavstack.wire import Packet
+
+#: Alerts that wait for the driver; the oldest are lost.
+MAX_ALERTS: Final = 1000
+#: Sources of one endpoint in quarantine.
+MAX_QUARANTINED: Final = 64
+
+
+@dataclass(slots=True)
+class _Endpoint:
+    origin: str
+    credential: str
+    rules: tuple[Rule, ...]
+    buckets: dict[int, TokenBucket] = field(default_factory=dict)
+    #: The time at which the quarantine of each source ends; the whole endpoint is None.
+    quarantine: dict[Address | None, float] = field(default_factory=dict)
+
+
+class Firewall:
+    """The firewall of one router.
+
+    Args:
+        config: Its configuration.
+        ids: Assigned system ids of an earlier run, by credential.
+    """
+
+    def __init__(self, config: FirewallConfig, ids: Mapping[str, int] | None = None) -> None:
+        self.config = config
+        self.ids = IdAssignment(config.pool, ids)
+        #: Number of alerts by the name of their detector, for metrics.
+        self.counts: Counter[str] = Counter()
+        self._endpoints: dict[str, _Endpoint] = {}
+        self._inspected = messages_of(config.detectors)
+        self._limiter = AlertLimiter()
+        self._alerts: deque[Alert] = deque(maxlen=MAX_ALERTS)
+        self._changed: set[str] = set()
+
+    def open_endpoint(
+        self,
+        name: str,
+        peer: Peer | None = None,
+        *,
+        endpoint: str = "",
+        own: RuleSet | None = None,
+        listening: bool = False,
+        group: str = "",
+        credential: str = "",
+    ) -> bool:
+        """Add an endpoint.
+
+        Args:
+            name: Name of the link, which no other one has.
+            endpoint: Name of the endpoint in the configuration; empty: that of the link.
+            own: The rules of the endpoint's own filter, which must pass a packet too.
+            peer: Address of its peer; None: it has none, as a serial port.
+            listening: It is a UDP socket with any number of peers (see `peer_ranges`).
+            group: Name of its group of redundant links; empty: none.
+            credential: The verified identity of the peer; it gets a system id of the pool.
+
+        Returns:
+            False if no rule allows this peer anything, or no system id is left for its credential: its
+            connection should be refused.
+        """
+        rules = engine_rules(self.config, endpoint or name, peer, listening=listening)
+        if own is not None:
+            rules = with_filter(rules, own)
+        if not admits(rules):
+            place = f"a peer at {peer.host}:{peer.port}" if peer else "this endpoint"
+            self._raise(Alert("peers", name, None, f"no rule allows {place}"), 0.0)
+            return False
+        try:
+            if credential and self.config.pool:
+                self.ids.assign(credential)
+        except InvalidStateError as error:
+            self._raise(Alert("ids", name, None, str(error)), 0.0)
+            return False
+        known = self._endpoints.get(name)
+        quarantine = {} if known is None else known.quarantine
+        self._endpoints[name] = _Endpoint(group or name, credential, rules, quarantine=quarantine)
+        return True
+
+    def close_endpoint(self, name: str) -> None:
+        """Remove an endpoint. Idempotent.
+
+        Args:
+            name: Its name.
+        """
+        self._endpoints.pop(name, None)
+        self._changed.discard(name)
+
+    def rules(self, name: str) -> tuple[Rule, ...]:
+        """Return the rules of an endpoint for the engine: quarantine, inspection, and its own.
+
+        Args:
+            name: Name of the endpoint.
+
+        Returns:
+            The rules for packets that come from the endpoint.
+        """
+        endpoint = self._endpoints[name]
+        quarantine = tuple(_quarantine_rule(source) for source in endpoint.quarantine)
+        foreign = frozenset() if not self.config.pool else frozenset(self.config.pool)
+        guarded = (Rule("inspect", systems=foreign, name=f"{PREFIX}ids"),) if foreign else ()
+        return (*quarantine, *inspection(self._inspected), *guarded, *endpoint.rules)
+
+    def decide(self, name: str, packet: Packet, now: float) -> bool:
+        """Decide about a packet that the engine handed over.
+
+        Args:
+            name: Name of the endpoint that it came from.
+            packet: The packet.
+            now: Time in seconds.
+
+        Returns:
+            True to pass the packet, False to drop it.
+        """
+        endpoint = self._endpoints.get(name)
+        if endpoint is None:
+            return False
+        if not self._rules_pass(endpoint, packet, now):
+            return False
+        refusal = self._first_refusal(endpoint, packet, now)
+        if refusal is None or self.config.dry_run:
+            return True
+        if self.config.quarantine:
+            self._cut_off(name, refusal.source, now)
+        return False
+
+    def matched(
+        self, name: str, rule: str, source: Address, message: str, *, dry_run: bool, now: float
+    ) -> None:
+        """Take note of a packet that the engine dropped by a rule of the firewall, or would have dropped.
+
+        Args:
+            name: Name of the link.
+            rule: Name of the rule in the engine.
+            source: The sender.
+            message: Name or id of the message.
+            dry_run: The packet was not dropped.
+            now: Time in seconds.
+        """
+        endpoint = self._endpoints.get(name)
+        if endpoint is not None and rule.startswith(PREFIX):
+            verb = "would be dropped" if dry_run else "dropped"
+            text = f"{message} {verb} by this rule"
+            self._raise(Alert(rule, endpoint.origin, source, text, refuse=not dry_run), now)
+
+    def measure(self, name: str, traffic: Traffic, now: float) -> None:
+        """Look at the counters of an endpoint.
+
+        Args:
+            name: Name of the endpoint.
+            traffic: Its counters.
+            now: Time in seconds.
+        """
+        if name not in self._endpoints:
+            return
+        for detector in self.config.detectors:
+            for alert in detector.measure(name, traffic, now):
+                self._raise(alert, now)
+                if self.config.quarantine and not self.config.dry_run:
+                    self._cut_off(name, None, now)
+
+    def handle_timeout(self, now: float) -> None:
+        """End the quarantines whose time is over.
+
+        Args:
+            now: Time in seconds.
+        """
+        for name, endpoint in self._endpoints.items():
+            ended = [source for source, end in endpoint.quarantine.items() if now >= end]
+            for source in ended:
+                del endpoint.quarantine[source]
+                self._changed.add(name)
+
+    def changed(self) -> list[str]:
+        """Return the names of the endpoints whose rules changed since the last call."""
+        changed, self._changed = sorted(self._changed), set()
+        return changed
+
+    def alerts(self) -> list[Alert]:
+        """Return the alerts since the last call; repeated ones are counted, not returned again."""
+        alerts = list(self._alerts)
+        self._alerts.clear()
+        return alerts
+
+    def _rules_pass(self, endpoint: _Endpoint, packet: Packet, now: float) -> bool:
+        rule, dry_runs = deciding_rule(endpoint.rules, packet)
+        source = Address(packet.system, packet.component)
+        dropped = rule is not None and (rule.action == "drop" or self._is_over_rate(endpoint, rule, now))
+        for each in [*dry_runs, *([rule] if rule is not None and dropped else [])]:
+            reason = "over its rate" if each.action == "pass" else "by this rule"
+            text = f"{packet.name or packet.message_id} dropped {reason}"
+            text = text.replace("dropped", "would be dropped") if each.dry_run else text
+            self._raise(Alert(each.name, endpoint.origin, source, text, refuse=not each.dry_run), now)
+        return not dropped
+
+    @staticmethod
+    def _is_over_rate(endpoint: _Endpoint, rule: Rule, now: float) -> bool:
+        if rule.rate is None:
+            return False
+        bucket = endpoint.buckets.setdefault(id(rule), TokenBucket(rule.rate, now))
+        return not bucket.take(now)
+
+    def _first_refusal(self, endpoint: _Endpoint, packet: Packet, now: float) -> Alert | None:
+        """Raise the alerts about a packet; no detector learns from one that is refused."""
+        for alert in chain(self._id_alerts(endpoint, packet), self._detected(endpoint, packet, now)):
+            self._raise(alert, now)
+            if alert.refuse:
+                return alert
+        return None
+
+    def _id_alerts(self, endpoint: _Endpoint, packet: Packet) -> Iterable[Alert]:
+        reason = self.ids.refusal(endpoint.credential, packet.system)
+        if reason is not None:
+            yield Alert("ids", endpoint.origin, Address(packet.system, packet.component), reason)
+
+    def _detected(self, endpoint: _Endpoint, packet: Packet, now: float) -> Iterable[Alert]:
+        for detector in self.config.detectors:
+            if detector.every_packet or packet.message_id in detector.messages:
+                yield from detector.inspect(endpoint.origin, packet, now)
+
+    def _raise(self, alert: Alert, now: float) -> None:
+        self.counts[alert.detector] += 1
+        limited = self._limiter.limited(alert, now)
+        if limited is not None:
+            self._alerts.append(limited)
+
+    def _cut_off(self, name: str, source: Address | None, now: float) -> None:
+        quarantine = self._endpoints[name].quarantine
+        if source not in quarantine and len(quarantine) >= MAX_QUARANTINED:
+            source = None  # so many sources on one link are forged: the whole link
+        if source not in quarantine:
+            self._changed.add(name)
+        quarantine[source] = now + self.config.quarantine
+
+
+def _quarantine_rule(source: Address | None) -> Rule:
+    name = f"{PREFIX}quarantine"
+    if source is None:
+        return Rule("drop", name=name)
+    return Rule(
+        "drop", systems=frozenset({source.system}), components=frozenset({source.component}), name=name
+    )

@@ -1,0 +1,87 @@
+"""Run all attacks and print the table; exit code 1 if anything passed ours."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from typing import TYPE_CHECKING
+
+from tools.attacks.gates import GATES
+from tools.attacks.range import opened
+from tools.attacks.routers import RouterProgram, available, with_gates
+from tools.attacks.scenarios import FLOOD, PASSED, flood
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from tools.attacks.range import Range
+
+
+def main() -> int:
+    """Run the attacks.
+
+    Returns:
+        0 if nothing unauthorised passed ours.
+    """
+    parser = argparse.ArgumentParser(prog="python -m tools.attacks", description=__doc__)
+    parser.add_argument("--router", action="append", default=[], help="only this router; may be repeated")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--no-flood", action="store_true", help="leave the flood out")
+    arguments = parser.parse_args()
+    results = {
+        program.name: attack(program, with_flood=not arguments.no_flood)
+        for program in available(arguments.router)
+    }
+    if "mavstack" in results:
+        results["mavstack"] |= _run(with_gates(), GATES)
+    print(json.dumps(results, indent=2) if arguments.json else _table(results))
+    return int(_total(results.get("mavstack", {})) > 0)
+
+
+def attack(program: RouterProgram, *, with_flood: bool = True) -> dict[str, float]:
+    """Run the attacks that all routers have on one router.
+
+    Args:
+        program: The router.
+        with_flood: Measure the flood too.
+
+    Returns:
+        Packets that passed, by attack; for the flood milliseconds.
+    """
+    results = _run(program, PASSED)
+    if with_flood:
+        with opened(program) as field:
+            results |= flood(field)
+    return results
+
+
+def _run(program: RouterProgram, attacks: Mapping[str, Callable[[Range], int]]) -> dict[str, float]:
+    """Run each attack on a fresh router."""
+    results: dict[str, float] = {}
+    for name, scenario in attacks.items():
+        with opened(program) as field:
+            if not field.command_works():
+                raise SystemExit(f"{program.name}: the pilot's own command does not arrive")
+            results[name] = scenario(field)
+    return results
+
+
+def _total(results: dict[str, float]) -> float:
+    return sum(value for name, value in results.items() if name not in FLOOD)
+
+
+def _table(results: dict[str, dict[str, float]]) -> str:
+    names = list(dict.fromkeys(name for values in results.values() for name in values))
+    lines = [f"{'packets that passed':42}" + "".join(f"{router:>16}" for router in results)]
+    lines += [_row(name, [values.get(name) for values in results.values()]) for name in names]
+    lines.append(_row("unauthorised packets that passed", [_total(each) for each in results.values()]))
+    return "\n".join(lines)
+
+
+def _row(name: str, values: Sequence[float | None]) -> str:
+    unit = " ms" if name in FLOOD else ""
+    return f"{name:42}" + "".join(f"{'-' if each is None else f'{each:g}{unit}':>16}" for each in values)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,181 @@
+"""The attacks: each returns the number of packets that should not have passed, or milliseconds."""
+
+from __future__ import annotations
+
+import threading
+from statistics import median, pstdev
+from time import time
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final
+
+from mavstack.dialects import common
+from mavstack.security.redaction import strip_signature
+from mavstack.wire import Encoder, Packet
+from tools.attacks.range import ARM
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from tools.attacks.range import Range, Station
+
+#: Commands whose acknowledgement is timed.
+_COMMANDS: Final = 40
+#: Packets of telemetry that are timed.
+_TELEMETRY: Final = 200
+
+
+def eavesdropping(field: Range) -> int:
+    """Let an unknown program join, and count the telemetry that it gets."""
+    attacker = field.attacker((200, 190))
+    attacker.heartbeat()
+    attacker.receive(0.1)
+    for _ in range(10):
+        field.vehicle.send(common.GlobalPositionInt(lat=1, lon=2))
+    return sum(packet.name == "GLOBAL_POSITION_INT" for packet in attacker.receive())
+
+
+def injection(field: Range) -> int:
+    """Arm and disarm with MAVLink 1 and with unsigned MAVLink 2, with the pilot's ids."""
+    for version in (1, 2):
+        attacker = field.attacker(version=version)
+        for value in (1, 0):
+            attacker.send(common.CommandLong(target_system=1, target_component=1, command=ARM, param1=value))
+    return field.passed()
+
+
+def altered_waypoints(field: Range) -> int:
+    """Upload a mission of one's own, in MAVLink 1."""
+    _upload(field.attacker(version=1))
+    return field.passed()
+
+
+def man_in_the_middle(field: Range) -> int:
+    """Change a byte of the pilot's signed commands on their way; and remove the signature."""
+    encoder = field.pilot.encoder
+    command = common.CommandLong(target_system=1, target_component=1, command=ARM)
+    for _ in range(10):
+        signed = encoder.encode(command, time())
+        packet = Packet(signed, common)
+        changed = bytearray(signed)
+        changed[-1] ^= 1
+        field.pilot.socket.sendto(bytes(changed), ("127.0.0.1", field.ports.ground))
+        field.pilot.socket.sendto(strip_signature(packet), ("127.0.0.1", field.ports.ground))
+    return field.passed()
+
+
+def replay(field: Range) -> int:
+    """Send the pilot's recorded, signed packets again, from the pilot's own address and from another."""
+    field.command_works()
+    recorded = field.pilot.sent[-1]
+    attacker = field.attacker()
+    for _ in range(5):
+        attacker.send_raw(recorded)
+        field.pilot.socket.sendto(recorded, ("127.0.0.1", field.ports.ground))
+    return field.passed()
+
+
+def spoofed_position(field: Range) -> int:
+    """Send HIL_GPS and GPS_INPUT: unsigned, and by a pilot's station that was taken over, with its key."""
+    attacker = field.attacker()
+    for station in (attacker, field.pilot):
+        station.send(common.HilGps(lat=1, lon=2), common.GpsInput(lat=1, lon=2))
+    return field.passed()
+
+
+def malformed(field: Range) -> int:
+    """Send counts above their arrays, with the key."""
+    field.pilot.send(
+        common.TrajectoryRepresentationWaypoints(valid_points=200),
+        common.SerialControl(count=255),
+        common.Tunnel(target_system=1, payload_length=255),
+    )
+    return field.passed()
+
+
+def id_hijack(field: Range) -> int:
+    """Claim the vehicle's id, and count the pilot's commands that come to the attacker."""
+    attacker = field.attacker((1, 1))
+    for _ in range(3):
+        attacker.heartbeat()
+    attacker.receive(0.1)
+    field.pilot.send(common.CommandLong(target_system=1, target_component=1, command=ARM))
+    return sum(packet.name == "COMMAND_LONG" for packet in attacker.receive())
+
+
+def setup_signing(field: Range) -> int:
+    """Send a key of one's own to the vehicle."""
+    attacker = field.attacker()
+    for station in (attacker, field.pilot):
+        station.send(common.SetupSigning(target_system=1, target_component=1, secret_key=bytes(range(32))))
+    return field.passed()
+
+
+def flood(field: Range) -> dict[str, float]:
+    """Send invalid packets without a pause.
+
+    Args:
+        field: The range.
+
+    Returns:
+        The delay that the flood adds to acknowledgements, and the jitter of telemetry without and with it, in
+        milliseconds.
+    """
+    delay, jitter = _timed(field)
+    attacker = field.attacker()
+    broken = bytearray(Encoder(255, 190).encode(common.CommandLong(command=ARM)))
+    broken[-1] ^= 0xFF
+    end = threading.Event()
+    thread = threading.Thread(target=_flood, args=(attacker, bytes(broken), end))
+    thread.start()
+    try:
+        delay_under_flood, jitter_under_flood = _timed(field)
+    finally:
+        end.set()
+        thread.join()
+    values = (delay_under_flood - delay, jitter, jitter_under_flood)
+    return {name: round(value * 1000, 2) for name, value in zip(FLOOD, values, strict=True)}
+
+
+#: Attacks that count what passed, by their names in the table.
+PASSED: Final[Mapping[str, Callable[[Range], int]]] = MappingProxyType(
+    {
+        "eavesdropping: telemetry of 10 heard": eavesdropping,
+        "injection: arm, disarm (v1, unsigned)": injection,
+        "altered waypoints (v1)": altered_waypoints,
+        "man in the middle: altered, stripped": man_in_the_middle,
+        "replay of signed commands": replay,
+        "HIL_GPS, GPS_INPUT": spoofed_position,
+        "counts above their arrays": malformed,
+        "id hijack: commands diverted": id_hijack,
+        "SETUP_SIGNING through the router": setup_signing,
+    }
+)
+
+
+#: The figures of a flood, in milliseconds.
+FLOOD: Final = (
+    "flood: delay added to acknowledgements",
+    "jitter of telemetry without a flood",
+    "flood: jitter of telemetry",
+)
+
+
+def _timed(field: Range) -> tuple[float, float]:
+    """Return the median delay of acknowledgements, and the standard deviation of that of telemetry."""
+    delays = field.acknowledge_delays(_COMMANDS)
+    return median(delays), pstdev(field.telemetry_delays(_TELEMETRY))
+
+
+def _upload(attacker: Station) -> None:
+    target = {"target_system": 1, "target_component": 1}
+    attacker.send(
+        common.MissionCount(**target, count=1),
+        common.MissionItem(**target, seq=0, command=16, x=1.0, y=2.0, z=3.0),
+        common.MissionClearAll(**target),
+    )
+
+
+def _flood(attacker: Station, packet: bytes, end: threading.Event) -> None:
+    while not end.is_set():
+        for _ in range(50):
+            attacker.socket.sendto(packet, ("127.0.0.1", attacker.router[1]))
