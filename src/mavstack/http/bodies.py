@@ -1,0 +1,79 @@
+"""The bodies of requests: bounded, and JSON objects where JSON is expected."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+
+#: Bytes of a JSON body, unless a route allows more.
+MAX_BODY: Final = 1 << 16
+
+
+class RefusedError(Exception):
+    """A request that is refused.
+
+    Args:
+        status: The status of the answer.
+        problem: The reason, and what to do.
+    """
+
+    def __init__(self, status: int, problem: str) -> None:
+        super().__init__(problem)
+        self.status = status
+
+
+async def read_bytes(request: Request, max_size: int = MAX_BODY) -> bytes:
+    """Return the body of a request.
+
+    Args:
+        request: The request.
+        max_size: The largest accepted number of bytes.
+
+    Returns:
+        The bytes.
+
+    Raises:
+        RefusedError: The body is larger.
+    """
+    data = bytearray()
+    async for chunk in request.stream():
+        data += chunk
+        if len(data) > max_size:
+            raise RefusedError(413, f"the request is larger than {max_size} bytes")
+    return bytes(data)
+
+
+async def read_json_object(request: Request, max_size: int = MAX_BODY) -> dict[str, Any]:
+    """Return the JSON object in the body of a request.
+
+    Args:
+        request: The request.
+        max_size: The largest accepted number of bytes.
+
+    Returns:
+        The members of the object.
+
+    Raises:
+        RefusedError: The body is larger, has another content type, or is not a JSON object.
+    """
+    if request.headers.get("content-type", "").partition(";")[0].strip().lower() != "application/json":
+        raise RefusedError(415, "the request must be JSON (Content-Type: application/json)")
+    values = parse_json(await read_bytes(request, max_size))
+    if not isinstance(values, dict):
+        raise RefusedError(400, "the request is not a JSON object")
+    return values
+
+
+def parse_json(data: bytes | str) -> object:
+    """Return the value of a JSON text; None if it is not valid. NaN and infinities are not JSON."""
+    try:
+        return json.loads(data, parse_constant=_refuse_constant)
+    except (ValueError, RecursionError):
+        return None
+
+
+def _refuse_constant(word: str) -> object:
+    raise ValueError(word)

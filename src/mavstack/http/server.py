@@ -1,0 +1,139 @@
+"""A server of an ASGI application, in the event loop of the program; needs the extra `web`."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import socket
+from contextlib import asynccontextmanager, contextmanager
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from mavstack.errors import LinkError, MissingExtraError
+
+try:
+    import uvicorn
+except ImportError as error:
+    raise MissingExtraError("an HTTP server", "web") from error
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Iterator
+
+    from starlette.applications import Starlette
+
+
+#: Bytes of a message that a client of a WebSocket may send.
+MAX_WEBSOCKET_MESSAGE: Final = 1 << 20
+
+
+class Certificate(NamedTuple):
+    """The PEM files of a server's certificate and of its private key; the key may be in the first file."""
+
+    certificate: str
+    key: str | None = None
+
+
+class _ClientFaults(logging.Filter):
+    """Drops what uvicorn logs of faulty clients, which could fill the log with it."""
+
+    _BEGINNINGS: Final = (
+        "ASGI callable returned without completing handshake",  # of a WebSocket that is refused
+        "Invalid UTF-8 sequence",
+        "Invalid HTTP request",
+        "Unsupported upgrade request",
+        "No supported WebSocket library",
+    )
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        return not str(record.msg).startswith(self._BEGINNINGS)
+
+
+_CLIENT_FAULTS: Final = _ClientFaults()
+
+
+class _Server(uvicorn.Server):
+    """A server that leaves the signals to the program."""
+
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        yield
+
+
+@asynccontextmanager
+async def serving(
+    app: Starlette, address: str, *, name: str, tls: Certificate | None = None, websockets: bool = False
+) -> AsyncIterator[tuple[str, int]]:
+    """Serve an application while the block runs.
+
+    Args:
+        app: The application.
+        address: Host and port on which it listens, such as `127.0.0.1:7272`.
+        name: The name of the service in errors, such as "the control API".
+        tls: The certificate of an HTTPS server; None: HTTP.
+        websockets: Serve WebSockets too.
+
+    Yields:
+        Host and port on which it listens.
+
+    Raises:
+        LinkError: The address cannot be listened on.
+    """
+    sock = await _listen(address, name)
+    try:
+        config = _config(app, tls, websockets=websockets)
+    except OSError as error:
+        sock.close()
+        files = " or ".join(filter(None, tls or ()))
+        raise LinkError(
+            f"cannot serve {name} with TLS: {files} is not a certificate with its key ({_reason(error)})"
+        ) from None
+    server = _Server(config)
+    task = asyncio.create_task(server.serve(sockets=[sock]))
+    try:
+        while not server.started and not task.done():  # noqa: ASYNC110 (uvicorn has no event for it)
+            await asyncio.sleep(0.005)
+        yield sock.getsockname()[:2]
+    finally:
+        server.should_exit = True
+        await asyncio.gather(task, return_exceptions=True)
+        sock.close()
+
+
+def _reason(error: OSError) -> str:
+    return str(getattr(error, "reason", None) or error.strerror or error)
+
+
+def _config(app: Starlette, tls: Certificate | None, *, websockets: bool) -> uvicorn.Config:
+    config = uvicorn.Config(
+        app,
+        log_config=None,
+        access_log=False,
+        lifespan="off",
+        server_header=False,
+        ws="websockets-sansio" if websockets else "none",
+        ws_max_size=MAX_WEBSOCKET_MESSAGE,
+        ws_per_message_deflate=False,  # it would compress each message again for each client
+        ssl_certfile=None if tls is None else tls.certificate,
+        ssl_keyfile=None if tls is None else tls.key,
+        timeout_graceful_shutdown=1,
+    )
+    config.load()
+    logging.getLogger("uvicorn.error").addFilter(_CLIENT_FAULTS)
+    return config
+
+
+async def _listen(address: str, name: str) -> socket.socket:
+    host, _, port = address.rpartition(":")
+    sock: socket.socket | None = None
+    try:
+        found = await asyncio.get_running_loop().getaddrinfo(
+            host.strip("[]"), int(port), type=socket.SOCK_STREAM
+        )
+        family, _, _, _, target = found[0]
+        sock = socket.socket(family, socket.SOCK_STREAM)
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        sock.bind(target)
+    except OSError as error:
+        if sock is not None:
+            sock.close()
+        raise LinkError(f"cannot serve {name} on {address}: {error.strerror or error}") from None
+    return sock

@@ -1,0 +1,237 @@
+"""Access to the station: passwords, tickets, sessions and roles.
+
+Without a password and a ticket key, every program of this machine administers the station, and the station
+listens on loopback only. Two headers then keep pages of other sites out (see `mavstack.http.web_origin`).
+
+Otherwise a client shows a password or a ticket once (`POST /api/session`) and gets a session: a cookie for
+pages, and a token for programs (`Authorization: Bearer …`). The role of a session is that of its password or
+of the scope of its ticket. For a WebSocket, which cannot have headers in a browser, a session gets tickets
+of one use each; a client with the ticket key makes its own.
+"""
+
+from __future__ import annotations
+
+import secrets
+from dataclasses import dataclass
+from hmac import compare_digest
+from time import time
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from mavstack.errors import InvalidArgumentError
+from mavstack.http.bodies import RefusedError
+from mavstack.http.web_origin import is_local_host, is_own_origin
+from mavstack.links.ws_gate import SCOPES
+from mavstack.security.roles import Role
+from mavstack.security.tickets import (
+    MAVLINK_SCOPE,
+    TicketVerifier,
+    make_ticket,
+    offered_ticket,
+    scope_of,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Mapping
+
+    from starlette.datastructures import Headers
+    from starlette.requests import Request
+
+COOKIE: Final = "mavstack_session"
+#: Seconds after which a session that is not used ends.
+SESSION_LIFETIME: Final = 12 * 3600.0
+MAX_SESSIONS: Final = 1024
+#: Wrong passwords from one address within `FAILURE_WINDOW` seconds, after which it has to wait.
+MAX_FAILURES: Final = 5
+FAILURE_WINDOW: Final = 60.0
+MAX_FAILING_ADDRESSES: Final = 4096
+MIN_PASSWORD: Final = 8
+_NONCE_SIZE: Final = 16
+
+
+class Client(NamedTuple):
+    """A client that may send requests: its role, and the id of its session (empty without one)."""
+
+    role: Role
+    session: str = ""
+
+
+@dataclass(slots=True)
+class _Session:
+    role: Role
+    used_at: float
+
+
+class Access:
+    """Decides on the clients of a station.
+
+    Args:
+        passwords: The password of each role; a role without one cannot be had by a password.
+        ticket_key: The API key of tickets that clients make themselves; empty: none.
+        local: The station listens on loopback only.
+        origins: Origins of further pages that may send requests, such as `http://localhost:5173`.
+        now: Returns the time in seconds since 1970.
+
+    Raises:
+        InvalidArgumentError: A password is too short, two roles have one password, or clients of other
+            machines would need neither a password nor a ticket.
+    """
+
+    def __init__(
+        self,
+        *,
+        passwords: Mapping[Role, str] | None = None,
+        ticket_key: str = "",
+        local: bool = True,
+        origins: Collection[str] = (),
+        now: Callable[[], float] = time,
+    ) -> None:
+        self._passwords = dict(passwords or {})
+        self._local = local
+        self._origins = frozenset(origins)
+        self._now = now
+        self._sessions: dict[str, _Session] = {}
+        self._failures: dict[str, list[float]] = {}
+        # Sessions get tickets that are signed with a key of this process.
+        self._own_key = secrets.token_hex(32)
+        keys = [self._own_key, *filter(None, [ticket_key])]
+        self._verifiers = [TicketVerifier(key, SCOPES) for key in keys]
+        self._has_ticket_key = bool(ticket_key)
+        self._check_settings()
+
+    @property
+    def is_open(self) -> bool:
+        """True if clients need neither a password nor a ticket."""
+        return not self._passwords and not self._has_ticket_key
+
+    def check_request(self, request: Request) -> Client:
+        """Return the client of a request.
+
+        Args:
+            request: The request.
+
+        Returns:
+            The client.
+
+        Raises:
+            RefusedError: A page of another site sent it, or the client has no session.
+        """
+        self.check_page(request.headers)
+        return self._client(request.headers, request.cookies.get(COOKIE, ""))
+
+    def check_websocket(self, headers: Headers, cookies: Mapping[str, str]) -> Client:
+        """Return the client of a WebSocket by its ticket or its session, and use up the ticket.
+
+        Args:
+            headers: The headers of the request.
+            cookies: The cookies of the request.
+
+        Returns:
+            The client.
+
+        Raises:
+            RefusedError: A page of another site opened it, or the client has neither a ticket nor a session.
+        """
+        self.check_page(headers)
+        ticket = offered_ticket(headers.get("sec-websocket-protocol", ""))
+        if ticket is not None and not self.is_open:
+            return Client(self._verify(ticket))
+        return self._client(headers, cookies.get(COOKIE, ""))
+
+    def check_page(self, headers: Headers) -> None:
+        """Refuse requests of pages of other sites; raises `RefusedError`."""
+        host, origin = headers.get("host", ""), headers.get("origin")
+        if self._local and not is_local_host(host):
+            raise RefusedError(
+                403, "the station serves this machine: use http://localhost or http://127.0.0.1"
+            )
+        if origin is not None and origin not in self._origins and not is_own_origin(origin, host):
+            raise RefusedError(403, "requests of pages of other sites are refused")
+
+    def log_in(self, address: str, *, password: str | None = None, ticket: str | None = None) -> Client:
+        """Begin a session.
+
+        Args:
+            address: The address of the client, for the limit on wrong passwords.
+            password: The password of a role.
+            ticket: A ticket instead of a password.
+
+        Returns:
+            The client, with the token of its session.
+
+        Raises:
+            RefusedError: The password or the ticket is wrong, or there were too many wrong ones.
+        """
+        now = self._now()
+        recent = [each for each in self._failures.get(address, ()) if each > now - FAILURE_WINDOW]
+        if len(recent) >= MAX_FAILURES:
+            raise RefusedError(429, f"too many wrong passwords: wait {FAILURE_WINDOW:g} s")
+        try:
+            role = self._verify(ticket) if ticket is not None else self._role_of(password or "")
+        except RefusedError:
+            if len(self._failures) >= MAX_FAILING_ADDRESSES:
+                self._failures.clear()
+            self._failures[address] = [*recent, now]
+            raise
+        self._failures.pop(address, None)
+        return self._begin(role, now)
+
+    def log_out(self, token: str) -> None:
+        """End a session. Idempotent."""
+        self._sessions.pop(token, None)
+
+    def make_ticket(self, role: Role) -> str:
+        """Return a ticket of one use with which a page of a session opens a WebSocket."""
+        nonce = secrets.token_bytes(_NONCE_SIZE)
+        return make_ticket(self._own_key, now=self._now(), nonce=nonce, scope=f"{MAVLINK_SCOPE}.{role.word}")
+
+    def role_of(self, token: str) -> Role | None:
+        """Return the role of a session, and use it; None if there is none."""
+        session = self._sessions.get(token)
+        now = self._now()
+        if session is None or session.used_at < now - SESSION_LIFETIME:
+            self._sessions.pop(token, None)
+            return None
+        session.used_at = now
+        return session.role
+
+    def _client(self, headers: Headers, cookie: str) -> Client:
+        if self.is_open:
+            return Client(Role.ADMINISTER)
+        scheme, _, shown = headers.get("authorization", "").partition(" ")
+        token = shown.strip() if scheme.lower() == "bearer" else cookie
+        role = self.role_of(token)
+        if role is None:
+            raise RefusedError(401, "a session is needed: POST /api/session with a password or a ticket")
+        return Client(role, token)
+
+    def _role_of(self, password: str) -> Role:
+        shown = password.encode()
+        found = [role for role, each in self._passwords.items() if compare_digest(each.encode(), shown)]
+        if not found:
+            raise RefusedError(401, "the password is wrong")
+        return max(found)
+
+    def _verify(self, ticket: str) -> Role:
+        refusals = []
+        for verifier in self._verifiers:
+            refusal = verifier.verify(ticket, self._now())
+            if refusal is None:
+                return SCOPES[scope_of(ticket)]
+            refusals.append(refusal)
+        raise RefusedError(401, str(refusals[-1]))
+
+    def _begin(self, role: Role, now: float) -> Client:
+        if len(self._sessions) >= MAX_SESSIONS:
+            oldest = min(self._sessions, key=lambda token: self._sessions[token].used_at)
+            del self._sessions[oldest]
+        token = secrets.token_urlsafe(32)
+        self._sessions[token] = _Session(role, now)
+        return Client(role, token)
+
+    def _check_settings(self) -> None:
+        if not self._local and self.is_open:
+            raise InvalidArgumentError("a station that other machines reach needs a password or a ticket key")
+        if any(len(password) < MIN_PASSWORD for password in self._passwords.values()):
+            raise InvalidArgumentError(f"a password needs {MIN_PASSWORD} characters or more")
+        if len(set(self._passwords.values())) < len(self._passwords):
+            raise InvalidArgumentError("each role needs a password of its own")

@@ -1,0 +1,126 @@
+"""The calibrations of a vehicle.
+
+A calibration is long work: with `wait=false` it is a task, whose progress has the step at which it is. A step
+with `needs_confirmation` waits for a request that confirms it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from mavstack.http.bodies import RefusedError
+from mavstack.security.roles import Role
+from mavstack.server.api_route import ApiRoute, Call
+from mavstack.server.calibrations import step_json
+from mavstack.server.fields import Field
+from mavstack.server.json_values import to_json
+from mavstack.vehicle import CalibrationKind
+
+if TYPE_CHECKING:
+    from mavstack.vehicle import CalibrationSession
+
+_ALL: Final = "/api/vehicles/{system}/calibrations"
+_ONE: Final = f"{_ALL}/{{kind}}"
+
+
+async def _list(call: Call) -> list[dict[str, Any]]:
+    vehicle = call.vehicle
+    running = call.station.calibrations.session(vehicle.system)
+    return [
+        {
+            "kind": str(kind),
+            "needs_confirmation": vehicle.calibration.needs_confirmation(kind),
+            "running": running is not None and running.kind == kind,
+            "step": step_json(running) if running is not None and running.kind == kind else None,
+        }
+        for kind in vehicle.calibration.kinds
+    ]
+
+
+async def _run(call: Call) -> dict[str, Any]:
+    def report(step: dict[str, Any]) -> None:
+        if call.task is not None:
+            call.task.report_step(step)
+            if step["progress"] is not None:
+                call.task.report(step["progress"], 100)
+
+    vehicle, timeout = call.vehicle, call.body["timeout"]
+    result = await call.station.calibrations.run(vehicle, _kind(call), report, timeout=timeout)
+    return {"system": vehicle.system, **to_json(result)}
+
+
+async def _confirm(call: Call) -> dict[str, Any]:
+    session = _session(call)
+    await session.confirm()
+    return {"system": call.vehicle.system, "kind": str(session.kind), "step": step_json(session)}
+
+
+async def _cancel(call: Call) -> dict[str, Any]:
+    await call.station.calibrations.cancel(call.vehicle, _kind(call))
+    return {"system": call.vehicle.system, "kind": _kind(call)}
+
+
+def _kind(call: Call) -> str:
+    kind = call.path("kind")
+    if kind not in tuple(CalibrationKind):
+        raise RefusedError(404, f"there is no calibration {kind[:60]!r}: {', '.join(CalibrationKind)}")
+    return kind
+
+
+def _session(call: Call) -> CalibrationSession:
+    session = call.station.calibrations.session(call.vehicle.system, _kind(call))
+    if session is None:
+        raise RefusedError(409, f"no {_kind(call)} calibration of vehicle {call.vehicle.system} runs")
+    return session
+
+
+_STEP: Final[dict[str, Any]] = {
+    "kind": "accelerometer",
+    "task": "place",
+    "text": "Place the vehicle on its left side.",
+    "pose": "on its left side",
+    "pending": [],
+    "progress": None,
+    "needs_confirmation": True,
+}
+
+ROUTES: Final = (
+    ApiRoute(
+        method="GET",
+        path=_ALL,
+        handler=_list,
+        summary="List the calibrations that a vehicle has",
+        tag="calibrations",
+        answer=[{"kind": "accelerometer", "needs_confirmation": True, "running": True, "step": _STEP}],
+    ),
+    ApiRoute(
+        method="POST",
+        path=_ONE,
+        handler=_run,
+        summary="Calibrate a sensor, the radio control or the motors",
+        tag="calibrations",
+        role=Role.ADMINISTER,
+        body=(Field(name="timeout", about="Seconds for the calibration; null: no limit.", minimum=0),),
+        is_long=True,
+        answer={"system": 1, "kind": "accelerometer", "reboot_needed": True, "compasses": [], "channels": {}},
+    ),
+    ApiRoute(
+        method="POST",
+        path=f"{_ONE}/confirm",
+        handler=_confirm,
+        summary="Confirm that the task of the step is done",
+        tag="calibrations",
+        role=Role.ADMINISTER,
+        body=(),
+        answer={"system": 1, "kind": "accelerometer", "step": _STEP},
+    ),
+    ApiRoute(
+        method="DELETE",
+        path=_ONE,
+        handler=_cancel,
+        summary="Cancel a calibration",
+        tag="calibrations",
+        role=Role.ADMINISTER,
+        answer={"system": 1, "kind": "accelerometer"},
+    ),
+)

@@ -1,0 +1,155 @@
+"""The files and the logs on a vehicle (MAVLink FTP and the log protocol)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from starlette.responses import Response
+
+from mavstack.http.bodies import RefusedError
+from mavstack.security.roles import Role
+from mavstack.server.api_route import ApiRoute, Call
+from mavstack.server.fields import Field
+from mavstack.server.json_values import to_json
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+MAX_UPLOAD: Final = 16 << 20
+_FILE: Final = "/api/vehicles/{system}/files/{path:path}"
+_LOGS: Final = "/api/vehicles/{system}/logs"
+_BYTES: Final = "application/octet-stream"
+
+
+async def _list(call: Call) -> dict[str, Any]:
+    path = call.query["path"]
+    entries: Sequence[object] = await call.vehicle.ftp.list(path)
+    return {"path": path, "entries": [to_json(each) for each in entries]}
+
+
+async def _download(call: Call) -> Response:
+    data = await call.vehicle.ftp.download(_path(call), progress=call.progress)
+    return _attachment(data, _path(call).rpartition("/")[2])
+
+
+async def _upload(call: Call) -> dict[str, Any]:
+    await call.vehicle.ftp.upload(_path(call), call.data, progress=call.progress)
+    return {"path": _path(call), "size": len(call.data)}
+
+
+async def _remove(call: Call) -> dict[str, Any]:
+    await call.vehicle.ftp.remove(_path(call))
+    return {"path": _path(call)}
+
+
+async def _list_logs(call: Call) -> dict[str, Any]:
+    logs = await call.vehicle.logs.list()
+    return {"logs": [{"id": each.id, "time": each.time_utc, "size": each.size} for each in logs]}
+
+
+async def _download_log(call: Call) -> Response:
+    text = call.path("id")
+    if not (text.isascii() and text.isdigit() and len(text) <= 5):
+        raise RefusedError(404, f"ids of logs are numbers, got {text[:20]!r}")
+    number = int(text)
+    vehicle = call.vehicle
+    listed = {each.id: each for each in await vehicle.logs.list()}
+    if number not in listed:
+        raise RefusedError(404, f"the vehicle {vehicle.system} has no log {number}")
+    data = await vehicle.logs.download(listed[number], progress=call.progress)
+    return _attachment(data, f"vehicle-{vehicle.system}-log-{number}{_suffix(data)}")
+
+
+async def _erase_logs(call: Call) -> dict[str, Any]:
+    await call.vehicle.logs.erase()
+    return {"logs": []}
+
+
+def _path(call: Call) -> str:
+    """Return the path of a file on the vehicle: absolute, or a name that the vehicle understands (`@…`)."""
+    path = call.path("path")
+    return path if path.startswith(("/", "@")) else f"/{path}"
+
+
+def _suffix(data: bytes) -> str:
+    return ".ulg" if data.startswith(b"ULog") else ".bin"
+
+
+def _attachment(data: bytes, name: str) -> Response:
+    safe = "".join(each if each.isascii() and (each.isalnum() or each in "._-") else "_" for each in name)
+    headers = {"Content-Disposition": f'attachment; filename="{safe or "file"}"', "Cache-Control": "no-store"}
+    return Response(data, media_type=_BYTES, headers=headers)
+
+
+ROUTES: Final = (
+    ApiRoute(
+        method="GET",
+        path="/api/vehicles/{system}/files",
+        handler=_list,
+        summary="List a directory on a vehicle",
+        tag="files",
+        role=Role.ADMINISTER,
+        query=(Field(name="path", type="string", about="The directory.", default="/"),),
+        answer={
+            "path": "/",
+            "entries": [{"name": "APM", "is_directory": True, "size": 0, "modified": 0}],
+        },
+    ),
+    ApiRoute(
+        method="GET",
+        path=_FILE,
+        handler=_download,
+        summary="Download a file",
+        tag="files",
+        role=Role.ADMINISTER,
+        is_long=True,
+        media_type=_BYTES,
+    ),
+    ApiRoute(
+        method="PUT",
+        path=_FILE,
+        handler=_upload,
+        summary="Upload a file, or replace it",
+        tag="files",
+        role=Role.ADMINISTER,
+        takes_bytes=True,
+        max_body=MAX_UPLOAD,
+        is_long=True,
+        answer={"path": "/APM/scripts/a.lua", "size": 512},
+    ),
+    ApiRoute(
+        method="DELETE",
+        path=_FILE,
+        handler=_remove,
+        summary="Remove a file",
+        tag="files",
+        role=Role.ADMINISTER,
+        answer={"path": "/APM/scripts/a.lua"},
+    ),
+    ApiRoute(
+        method="GET",
+        path=_LOGS,
+        handler=_list_logs,
+        summary="List the logs on a vehicle",
+        tag="logs",
+        answer={"logs": [{"id": 1, "time": 1790000000, "size": 204800}]},
+    ),
+    ApiRoute(
+        method="GET",
+        path=f"{_LOGS}/{{id}}",
+        handler=_download_log,
+        summary="Download a log from a vehicle",
+        tag="logs",
+        is_long=True,
+        media_type=_BYTES,
+    ),
+    ApiRoute(
+        method="DELETE",
+        path=_LOGS,
+        handler=_erase_logs,
+        summary="Erase all logs on a vehicle",
+        tag="logs",
+        role=Role.ADMINISTER,
+        answer={"logs": []},
+    ),
+)

@@ -1,0 +1,107 @@
+"""Messages by name: the latest ones of a vehicle, and messages to send."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+from mavstack.http.bodies import RefusedError
+from mavstack.server.api_route import ApiRoute, Call
+from mavstack.server.fields import Field
+from mavstack.server.message_json import message_class, message_of, packet_json
+
+_COMPONENT: Final = Field(
+    name="component",
+    type="integer",
+    about="The component id of the sender; null: the one heard last.",
+    minimum=0,
+    maximum=255,
+)
+
+
+async def _list(call: Call) -> list[dict[str, Any]]:
+    vehicle, now = call.vehicle, call.station.connection.now()
+    found = [
+        {
+            "message": each.packet.name,
+            "id": each.packet.message_id,
+            "component": each.packet.component,
+            "count": each.count,
+            "rate": round(each.rate(now), 3),
+            "age": round(now - each.time, 3),
+        }
+        for each in call.station.packets.latest.of_system(vehicle.system)
+    ]
+    return sorted(found, key=lambda each: (each["message"] or "", each["id"], each["component"]))
+
+
+async def _show(call: Call) -> dict[str, Any]:
+    vehicle, connection = call.vehicle, call.station.connection
+    kind = message_class(connection.dialect, call.path("name"))
+    number = int(kind.__mavlink_row__[0])
+    found = call.station.packets.latest.find(vehicle.system, number, call.query["component"])
+    if found is None:
+        raise RefusedError(404, f"{call.path('name')[:60]} of system {vehicle.system} was not received")
+    rate = round(found.rate(connection.now()), 3)
+    return {**packet_json(found.packet, found.time), "count": found.count, "rate": rate}
+
+
+async def _send(call: Call) -> dict[str, Any]:
+    connection, body = call.station.connection, call.body
+    message = message_of(connection.dialect, body["message"], body["fields"], call.role)
+    connection.send(message)
+    return {
+        "message": body["message"].upper(),
+        "system": connection.address.system,
+        "component": connection.address.component,
+    }
+
+
+_EXAMPLE: Final = {
+    "message": "ATTITUDE",
+    "system": 1,
+    "component": 1,
+    "time": 1790000000.0,
+    "fields": {"time_boot_ms": 8000, "roll": 0.01, "pitch": -0.02, "yaw": 1.57},
+    "count": 500,
+    "rate": 10.0,
+}
+
+ROUTES: Final = (
+    ApiRoute(
+        method="GET",
+        path="/api/vehicles/{system}/messages",
+        handler=_list,
+        summary="List the messages that a vehicle sends, with their rates",
+        tag="messages",
+        answer=[{"message": "ATTITUDE", "id": 30, "component": 1, "count": 500, "rate": 10.0, "age": 0.05}],
+    ),
+    ApiRoute(
+        method="GET",
+        path="/api/vehicles/{system}/messages/{name}",
+        handler=_show,
+        summary="Show the latest message of a name",
+        tag="messages",
+        query=(_COMPONENT,),
+        answer=_EXAMPLE,
+    ),
+    ApiRoute(
+        method="POST",
+        path="/api/messages",
+        handler=_send,
+        summary="Send a message; its target is in its fields",
+        tag="messages",
+        body=(
+            Field(
+                name="message", type="string", about="The name of the message.", required=True, example="PING"
+            ),
+            Field(
+                name="fields",
+                type="object",
+                about="The fields by name; missing ones are 0, null is NaN.",
+                default={},
+                example={"seq": 1},
+            ),
+        ),
+        answer={"message": "PING", "system": 255, "component": 190},
+    ),
+)

@@ -1,0 +1,120 @@
+"""The parameters of a vehicle."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from mavstack.dialects import common
+from mavstack.errors import RemoteDenied, RemoteProtocolError, RemoteTimeout
+from mavstack.security.roles import Role
+from mavstack.server.api_route import ApiRoute, Call
+from mavstack.server.fields import Field
+from mavstack.server.json_values import to_json
+
+if TYPE_CHECKING:
+    from mavstack.services.parameters import MetadataTable, Parameter
+
+_TYPES: Final = common.MavParamType
+_ALL: Final = "/api/vehicles/{system}/parameters"
+_ONE: Final = f"{_ALL}/{{name}}"
+
+
+def parameter_json(parameter: Parameter) -> dict[str, Any]:
+    """Return a parameter as JSON."""
+    known = parameter.type in _TYPES.__members__.values()
+    return {
+        "name": parameter.name,
+        "value": to_json(parameter.value),
+        "text": parameter.text,
+        "type": _TYPES(parameter.type).name if known else int(parameter.type),
+    }
+
+
+async def _list(call: Call) -> dict[str, Any]:
+    params = call.vehicle.params
+    cached = params.cached
+    if not (call.query["cached"] and cached):
+        cached = await params.download(progress=call.progress)
+    return {"parameters": [parameter_json(cached[name]) for name in sorted(cached)]}
+
+
+async def _get(call: Call) -> dict[str, Any]:
+    return parameter_json(await call.vehicle.params.get(call.path("name")))
+
+
+async def _set(call: Call) -> dict[str, Any]:
+    body = call.body
+    found = await call.vehicle.params.set(call.path("name"), body["value"], check=body["check"])
+    return parameter_json(found)
+
+
+async def _metadata(call: Call) -> dict[str, Any]:
+    params = call.vehicle.params
+    table: MetadataTable = params.metadata
+    if not len(table):
+        try:
+            table = await params.download_metadata(progress=call.progress)
+        except (RemoteDenied, RemoteTimeout, RemoteProtocolError) as error:
+            return {"metadata": {}, "problem": str(error)}
+    names = params.cached or table
+    return {"metadata": {name: to_json(table[name]) for name in names if name in table}, "problem": None}
+
+
+_EXAMPLE: Final = {"name": "RTL_ALT", "value": 1500.0, "text": "1500", "type": "REAL32"}
+
+ROUTES: Final = (
+    ApiRoute(
+        method="GET",
+        path=_ALL,
+        handler=_list,
+        summary="Download all parameters",
+        tag="parameters",
+        query=(
+            Field(
+                name="cached",
+                type="boolean",
+                about="Answer with the parameters received so far, if there are any.",
+                default=False,
+            ),
+        ),
+        is_long=True,
+        answer={"parameters": [_EXAMPLE]},
+    ),
+    ApiRoute(
+        method="GET",
+        path=_ONE,
+        path_examples={"name": "RTL_ALT"},
+        handler=_get,
+        summary="Read a parameter",
+        tag="parameters",
+        answer=_EXAMPLE,
+    ),
+    ApiRoute(
+        method="PUT",
+        path=_ONE,
+        path_examples={"name": "RTL_ALT"},
+        handler=_set,
+        summary="Set a parameter",
+        tag="parameters",
+        role=Role.ADMINISTER,
+        body=(
+            Field(name="value", about="The value in the parameter's own unit.", required=True, example=2000),
+            Field(
+                name="check",
+                type="boolean",
+                about="Refuse a value that the metadata does not allow.",
+                default=False,
+            ),
+        ),
+        answer=_EXAMPLE,
+    ),
+    ApiRoute(
+        method="GET",
+        path="/api/vehicles/{system}/parameter-metadata",
+        handler=_metadata,
+        summary="Download descriptions, units and ranges of the parameters",
+        tag="parameters",
+        is_long=True,
+        answer={"metadata": {"RTL_ALT": {"name": "RTL_ALT", "unit": "cm"}}, "problem": None},
+    ),
+)

@@ -1,0 +1,141 @@
+"""The plans of a vehicle: mission, fence and rally points.
+
+A plan is a JSON object of Mavstack's own format, without the home item that ArduPilot keeps first; with
+`format` it is the text of another program's file. An upload takes any of the formats.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, Any, Final
+
+from starlette.responses import PlainTextResponse
+
+from mavstack.errors import PlanFileError
+from mavstack.files.plans import FORMATS, PlanFile, Settings, format_plan, parse_plan, plan_json
+from mavstack.files.plans.parsing import MAX_BYTES
+from mavstack.security.roles import Role
+from mavstack.server.api_route import ApiRoute, Call
+from mavstack.server.fields import Field
+from mavstack.services.mission import PlanType
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.vehicle import Vehicle
+    from mavstack.vehicle.mission import VehiclePlan
+
+KINDS: Final = {"mission": PlanType.MISSION, "fence": PlanType.FENCE, "rally": PlanType.RALLY}
+#: Bytes of a file that takes long to read.
+LARGE_FILE: Final = 1 << 16
+_FORMAT: Final = Field(
+    name="format",
+    type="string",
+    about="The format of the answer; null: Mavstack's JSON.",
+    choices=tuple(FORMATS),
+)
+_ITEM: Final = {
+    "seq": 0,
+    "command": 16,
+    "name": "NAV_WAYPOINT",
+    "frame": 3,
+    "params": [0, 0, 0, None, 47.398, 8.546, 30],
+    "autocontinue": True,
+}
+
+
+def _plan_of(vehicle: Vehicle, kind: str) -> VehiclePlan:
+    plans: dict[str, VehiclePlan] = {
+        "mission": vehicle.mission,
+        "fence": vehicle.fence,
+        "rally": vehicle.rally,
+    }
+    return plans[kind]
+
+
+def _home_first(vehicle: Vehicle) -> bool:
+    return vehicle.component.mission.home_first
+
+
+def _download(kind: str) -> ApiRoute:
+    async def handler(call: Call) -> Any:  # noqa: ANN401 (JSON, or a response)
+        vehicle = call.vehicle
+        plan = await _plan_of(vehicle, kind).download(progress=call.progress)
+        info = vehicle.info
+        settings = Settings() if info is None else Settings(int(info.autopilot), int(info.type))
+        found = PlanFile.of_vehicle([plan], home_first=_home_first(vehicle), settings=settings)
+        if call.query["format"] is None:
+            return {**plan_json(found), "id": plan.plan_id}
+        return PlainTextResponse(format_plan(found, call.query["format"]).text)
+
+    example = {"fileType": "MavstackPlan", "version": 1, "home": None, kind: [_ITEM], "id": 3735928559}
+    return ApiRoute(
+        method="GET",
+        path=f"/api/vehicles/{{system}}/{kind}",
+        handler=handler,
+        summary=f"Download the {_name(kind)}",
+        tag="plans",
+        query=(_FORMAT,),
+        is_long=True,
+        answer=example,
+    )
+
+
+def _upload(kind: str) -> ApiRoute:
+    async def handler(call: Call) -> dict[str, Any]:
+        vehicle = call.vehicle
+        found = await _parse(call.data)
+        if found.problems:
+            raise PlanFileError(found.problems[0])
+        plan = found.for_vehicle(KINDS[kind], home_first=_home_first(vehicle))
+        held = await _plan_of(vehicle, kind).upload(plan, progress=call.progress)
+        return {"system": vehicle.system, "items": len(held), "id": held.plan_id, "notes": list(found.notes)}
+
+    return ApiRoute(
+        method="PUT",
+        path=f"/api/vehicles/{{system}}/{kind}",
+        handler=handler,
+        summary=f"Replace the {_name(kind)}",
+        tag="plans",
+        role=Role.OPERATE,
+        takes_bytes=True,
+        max_body=MAX_BYTES,
+        is_long=True,
+        answer={"system": 1, "items": 4, "id": 3735928559, "notes": []},
+    )
+
+
+def _clear(kind: str) -> ApiRoute:
+    async def handler(call: Call) -> dict[str, Any]:
+        vehicle = call.vehicle
+        await _plan_of(vehicle, kind).clear()
+        return {"system": vehicle.system, "items": 0}
+
+    return ApiRoute(
+        method="DELETE",
+        path=f"/api/vehicles/{{system}}/{kind}",
+        handler=handler,
+        summary=f"Remove the {_name(kind)}",
+        tag="plans",
+        role=Role.OPERATE,
+        answer={"system": 1, "items": 0},
+    )
+
+
+async def _parse(data: bytes) -> PlanFile:
+    """Read a plan file; a large one in a thread, so that the vehicles do not wait."""
+    return parse_plan(data) if len(data) < LARGE_FILE else await asyncio.to_thread(parse_plan, data)
+
+
+def _name(kind: str) -> str:
+    return "rally points" if kind == "rally" else kind
+
+
+def _routes() -> Iterator[ApiRoute]:
+    for kind in KINDS:
+        yield _download(kind)
+        yield _upload(kind)
+        yield _clear(kind)
+
+
+ROUTES: Final = tuple(_routes())

@@ -1,0 +1,118 @@
+"""The recordings of the station, and report pages about them."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, Any, Final
+
+from starlette.responses import FileResponse, HTMLResponse, Response
+
+from mavstack.security.roles import Role
+from mavstack.server.api_route import ApiRoute, Call
+from mavstack.server.fields import Field
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+#: A report is a page of its own: it loads nothing, and reaches nothing of the station.
+REPORT_POLICY: Final = (
+    "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; "
+    "sandbox allow-scripts"
+)
+
+
+async def _list(call: Call) -> list[dict[str, Any]]:
+    return await asyncio.to_thread(call.station.recordings.list)
+
+
+async def _start(call: Call) -> dict[str, Any]:
+    return call.station.recordings.start(call.body["name"])
+
+
+async def _stop(call: Call) -> dict[str, Any]:
+    return call.station.recordings.stop(call.path("name"))
+
+
+async def _download(call: Call) -> Response:
+    path = call.station.recordings.path(call.path("name"))
+    return FileResponse(path, filename=path.name, media_type="application/octet-stream")
+
+
+async def _report(call: Call) -> Response:
+    path = call.station.recordings.path(call.path("log"))
+    page = await asyncio.to_thread(_report_page, path)
+    return HTMLResponse(page, headers={"Content-Security-Policy": REPORT_POLICY})
+
+
+def _report_page(path: Path) -> str:
+    from mavstack.logs import open_log
+    from mavstack.logs.report import make_report
+
+    return make_report(open_log(path)).html
+
+
+_EXAMPLE: Final = {
+    "name": "2026-11-23-101500.tlog",
+    "size": 51200,
+    "modified": 1790000000.0,
+    "running": True,
+    "packets": 800,
+}
+
+ROUTES: Final = (
+    ApiRoute(
+        method="GET",
+        path="/api/recordings",
+        handler=_list,
+        summary="List the recordings and logs of the station",
+        tag="recordings",
+        answer=[_EXAMPLE],
+    ),
+    ApiRoute(
+        method="POST",
+        path="/api/recordings",
+        handler=_start,
+        summary="Begin a recording",
+        tag="recordings",
+        role=Role.OPERATE,
+        body=(
+            Field(
+                name="name",
+                type="string",
+                about="The name of the file; null: one with the time of day.",
+                example="flight.tlog",
+            ),
+        ),
+        status=201,
+        answer=_EXAMPLE,
+    ),
+    ApiRoute(
+        method="POST",
+        path="/api/recordings/{name}/stop",
+        path_examples={"name": "flight.tlog"},
+        handler=_stop,
+        summary="End a recording",
+        tag="recordings",
+        role=Role.OPERATE,
+        body=(),
+        answer=_EXAMPLE | {"running": False, "packets": None},
+    ),
+    ApiRoute(
+        method="GET",
+        path="/api/recordings/{name}",
+        path_examples={"name": "flight.tlog"},
+        handler=_download,
+        summary="Download a recording",
+        tag="recordings",
+        media_type="application/octet-stream",
+    ),
+    ApiRoute(
+        method="GET",
+        path="/api/reports/{log}",
+        handler=_report,
+        summary="Show the report page of a recording or a log",
+        tag="recordings",
+        is_long=True,
+        media_type="text/html",
+    ),
+)

@@ -1,0 +1,76 @@
+"""Sessions: a client shows a password or a ticket, and gets a cookie, a token and tickets for WebSockets."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from starlette.responses import JSONResponse, Response
+
+from mavstack.http.bodies import RefusedError, read_json_object
+from mavstack.server.access import COOKIE, SESSION_LIFETIME
+from mavstack.server.fields import Field, read_fields
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+
+    from mavstack.security.roles import Role
+    from mavstack.server.access import Access
+
+LOG_IN_FIELDS: Final = (
+    Field(name="password", type="string", about="The password of a role.", example="correct horse battery"),
+    Field(name="ticket", type="string", about="A ticket instead of a password."),
+)
+
+
+class Sessions:
+    """The requests that begin, show and end sessions; a client needs no session for them.
+
+    Args:
+        access: The sessions.
+        secure: True if the station is served with TLS only.
+    """
+
+    def __init__(self, access: Access, *, secure: bool) -> None:
+        self._access = access
+        self._secure = secure
+
+    async def begin(self, request: Request) -> Response:
+        """Begin a session; a station without a password answers with the highest role."""
+        self._access.check_page(request.headers)
+        values = read_fields(LOG_IN_FIELDS, await read_json_object(request))
+        if self._access.is_open:
+            role = self._access.check_request(request).role
+            return JSONResponse(self._values(role) | {"token": None}, 201)
+        password, ticket = values["password"], values["ticket"]
+        if (password is None) == (ticket is None):
+            raise RefusedError(400, "either a password or a ticket is needed")
+        address = request.client.host if request.client is not None else ""
+        role, token = self._access.log_in(address, password=password, ticket=ticket)
+        answer = JSONResponse(self._values(role) | {"token": token}, 201, {"Cache-Control": "no-store"})
+        answer.set_cookie(
+            COOKIE,
+            token,
+            max_age=int(SESSION_LIFETIME),
+            httponly=True,
+            samesite="strict",
+            secure=self._secure,
+        )
+        return answer
+
+    async def show(self, request: Request) -> Response:
+        """Show the role of a client, with a new ticket."""
+        client = self._access.check_request(request)
+        return JSONResponse(self._values(client.role), headers={"Cache-Control": "no-store"})
+
+    async def end(self, request: Request) -> Response:
+        """End the session of a client."""
+        client = self._access.check_request(request)
+        self._access.log_out(client.session)
+        answer = JSONResponse({"role": None})
+        answer.delete_cookie(COOKIE)
+        return answer
+
+    def _values(self, role: Role) -> dict[str, Any]:
+        is_open = self._access.is_open
+        ticket = None if is_open else self._access.make_ticket(role)
+        return {"role": role.word, "needs_password": not is_open, "ticket": ticket}

@@ -1,0 +1,259 @@
+"""The station itself: its sources, tasks and statistics."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import quote
+
+from starlette.responses import StreamingResponse
+
+from mavstack.http.bodies import RefusedError
+from mavstack.links import open_link
+from mavstack.security.roles import Role
+from mavstack.server.api_route import ApiRoute, Call
+from mavstack.server.fields import Field
+from mavstack.server.json_values import to_json
+from mavstack.server.tasks import TaskState
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from mavstack.server.tasks import Task
+
+
+async def _list_sources(call: Call) -> list[dict[str, Any]]:
+    return [source.values() for source in call.station.sources.list()]
+
+
+async def _list_rows(call: Call) -> list[dict[str, Any]]:
+    return [{**each.value, "count": each.count} for each in call.station.sources.rows.latest.values()]
+
+
+async def _add_source(call: Call) -> dict[str, Any]:
+    url, recording, sources = call.body["url"], call.body["recording"], call.station.sources
+    if (url is None) == (recording is None):
+        raise RefusedError(400, "either a url or a recording is needed")
+    if recording is None:
+        return (await sources.add(url, from_client=True)).values()
+    replay = open_link(
+        f"file://{quote(str(call.station.recordings.path(recording)))}", speed=call.body["speed"]
+    )
+    return (await sources.add(replay)).values()
+
+
+async def _remove_source(call: Call) -> dict[str, Any]:
+    return (await call.station.sources.remove(call.path("id"))).values()
+
+
+async def _list_tasks(call: Call) -> list[dict[str, Any]]:
+    return [task.values() for task in call.station.tasks.list() if _may_see(call, task)]
+
+
+async def _show_task(call: Call) -> dict[str, Any]:
+    return _task(call).values()
+
+
+async def _follow_task(call: Call) -> StreamingResponse:
+    headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+    return StreamingResponse(_events(_task(call)), media_type="text/event-stream", headers=headers)
+
+
+async def _task_result(call: Call) -> Any:  # noqa: ANN401 (the answer of the request)
+    task = _task(call)
+    if task.error is not None:
+        raise task.error
+    if task.state is not TaskState.DONE:
+        raise RefusedError(409, f"the task {task.id} is {task.state.value}: it has no result")
+    return task.result
+
+
+async def _remove_task(call: Call) -> dict[str, Any]:
+    return (await call.station.tasks.remove(_task(call).id)).values()
+
+
+async def _statistics(call: Call) -> dict[str, Any]:
+    station = call.station
+    node = station.connection
+    channels = [
+        {
+            "source": source.id,
+            "channel": channel.name,
+            "counters": to_json(channel.counters),
+            **_parsed(call, channel),
+        }
+        for source in station.sources.list()
+        for channel in source.link.channels
+    ]
+    return {
+        "time": node.now(),
+        "packets": station.packets.received,
+        "vehicles": len(node.vehicles),
+        "clients": len(station.packets.clients),
+        "router": station.router is not None,
+        "channels": channels,
+    }
+
+
+def _parsed(call: Call, channel: Any) -> dict[str, Any]:  # noqa: ANN401 (a channel of any link)
+    state = call.station.connection.channel_state(channel)
+    if state is None:
+        return {}
+    totals = state.parser.statistics
+    names = ("packets", "bad_bytes", "bad_checksum", "signed", "unknown")
+    sources = {
+        f"{system}/{component}": {"received": each.received, "lost": each.lost}
+        for (system, component), each in state.parser.sources.items()
+    }
+    return {**{name: getattr(totals, name) for name in names}, "sources": sources, "thinned": state.thinned}
+
+
+def _task(call: Call) -> Task:
+    task = call.station.tasks.find(call.path("id"))
+    if not _may_see(call, task):
+        raise RefusedError(404, f"there is no task {task.id}")
+    return task
+
+
+def _may_see(call: Call, task: Task) -> bool:
+    """Return whether a client may see a task: its own, or any for an administrator."""
+    return call.role is Role.ADMINISTER or task.owner == call.session
+
+
+async def _events(task: Task) -> AsyncIterator[str]:
+    """Yield server-sent events: `progress` while the task runs, then `done`, `failed` or `cancelled`."""
+    async for values in task.follow():
+        running = values["state"] == TaskState.RUNNING.value
+        name = "progress" if running else values["state"]
+        yield f"event: {name}\ndata: {json.dumps(to_json(values))}\n\n"
+
+
+_SOURCE: Final = {
+    "id": "1",
+    "url": "udpin://0.0.0.0:14550",
+    "state": "connected",
+    "address": ["0.0.0.0", 14550],  # noqa: S104 (an example)
+    "channels": ["127.0.0.1:52000"],
+    "counters": {"bytes_in": 5120, "bytes_out": 210, "chunks_in": 80, "chunks_out": 10},
+}
+_TASK: Final = {
+    "task": "1",
+    "name": "GET /api/vehicles/1/parameters",
+    "state": "running",
+    "done": 210,
+    "total": 900,
+}
+
+ROUTES: Final = (
+    ApiRoute(
+        method="GET",
+        path="/api/sources",
+        handler=_list_sources,
+        summary="List the sources: links of the station",
+        tag="station",
+        answer=[_SOURCE],
+    ),
+    ApiRoute(
+        method="POST",
+        path="/api/sources",
+        handler=_add_source,
+        summary="Add a source: a link, or the replay of a recording",
+        tag="station",
+        role=Role.ADMINISTER,
+        body=(
+            Field(
+                name="url",
+                type="string",
+                about="A link, or rows: csv+tcp://HOST:PORT?name=cansat&template=time:s,alt:m; or null.",
+                example="udpin://0.0.0.0:14550",
+            ),
+            Field(name="recording", type="string", about="The name of a recording to replay, or null."),
+            Field(
+                name="speed", about="The speed of a replay; 1: as it was recorded.", default=1.0, minimum=0.01
+            ),
+        ),
+        status=201,
+        answer=_SOURCE,
+    ),
+    ApiRoute(
+        method="DELETE",
+        path="/api/sources/{id}",
+        handler=_remove_source,
+        summary="Remove a source",
+        tag="station",
+        role=Role.ADMINISTER,
+        answer=_SOURCE | {"state": "closed", "channels": []},
+    ),
+    ApiRoute(
+        method="GET",
+        path="/api/rows",
+        handler=_list_rows,
+        summary="Show the latest row of each message of the sources that do not speak MAVLink",
+        tag="station",
+        answer=[
+            {
+                "source": "cansat",
+                "message": "ROW",
+                "time": 1790000000.0,
+                "fields": {"alt": 512.3},
+                "count": 10,
+            }
+        ],
+    ),
+    ApiRoute(
+        method="GET",
+        path="/api/statistics",
+        handler=_statistics,
+        summary="Show counters of channels and clients",
+        tag="station",
+        answer={
+            "time": 1790000000.0,
+            "packets": 1000,
+            "vehicles": 1,
+            "clients": 2,
+            "router": False,
+            "channels": [],
+        },
+    ),
+    ApiRoute(
+        method="GET",
+        path="/api/tasks",
+        handler=_list_tasks,
+        summary="List the tasks",
+        tag="tasks",
+        answer=[_TASK],
+    ),
+    ApiRoute(
+        method="GET",
+        path="/api/tasks/{id}",
+        handler=_show_task,
+        summary="Show a task",
+        tag="tasks",
+        answer=_TASK,
+    ),
+    ApiRoute(
+        method="GET",
+        path="/api/tasks/{id}/progress",
+        handler=_follow_task,
+        summary="Follow a task by server-sent events",
+        tag="tasks",
+        media_type="text/event-stream",
+        answer="event: progress",
+    ),
+    ApiRoute(
+        method="GET",
+        path="/api/tasks/{id}/result",
+        handler=_task_result,
+        summary="Get the answer of a task that is done",
+        tag="tasks",
+        answer={},
+    ),
+    ApiRoute(
+        method="DELETE",
+        path="/api/tasks/{id}",
+        handler=_remove_task,
+        summary="Cancel and drop a task",
+        tag="tasks",
+        answer=_TASK | {"state": "cancelled"},
+    ),
+)

@@ -1,0 +1,182 @@
+"""The vehicles: who they are, what they can do, and the telemetry that they send."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, fields, is_dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+from mavstack.server.api_route import ApiRoute, Call
+from mavstack.server.json_values import to_json
+from mavstack.vehicle.firmware.msp import MspFirmware
+
+if TYPE_CHECKING:
+    from mavstack.services.heartbeat import ComponentInfo
+    from mavstack.vehicle import Vehicle
+
+#: The telemetry of a vehicle by the names of `Vehicle`'s properties.
+TELEMETRY: Final = (
+    "position",
+    "local_position",
+    "velocity",
+    "attitude",
+    "heading",
+    "ground_speed",
+    "climb_rate",
+    "vfr_hud",
+    "gps",
+    "battery",
+    "batteries",
+    "home",
+    "wind",
+    "rc",
+    "imu",
+    "armed",
+    "mode",
+    "in_air",
+    "landed_state",
+    "vtol_state",
+    "system_status",
+)
+#: Status texts in an answer, the newest ones.
+MAX_TEXTS: Final = 100
+_SYSTEM: Final = "/api/vehicles/{system}"
+
+
+def identity_json(vehicle: Vehicle) -> dict[str, Any]:
+    """Return the identity and the state of a vehicle as JSON."""
+    health = vehicle.health
+    return {
+        "system": vehicle.system,
+        "component": vehicle.address.component,
+        "alive": vehicle.alive,
+        "type": str(vehicle.vehicle_type),
+        "mav_type": to_json(vehicle.mav_type),
+        "autopilot": to_json(vehicle.autopilot),
+        "firmware": vehicle.firmware.NAME,
+        "identifier": vehicle.identifier,
+        "armed": vehicle.armed,
+        "mode": vehicle.mode,
+        "in_air": vehicle.in_air,
+        "ready": health.ready,
+        "problems": [to_json(each) for each in health.problems],
+        "has_id_conflict": vehicle.has_id_conflict,
+        "position": to_json(vehicle.position),
+    }
+
+
+def telemetry_json(vehicle: Vehicle) -> dict[str, Any]:
+    """Return the telemetry of a vehicle as JSON; null is unknown."""
+    values = {name: to_json(getattr(vehicle, name)) for name in TELEMETRY}
+    progress = vehicle.mission.progress
+    return {
+        "system": vehicle.system,
+        "time": vehicle.telemetry.now(),
+        **values,
+        "mission": to_json(progress),
+        "status_texts": to_json(vehicle.status_texts[-MAX_TEXTS:]),
+    }
+
+
+async def _list(call: Call) -> list[dict[str, Any]]:
+    return [identity_json(vehicle) for vehicle in call.station.connection.vehicles.values()]
+
+
+async def _show(call: Call) -> dict[str, Any]:
+    vehicle = call.vehicle
+    version = vehicle.version
+    return {
+        **identity_json(vehicle),
+        "home": to_json(vehicle.home),
+        "capabilities": {**to_json(vehicle.capabilities), "msp": isinstance(vehicle.firmware, MspFirmware)},
+        "version": None if version is None else _version(version),
+        "components": [_component(info) for info in vehicle.components.values()],
+    }
+
+
+async def _telemetry(call: Call) -> dict[str, Any]:
+    return telemetry_json(call.vehicle)
+
+
+async def _modes(call: Call) -> list[dict[str, Any]]:
+    modes = await call.vehicle.modes.list()
+    return [
+        {
+            "name": mode.name,
+            "number": mode.custom_mode,
+            "standard_mode": int(mode.standard_mode),
+            "selectable": mode.selectable,
+            "advanced": mode.advanced,
+        }
+        for mode in modes
+    ]
+
+
+def _version(version: object) -> Any:  # noqa: ANN401 (JSON)
+    if not is_dataclass(version) or isinstance(version, type):
+        return str(version)
+    return to_json({each.name: getattr(version, each.name) for each in fields(version)})
+
+
+def _component(info: ComponentInfo) -> dict[str, Any]:
+    values = asdict(info) | {"address": list(info.address)}
+    return {key: to_json(value) for key, value in values.items()}
+
+
+_EXAMPLE: Final = {
+    "system": 1,
+    "component": 1,
+    "alive": True,
+    "type": "copter",
+    "mav_type": "QUADROTOR",
+    "autopilot": "ARDUPILOTMEGA",
+    "firmware": "ArduPilot",
+    "identifier": "",
+    "armed": False,
+    "mode": "STABILIZE",
+    "in_air": False,
+    "ready": True,
+    "problems": [],
+    "has_id_conflict": False,
+    "position": {
+        "latitude": 47.3977,
+        "longitude": 8.5456,
+        "altitude": 488.1,
+        "relative_altitude": 0.0,
+        "heading": 90.0,
+    },
+}
+
+ROUTES: Final = (
+    ApiRoute(
+        method="GET",
+        path="/api/vehicles",
+        handler=_list,
+        summary="List the vehicles that were found",
+        tag="vehicles",
+        answer=[_EXAMPLE],
+    ),
+    ApiRoute(
+        method="GET",
+        path=_SYSTEM,
+        handler=_show,
+        summary="Show a vehicle: identity, capabilities, version, components",
+        tag="vehicles",
+        answer=_EXAMPLE,
+    ),
+    ApiRoute(
+        method="GET",
+        path=f"{_SYSTEM}/telemetry",
+        handler=_telemetry,
+        summary="Show the latest telemetry of a vehicle",
+        tag="vehicles",
+        answer={"system": 1, "attitude": {"roll": 0.5, "pitch": -1.2, "yaw": 90.0}, "mode": "GUIDED"},
+    ),
+    ApiRoute(
+        method="GET",
+        path=f"{_SYSTEM}/modes",
+        handler=_modes,
+        summary="List the flight modes of a vehicle",
+        tag="vehicles",
+        answer=[{"name": "GUIDED", "number": 4, "standard_mode": 0, "selectable": True, "advanced": False}],
+    ),
+)

@@ -1,0 +1,211 @@
+"""The ASGI application of the station: pages, API, WebSockets; needs the extra `web`.
+
+GET /               the page of the station        GET /openapi.json   the description of the API
+GET /api/…          see `mavstack.server.api`      WS  /ws             see `mavstack.server.websockets`
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from mavstack.errors import MavstackError, MissingExtraError
+
+try:
+    from starlette.applications import Starlette
+    from starlette.exceptions import HTTPException
+    from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
+    from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
+    from starlette.staticfiles import StaticFiles
+except ImportError as error:
+    raise MissingExtraError("the ground station", "web") from error
+
+from mavstack.http.bodies import RefusedError
+from mavstack.server.api import (
+    actions,
+    calibrations,
+    cameras,
+    equipment,
+    files,
+    generator,
+    messages,
+    parameters,
+    plans,
+    recordings,
+    router,
+    station,
+    vehicles,
+)
+from mavstack.server.api.session import LOG_IN_FIELDS, Sessions
+from mavstack.server.api_route import ApiRoute
+from mavstack.server.dispatch import endpoint_of, problem_response
+from mavstack.server.openapi import describe
+from mavstack.server.websockets import websocket_endpoint
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, MutableMapping
+
+    from starlette.requests import Request
+    from starlette.types import ASGIApp, Receive, Scope, Send
+
+    from mavstack.server.access import Access
+    from mavstack.server.station import Station
+
+#: The pages, as the build makes them from `web/`.
+STATIC: Final = Path(__file__).parent / "static"
+API_VERSION: Final = "1.0"
+NOT_BUILT: Final = (
+    "The pages of the ground station are not built: run `make station` in the source tree, with Node. "
+    "The API works without them; /openapi.json describes it.\n"
+)
+#: The pages load scripts from the station alone; map tiles and videos may come from other servers.
+POLICY: Final = (
+    "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data: blob: https: http:; media-src 'self' blob: https: http:; "
+    "connect-src 'self' ws: wss: https: http:; worker-src 'self' blob:; frame-ancestors 'none'"
+)
+_HEADERS: Final = {
+    b"content-security-policy": POLICY.encode(),
+    b"x-content-type-options": b"nosniff",
+    b"referrer-policy": b"no-referrer",
+}
+
+#: All routes of the API that are checked and described by their table.
+ROUTES: Final[tuple[ApiRoute, ...]] = (
+    *vehicles.ROUTES,
+    *actions.ROUTES,
+    *equipment.ROUTES,
+    *calibrations.ROUTES,
+    *cameras.ROUTES,
+    *parameters.ROUTES,
+    *plans.ROUTES,
+    *files.ROUTES,
+    *messages.ROUTES,
+    *station.ROUTES,
+    *recordings.ROUTES,
+    *router.ROUTES,
+    *generator.ROUTES,
+)
+
+
+def make_app(
+    ground: Station, access: Access, *, secure: bool = False, static: Path | None = STATIC
+) -> Starlette:
+    """Return the application of a station.
+
+    Args:
+        ground: The station, open while the application serves.
+        access: The decision on its clients.
+        secure: True if it is served with TLS only, so that cookies are too.
+        static: The folder of the pages; None: there are none.
+
+    Returns:
+        The ASGI application.
+    """
+    sessions = Sessions(access, secure=secure)
+    description = describe((*ROUTES, *_session_routes()), API_VERSION)
+
+    async def openapi(request: Request) -> Response:
+        access.check_page(request.headers)
+        return JSONResponse(description)
+
+    routes: list[BaseRoute] = [
+        *(Route(each.path, endpoint_of(each, ground, access), methods=[each.method]) for each in ROUTES),
+        Route("/api/session", _guarded(sessions.begin), methods=["POST"]),
+        Route("/api/session", _guarded(sessions.show), methods=["GET"]),
+        Route("/api/session", _guarded(sessions.end), methods=["DELETE"]),
+        Route("/openapi.json", _guarded(openapi), methods=["GET"]),
+        WebSocketRoute("/ws", websocket_endpoint(ground, access)),
+        *_page_routes(access, static),
+    ]
+    app = Starlette(routes=routes, exception_handlers={HTTPException: _unknown_route})
+    app.add_middleware(_SecurityHeaders)
+    return app
+
+
+class _SecurityHeaders:
+    """Adds the headers that limit what a page may do, unless an answer has its own."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        async def send_with_headers(message: MutableMapping[str, Any]) -> None:
+            if message["type"] == "http.response.start":
+                present = {name for name, _ in message["headers"]}
+                missing = [(name, value) for name, value in _HEADERS.items() if name not in present]
+                message["headers"] = [*message["headers"], *missing]
+            await send(message)
+
+        await self._app(scope, receive, send_with_headers)
+
+
+def _page_routes(access: Access, static: Path | None) -> list[BaseRoute]:
+    async def page(request: Request) -> Response:
+        access.check_page(request.headers)
+        index = None if static is None else static / "index.html"
+        if index is None or not index.is_file():
+            return PlainTextResponse(NOT_BUILT, 503)
+        return FileResponse(index, headers={"Cache-Control": "no-cache"})
+
+    routes: list[BaseRoute] = [Route("/", _guarded(page), methods=["GET"])]
+    if static is not None and static.is_dir():
+        routes.append(Mount("/", StaticFiles(directory=static)))
+    return routes
+
+
+def _guarded(handler: Callable[[Request], Awaitable[Response]]) -> Callable[[Request], Awaitable[Response]]:
+    async def guarded(request: Request) -> Response:
+        try:
+            return await handler(request)
+        except (RefusedError, MavstackError) as error:
+            return problem_response(error)
+
+    return guarded
+
+
+async def _unknown_route(request: Request, error: Exception) -> Response:
+    status = error.status_code if isinstance(error, HTTPException) else 500
+    headers = error.headers if isinstance(error, HTTPException) else None
+    reason = "does not exist" if status == 404 else f"does not take {request.method}"
+    response = problem_response(RefusedError(status, f"{request.url.path[:200]} {reason}"))
+    response.headers.update(headers or {})
+    return response
+
+
+async def _not_called(_: object) -> None:
+    """Stand for the handler of a route that is only described."""
+
+
+def _session_routes() -> tuple[ApiRoute, ...]:
+    begun = {"role": "operate", "needs_password": True, "ticket": "v2|…", "token": "…"}
+    shown = {"role": "operate", "needs_password": True, "ticket": "v2|…"}
+    place, tag = "/api/session", "session"
+    return (
+        ApiRoute(
+            method="POST",
+            path=place,
+            handler=_not_called,
+            summary="Begin a session",
+            tag=tag,
+            body=LOG_IN_FIELDS,
+            status=201,
+            answer=begun,
+        ),
+        ApiRoute(
+            method="GET",
+            path=place,
+            handler=_not_called,
+            summary="Show the role, with a ticket for a WebSocket",
+            tag=tag,
+            answer=shown,
+        ),
+        ApiRoute(
+            method="DELETE",
+            path=place,
+            handler=_not_called,
+            summary="End the session",
+            tag=tag,
+            answer={"role": None},
+        ),
+    )

@@ -1,0 +1,47 @@
+"""The bounded queue of one client of a WebSocket.
+
+A client that reads too slowly loses the oldest data of its own queue, counted in packets; it delays no other.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from typing import Generic, TypeVar
+
+Data = TypeVar("Data", str, bytes)
+
+
+class ClientQueue(Generic[Data]):
+    """A queue of data to send.
+
+    Args:
+        max_size: Characters or bytes that wait at most.
+    """
+
+    def __init__(self, max_size: int) -> None:
+        self._max_size = max_size
+        self._size = 0
+        self._items: deque[tuple[Data, int]] = deque()
+        self._wakeup = asyncio.Event()
+        #: Packets that were dropped because the queue was full.
+        self.dropped = 0
+
+    def put(self, data: Data, packets: int = 1) -> None:
+        """Queue data that holds a number of packets; drop the oldest data if the queue is full."""
+        self._items.append((data, packets))
+        self._size += len(data)
+        while self._size > self._max_size and len(self._items) > 1:
+            oldest, count = self._items.popleft()
+            self._size -= len(oldest)
+            self.dropped += count
+        self._wakeup.set()
+
+    async def get(self) -> Data:
+        """Return the oldest data; wait for some."""
+        while not self._items:
+            self._wakeup.clear()
+            await self._wakeup.wait()
+        data, _ = self._items.popleft()
+        self._size -= len(data)
+        return data

@@ -1,0 +1,44 @@
+"""Values of the API as JSON.
+
+Numbers that are not finite are null, since JSON has none. Members of an enum are their names in Python, such
+as "FIX_3D"; flags stay numbers. Arrays of bytes are arrays of numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import fields, is_dataclass
+from enum import Enum, Flag
+from math import isfinite
+from typing import Any
+
+
+def to_json(value: object) -> Any:  # noqa: ANN401 (JSON has values of many types)
+    """Return a value as JSON has it.
+
+    Args:
+        value: A value of the API: a number, a text, an enum member, a dataclass, a collection of them.
+
+    Returns:
+        None, a bool, a number, a text, a list or a dictionary.
+    """
+    match value:
+        case None | bool():
+            return value
+        case Flag():
+            return value.value
+        case Enum():
+            return value.name if isinstance(value, int) else to_json(value.value)
+        case float():
+            return value if isfinite(value) else None
+        case int():
+            return int(value)
+        case str():
+            return str(value)
+        case Mapping():
+            return {str(to_json(key)): to_json(each) for key, each in value.items()}
+        case Iterable():
+            return [to_json(each) for each in value]
+    if is_dataclass(value) and not isinstance(value, type):
+        return {each.name: to_json(getattr(value, each.name)) for each in fields(value)}
+    return str(value)

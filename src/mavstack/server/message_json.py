@@ -1,0 +1,82 @@
+"""Messages as JSON, as the API and the WebSockets show and take them.
+
+    {"message": "ATTITUDE", "system": 1, "component": 1, "time": 1790000000.0, "fields": {"roll": 0.01, …}}
+
+Fields have the names and the units of the definition; enums are numbers. A message that the dialect does not
+define has its id and the bytes of its packet: {"message": null, "id": 54321, "raw": "fd00ff…", …}.
+"""
+
+from __future__ import annotations
+
+from math import nan
+from typing import TYPE_CHECKING, Any
+
+from mavstack.dialects import Dialect
+from mavstack.http.bodies import RefusedError
+from mavstack.security.roles import Role, allows
+from mavstack.server.json_values import to_json
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from mavstack._core import HasCoreDialect
+    from mavstack.dialects import Message
+    from mavstack.wire import Packet
+
+
+def packet_json(packet: Packet, time: float) -> dict[str, Any]:
+    """Return a received packet as JSON."""
+    message = packet.message
+    values: dict[str, Any] = {
+        "message": packet.name,
+        "system": packet.system,
+        "component": packet.component,
+        "time": time,
+    }
+    if message is None:
+        return values | {"id": packet.message_id, "raw": packet.raw.hex()}
+    return values | {"fields": to_json(message.to_dict(enums="value"))}
+
+
+def message_class(dialect: HasCoreDialect, name: str) -> type[Message]:
+    """Return a message class by its name; raises `UnknownMessageError`."""
+    found: type[Message] = _full(dialect)[name.upper()]
+    return found
+
+
+def message_of(dialect: HasCoreDialect, name: str, fields: Mapping[str, Any], role: Role) -> Message:
+    """Return a message to send.
+
+    Args:
+        dialect: The dialect of the station.
+        name: The name of the message.
+        fields: The fields by name; missing ones are 0, null is NaN.
+        role: The role of the client.
+
+    Returns:
+        The message.
+
+    Raises:
+        UnknownMessageError: The dialect has no such message.
+        RefusedError: The role may not send it.
+        FieldNameError: The message has no such field.
+        FieldTypeError: A value has the wrong type.
+        FieldRangeError: A value is out of range.
+    """
+    kind = message_class(dialect, name)
+    message = kind.from_dict({key: _value(value) for key, value in fields.items()})
+    command = getattr(message, "command", None)
+    number = int(kind.__mavlink_row__[0])
+    if not allows(role, number, command if isinstance(command, int) else None):
+        raise RefusedError(403, f"the role {role.word} may not send {name}")
+    return message
+
+
+def _value(value: object) -> object:
+    if value is None:
+        return nan
+    return tuple(map(_value, value)) if isinstance(value, list) else value
+
+
+def _full(dialect: HasCoreDialect) -> Dialect:
+    return dialect if isinstance(dialect, Dialect) else Dialect.load("all")

@@ -1,0 +1,94 @@
+"""The hub that hands the received packets to the clients of WebSockets.
+
+Packets are collected for a moment and handed on as one batch, whose bytes are joined once for all clients, so
+that many clients cost little more than one.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from functools import cached_property
+from typing import TYPE_CHECKING, Final, Protocol
+
+from mavstack.security import carries_signing_key
+from mavstack.server.latest_messages import LatestMessages
+from mavstack.server.message_json import packet_json
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from mavstack.node.dispatch import Listener
+    from mavstack.vehicle import Connection
+    from mavstack.wire import Packet
+
+#: Seconds for which packets are collected.
+BATCH_INTERVAL: Final = 0.02
+
+
+class Batch:
+    """Packets that were received together, with their times of receipt."""
+
+    def __init__(self, packets: Sequence[tuple[Packet, float]]) -> None:
+        self.packets = packets
+        self._texts: dict[int, str] = {}
+
+    @cached_property
+    def data(self) -> bytes:
+        """The bytes of all packets."""
+        return b"".join([packet.raw for packet, _ in self.packets])
+
+    def text(self, index: int) -> str:
+        """Return one packet as JSON, which is made once for all clients."""
+        text = self._texts.get(index)
+        if text is None:
+            text = self._texts[index] = json.dumps(packet_json(*self.packets[index]), separators=(",", ":"))
+        return text
+
+
+class BatchClient(Protocol):
+    """A client that is handed batches; it must not block."""
+
+    def put(self, batch: Batch) -> None:
+        """Queue a batch, or drop it and count its packets."""
+
+
+class PacketHub:
+    """The packets of a connection: the latest ones, and batches for clients."""
+
+    def __init__(self, connection: Connection) -> None:
+        self.latest = LatestMessages()
+        self.clients: set[BatchClient] = set()
+        #: Packets received since the station was opened.
+        self.received = 0
+        self._connection = connection
+        self._listener: Listener | None = None
+        self._pending: list[tuple[Packet, float]] = []
+        self._timer: asyncio.TimerHandle | None = None
+
+    def open(self) -> None:
+        """Receive the packets of the connection."""
+        self._listener = self._connection.add_packet_listener(None, self._receive)
+
+    def close(self) -> None:
+        """Receive no more packets."""
+        if self._listener is not None:
+            self._listener.close()
+        if self._timer is not None:
+            self._timer.cancel()
+
+    def _receive(self, packet: Packet) -> None:
+        now = self._connection.now()
+        self.received += 1
+        self.latest.store(packet, now)
+        if not self.clients or carries_signing_key(packet):
+            return
+        self._pending.append((packet, now))
+        if self._timer is None:
+            self._timer = asyncio.get_running_loop().call_later(BATCH_INTERVAL, self._flush)
+
+    def _flush(self) -> None:
+        self._timer = None
+        batch, self._pending = Batch(self._pending), []
+        for client in tuple(self.clients):
+            client.put(batch)

@@ -1,0 +1,123 @@
+"""The recordings of a station: tlogs in one folder, written while it runs and read by their names.
+
+Clients name files, never paths: a name that leads out of the folder is refused.
+"""
+
+from __future__ import annotations
+
+import re
+from contextlib import ExitStack
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from mavstack.errors import LogError
+from mavstack.http.bodies import RefusedError
+
+if TYPE_CHECKING:
+    from os import PathLike
+
+    from mavstack.node.recording import Recording
+    from mavstack.vehicle import Connection
+
+#: The names that files may have: no folders, nothing hidden.
+_NAME: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9 _.+-]{0,126}")
+#: The suffixes of the files that are listed.
+SUFFIXES: Final = frozenset({".tlog", ".pcap", ".pcapng", ".bin", ".ulg", ".log", ".bbl", ".bfl"})
+MAX_LISTED: Final = 10_000
+
+
+class Recordings:
+    """The folder of a station's recordings.
+
+    Args:
+        connection: The connection whose packets are recorded.
+        folder: The folder, made when it is needed; None: nothing can be recorded or read.
+    """
+
+    def __init__(self, connection: Connection, folder: str | PathLike[str] | None) -> None:
+        self._connection = connection
+        self._folder = None if folder is None else Path(folder)
+        self._running: dict[str, Recording] = {}
+
+    def list(self) -> list[dict[str, Any]]:
+        """Return the files in the folder as JSON, by name."""
+        if self._folder is None or not self._folder.is_dir():
+            return []
+        paths = sorted(path for path in self._folder.iterdir() if _is_log(path))[:MAX_LISTED]
+        return [self._values(path) for path in paths]
+
+    def start(self, name: str | None = None) -> dict[str, Any]:
+        """Begin a recording.
+
+        Args:
+            name: The name of a new tlog; None: one with the time of day.
+
+        Returns:
+            The recording as JSON.
+
+        Raises:
+            RefusedError: There is no folder, or the name is not allowed.
+            LogError: The file exists, or cannot be created.
+        """
+        folder = self._require_folder()
+        name = name or f"{datetime.now(UTC):%Y-%m-%d-%H%M%S}.tlog"
+        path = self._path(name if name.lower().endswith((".tlog", ".pcap")) else f"{name}.tlog")
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise LogError(f"cannot open {folder}: {error.strerror or error}") from None
+        self._running[path.name] = self._connection.record(path)
+        return self._values(path)
+
+    def stop(self, name: str) -> dict[str, Any]:
+        """End a recording; raises `RefusedError` if none of that name runs, `LogError` if it was damaged."""
+        recording = self._running.pop(name, None)
+        if recording is None:
+            raise RefusedError(404, f"no recording {name[:60]!r} is running")
+        recording.close()
+        return self._values(self._path(name))
+
+    def path(self, name: str) -> Path:
+        """Return the path of a file in the folder; raises `RefusedError` if there is none of that name."""
+        path = self._path(name)
+        if not path.is_file() or path.is_symlink():
+            raise RefusedError(404, f"there is no log {name[:60]!r}")
+        return path
+
+    async def close(self) -> None:
+        """End all recordings; an error of one does not keep the others from ending."""
+        with ExitStack() as steps:
+            for name in self._running:
+                steps.callback(self.stop, name)
+
+    def _values(self, path: Path) -> dict[str, Any]:
+        recording = self._running.get(path.name)
+        try:
+            status = path.stat()
+            size, modified = status.st_size, status.st_mtime
+        except OSError:
+            size, modified = 0, 0.0
+        running = recording is not None
+        packets = None if recording is None else recording.packets
+        return {
+            "name": path.name,
+            "size": size,
+            "modified": modified,
+            "running": running,
+            "packets": packets,
+        }
+
+    def _path(self, name: str) -> Path:
+        if not _NAME.fullmatch(name):
+            raise RefusedError(400, f"{name[:60]!r} is not a file name: letters, digits, space and _.+- only")
+        return self._require_folder() / name
+
+    def _require_folder(self) -> Path:
+        if self._folder is None:
+            raise RefusedError(409, "the station was started without a folder for recordings")
+        return self._folder
+
+
+def _is_log(path: Path) -> bool:
+    return path.suffix.lower() in SUFFIXES and path.is_file() and not path.is_symlink()

@@ -1,0 +1,39 @@
+"""Lines of a stream of bytes, bounded in length."""
+
+from __future__ import annotations
+
+from typing import Final
+
+MAX_LINE: Final = 4096
+
+
+class LineAssembler:
+    """Collects bytes to lines that end with a line feed; those longer than `MAX_LINE` are dropped."""
+
+    def __init__(self) -> None:
+        self._pending = bytearray()
+        self._skipping = False
+        #: Lines that were too long.
+        self.dropped = 0
+
+    def feed(self, data: bytes) -> list[str]:
+        """Return the lines that bytes complete; bytes that are not UTF-8 become U+FFFD."""
+        *complete, rest = data.split(b"\n")
+        lines: list[str] = []
+        for end in complete:
+            self._extend(end)
+            if not self._skipping and self._pending:
+                lines.append(self._pending.decode("utf-8", "replace").rstrip("\r"))
+            self._pending.clear()
+            self._skipping = False
+        self._extend(rest)
+        return lines
+
+    def _extend(self, data: bytes) -> None:
+        if self._skipping:
+            return
+        self._pending += data
+        if len(self._pending) > MAX_LINE:
+            self._pending.clear()
+            self._skipping = True
+            self.dropped += 1

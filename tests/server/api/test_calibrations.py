@@ -1,0 +1,88 @@
+from __future__ import annotations
+
+from mavstack.security.roles import Role
+from mavstack.server.access import Access
+from tests.server.stations import COPTER, Ground, serve
+
+ALL = "/api/vehicles/1/calibrations"
+PASSWORDS = {Role.OPERATE: "may fly it", Role.ADMINISTER: "may do it all"}
+
+
+def test_the_calibrations_of_a_vehicle_are_listed() -> None:
+    async def scenario(ground: Ground) -> None:
+        listed = {each["kind"]: each for each in (await ground.api.get(ALL)).json}
+        assert listed["accelerometer"] == {
+            "kind": "accelerometer",
+            "needs_confirmation": True,
+            "running": False,
+            "step": None,
+        }
+        assert listed["gyroscope"]["needs_confirmation"] is False
+
+    serve(COPTER, scenario)
+
+
+def test_a_calibration_shows_its_steps_and_waits_for_confirmations() -> None:
+    async def scenario(ground: Ground) -> None:
+        api = ground.api
+        started = (await api.post(f"{ALL}/accelerometer?wait=false")).json
+        task = ground.station.tasks.find(started["task"])
+        await ground.wait_until(lambda: ground.station.calibrations.session(1))
+        second = await api.post(f"{ALL}/gyroscope")
+        assert (second.status, second.problem) == (
+            409,
+            "the accelerometer calibration of vehicle 1 runs already",
+        )
+        confirmed = []
+        async for values in task.follow():
+            step = values.get("step")
+            if step is not None and step["needs_confirmation"] and step["pose"] not in confirmed:
+                confirmed.append(step["pose"])
+                answer = await api.post(f"{ALL}/accelerometer/confirm")
+                assert (answer.status, answer.json["kind"]) == (200, "accelerometer")
+        assert len(confirmed) == 6
+        result = (await api.get(started["result"])).json
+        assert {"system": 1, "kind": "accelerometer"}.items() <= result.items()
+        late = await api.post(f"{ALL}/accelerometer/confirm")
+        assert (late.status, late.problem) == (409, "no accelerometer calibration of vehicle 1 runs")
+
+    serve(COPTER, scenario)
+
+
+def test_a_calibration_is_cancelled() -> None:
+    async def scenario(ground: Ground) -> None:
+        api = ground.api
+        started = (await api.post(f"{ALL}/compass?wait=false")).json
+        await ground.wait_until(lambda: ground.station.calibrations.session(1, "compass"))
+        assert (await api.delete(f"{ALL}/compass")).status == 200
+        await ground.wait_until(lambda: "error" in ground.station.tasks.find("1").values())
+        answer = await api.get(started["result"])
+        assert answer.problem == "the compass calibration of vehicle 1 was cancelled"
+        again = (await api.post(f"{ALL}/compass?wait=false")).json["task"]
+        await ground.wait_until(lambda: ground.station.calibrations.session(1))
+        assert (await api.delete(f"/api/tasks/{again}")).json["state"] == "cancelled"
+        assert ground.station.calibrations.session(1) is None
+
+    serve(COPTER, scenario)
+
+
+def test_wrong_requests() -> None:
+    async def scenario(ground: Ground) -> None:
+        answer = await ground.api.post(f"{ALL}/clock")
+        assert answer.status == 404
+        assert "there is no calibration 'clock': accelerometer" in answer.problem
+        assert (await ground.api.post(f"{ALL}/airspeed")).status in (404, 409)
+        idle = await ground.api.post(f"{ALL}/compass/confirm")
+        assert idle.status == 409
+
+    serve(COPTER, scenario)
+
+
+def test_calibrations_need_the_highest_role() -> None:
+    async def scenario(ground: Ground) -> None:
+        began = await ground.api.post("/api/session", {"password": PASSWORDS[Role.OPERATE]})
+        headers = {"authorization": f"Bearer {began.json['token']}"}
+        assert (await ground.api.post(f"{ALL}/level", headers=headers)).status == 403
+        assert (await ground.api.get(ALL, headers=headers)).status == 200
+
+    serve(COPTER, scenario, access=Access(passwords=PASSWORDS, local=False))

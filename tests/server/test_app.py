@@ -1,0 +1,103 @@
+from __future__ import annotations
+
+import pytest
+
+from mavstack.http.bodies import MAX_BODY
+from mavstack.security.roles import Role
+from mavstack.server.access import Access
+from mavstack.server.app import make_app
+from mavstack.server.station import Station
+from tests.server.asgi import ApiClient
+from tests.server.stations import Ground, serve
+
+PASSWORDS = {Role.OPERATE: "may fly it"}
+
+
+@pytest.fixture
+def pages(tmp_path):
+    (tmp_path / "index.html").write_text("<title>station</title>")
+    (tmp_path / "app.js").write_text("run()")
+    return tmp_path
+
+
+async def test_the_pages_and_their_headers(pages) -> None:
+    api = ApiClient(make_app(Station(), Access(), static=pages))
+    index = await api.get("/")
+    assert (index.status, index.data) == (200, b"<title>station</title>")
+    assert "default-src 'self'" in index.headers["content-security-policy"]
+    assert index.headers["x-content-type-options"] == "nosniff"
+    assert (await api.get("/app.js")).data == b"run()"
+    assert (await api.get("/../pyproject.toml")).status == 404
+
+
+async def test_without_pages_the_answer_names_the_command_that_builds_them() -> None:
+    answer = await ApiClient(make_app(Station(), Access(), static=None)).get("/")
+    assert (answer.status, b"make station" in answer.data) == (503, True)
+
+
+async def test_unknown_routes_and_methods() -> None:
+    api = ApiClient(make_app(Station(), Access(), static=None))
+    unknown = await api.get("/api/nothing")
+    assert (unknown.status, unknown.kind, unknown.problem) == (404, "NotFound", "/api/nothing does not exist")
+    method = await api.put("/api/vehicles")
+    assert (method.status, method.kind, "GET" in method.headers["allow"]) == (405, "MethodNotAllowed", True)
+
+
+async def test_pages_of_other_sites_are_refused() -> None:
+    api = ApiClient(make_app(Station(), Access(), static=None))
+    for path in ("/", "/openapi.json", "/api/vehicles", "/api/session"):
+        assert (await api.get(path, headers={"host": "evil.example"})).status == 403
+        assert (await api.get(path, headers={"origin": "https://evil.example"})).status == 403
+
+
+@pytest.mark.parametrize(
+    ("options", "status"),
+    [
+        ({"data": b"{}", "headers": {"content-type": "text/plain"}}, 415),
+        ({"data": b"{", "headers": {"content-type": "application/json"}}, 400),
+        ({"body": {"url": "x" * MAX_BODY}}, 413),
+        ({"body": {"url": 5}}, 400),
+        ({}, 400),
+    ],
+)
+async def test_wrong_bodies(options, status) -> None:
+    api = ApiClient(make_app(Station(), Access(), static=None))
+    assert (await api.request("POST", "/api/sources", **options)).status == status
+
+
+async def test_sessions() -> None:
+    api = ApiClient(make_app(Station(), Access(passwords=PASSWORDS, local=False), static=None))
+    assert (await api.get("/api/session")).status == 401
+    wrong = await api.post("/api/session", {"password": "nonsense"})
+    assert (wrong.status, wrong.headers["www-authenticate"]) == (401, "Bearer")
+    assert (await api.post("/api/session", {})).status == 400
+    begun = await api.post("/api/session", {"password": "may fly it"})
+    assert (begun.status, begun.json["role"]) == (201, "operate")
+    cookie = begun.headers["set-cookie"]
+    assert all(word in cookie for word in ("HttpOnly", "SameSite=strict"))
+    api.headers = {"cookie": cookie.partition(";")[0]}
+    shown = (await api.get("/api/session")).json
+    assert shown["ticket"] != begun.json["ticket"]
+    assert (await api.delete("/api/session")).status == 200
+    assert (await api.get("/api/session")).status == 401
+
+
+async def test_without_passwords_all_clients_of_this_machine_administer() -> None:
+    api = ApiClient(make_app(Station(), Access(), static=None))
+    assert (await api.get("/api/session")).json == {
+        "role": "administer",
+        "needs_password": False,
+        "ticket": None,
+    }
+
+
+def test_clients_without_a_password_open_no_files() -> None:
+    async def scenario(ground: Ground) -> None:
+        ground.station.sources._network_only = True
+        for url in ("file:///etc/passwd", "unixin:///tmp/x", "/etc/passwd"):
+            answer = await ground.api.post("/api/sources", {"url": url})
+            assert (answer.status, "only links of the network" in answer.problem) == (403, True)
+        added = await ground.api.post("/api/sources", {"url": "udpin://127.0.0.1:0"})
+        assert (added.status, added.json["state"]) == (201, "waiting")
+
+    serve((), scenario)

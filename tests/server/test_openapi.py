@@ -1,0 +1,39 @@
+from __future__ import annotations
+
+import json
+from collections import Counter
+
+from mavstack.server.access import Access
+from mavstack.server.app import ROUTES, make_app
+from mavstack.server.openapi import describe
+from mavstack.server.station import Station
+from tests.server.asgi import ApiClient
+
+
+async def test_the_description_has_every_route() -> None:
+    app = make_app(Station(), Access(), static=None)
+    document = (await ApiClient(app).get("/openapi.json")).json
+    assert document["openapi"] == "3.1.0"
+    described = {(method.upper(), path) for path, methods in document["paths"].items() for method in methods}
+    assert described >= {(route.method, route.path.replace(":path", "")) for route in ROUTES}
+    assert ("POST", "/api/session") in described
+
+
+def test_operations_have_ids_of_their_own_and_describe_their_parameters() -> None:
+    document = describe(ROUTES, "1.0")
+    operations = [each for methods in document["paths"].values() for each in methods.values()]
+    ids = Counter(each["operationId"] for each in operations)
+    assert [name for name, count in ids.items() if count > 1] == []
+    for path, methods in document["paths"].items():
+        for operation in methods.values():
+            named = {each["name"] for each in operation["parameters"] if each["in"] == "path"}
+            assert named == {part[1:-1] for part in path.split("/") if part.startswith("{")}
+            assert operation["summary"]
+
+
+def test_the_examples_are_json_and_have_the_required_keys() -> None:
+    for route in ROUTES:
+        json.dumps(route.answer, allow_nan=False)
+        for each in route.body or ():
+            if each.example is not None:
+                assert each.read(each.example) == each.example

@@ -1,0 +1,79 @@
+"""Every example of the OpenAPI document is a request that works with a simulated vehicle."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from mavstack.links import MemoryNetwork
+from mavstack.server.access import Access
+from mavstack.server.app import make_app
+from mavstack.server.station import Station
+from mavstack.sim.simulation import Simulation
+from mavstack.sim.vehicle_types import Firmware, VehicleType
+from mavstack.sim.virtual import run_virtually
+from tests.server.asgi import ApiClient
+from tests.sim.running import make_ready, reduce_telemetry, running
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+#: Requests after which others would not work.
+LAST = ("/terminate", "/reboot", "/api/sources/{id}")
+TIMEOUT = 5.0
+
+
+def requests(document: dict[str, Any]) -> list[tuple[str, str, dict[str, Any]]]:
+    """Return method, path and operation of the requests without files, those in `LAST` behind the others."""
+    found = [
+        (method.upper(), path, operation)
+        for path, methods in document["paths"].items()
+        for method, operation in methods.items()
+        if "application/octet-stream" not in operation.get("requestBody", {}).get("content", {})
+    ]
+    return sorted(found, key=lambda each: each[1].endswith(LAST))
+
+
+def body_of(operation: dict[str, Any]) -> dict[str, Any] | None:
+    """Return the body of the examples of its fields; None if the operation takes no JSON."""
+    content = operation.get("requestBody", {}).get("content", {}).get("application/json")
+    if content is None:
+        return None
+    fields = content["schema"]["properties"]
+    body = {name: each["examples"][0] for name, each in fields.items() if "examples" in each}
+    return body | ({"timeout": TIMEOUT} if "timeout" in fields else {})
+
+
+async def send(api: ApiClient, method: str, path: str, operation: dict[str, Any]) -> str | None:
+    """Send the request of an example; returns what is wrong with the answer."""
+    for each in operation["parameters"]:
+        if each["in"] == "path":
+            path = path.replace(f"{{{each['name']}}}", str(each["example"]))
+    if any(each["name"] == "accepted" for each in operation["parameters"]):
+        path += "?accepted=true"
+    answer = await api.request(method, path, body_of(operation))
+    if answer.status not in (200, 201, 202, 404, 409, 504):
+        return f"{method} {path}: {answer.status} {answer.data[:200]!r}"
+    success = operation["responses"].get(str(answer.status), {})
+    schema = success.get("content", {}).get("application/json", {}).get("schema", {})
+    missing = set(schema.get("required", ())) - set(answer.json if schema.get("required") else ())
+    return f"{method} {path} lacks {missing}" if missing else None
+
+
+@pytest.mark.flight
+def test_examples_are_requests_that_work(tmp_path: Path) -> None:
+    async def run() -> None:
+        simulation = Simulation(seed=5)
+        reduce_telemetry(simulation.add(VehicleType.COPTER, Firmware.ARDUPILOT, camera=True))
+        make_ready(simulation)
+        network = MemoryNetwork()
+        async with running(simulation, network.link()), Station(folder=tmp_path, telemetry=False) as station:
+            await station.sources.add(network.link())
+            await station.connection.wait_for_vehicle()
+            api = ApiClient(make_app(station, Access(), static=None))
+            document = (await api.get("/openapi.json")).json
+            problems = [await send(api, *each) for each in requests(document)]
+            assert [each for each in problems if each is not None] == []
+
+    run_virtually(run())
