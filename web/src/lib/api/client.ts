@@ -1,0 +1,141 @@
+/** The station's HTTP API: typed requests, errors as `StationError`, long work with progress. */
+
+import { StationError } from './errors';
+
+export type Query = Readonly<Record<string, string | number | boolean | undefined>>;
+export type Progress = (done: number, total: number | null) => void;
+
+/** State of long work. */
+export interface Task {
+  readonly task: string;
+  readonly name: string;
+  readonly state: 'running' | 'done' | 'failed' | 'cancelled';
+  readonly done: number;
+  readonly total: number | null;
+}
+
+interface Started {
+  readonly task: string;
+}
+
+const INSTALLED_BASE = './api';
+
+export class ApiClient {
+  private readonly base: string;
+  private readonly fetcher: typeof fetch;
+  /** Called when the session has ended; the page then asks for the password. */
+  onUnauthorized: (() => void) | null = null;
+
+  constructor(base: string = INSTALLED_BASE, fetcher: typeof fetch = (...request) => fetch(...request)) {
+    this.base = base;
+    this.fetcher = fetcher;
+  }
+
+  get<Result>(path: string, query: Query = {}): Promise<Result> {
+    return this.json('GET', path, undefined, query);
+  }
+
+  post<Result>(path: string, body?: object, query: Query = {}): Promise<Result> {
+    return this.json('POST', path, body, query);
+  }
+
+  put<Result>(path: string, body: object | Blob, query: Query = {}): Promise<Result> {
+    return this.json('PUT', path, body, query);
+  }
+
+  delete<Result>(path: string): Promise<Result> {
+    return this.json('DELETE', path);
+  }
+
+  async bytes(path: string, query: Query = {}): Promise<Blob> {
+    return (await this.request('GET', path, undefined, query)).blob();
+  }
+
+  /** Does long work: starts it, tells its progress, and returns the answer that the request would have had. */
+  async long(method: string, path: string, onProgress?: Progress, body?: object | Blob, query: Query = {}): Promise<Response> {
+    const response = await this.request(method, path, body, { ...query, wait: false });
+    if (response.status !== 202) return response;
+    const { task } = (await response.json()) as Started;
+    await this.follow(task, onProgress);
+    return this.request('GET', `tasks/${task}/result`);
+  }
+
+  /** Returns the JSON of long work. */
+  async longJson<Result>(method: string, path: string, onProgress?: Progress, body?: object | Blob, query: Query = {}): Promise<Result> {
+    return (await (await this.long(method, path, onProgress, body, query)).json()) as Result;
+  }
+
+  /** Cancels long work that no longer matters. */
+  async cancel(task: string): Promise<void> {
+    await this.request('DELETE', `tasks/${task}`);
+  }
+
+  url(path: string, query: Query = {}): string {
+    const given = Object.entries(query).filter(([, value]) => value !== undefined);
+    const search = new URLSearchParams(given.map(([name, value]) => [name, String(value)])).toString();
+    return `${this.base}/${path}${search === '' ? '' : `?${search}`}`;
+  }
+
+  private async json<Result>(method: string, path: string, body?: object | Blob, query: Query = {}): Promise<Result> {
+    return (await (await this.request(method, path, body, query)).json()) as Result;
+  }
+
+  private async request(method: string, path: string, body?: object | Blob, query: Query = {}): Promise<Response> {
+    const headers: Record<string, string> = { Accept: 'application/json' };
+    if (body !== undefined && !(body instanceof Blob)) headers['Content-Type'] = 'application/json';
+    const sent = body === undefined ? null : body instanceof Blob ? body : JSON.stringify(body);
+    let response: Response;
+    try {
+      response = await this.fetcher(this.url(path, query), { method, headers, body: sent, credentials: 'same-origin' });
+    } catch {
+      throw new StationError('Unreachable', 'the station does not answer');
+    }
+    if (response.ok) return response;
+    if (response.status === 401 && path !== 'session') this.onUnauthorized?.();
+    throw await errorOf(response);
+  }
+
+  private follow(task: string, onProgress?: Progress): Promise<void> {
+    return new Promise((resolve) => {
+      const events = new EventSource(this.url(`tasks/${task}/progress`));
+      const report = (event: MessageEvent<string>): void => {
+        const state = JSON.parse(event.data) as Task;
+        onProgress?.(state.done, state.total);
+      };
+      const end = (): void => {
+        events.close();
+        resolve();
+      };
+      events.addEventListener('progress', report);
+      // The result has the error of failed work, and of a task that is gone.
+      for (const name of ['done', 'failed', 'cancelled']) events.addEventListener(name, end);
+      events.onerror = () => {
+        if (events.readyState === EventSource.CLOSED) end();
+      };
+    });
+  }
+}
+
+interface ErrorBody {
+  readonly error?: {
+    readonly kind?: string;
+    readonly text?: string;
+    readonly code?: number;
+    readonly status_texts?: readonly string[];
+  };
+}
+
+async function errorOf(response: Response): Promise<StationError> {
+  let body: ErrorBody = {};
+  try {
+    body = (await response.json()) as ErrorBody;
+  } catch {
+    // A proxy's own page.
+  }
+  const { kind, text, status_texts: texts, code } = body.error ?? {};
+  const fallback = `the station answered ${response.status} ${response.statusText}`.trim();
+  return new StationError(kind ?? 'InternalError', text ?? fallback, texts ?? [], code ?? null);
+}
+
+/** The client of the station that served the page. */
+export const api = new ApiClient();

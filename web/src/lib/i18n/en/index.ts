@@ -1,0 +1,14 @@
+/** English texts, one file for the shell and for each view. */
+
+import { dashboards } from './dashboards';
+import { fly } from './fly';
+import { generator } from './generator';
+import { inspect } from './inspect';
+import { logs } from './logs';
+import { plan } from './plan';
+import { router } from './router';
+import { setup } from './setup';
+import { shell } from './shell';
+import { ui } from './ui';
+
+export const en = { shell, ui, fly, plan, setup, inspect, logs, dashboards, router, generator };

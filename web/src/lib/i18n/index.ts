@@ -1,0 +1,30 @@
+/** Texts of the user interface: `t('fly.takeoff')`, with values: `t('shell.vehicles', { count: 3 })`. */
+
+import { en } from './en';
+
+type Catalogue = typeof en;
+
+/** Key of a text: the name of its part, a dot, and its name there. */
+export type TextKey = { [Part in keyof Catalogue]: `${Part}.${keyof Catalogue[Part] & string}` }[keyof Catalogue];
+export type TextValues = Readonly<Record<string, string | number>>;
+type Texts = Readonly<Record<string, Readonly<Record<string, string>>>>;
+
+/** Catalogues of other languages; texts that one lacks are shown in English. */
+const catalogues: Record<string, Texts> = { en };
+let current: Texts = en;
+
+/** Adds a language, such as `addLanguage('de', { shell: { fly: 'Fliegen' } })`. */
+export function addLanguage(code: string, texts: Texts): void {
+  catalogues[code] = texts;
+}
+
+export function setLanguage(code: string): void {
+  current = catalogues[code] ?? en;
+}
+
+/** Returns a text with its values in place of `{name}`. */
+export function t(key: TextKey, values: TextValues = {}): string {
+  const [part, name] = key.split('.') as [string, string];
+  const text = current[part]?.[name] ?? (en as Texts)[part]?.[name] ?? key;
+  return text.replace(/\{(\w+)\}/g, (whole, value: string) => String(values[value] ?? whole));
+}

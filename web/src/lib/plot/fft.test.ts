@@ -1,0 +1,57 @@
+import { expect, it } from 'vitest';
+import { Ring } from './Ring';
+import { spectrumOf, transform } from './fft';
+
+function sine(frequency: number, amplitude: number, rate: number, jitter = 0): Ring {
+  const ring = new Ring(1024);
+  for (let index = 0; index < 600; index++) {
+    const time = index / rate + (index % 3) * jitter;
+    ring.push(time * 1000, 10 + amplitude * Math.sin(2 * Math.PI * frequency * time));
+  }
+  return ring;
+}
+
+function peak(ring: Ring): [number, number] {
+  const { frequencies, amplitudes } = spectrumOf(ring)!;
+  const place = amplitudes.indexOf(Math.max(...amplitudes));
+  return [frequencies[place]!, amplitudes[place]!];
+}
+
+it('finds the frequency and the amplitude of a sine', () => {
+  const [frequency, amplitude] = peak(sine(12.5, 2, 100));
+  expect(frequency).toBeCloseTo(12.5, 0);
+  expect(amplitude).toBeGreaterThan(1.7);
+  expect(amplitude).toBeLessThan(2.1);
+});
+
+it('bears values that come unevenly', () => {
+  expect(peak(sine(8, 1, 50, 0.004))[0]).toBeCloseTo(8, 0);
+});
+
+it('has no spectrum of a few values', () => {
+  const ring = new Ring(64);
+  for (let index = 0; index < 15; index++) ring.push(index, index);
+  expect(spectrumOf(ring)).toBeNull();
+});
+
+it('has no spectrum of values of one moment', () => {
+  const ring = new Ring(64);
+  for (let index = 0; index < 32; index++) ring.push(5, index);
+  expect(spectrumOf(ring)).toBeNull();
+});
+
+it('equals the definition of the transform', () => {
+  const values = [1, 2, 0, -1, 3, 0.5, -2, 4];
+  const real = Float64Array.from(values);
+  const imaginary = new Float64Array(8);
+  transform(real, imaginary);
+  for (let bin = 0; bin < 8; bin++) {
+    let [x, y] = [0, 0];
+    values.forEach((value, index) => {
+      x += value * Math.cos((2 * Math.PI * bin * index) / 8);
+      y -= value * Math.sin((2 * Math.PI * bin * index) / 8);
+    });
+    expect(real[bin]).toBeCloseTo(x, 9);
+    expect(imaginary[bin]).toBeCloseTo(y, 9);
+  }
+});

@@ -1,0 +1,55 @@
+/** The rows of sources that do not speak MAVLink, as the station sends them (`mavstack.rows.1`). */
+import type { Sample } from '$lib/series/fieldRef';
+
+export type RowSample = Sample;
+
+const SUBPROTOCOL = 'mavstack.rows.1';
+const RECONNECT_INTERVAL = 2000;
+
+/** Reads a message of the WebSocket; null if it is none of rows. */
+export function readRow(text: string): RowSample | null {
+  const value = JSON.parse(text) as Partial<RowSample>;
+  if (typeof value.source !== 'string' || typeof value.message !== 'string') return null;
+  return { source: value.source, message: value.message, time: (value.time ?? 0) * 1000, fields: value.fields ?? {} };
+}
+
+export class RowsSocket {
+  private socket: WebSocket | null = null;
+  private timer: ReturnType<typeof setTimeout> | null = null;
+  private readonly onRow: (row: RowSample) => void;
+  private readonly onProblem: (problem: string | null) => void;
+
+  constructor(onRow: (row: RowSample) => void, onProblem: (problem: string | null) => void) {
+    this.onRow = onRow;
+    this.onProblem = onProblem;
+  }
+
+  /** Opens the connection, and again when it was lost, until `close`. The cookie of the session is its ticket. */
+  open(): void {
+    if (this.socket !== null) return;
+    const url = new URL('ws', document.baseURI);
+    url.protocol = url.protocol.replace('http', 'ws');
+    url.hash = '';
+    url.search = '';
+    const socket = new WebSocket(url, SUBPROTOCOL);
+    this.socket = socket;
+    socket.onopen = () => this.onProblem(null);
+    socket.onmessage = (event: MessageEvent<string>) => {
+      const row = readRow(event.data);
+      if (row !== null) this.onRow(row);
+    };
+    socket.onclose = () => {
+      if (this.socket !== socket) return;
+      this.socket = null;
+      this.onProblem('the station sends no rows');
+      this.timer = setTimeout(() => this.open(), RECONNECT_INTERVAL);
+    };
+  }
+
+  close(): void {
+    if (this.timer !== null) clearTimeout(this.timer);
+    const { socket } = this;
+    this.socket = null;
+    socket?.close();
+  }
+}

@@ -1,0 +1,139 @@
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { runInNewContext } from 'node:vm';
+import { ScriptRunner, type ScriptWorker } from './ScriptRunner';
+import { problemOf, workerProgram, type ScriptAnswer, type ScriptRequest } from './sandbox';
+
+/** Runs a program in a context that has what a worker has, as far as the sandbox must take it away. */
+class ContextWorker implements ScriptWorker {
+  onmessage: ScriptWorker['onmessage'] = null;
+  onerror: ScriptWorker['onerror'] = null;
+  terminated = false;
+  private listener: ((event: { data: ScriptRequest }) => void) | null = null;
+
+  constructor(program: string) {
+    const scope = Object.create({ fetch: () => 'inherited', importScripts: () => 'loaded' }) as Record<string, unknown>;
+    scope['postMessage'] = (answer: ScriptAnswer) => this.onmessage?.({ data: JSON.parse(JSON.stringify(answer)) });
+    scope['addEventListener'] = (_: string, listener: ContextWorker['listener']) => (this.listener = listener);
+    for (const name of ['fetch', 'XMLHttpRequest', 'WebSocket', 'setTimeout', 'indexedDB']) scope[name] = () => name;
+    runInNewContext(program, scope);
+  }
+
+  postMessage(request: ScriptRequest): void {
+    if (!this.terminated) this.listener?.({ data: request });
+  }
+
+  terminate(): void {
+    this.terminated = true;
+  }
+}
+
+function compute(script: string, ...calls: { values: Record<string, number | null>; time: number }[]): unknown {
+  const results: unknown[] = [];
+  const problems: string[] = [];
+  const runner = new ScriptRunner(
+    script,
+    (found) => results.push(...found),
+    (problem) => problems.push(problem),
+    (program) => new ContextWorker(program),
+  );
+  for (const call of calls.length > 0 ? calls : [{ values: {}, time: 0 }]) runner.call(call);
+  return problems[0] ?? runner.problem ?? results;
+}
+
+describe('scripts', () => {
+  it('compute fields of values, with a state of their own', () => {
+    const script = 'state.sum = (state.sum ?? 0) + values.a; return { sum: state.sum, twice: values.a * 2, time };';
+    const call = (a: number) => ({ values: { a }, time: a });
+    expect(compute(script, call(1), call(2))).toEqual([
+      { sum: 1, twice: 2, time: 1 },
+      { sum: 3, twice: 4, time: 2 },
+    ]);
+  });
+
+  it('return finite numbers only', () => {
+    expect(compute('return { a: NaN, b: "x", "no name": 1, c: 3 }')).toEqual([{ c: 3 }]);
+    expect(compute('return null')).toEqual([{}]);
+  });
+
+  it('end with their error', () => {
+    expect(compute('return missing.value')).toContain('missing is not defined');
+  });
+
+  it.each(['', 'import("./x.js")', 'x'.repeat(30_000)])('that cannot run are refused', (script) => {
+    expect(problemOf(script)).not.toBeNull();
+  });
+});
+
+describe('the sandbox', () => {
+  const reach = (name: string) => `return { found: typeof ${name} === 'undefined' ? 0 : 1 }`;
+
+  it.each(['fetch', 'importScripts', 'XMLHttpRequest', 'WebSocket', 'setTimeout', 'indexedDB', 'postMessage', 'Function'])(
+    'has no %s',
+    (name) => expect(compute(reach(name))).toEqual([{ found: 0 }]),
+  );
+
+  it('does not give it back by the prototypes', () => {
+    const script = 'return { found: Object.getPrototypeOf(globalThis).fetch === undefined ? 0 : 1 }';
+    expect(compute(script)).toEqual([{ found: 0 }]);
+  });
+
+  it('makes no functions of texts', () => {
+    expect(compute('return { made: (() => {}).constructor("return 1")() }')).toContain('not a function');
+  });
+
+  it('is not weakened by declarations that come first', () => {
+    const escape = `return { found: globalThis.fetch === undefined ? 0 : 1 } });
+      function Object() {} function JSON() {} function defineProperty() {} (function () {`;
+    expect(compute(escape)).toEqual([{ found: 0 }]);
+  });
+
+  it('is strict', () => {
+    expect(compute('undeclared = 1; return {}')).toContain('undeclared');
+    expect(workerProgram('return {}')).toContain('"use strict"');
+  });
+});
+
+describe('a script that hangs', () => {
+  beforeEach(() => void vi.useFakeTimers());
+  afterEach(() => void vi.useRealTimers());
+
+  it('is stopped after the time limit', () => {
+    const worker: ScriptWorker = { postMessage: () => {}, terminate: vi.fn(), onmessage: null, onerror: null };
+    const problems: string[] = [];
+    const runner = new ScriptRunner('for (;;) {}', () => {}, (problem) => problems.push(problem), () => worker);
+    runner.call({ values: {}, time: 0 });
+    vi.advanceTimersByTime(499);
+    expect(problems).toEqual([]);
+    vi.advanceTimersByTime(1);
+    expect(problems).toEqual(['the script took longer than 0.5 s and was stopped']);
+    expect(worker.terminate).toHaveBeenCalled();
+    runner.call({ values: {}, time: 1 });
+    expect(problems).toHaveLength(1);
+  });
+
+  it('keeps a bounded number of calls', () => {
+    const requests: ScriptRequest[] = [];
+    const worker: ScriptWorker = {
+      postMessage: (request) => void requests.push(request),
+      terminate: () => {},
+      onmessage: null,
+      onerror: null,
+    };
+    const runner = new ScriptRunner('return {}', () => {}, () => {}, () => worker);
+    for (let time = 0; time < 1000; time++) runner.call({ values: {}, time });
+    expect(requests).toHaveLength(1);
+    worker.onmessage!({ data: { id: 1, results: [{}] } });
+    expect(requests[1]!.calls).toHaveLength(200);
+    expect(requests[1]!.calls.at(-1)!.time).toBe(999);
+    runner.close();
+  });
+
+  it('reports an error of its syntax', () => {
+    const worker: ScriptWorker = { postMessage: () => {}, terminate: () => {}, onmessage: null, onerror: null };
+    const onProblem = vi.fn();
+    const runner = new ScriptRunner('return (', () => {}, onProblem, () => worker);
+    worker.onerror!({ message: 'SyntaxError: Unexpected token' });
+    expect(onProblem).toHaveBeenCalledWith('SyntaxError: Unexpected token');
+    expect(runner.problem).toContain('Unexpected token');
+  });
+});

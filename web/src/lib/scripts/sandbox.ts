@@ -1,0 +1,81 @@
+/**
+ * The program text of a sandbox: a worker that runs one user script and can do nothing else.
+ *
+ * The script is part of the text of the worker, since the policy of the station forbids `eval`. Before it runs,
+ * everything is removed from the global object that is not part of the language itself: no network, no storage,
+ * no timers, no other workers. The removal uses only built-ins that it reaches through literals, so that a script
+ * that redefines globals (function declarations are hoisted) cannot weaken it. `import` is syntax and cannot be
+ * removed: scripts that contain the word are refused (`problemOf`).
+ */
+
+/** A request of the page: values by input name (latched), and the time in seconds since 1970. */
+export interface ScriptRequest {
+  readonly id: number;
+  readonly calls: readonly { readonly values: Readonly<Record<string, number | null>>; readonly time: number }[];
+}
+
+/** The answer of the worker: for each call the fields, or the first error. */
+export interface ScriptAnswer {
+  readonly id: number;
+  readonly results?: readonly Readonly<Record<string, number>>[];
+  readonly error?: string;
+}
+
+/** Names of the global object that belong to the language and reach nothing outside. */
+const KEPT = [
+  'Object', 'Function', 'Array', 'Number', 'Boolean', 'String', 'Symbol', 'BigInt', 'Math', 'JSON', 'Date', 'RegExp',
+  'Map', 'Set', 'WeakMap', 'WeakSet', 'Error', 'RangeError', 'TypeError', 'SyntaxError', 'ReferenceError', 'EvalError',
+  'URIError', 'AggregateError', 'Promise', 'Proxy', 'Reflect', 'Iterator', 'ArrayBuffer', 'DataView', 'Float32Array',
+  'Float64Array', 'Int8Array', 'Int16Array', 'Int32Array', 'Uint8Array', 'Uint8ClampedArray', 'Uint16Array',
+  'Uint32Array', 'BigInt64Array', 'BigUint64Array', 'NaN', 'Infinity', 'undefined', 'isNaN', 'isFinite', 'parseInt',
+  'parseFloat', 'globalThis', 'constructor', 'hasOwnProperty', 'isPrototypeOf', 'propertyIsEnumerable', 'toString',
+  'toLocaleString', 'valueOf', '__proto__', '__defineGetter__', '__defineSetter__', '__lookupGetter__',
+  '__lookupSetter__',
+] as const;
+
+const MAX_FIELDS = 32;
+const MAX_SCRIPT = 20_000;
+
+/** Returns why a script cannot run, null if it can be tried. */
+export function problemOf(script: string): string | null {
+  if (script.trim() === '') return 'the script is empty';
+  if (script.length > MAX_SCRIPT) return `the script is longer than ${MAX_SCRIPT} characters`;
+  if (/\bimport\b/.test(script)) return 'a script must not contain the word import';
+  return null;
+}
+
+/** Returns the program of a worker that runs the body of a function of `values`, `state` and `time`. */
+export function workerProgram(script: string): string {
+  return `${guard()}\n;__run__(function (values, state, time) { "use strict";\n${script}\n});`;
+}
+
+/** The part that closes the sandbox and leaves one function behind, which takes the script once. */
+function guard(): string {
+  return `(function (scope) {
+"use strict";
+const { getOwnPropertyNames, getPrototypeOf, defineProperty, entries, fromEntries } = ({}).constructor;
+const kept = ${JSON.stringify(KEPT)};
+const post = scope.postMessage.bind(scope), listen = scope.addEventListener.bind(scope);
+const isFiniteNumber = (0).constructor.isFinite;
+for (let owner = scope; owner !== null && owner !== ({}).__proto__; owner = getPrototypeOf(owner)) {
+  for (const name of getOwnPropertyNames(owner)) {
+    if (kept.includes(name)) continue;
+    try { delete owner[name]; } catch {}
+    try { defineProperty(owner, name, { value: undefined, writable: false, configurable: false }); } catch {}
+  }
+}
+for (const each of [function () {}, async function () {}, function* () {}, async function* () {}])
+  defineProperty(getPrototypeOf(each), "constructor", { value: undefined, configurable: false });
+delete scope.Function;
+const numbers = (result) => fromEntries(entries(result === null || typeof result !== "object" ? {} : result)
+  .filter(([name, value]) => /^[A-Za-z]\\w{0,31}$/.test(name) && isFiniteNumber(value)).slice(0, ${MAX_FIELDS}));
+defineProperty(scope, "__run__", { configurable: true, value: (compute) => {
+  delete scope.__run__;
+  const state = {};
+  listen("message", ({ data }) => {
+    try { post({ id: data.id, results: data.calls.map((call) => numbers(compute(call.values, state, call.time))) }); }
+    catch (error) { post({ id: data.id, error: \`\${error}\` }); }
+  });
+} });
+})(this);`;
+}

@@ -1,0 +1,175 @@
+/**
+ * The one store: transport → decoder → vehicles and latest messages.
+ *
+ * Messages are taken as they arrive, so that protocols answer at once; what components read changes once per
+ * animation frame.
+ */
+
+import { Decoder, Encoder, type DecodedMessage, type SentFields } from '$lib/decoder/Decoder';
+import type { Transport } from '$lib/transport/Transport';
+import type { ObservedVehicle, Send } from '$lib/vehicle/ObservedVehicle.svelte';
+import type { MessageListener, StatusText, Vehicle } from '$lib/vehicle/Vehicle';
+import { isAutopilot } from '$lib/vehicle/vehicleType';
+
+import { messages } from './messages.svelte';
+import { status, type Source } from './status.svelte';
+
+export type ActingVehicle = Vehicle & ObservedVehicle;
+export type MakeVehicle = (heartbeat: DecodedMessage, send: Send) => ActingVehicle;
+
+/** Interval of the ground station's own heartbeat. */
+const HEARTBEAT_INTERVAL = 1000;
+/** Pages in the background have no animation frames. */
+const BACKGROUND_INTERVAL = 1000;
+const MAV_TYPE_GCS = 6;
+const MAV_AUTOPILOT_INVALID = 8;
+const MAV_STATE_ACTIVE = 4;
+
+class Fleet {
+  /** All vehicles by system id. */
+  vehicles: readonly Vehicle[] = $state.raw([]);
+  selectedSystem: number | null = $state(null);
+  selected: Vehicle | null = $derived(this.vehicles.find((vehicle) => vehicle.system === this.selectedSystem) ?? null);
+
+  private readonly known = new Map<number, ActingVehicle>();
+  private readonly listeners = new Map<string, Set<MessageListener>>();
+  private encoder = new Encoder();
+  private decoder = new Decoder();
+  private transport: Transport | null = null;
+  private ends: (() => void)[] = [];
+  private texts: StatusText[] = [];
+  private frame: number | null = null;
+  private counted = 0;
+  private chosen = false;
+  private countedSince = 0;
+
+  /** Leaves the present link and shows the vehicles of another one. */
+  async connect(transport: Transport, source: Source, makeVehicle: MakeVehicle): Promise<void> {
+    this.disconnect();
+    this.transport = transport;
+    this.decoder = new Decoder();
+    status.source = source;
+    status.linkName = transport.name;
+    const follow = (): void => {
+      status.link = transport.state;
+      status.reason = transport.reason;
+    };
+    this.ends = [
+      transport.onState(follow),
+      transport.onData((data, time) => {
+        for (const message of this.decoder.push(data, time)) this.take(message, makeVehicle);
+      }),
+      this.every(BACKGROUND_INTERVAL, () => this.publish()),
+    ];
+    if (source === 'serial' || source === 'demo') {
+      this.ends.push(this.every(HEARTBEAT_INTERVAL, () => this.sendHeartbeat()));
+    }
+    try {
+      await transport.open();
+    } finally {
+      follow();
+    }
+  }
+
+  /** Closes the link and forgets its vehicles. */
+  disconnect(): void {
+    for (const end of this.ends) end();
+    this.ends = [];
+    this.transport?.close();
+    this.transport = null;
+    for (const vehicle of this.known.values()) vehicle.dispose();
+    this.known.clear();
+    this.vehicles = [];
+    this.selectedSystem = null;
+    this.chosen = false;
+    messages.clear();
+    status.source = null;
+    status.link = 'closed';
+    status.texts = [];
+  }
+
+  select(system: number): void {
+    this.chosen = true;
+    this.selectedSystem = system;
+  }
+
+  vehicle(system: number): Vehicle | null {
+    return this.known.get(system) ?? null;
+  }
+
+  /** Sends a message by its name, from the ground station. */
+  send(name: string, fields: SentFields): void {
+    this.transport?.send(this.encoder.build(name, fields));
+  }
+
+  /** Registers a listener for messages of all vehicles by name, or all (`*`), as they arrive. */
+  onMessage(name: string, listener: MessageListener): () => void {
+    let listeners = this.listeners.get(name);
+    if (listeners === undefined) this.listeners.set(name, (listeners = new Set()));
+    listeners.add(listener);
+    return () => listeners.delete(listener);
+  }
+
+  private take(message: DecodedMessage, makeVehicle: MakeVehicle): void {
+    this.counted += 1;
+    messages.take(message);
+    let vehicle = this.known.get(message.system);
+    if (vehicle === undefined && isVehicleHeartbeat(message)) {
+      vehicle = makeVehicle(message, (name, fields) => this.send(name, fields));
+      this.add(vehicle);
+    }
+    const text = vehicle?.take(message) ?? null;
+    if (text !== null) this.texts.push(text);
+    for (const name of [message.name, '*']) {
+      for (const listener of this.listeners.get(name) ?? []) listener(message);
+    }
+    this.schedule();
+  }
+
+  private add(vehicle: ActingVehicle): void {
+    this.known.set(vehicle.system, vehicle);
+    this.vehicles = [...this.known.values()].sort((one, other) => one.system - other.system);
+    // Vehicles are found in any order; the first of the list is selected unless the user chose one.
+    if (!this.chosen) this.selectedSystem = this.vehicles[0]!.system;
+  }
+
+  private schedule(): void {
+    if (this.frame !== null || typeof requestAnimationFrame === 'undefined') return;
+    this.frame = requestAnimationFrame(() => {
+      this.frame = null;
+      this.publish();
+    });
+  }
+
+  /** Makes what arrived visible to components. */
+  publish(now: number = Date.now()): void {
+    for (const vehicle of this.known.values()) vehicle.publish(now);
+    messages.publish(now);
+    status.addTexts(this.texts.splice(0));
+    const elapsed = now - this.countedSince;
+    if (elapsed < 1000) return;
+    status.rate = this.countedSince === 0 ? 0 : (this.counted * 1000) / elapsed;
+    this.counted = 0;
+    this.countedSince = now;
+  }
+
+  private every(interval: number, action: () => void): () => void {
+    const timer = setInterval(action, interval);
+    return () => clearInterval(timer);
+  }
+
+  private sendHeartbeat(): void {
+    this.send('HEARTBEAT', {
+      type: MAV_TYPE_GCS,
+      autopilot: MAV_AUTOPILOT_INVALID,
+      system_status: MAV_STATE_ACTIVE,
+    });
+  }
+}
+
+function isVehicleHeartbeat(message: DecodedMessage): boolean {
+  if (message.name !== 'HEARTBEAT') return false;
+  return isAutopilot(Number(message.fields.type), Number(message.fields.autopilot));
+}
+
+export const fleet = new Fleet();

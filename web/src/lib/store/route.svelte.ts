@@ -1,0 +1,28 @@
+/** The address of the page: `#/plan/mission` is the view `plan` with the rest `mission`. */
+
+class Route {
+  view = $state('');
+  /** Rest of the address behind the view's name; each view has its own meaning for it. */
+  rest = $state('');
+
+  /** Follows the address from now on; returns the function that ends it. */
+  follow(): () => void {
+    const read = (): void => this.read(location.hash);
+    read();
+    addEventListener('hashchange', read);
+    return () => removeEventListener('hashchange', read);
+  }
+
+  read(hash: string): void {
+    const [view = '', ...rest] = hash.replace(/^#\/?/, '').split('/');
+    this.view = view;
+    this.rest = rest.map(decodeURIComponent).join('/');
+  }
+
+  /** Shows a view. */
+  go(view: string, rest = ''): void {
+    location.hash = rest === '' ? `#/${view}` : `#/${view}/${rest.split('/').map(encodeURIComponent).join('/')}`;
+  }
+}
+
+export const route = new Route();

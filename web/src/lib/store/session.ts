@@ -1,0 +1,76 @@
+/** Where vehicles come from: the station's server, a serial port, the demo in the page, or a recorded flight. */
+
+import { api } from '$lib/api/client';
+import { StationError } from '$lib/api/errors';
+import { MockTransport } from '$lib/transport/MockTransport';
+import { ReplayTransport } from '$lib/transport/ReplayTransport';
+import { WebSerialTransport } from '$lib/transport/WebSerialTransport';
+import { WebSocketTransport } from '$lib/transport/WebSocketTransport';
+import { LinkVehicle } from '$lib/vehicle/LinkVehicle';
+import { ServerVehicle } from '$lib/vehicle/ServerVehicle';
+
+import { fleet } from './fleet.svelte';
+import { status, type Role } from './status.svelte';
+
+interface Session {
+  readonly role: Role;
+  readonly needs_password: boolean;
+  readonly ticket?: string;
+}
+
+/** The recording that is replayed, for the time bar; null without one. */
+export const replay: { current: ReplayTransport | null } = { current: null };
+
+/** Connects to the station that served the page; asks for the password if it needs one. */
+export async function startServer(): Promise<void> {
+  api.onUnauthorized = () => (status.needsLogin = true);
+  const transport = new WebSocketTransport(undefined, { ticket });
+  await fleet.connect(transport, 'server', (heartbeat, send) => new ServerVehicle(heartbeat, send));
+}
+
+/** Opens a session with a password. */
+export async function logIn(password: string): Promise<void> {
+  const session = await api.post<Session>('session', { password });
+  status.role = session.role;
+  status.needsLogin = false;
+  await startServer();
+}
+
+/** Returns a ticket for the WebSocket, or null if the station is open. */
+async function ticket(): Promise<string | null> {
+  try {
+    const session = await api.get<Session>('session');
+    status.role = session.role;
+    status.needsLogin = false;
+    return session.ticket ?? null;
+  } catch (error) {
+    if (error instanceof StationError && error.kind === 'Unauthorized') status.needsLogin = true;
+    throw error;
+  }
+}
+
+/** Starts the fleet of seven in the page, or any number of vehicles. */
+export async function startDemo(count = 7): Promise<void> {
+  status.role = 'administer';
+  await fleet.connect(new MockTransport(count), 'demo', (heartbeat, send) => new LinkVehicle(heartbeat, send));
+}
+
+/** Lets the user choose a serial port; must be called from a click. */
+export async function startSerial(baudRate?: number): Promise<void> {
+  const transport = new WebSerialTransport(baudRate);
+  await fleet.connect(transport, 'serial', (heartbeat, send) => new LinkVehicle(heartbeat, send));
+}
+
+export async function startReplay(data: Uint8Array, name: string): Promise<void> {
+  replay.current = new ReplayTransport(data, name);
+  await fleet.connect(replay.current, 'replay', (heartbeat, send) => new LinkVehicle(heartbeat, send));
+}
+
+const MAX_DEMO_VEHICLES = 250;
+
+/** Starts what the address asks for: `?demo`, `?demo=100` (vehicles), or the station. */
+export async function start(search: string = location.search): Promise<void> {
+  const demo = new URLSearchParams(search).get('demo');
+  if (demo === null) await startServer();
+  else await startDemo(Math.min(Math.max(Number(demo) || 7, 1), MAX_DEMO_VEHICLES));
+}

@@ -1,0 +1,55 @@
+/** Settings that the browser keeps. */
+
+export type Theme = 'auto' | 'dark' | 'light';
+export type UnitSystem = 'metric' | 'imperial' | 'nautical';
+
+const PREFIX = 'mavstack.';
+
+function stored<Value>(key: string, fallback: Value): Value {
+  try {
+    const text = localStorage.getItem(PREFIX + key);
+    return text === null ? fallback : (JSON.parse(text) as Value);
+  } catch {
+    // No storage (private windows, tests), or text of another version.
+    return fallback;
+  }
+}
+
+function store(key: string, value: unknown): void {
+  try {
+    localStorage.setItem(PREFIX + key, JSON.stringify(value));
+  } catch {
+    // A setting that cannot be kept holds until the page is left.
+  }
+}
+
+/** A reactive value that the browser keeps; `value` is replaced, never changed in place. */
+export class Persisted<Value> {
+  private readonly key: string;
+  private current: Value = $state.raw() as Value;
+
+  /** Creates the value; `key` begins with the view's name, such as `inspect.columns`. */
+  constructor(key: string, fallback: Value) {
+    this.key = key;
+    this.current = stored(key, fallback);
+  }
+
+  get value(): Value {
+    return this.current;
+  }
+
+  set value(value: Value) {
+    this.current = value;
+    store(this.key, value);
+  }
+}
+
+/** Settings of the whole station. */
+export const settings = {
+  theme: new Persisted<Theme>('theme', 'auto'),
+  units: new Persisted<UnitSystem>('units', 'metric'),
+  /** URL of raster tiles with {z}/{x}/{y}, of a PMTiles archive, or empty: the generated base layer. */
+  tiles: new Persisted<string>('tiles', ''),
+  attribution: new Persisted<string>('attribution', ''),
+  language: new Persisted<string>('language', 'en'),
+};

@@ -1,0 +1,155 @@
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+
+import { StationError } from '$lib/api/errors';
+import { FLEET } from '$lib/transport/mock/profiles';
+
+import { someLost, startFlight, type Flight } from './testing';
+import type { Plan } from './Vehicle';
+
+const [COPTER, , PLANE, ROVER, , SUB, MSP] = FLEET as readonly [typeof FLEET[0], ...typeof FLEET[0][]];
+
+beforeEach(() => vi.useFakeTimers({ now: 1_790_000_000_000 }));
+afterEach(() => vi.useRealTimers());
+
+async function refusal(flight: Flight, action: Promise<unknown>): Promise<StationError> {
+  const error: unknown = await flight.until(action).catch((reason: unknown) => reason);
+  expect(error).toBeInstanceOf(StationError);
+  return error as StationError;
+}
+
+describe('actions', () => {
+  it('arm, take off, fly somewhere, land', async () => {
+    const flight = await startFlight([COPTER!]);
+    const { vehicle } = flight;
+    expect(vehicle.state).toMatchObject({ type: 'copter', firmware: 'ardupilot', armed: false, inAir: false, ready: true });
+    await flight.until(vehicle.setMode('GUIDED'));
+    await flight.until(vehicle.arm());
+    await flight.until(vehicle.takeoff(20));
+    await flight.pass(15);
+    expect(vehicle.state).toMatchObject({ armed: true, inAir: true, mode: 'GUIDED' });
+    expect(vehicle.state.position?.relativeAltitude).toBeCloseTo(20, 0);
+    const { latitude, longitude } = vehicle.state.position!;
+    await flight.until(vehicle.goto({ latitude: latitude + 0.0005, longitude }));
+    await flight.pass(25);
+    expect(vehicle.state.position?.latitude).toBeCloseTo(latitude + 0.0005, 5);
+    await flight.until(vehicle.land());
+    await flight.pass(40);
+    expect(vehicle.state).toMatchObject({ armed: false, inAir: false });
+  });
+
+  it('tells the reasons of the vehicle when it refuses', async () => {
+    const flight = await startFlight([SUB!]);
+    const error = await refusal(flight, flight.vehicle.arm());
+    expect(error.message).toBe('arming 6/1 failed: FAILED (PreArm: Leak detector triggered)');
+    expect(error).toMatchObject({ kind: 'CommandDenied', code: 4, statusTexts: ['PreArm: Leak detector triggered'] });
+  });
+
+  it('repeats commands that get lost, and gives up', async () => {
+    const lossy = await startFlight([COPTER!], { losesSent: (count) => count < 4 });
+    await lossy.until(lossy.vehicle.setMode('GUIDED'));
+    await lossy.pass(1);
+    expect(lossy.vehicle.state.mode).toBe('GUIDED');
+    const dead = await startFlight([COPTER!], { losesSent: () => true });
+    const error = await refusal(dead, dead.vehicle.rtl());
+    expect(error.message).toBe('returning 1/1 failed: no answer to 5 requests');
+    expect(error.kind).toBe('CommandTimeout');
+  });
+
+  it('waits while a command is in progress', async () => {
+    const flight = await startFlight([COPTER!]);
+    const result = await flight.until(flight.vehicle.sendCommand('PREFLIGHT_CALIBRATION', [1]));
+    expect(result).toMatchObject({ result: 'ACCEPTED', attempts: 1 });
+  });
+
+  it('refuses what makes no sense without sending it', async () => {
+    const flight = await startFlight([COPTER!]);
+    const before = flight.sent.length;
+    const takeoff = await refusal(flight, flight.vehicle.takeoff(-5));
+    expect(takeoff.message).toBe('takeoff altitude must be positive and finite, got -5');
+    const mode = await refusal(flight, flight.vehicle.setMode('QRTL'));
+    expect(mode.message).toBe('changing to QRTL 1/1 failed: the vehicle has no mode QRTL');
+    const command = await refusal(flight, flight.vehicle.sendCommand('NAV_TAKEOF'));
+    expect(command.message).toBe('no command is named NAV_TAKEOF');
+    expect(flight.sent.length).toBe(before);
+  });
+});
+
+describe('parameters', () => {
+  it('are read, set and listed, also over a link that loses packets', async () => {
+    const flight = await startFlight([ROVER!], { losesReceived: someLost(0.3) });
+    const progress: number[] = [];
+    const all = await flight.until(flight.vehicle.getParameters((done) => progress.push(done)));
+    expect(all.map(({ name }) => name)).toEqual([...all.map(({ name }) => name)].sort());
+    expect(all.length).toBe(flight.transport.vehicles[0]?.parameters.length);
+    expect(progress.at(-1)).toBe(all.length);
+    expect(await flight.until(flight.vehicle.getParameter('TURN_RADIUS'))).toEqual({
+      name: 'TURN_RADIUS', value: Math.fround(0.9), text: '0.9', type: 'REAL32',
+    });
+    expect(await flight.until(flight.vehicle.setParameter('CRUISE_SPEED', 2.5))).toMatchObject({ value: 2.5 });
+    expect(await flight.until(flight.vehicle.getParameter('CRUISE_SPEED'))).toMatchObject({ text: '2.5' });
+  });
+
+  it('that do not exist end in one error', async () => {
+    const flight = await startFlight([ROVER!]);
+    const error = await refusal(flight, flight.vehicle.getParameter('NO_SUCH'));
+    expect(error.message).toBe('reading NO_SUCH of 4/1 failed: no answer to 5 requests');
+  });
+});
+
+describe('plans', () => {
+  const items = [1, 2, 3].map((seq) => ({
+    seq: seq - 1, command: 16, name: 'NAV_WAYPOINT', frame: 3, params: [0, 0, 0, null, 47 + seq / 8, 8.54, 30], autocontinue: true,
+  }));
+  const jump = { seq: 3, command: 177, name: 'DO_JUMP', frame: 3, params: [0, 2, 0, 0, 0, 0, 0], autocontinue: true };
+  const plan: Plan = { items: [...items, jump], home: null };
+
+  it('come back as they were sent, without the home item of ArduPilot', async () => {
+    const flight = await startFlight([COPTER!], { losesReceived: someLost(0.2), losesSent: someLost(0.1) });
+    await flight.until(flight.vehicle.uploadPlan('mission', plan));
+    // Home, and jumps to the item after it.
+    expect(flight.transport.vehicles[0]?.autopilot.mission).toHaveLength(5);
+    expect(flight.transport.vehicles[0]?.autopilot.mission[4]?.params[0]).toBe(1);
+    const back = await flight.until(flight.vehicle.downloadPlan('mission'));
+    expect(back.items).toEqual(plan.items);
+    expect(back.home).toMatchObject({ latitude: 47.3494, longitude: 8.5363 });
+  });
+
+  it('can be cleared, each kind by itself', async () => {
+    const flight = await startFlight([COPTER!]);
+    await flight.until(flight.vehicle.uploadPlan('rally', { items: items.slice(0, 1), home: null }));
+    await flight.until(flight.vehicle.clearPlan('mission'));
+    expect((await flight.until(flight.vehicle.downloadPlan('rally'))).items).toHaveLength(1);
+    expect((await flight.until(flight.vehicle.downloadPlan('mission'))).items).toEqual([]);
+  });
+
+  it('are flown', async () => {
+    const flight = await startFlight([COPTER!]);
+    const near = { ...items[0]!, params: [0, 0, 0, null, 47.35, 8.537, 20] };
+    await flight.until(flight.vehicle.uploadPlan('mission', { items: [near], home: null }));
+    await flight.until(flight.vehicle.setMode('GUIDED'));
+    await flight.until(flight.vehicle.arm());
+    await flight.until(flight.vehicle.startMission());
+    await flight.pass(90);
+    expect(flight.vehicle.state.statusTexts.map(({ text }) => text)).toContain('Mission complete');
+  });
+});
+
+describe('capabilities', () => {
+  it('follow from firmware, type and flags', async () => {
+    const copter = (await startFlight([COPTER!])).vehicle.capabilities;
+    expect(copter).toMatchObject({ params: true, mission: true, fence: true, ftp: false, takeoff: true, vtol: false, msp: false });
+    expect(copter.calibration).toContain('compass-motor');
+    const plane = (await startFlight([PLANE!])).vehicle.capabilities;
+    expect(plane.calibration).toContain('airspeed');
+    expect(plane.calibration).not.toContain('esc');
+  });
+
+  it('of a flight controller behind an MSP bridge are few', async () => {
+    const flight = await startFlight([MSP!]);
+    await flight.pass(5);
+    expect(flight.vehicle.state).toMatchObject({ firmware: 'msp', mode: 'ANGLE', armed: true });
+    expect(flight.vehicle.capabilities).toMatchObject({ msp: true, mission: false, takeoff: false, osd: true });
+    const error = await refusal(flight, flight.vehicle.arm());
+    expect(error.message).toBe('arming 7/1 failed: UNSUPPORTED');
+  });
+});

@@ -1,0 +1,219 @@
+/** A vehicle that the page itself talks to by MAVLink: over USB, or in the demo. */
+
+import { StationError } from '$lib/api/errors';
+import type { DecodedMessage } from '$lib/decoder/Decoder';
+
+import { capabilitiesFrom } from './capabilities';
+import { commandNumber, sendCommand, type CommandPlace } from './link/commands';
+import type { ParameterEncoding } from './link/parameterValue';
+import { readParameter, readParameters, writeParameter } from './link/parameters';
+import { PlanClient } from './link/plans';
+import { ObservedVehicle, type Send } from './ObservedVehicle.svelte';
+import type {
+  CommandResult, Mode, OrbitOptions, Parameter, Plan, PlanKind, ProgressListener, StatusText, Target, Vehicle,
+} from './Vehicle';
+import { ardupilotModes, px4Modes } from './vehicleType';
+
+const CUSTOM_MODE_ENABLED = 1;
+/** Value that makes ArduPilot and PX4 arm or disarm without their checks. */
+const FORCE = 21196;
+const GLOBAL_RELATIVE_ALT_INT = 6;
+const AUTOPILOT_VERSION_ID = 148;
+const HOME_POSITION_ID = 242;
+/** MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE. */
+const BYTEWISE = 1 << 4;
+const DEFAULT_RADIUS = 20;
+const VERSION_DELAY = 500;
+
+/** Modes for the actions that ArduPilot and PX4 name differently; the first that the vehicle has is used. */
+const RETURN_MODES = ['RTL', 'SURFACE'];
+const LAND_MODES = ['LAND', 'QLAND', 'HOLD', 'SURFACE'];
+const HOLD_MODES: Readonly<Record<string, readonly string[]>> = {
+  vtol: ['QLOITER', 'LOITER'],
+  rover: ['HOLD'],
+  boat: ['LOITER', 'HOLD'],
+  sub: ['POSHOLD'],
+};
+const MISSION_MODES = ['AUTO', 'MISSION'];
+/** Modes that no user enters. */
+const NOT_SELECTABLE: ReadonlySet<string> = new Set(['INITIALISING', 'INITIALIZING', 'READY', 'RATTITUDE', 'SIMPLE', 'TERMINATION']);
+
+export class LinkVehicle extends ObservedVehicle implements Vehicle {
+  private flags: number | null = null;
+  private readonly timer: ReturnType<typeof setTimeout>;
+
+  constructor(heartbeat: DecodedMessage, send: Send) {
+    super(heartbeat, send);
+    this.timer = setTimeout(() => this.requestFacts(), VERSION_DELAY);
+    this.updateCapabilities();
+  }
+
+  override dispose(): void {
+    clearTimeout(this.timer);
+    super.dispose();
+  }
+
+  override take(message: DecodedMessage): StatusText | null {
+    const text = super.take(message);
+    if (message.name === 'AUTOPILOT_VERSION' && message.component === this.component) {
+      // Bits beyond 2^32 are none that matter here.
+      this.flags = Number(BigInt.asUintN(32, BigInt(message.fields.capabilities as number | bigint)));
+      this.updateCapabilities();
+    }
+    return text;
+  }
+
+  getParameter(name: string): Promise<Parameter> {
+    return readParameter(this, name, this.encoding);
+  }
+
+  getParameters(onProgress?: ProgressListener): Promise<Parameter[]> {
+    return readParameters(this, this.encoding, onProgress);
+  }
+
+  setParameter(name: string, value: number): Promise<Parameter> {
+    return writeParameter(this, name, value, this.encoding);
+  }
+
+  async sendCommand(command: string | number, params: readonly (number | null)[] = []): Promise<CommandResult> {
+    return sendCommand(this, `command ${command}`, command, params);
+  }
+
+  arm(force = false): Promise<void> {
+    return this.command('arming', 'COMPONENT_ARM_DISARM', [1, force ? FORCE : 0]);
+  }
+
+  disarm(force = false): Promise<void> {
+    return this.command('disarming', 'COMPONENT_ARM_DISARM', [0, force ? FORCE : 0]);
+  }
+
+  async takeoff(altitude: number): Promise<void> {
+    if (!(altitude > 0)) {
+      throw new StationError('InvalidArgumentError', `takeoff altitude must be positive and finite, got ${altitude}`);
+    }
+    if (this.state.firmware === 'ardupilot') await this.enter('taking off', ['GUIDED']);
+    // PX4 takes altitudes above mean sea level.
+    const sea = this.state.position?.altitude ?? 0;
+    const height = this.state.firmware === 'px4' ? sea + altitude : altitude;
+    await this.command('taking off', 'NAV_TAKEOFF', [0, 0, 0, null, null, null, height]);
+  }
+
+  land(): Promise<void> {
+    return this.enter('landing', LAND_MODES);
+  }
+
+  rtl(): Promise<void> {
+    return this.enter('returning', RETURN_MODES);
+  }
+
+  hold(): Promise<void> {
+    return this.enter('holding', HOLD_MODES[this.state.type] ?? ['LOITER']);
+  }
+
+  async goto(target: Target, altitude?: number): Promise<void> {
+    const height = altitude ?? this.state.position?.relativeAltitude ?? 0;
+    const place = { ...target, frame: GLOBAL_RELATIVE_ALT_INT, altitude: height };
+    await this.command('going to a position with', 'DO_REPOSITION', [-1, 1, 0, null], place);
+  }
+
+  async orbit({ center, altitude, radius = DEFAULT_RADIUS, speed }: OrbitOptions): Promise<void> {
+    const height = altitude ?? this.state.position?.relativeAltitude ?? 0;
+    const place = { ...center, frame: GLOBAL_RELATIVE_ALT_INT, altitude: height };
+    await this.command('orbiting with', 'DO_ORBIT', [radius, speed ?? null, 0, 0], place);
+  }
+
+  setSpeed(speed: number): Promise<void> {
+    return this.command('changing the speed of', 'DO_CHANGE_SPEED', [1, speed, -1]);
+  }
+
+  async setAltitude(altitude: number): Promise<void> {
+    const position = this.state.position;
+    if (position === null) throw new StationError('InvalidStateError', 'changing the altitude failed: no position yet');
+    await this.goto(position, altitude);
+  }
+
+  setMode(name: string): Promise<void> {
+    return this.enter(`changing to ${name}`, [name]);
+  }
+
+  modes(): Promise<Mode[]> {
+    const modes = Object.entries(this.modeNumbers());
+    return Promise.resolve(
+      modes.map(([name, number]) => ({ name, number, selectable: !NOT_SELECTABLE.has(name), advanced: false })),
+    );
+  }
+
+  async startMission(): Promise<void> {
+    await this.enter('starting the mission of', MISSION_MODES);
+    await this.command('starting the mission of', 'MISSION_START', []);
+  }
+
+  setMissionItem(seq: number): Promise<void> {
+    return this.command('choosing the mission item of', 'DO_SET_MISSION_CURRENT', [seq + (this.hasHomeItem ? 1 : 0)]);
+  }
+
+  reboot(): Promise<void> {
+    return this.command('rebooting', 'PREFLIGHT_REBOOT_SHUTDOWN', [1]);
+  }
+
+  downloadPlan(kind: PlanKind, onProgress?: ProgressListener): Promise<Plan> {
+    return new PlanClient(this, this.hasHomeItem).download(kind, onProgress);
+  }
+
+  uploadPlan(kind: PlanKind, plan: Plan, onProgress?: ProgressListener): Promise<void> {
+    return new PlanClient(this, this.hasHomeItem).upload(kind, plan, onProgress);
+  }
+
+  clearPlan(kind: PlanKind): Promise<void> {
+    return new PlanClient(this, this.hasHomeItem).clear(kind);
+  }
+
+  private get encoding(): ParameterEncoding {
+    const bytewise = this.flags === null ? this.state.firmware === 'px4' : (this.flags & BYTEWISE) !== 0;
+    return bytewise ? 'bytewise' : 'cast';
+  }
+
+  private get hasHomeItem(): boolean {
+    return this.state.firmware === 'ardupilot';
+  }
+
+  private requestFacts(): void {
+    for (const id of [AUTOPILOT_VERSION_ID, HOME_POSITION_ID]) {
+      this.sendMessage('COMMAND_LONG', { command: commandNumber('REQUEST_MESSAGE'), param1: id });
+    }
+  }
+
+  private updateCapabilities(): void {
+    const { firmware, type } = this.state;
+    this.currentCapabilities = capabilitiesFrom(firmware, type, this.flags);
+  }
+
+  override publish(now: number): void {
+    const before = this.state.firmware;
+    super.publish(now);
+    if (this.state.firmware !== before) this.updateCapabilities();
+  }
+
+  private async command(
+    operation: string, name: string, params: readonly (number | null)[], place?: CommandPlace,
+  ): Promise<void> {
+    await sendCommand(this, operation, name, params, place);
+  }
+
+  private enter(operation: string, names: readonly string[]): Promise<void> {
+    const modes = this.modeNumbers();
+    const number = names.map((name) => modes[name]).find((value) => value !== undefined);
+    if (number === undefined) {
+      const target = `${operation} ${this.system}/${this.component}`;
+      return Promise.reject(new StationError('ActionUnsupported', `${target} failed: the vehicle has no mode ${names.join(' or ')}`));
+    }
+    const main = this.state.firmware === 'px4' ? (number >>> 16) & 0xff : number;
+    const sub = this.state.firmware === 'px4' ? number >>> 24 : 0;
+    return this.command(operation, 'DO_SET_MODE', [CUSTOM_MODE_ENABLED, main, sub]);
+  }
+
+  private modeNumbers(): Readonly<Record<string, number>> {
+    if (this.state.firmware === 'px4') return px4Modes();
+    return this.state.firmware === 'ardupilot' ? ardupilotModes(this.state.type) : {};
+  }
+}

@@ -1,0 +1,89 @@
+/** The half of a vehicle that only receives: state, messages, status texts. Subclasses act. */
+
+import type { DecodedMessage, SentFields } from '$lib/decoder/Decoder';
+
+import { UNKNOWN_CAPABILITIES, type Capabilities } from './capabilities';
+import { StateTracker } from './StateTracker';
+import type { MessageListener, StatusText, VehicleState } from './Vehicle';
+
+/** Sends a message by its name to all vehicles of the transport. */
+export type Send = (name: string, fields: SentFields) => void;
+
+export class ObservedVehicle {
+  readonly system: number;
+  private readonly tracker: StateTracker;
+  private readonly messageListeners = new Map<string, Set<MessageListener>>();
+  private readonly stateListeners = new Set<(state: VehicleState) => void>();
+  private readonly textListeners = new Set<(text: StatusText) => void>();
+  private dirty = true;
+  private currentState: VehicleState = $state.raw() as unknown as VehicleState;
+  protected currentCapabilities: Capabilities = $state.raw(UNKNOWN_CAPABILITIES);
+  protected readonly send: Send;
+
+  constructor(heartbeat: DecodedMessage, send: Send) {
+    this.system = heartbeat.system;
+    this.tracker = new StateTracker(heartbeat);
+    this.currentState = this.tracker.snapshot(heartbeat.time);
+    this.send = send;
+  }
+
+  get state(): VehicleState {
+    return this.currentState;
+  }
+
+  get capabilities(): Capabilities {
+    return this.currentCapabilities;
+  }
+
+  get component(): number {
+    return this.currentState.component;
+  }
+
+  sendMessage(name: string, fields: SentFields): void {
+    this.send(name, { target_system: this.system, target_component: this.component, ...fields });
+  }
+
+  onMessage(name: string, listener: MessageListener): () => void {
+    let listeners = this.messageListeners.get(name);
+    if (listeners === undefined) this.messageListeners.set(name, (listeners = new Set()));
+    listeners.add(listener);
+    return () => listeners.delete(listener);
+  }
+
+  onState(listener: (state: VehicleState) => void): () => void {
+    this.stateListeners.add(listener);
+    return () => this.stateListeners.delete(listener);
+  }
+
+  onStatusText(listener: (text: StatusText) => void): () => void {
+    this.textListeners.add(listener);
+    return () => this.textListeners.delete(listener);
+  }
+
+  /** Takes a message as it arrives; the store calls it. */
+  take(message: DecodedMessage): StatusText | null {
+    this.dirty = true;
+    const text = this.tracker.take(message);
+    for (const name of [message.name, '*']) {
+      for (const listener of this.messageListeners.get(name) ?? []) listener(message);
+    }
+    if (text !== null) for (const listener of this.textListeners) listener(text);
+    return text;
+  }
+
+  /** Publishes the state, once per animation frame; the store calls it. */
+  publish(now: number): void {
+    const expired = this.currentState.alive && now - this.currentState.lastHeard > 5000;
+    if (!this.dirty && !expired) return;
+    this.dirty = false;
+    this.currentState = this.tracker.snapshot(now);
+    for (const listener of this.stateListeners) listener(this.currentState);
+  }
+
+  /** Ends timers and pending requests; the store calls it when the link is left. */
+  dispose(): void {
+    this.messageListeners.clear();
+    this.stateListeners.clear();
+    this.textListeners.clear();
+  }
+}

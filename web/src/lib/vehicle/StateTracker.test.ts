@@ -1,0 +1,107 @@
+import { describe, expect, it } from 'vitest';
+
+import { Decoder, Encoder, type SentFields } from '$lib/decoder/Decoder';
+
+import { StateTracker } from './StateTracker';
+
+const START = 1_790_000_000_000;
+
+class Station {
+  private readonly encoder = new Encoder(1, 1);
+  private readonly gimbal = new Encoder(1, 154);
+  private readonly decoder = new Decoder();
+  readonly tracker: StateTracker;
+  time = START;
+
+  constructor(heartbeat: SentFields = { type: 2, autopilot: 3, custom_mode: 4, base_mode: 0x81, system_status: 4 }) {
+    this.tracker = new StateTracker(this.decoded(this.encoder, 'HEARTBEAT', heartbeat));
+  }
+
+  private decoded(encoder: Encoder, name: string, fields: SentFields) {
+    return this.decoder.push(encoder.build(name, fields), this.time)[0]!;
+  }
+
+  take(name: string, fields: SentFields, ofGimbal = false) {
+    return this.tracker.take(this.decoded(ofGimbal ? this.gimbal : this.encoder, name, fields));
+  }
+
+  /** Packets that got lost. */
+  lose(count: number): void {
+    for (let lost = 0; lost < count; lost += 1) this.encoder.build('PING');
+  }
+
+  get state() {
+    return this.tracker.snapshot(this.time);
+  }
+}
+
+describe('StateTracker', () => {
+  it('reads mode, arming, attitude and position in degrees and metres', () => {
+    const scene = new Station();
+    scene.take('ATTITUDE', { roll: Math.PI / 6, yaw: -Math.PI / 2 });
+    scene.take('GLOBAL_POSITION_INT', { lat: 473_977_420, lon: 85_455_940, alt: 488_000, relative_alt: 12_500, vx: 300, vy: 400, vz: -100 });
+    expect(scene.state).toMatchObject({ mode: 'GUIDED', armed: true, type: 'copter', firmware: 'ardupilot', groundSpeed: 5, climbRate: 1 });
+    expect(scene.state.roll).toBeCloseTo(30, 4);
+    expect(scene.state.heading).toBeCloseTo(270, 4);
+    expect(scene.state.position).toEqual({ latitude: 47.397742, longitude: 8.545594, altitude: 488, relativeAltitude: 12.5 });
+  });
+
+  it('keeps values that the sender marks as unknown null', () => {
+    const scene = new Station();
+    scene.take('SYS_STATUS', { voltage_battery: 65_535, current_battery: -1, battery_remaining: -1 });
+    scene.take('GPS_RAW_INT', { fix_type: 1, satellites_visible: 255, eph: 65_535 });
+    expect(scene.state.battery).toMatchObject({ voltage: null, current: null, remaining: null });
+    expect(scene.state.gps).toMatchObject({ satellites: null, hdop: null });
+  });
+
+  it('adds the cells of a battery', () => {
+    const scene = new Station();
+    scene.take('BATTERY_STATUS', { voltages: [4000, 4010, 3990, ...Array<number>(7).fill(65_535)], current_battery: 1250, battery_remaining: 80 });
+    expect(scene.state.battery).toMatchObject({ current: 12.5, remaining: 0.8, cells: [4, 4.01, 3.99] });
+    expect(scene.state.battery?.voltage).toBeCloseTo(12, 6);
+  });
+
+  it('joins the parts of long texts', () => {
+    const scene = new Station();
+    const part = 'x'.repeat(50);
+    expect(scene.take('STATUSTEXT', { severity: 4, text: part, id: 7, chunk_seq: 0 })).toBeNull();
+    expect(scene.take('STATUSTEXT', { severity: 4, text: 'end', id: 7, chunk_seq: 1 })?.text).toBe(`${part}end`);
+    expect(scene.take('STATUSTEXT', { severity: 6, text: 'short' })?.text).toBe('short');
+    expect(scene.state.statusTexts).toHaveLength(2);
+  });
+
+  it('is not confused by a gimbal with the same system id', () => {
+    const scene = new Station();
+    scene.take('ATTITUDE', { roll: 1 }, true);
+    scene.take('HEARTBEAT', { type: 26, autopilot: 8 }, true);
+    expect(scene.state).toMatchObject({ roll: null, type: 'copter' });
+  });
+
+  it('counts losses and rates', () => {
+    const scene = new Station();
+    for (let second = 0; second < 3; second += 1) {
+      for (let count = 0; count < 10; count += 1) {
+        scene.time += 100;
+        scene.lose(1);
+        scene.take('ATTITUDE', {});
+      }
+    }
+    expect(scene.state.loss).toBeCloseTo(0.5, 1);
+    expect(scene.state.rate).toBeCloseTo(10, 0);
+  });
+
+  it('knows when contact is lost', () => {
+    const scene = new Station();
+    scene.time += 4900;
+    expect(scene.state.alive).toBe(true);
+    scene.time += 200;
+    expect(scene.state.alive).toBe(false);
+  });
+
+  it('names the modes of PX4', () => {
+    const scene = new Station({ type: 2, autopilot: 12, custom_mode: (4 << 16) | (3 << 24) });
+    expect(scene.state).toMatchObject({ firmware: 'px4', mode: 'LOITER' });
+    scene.take('SYS_STATUS', { onboard_control_sensors_health: 0x10000000 });
+    expect(scene.state.ready).toBe(true);
+  });
+});

@@ -1,0 +1,293 @@
+/** Messages of one vehicle → its state. A message changes a draft; `snapshot` gives the views a copy of it. */
+
+import type { DecodedMessage, FieldValue } from '$lib/decoder/Decoder';
+
+import type { Battery, StatusText, VehicleState } from './Vehicle';
+import { firmwareOf, modeName, vehicleTypeOf } from './vehicleType';
+
+type Draft = { -readonly [Key in keyof VehicleState]: VehicleState[Key] };
+type Fields = DecodedMessage['fields'];
+type Reader = (draft: Draft, fields: Fields, message: DecodedMessage) => void;
+
+const DEGREES = 180 / Math.PI;
+const ARMED = 128;
+const NO_U16 = 0xffff;
+const NO_U8 = 0xff;
+const NO_I16 = 0x7fff;
+const LANDED = 1;
+const PREARM_CHECK = 0x10000000;
+const MAX_STATUS_TEXTS = 200;
+/** Heartbeats come once a second. */
+const ALIVE_TIMEOUT = 5000;
+
+const number = (value: FieldValue | undefined): number => Number(value ?? 0);
+
+/** Returns a scaled value, or null if it is NaN or the mark of an unknown value. */
+function known(value: FieldValue | undefined, unknown: number | null = null, scale = 1): number | null {
+  const plain = Number(value);
+  return Number.isFinite(plain) && plain !== unknown ? plain * scale : null;
+}
+
+export class StateTracker {
+  private readonly draft: Draft;
+  private readonly sequences = new Map<number, number>();
+  private received = 0;
+  private lost = 0;
+  private windowStart = 0;
+  private windowCount = 0;
+  private readonly textParts = new Map<string, string[]>();
+
+  constructor(heartbeat: DecodedMessage) {
+    this.draft = emptyState(heartbeat);
+    this.take(heartbeat);
+  }
+
+  /** Takes a message of the vehicle; returns a completed status text, or null. */
+  take(message: DecodedMessage): StatusText | null {
+    this.count(message);
+    if (message.name === 'STATUSTEXT') return this.takeText(message);
+    // Cameras and gimbals have the system id of the vehicle, and heartbeats of their own.
+    if (message.component === this.draft.component || !OWN_MESSAGES.has(message.name)) {
+      READERS[message.name]?.(this.draft, message.fields, message);
+    }
+    return null;
+  }
+
+  /** Returns a copy of the state at a time in ms since 1970. */
+  snapshot(now: number): VehicleState {
+    this.draft.alive = now - this.heartbeatTime < ALIVE_TIMEOUT;
+    return { ...this.draft };
+  }
+
+  private heartbeatTime = 0;
+
+  private count(message: DecodedMessage): void {
+    const { component, sequence, time } = message;
+    const last = this.sequences.get(component);
+    this.sequences.set(component, sequence);
+    const missing = last === undefined ? 0 : (sequence - last - 1) & 0xff;
+    // A large gap is a restart or another path, not a loss.
+    if (missing < 128) this.lost += missing;
+    this.received += 1;
+    this.windowCount += 1;
+    this.draft.lastHeard = time;
+    if (message.name === 'HEARTBEAT' && component === this.draft.component) this.heartbeatTime = time;
+    if (time - this.windowStart < 1000) return;
+    if (this.windowStart > 0) this.draft.rate = (this.windowCount * 1000) / (time - this.windowStart);
+    this.draft.loss = this.lost / (this.lost + this.received);
+    this.windowStart = time;
+    this.windowCount = 0;
+    // Older losses count half each second.
+    this.lost /= 2;
+    this.received /= 2;
+  }
+
+  private takeText(message: DecodedMessage): StatusText | null {
+    const { fields, system, component, time } = message;
+    const [id, part, piece] = [number(fields.id), number(fields.chunk_seq), String(fields.text)];
+    let text = piece;
+    if (id !== 0) {
+      const key = `${component}/${id}`;
+      const parts = this.textParts.get(key) ?? [];
+      parts[part] = piece;
+      if (piece.length === 50) {
+        this.textParts.set(key, parts);
+        return null;
+      }
+      this.textParts.delete(key);
+      text = Array.from(parts, (each) => each ?? '…').join('');
+    }
+    const status: StatusText = { system, component, time, severity: number(fields.severity), text };
+    this.draft.statusTexts = [...this.draft.statusTexts, status].slice(-MAX_STATUS_TEXTS);
+    return status;
+  }
+}
+
+/** Messages that other components of the system send about themselves. */
+const OWN_MESSAGES: ReadonlySet<string> = new Set([
+  'HEARTBEAT', 'SYS_STATUS', 'ATTITUDE', 'GLOBAL_POSITION_INT', 'GPS_RAW_INT', 'VFR_HUD', 'EXTENDED_SYS_STATE',
+  'BATTERY_STATUS', 'HOME_POSITION', 'RC_CHANNELS',
+]);
+
+function batteryOf(fields: Fields): Battery {
+  const all = [...((fields.voltages as readonly number[]) ?? []), ...((fields.voltages_ext as readonly number[]) ?? [])];
+  const cells = all.filter((cell) => cell !== NO_U16 && cell > 0).map((cell) => cell / 1000);
+  const temperature = known(fields.temperature, NO_I16, 0.01);
+  return {
+    id: number(fields.id),
+    voltage: cells.length > 0 ? cells.reduce((sum, cell) => sum + cell, 0) : null,
+    current: known(fields.current_battery, -1, 0.01),
+    remaining: known(fields.battery_remaining, -1, 0.01),
+    consumed: known(fields.current_consumed, -1),
+    cells: cells.length > 1 ? cells : [],
+    temperature,
+  };
+}
+
+const READERS: Readonly<Record<string, Reader>> = {
+  HEARTBEAT(draft, fields) {
+    draft.mavType = number(fields.type);
+    draft.type = vehicleTypeOf(draft.mavType);
+    draft.autopilot = number(fields.autopilot);
+    if (draft.firmware !== 'msp') draft.firmware = firmwareOf(draft.autopilot);
+    draft.customMode = number(fields.custom_mode);
+    draft.mode = modeName(draft.firmware, draft.type, draft.customMode) ?? draft.mode;
+    draft.armed = (number(fields.base_mode) & ARMED) !== 0;
+    draft.systemStatus = number(fields.system_status);
+  },
+  ATTITUDE(draft, fields) {
+    draft.roll = number(fields.roll) * DEGREES;
+    draft.pitch = number(fields.pitch) * DEGREES;
+    draft.heading = (number(fields.yaw) * DEGREES + 360) % 360;
+    draft.rollSpeed = number(fields.rollspeed) * DEGREES;
+    draft.pitchSpeed = number(fields.pitchspeed) * DEGREES;
+    draft.yawSpeed = number(fields.yawspeed) * DEGREES;
+  },
+  GLOBAL_POSITION_INT(draft, fields) {
+    const [latitude, longitude] = [number(fields.lat) / 1e7, number(fields.lon) / 1e7];
+    if (latitude === 0 && longitude === 0) return;
+    draft.position = {
+      latitude,
+      longitude,
+      altitude: number(fields.alt) / 1000,
+      relativeAltitude: number(fields.relative_alt) / 1000,
+    };
+    const [north, east] = [number(fields.vx) / 100, number(fields.vy) / 100];
+    draft.velocity = { north, east, down: number(fields.vz) / 100 };
+    draft.groundSpeed = Math.hypot(north, east);
+    draft.climbRate = -number(fields.vz) / 100;
+  },
+  VFR_HUD(draft, fields) {
+    draft.airSpeed = known(fields.airspeed);
+    draft.groundSpeed = known(fields.groundspeed);
+    draft.climbRate = known(fields.climb);
+    draft.throttle = number(fields.throttle) / 100;
+    draft.heading ??= number(fields.heading);
+  },
+  GPS_RAW_INT(draft, fields) {
+    draft.gps = {
+      fix: number(fields.fix_type),
+      satellites: known(fields.satellites_visible, NO_U8),
+      hdop: known(fields.eph, NO_U16, 0.01),
+      horizontalAccuracy: number(fields.h_acc) > 0 ? number(fields.h_acc) / 1000 : null,
+    };
+  },
+  SYS_STATUS(draft, fields) {
+    if (draft.batteries.length === 0) {
+      draft.battery = {
+        id: 0,
+        voltage: known(fields.voltage_battery, NO_U16, 0.001),
+        current: known(fields.current_battery, -1, 0.01),
+        remaining: known(fields.battery_remaining, -1, 0.01),
+        consumed: null,
+        cells: [],
+        temperature: null,
+      };
+    }
+    const present = number(fields.onboard_control_sensors_present);
+    const health = number(fields.onboard_control_sensors_health);
+    // PX4 never marks the check as present, but sets its health bit.
+    if (draft.firmware === 'px4' || (present & PREARM_CHECK) !== 0) draft.ready = (health & PREARM_CHECK) !== 0;
+  },
+  BATTERY_STATUS(draft, fields) {
+    const battery = batteryOf(fields);
+    draft.batteries = [...draft.batteries.filter((each) => each.id !== battery.id), battery].sort((a, b) => a.id - b.id);
+    draft.battery = draft.batteries[0]!;
+  },
+  EXTENDED_SYS_STATE(draft, fields) {
+    draft.landedState = number(fields.landed_state) || null;
+    draft.vtolState = number(fields.vtol_state) || null;
+    draft.inAir = draft.landedState === null ? null : draft.landedState !== LANDED;
+  },
+  HOME_POSITION(draft, fields) {
+    const [latitude, longitude] = [number(fields.latitude) / 1e7, number(fields.longitude) / 1e7];
+    draft.home = { latitude, longitude, altitude: number(fields.altitude) / 1000, relativeAltitude: 0 };
+  },
+  RC_CHANNELS(draft, fields) {
+    const count = number(fields.chancount);
+    const channels = Array.from({ length: count }, (_, index) => known(fields[`chan${index + 1}_raw`], NO_U16));
+    draft.rc = { channels, rssi: known(fields.rssi, NO_U8, 1 / 254) };
+  },
+  RADIO_STATUS(draft, fields) {
+    draft.radio = { local: known(fields.rssi, NO_U8, 1 / 254), remote: known(fields.remrssi, NO_U8, 1 / 254) };
+  },
+  WIND(draft, fields) {
+    draft.wind = { direction: (number(fields.direction) + 360) % 360, speed: number(fields.speed) };
+  },
+  WIND_COV(draft, fields) {
+    const [north, east] = [number(fields.wind_x), number(fields.wind_y)];
+    draft.wind = { direction: (Math.atan2(-east, -north) * DEGREES + 360) % 360, speed: Math.hypot(north, east) };
+  },
+  MISSION_CURRENT(draft, fields) {
+    draft.mission = {
+      current: number(fields.seq),
+      total: number(fields.total) > 0 ? known(fields.total, NO_U16) : null,
+      state: number(fields.mission_state) || null,
+    };
+  },
+  AUTOPILOT_VERSION(draft, fields) {
+    const identifier = identifierOf(fields.flight_custom_version as Uint8Array | undefined);
+    if (MSP_IDENTIFIERS.has(identifier)) draft.firmware = 'msp';
+  },
+  CURRENT_MODE(draft, fields) {
+    if (draft.firmware === 'msp') draft.customMode = number(fields.custom_mode);
+  },
+  AVAILABLE_MODES(draft, fields) {
+    const isCurrent = number(fields.custom_mode) === draft.customMode;
+    if (modeName(draft.firmware, draft.type, draft.customMode) === null && isCurrent) {
+      draft.mode = String(fields.mode_name) || draft.mode;
+    }
+  },
+};
+
+const MSP_IDENTIFIERS: ReadonlySet<string> = new Set(['BTFL', 'INAV']);
+
+/** A bridge of an MSP flight controller puts the firmware's identifier into its version. */
+function identifierOf(bytes: Uint8Array | undefined): string {
+  return bytes === undefined ? '' : String.fromCharCode(...bytes.subarray(0, 4));
+}
+
+function emptyState(heartbeat: DecodedMessage): Draft {
+  const { system, component, time } = heartbeat;
+  return {
+    system,
+    component,
+    alive: true,
+    lastHeard: time,
+    type: 'unknown',
+    mavType: 0,
+    autopilot: 0,
+    firmware: 'other',
+    armed: null,
+    mode: null,
+    customMode: 0,
+    systemStatus: 0,
+    inAir: null,
+    landedState: null,
+    vtolState: null,
+    ready: null,
+    position: null,
+    home: null,
+    roll: null,
+    pitch: null,
+    heading: null,
+    rollSpeed: null,
+    pitchSpeed: null,
+    yawSpeed: null,
+    groundSpeed: null,
+    airSpeed: null,
+    climbRate: null,
+    throttle: null,
+    velocity: null,
+    battery: null,
+    batteries: [],
+    gps: null,
+    rc: null,
+    radio: null,
+    wind: null,
+    mission: null,
+    loss: 0,
+    rate: 0,
+    statusTexts: [],
+  };
+}

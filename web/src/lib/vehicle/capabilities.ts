@@ -1,0 +1,130 @@
+/** Capabilities of a vehicle, which panels ask before they show themselves. */
+
+import type { VehicleState, VehicleType } from './Vehicle';
+
+/** true: the vehicle has it; false: it has not; null: not known yet. */
+export type Capability = boolean | null;
+
+export interface Capabilities {
+  readonly params: Capability;
+  readonly mission: Capability;
+  readonly fence: Capability;
+  readonly rally: Capability;
+  readonly ftp: Capability;
+  readonly logs: Capability;
+  readonly shell: Capability;
+  readonly events: Capability;
+  readonly setpoints: Capability;
+  readonly takeoff: Capability;
+  readonly goto: Capability;
+  readonly orbit: Capability;
+  readonly manualControl: Capability;
+  readonly motorTest: Capability;
+  readonly terminate: Capability;
+  readonly vtol: Capability;
+  readonly ekfSources: Capability;
+  readonly gripper: Capability;
+  readonly winch: Capability;
+  readonly osd: Capability;
+  readonly vtx: Capability;
+  /** The vehicle is reached by MSP, not MAVLink. */
+  readonly msp: Capability;
+  /** Kinds of calibration: `gyroscope`, `accelerometer`, `compass`, `level` … */
+  readonly calibration: readonly string[];
+  readonly cameras: readonly number[];
+  readonly gimbals: readonly number[];
+}
+
+export const UNKNOWN_CAPABILITIES: Capabilities = {
+  params: null,
+  mission: null,
+  fence: null,
+  rally: null,
+  ftp: null,
+  logs: null,
+  shell: null,
+  events: null,
+  setpoints: null,
+  takeoff: null,
+  goto: null,
+  orbit: null,
+  manualControl: null,
+  motorTest: null,
+  terminate: null,
+  vtol: null,
+  ekfSources: null,
+  gripper: null,
+  winch: null,
+  osd: null,
+  vtx: null,
+  msp: null,
+  calibration: [],
+  cameras: [],
+  gimbals: [],
+};
+
+/** MAV_PROTOCOL_CAPABILITY, as far as it is needed. */
+const FTP = 1 << 5;
+const SETPOINTS = 1 << 7;
+const TERMINATE = 1 << 11;
+const FENCE = 1 << 14;
+const RALLY = 1 << 15;
+
+const ALL_CALIBRATIONS = [
+  'accelerometer', 'gyroscope', 'compass', 'level', 'airspeed', 'barometer', 'radio', 'esc', 'compass-motor',
+] as const;
+const GROUND_TYPES: ReadonlySet<VehicleType> = new Set(['rover', 'boat']);
+const WINGED_TYPES: ReadonlySet<VehicleType> = new Set(['plane', 'vtol']);
+const ESC_TYPES: ReadonlySet<VehicleType> = new Set(['copter', 'helicopter', 'vtol']);
+
+/** Features by firmware that do not depend on the vehicle's own flags. */
+const FIRMWARE: Readonly<Record<VehicleState['firmware'], Partial<Capabilities>>> = {
+  ardupilot: {
+    params: true, mission: true, logs: true, motorTest: true, shell: false, events: false, manualControl: true, msp: false,
+  },
+  px4: {
+    params: true, mission: true, logs: true, motorTest: true, shell: true, manualControl: true, ekfSources: false, msp: false,
+  },
+  // Betaflight and iNav: their pilot flies them by radio control.
+  msp: {
+    params: true, mission: false, fence: false, rally: false, ftp: false, logs: false, shell: false, events: false,
+    setpoints: false, takeoff: false, goto: false, orbit: false, manualControl: false, motorTest: false,
+    terminate: false, vtol: false, ekfSources: false, gripper: false, winch: false, osd: true, vtx: true, msp: true,
+    calibration: ['accelerometer', 'compass'],
+  },
+  other: {},
+};
+
+/**
+ * Returns the capabilities that follow from firmware, type and flags.
+ *
+ * @param flags - MAV_PROTOCOL_CAPABILITY of AUTOPILOT_VERSION, or null if it was not received.
+ */
+export function capabilitiesFrom(
+  firmware: VehicleState['firmware'], type: VehicleType, flags: number | null,
+): Capabilities {
+  const flag = (bit: number): Capability => (flags === null ? null : (flags & bit) !== 0);
+  const isGround = GROUND_TYPES.has(type);
+  const isKnown = firmware === 'ardupilot' || firmware === 'px4';
+  return {
+    ...UNKNOWN_CAPABILITIES,
+    ftp: flag(FTP),
+    fence: flag(FENCE),
+    rally: flag(RALLY),
+    setpoints: flag(SETPOINTS),
+    terminate: flag(TERMINATE),
+    takeoff: !isGround && type !== 'sub',
+    goto: true,
+    orbit: isKnown ? firmware === 'px4' && !isGround : null,
+    vtol: type === 'vtol',
+    calibration: isKnown ? calibrationsOf(type) : [],
+    ...FIRMWARE[firmware],
+  };
+}
+
+function calibrationsOf(type: VehicleType): string[] {
+  return ALL_CALIBRATIONS.filter((kind) => {
+    if (kind === 'airspeed') return WINGED_TYPES.has(type);
+    return kind === 'esc' || kind === 'compass-motor' ? ESC_TYPES.has(type) : true;
+  });
+}

@@ -1,0 +1,15 @@
+/** Names of vehicles and severities for people. */
+
+import { t } from '$lib/i18n';
+import type { VehicleState } from '$lib/vehicle/Vehicle';
+
+/** Returns a name such as `Copter 1`. */
+export function vehicleName(state: VehicleState): string {
+  return t('shell.vehicleName', { type: t(`shell.${state.type}`), system: state.system });
+}
+
+/** Severity of a status text, in three steps. */
+export function toneOf(severity: number): 'error' | 'warning' | 'info' {
+  if (severity <= 3) return 'error';
+  return severity === 4 ? 'warning' : 'info';
+}

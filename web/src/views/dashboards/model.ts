@@ -1,0 +1,209 @@
+/** Dashboards as they are shown, edited and saved: a JSON object that people can read and write by hand. */
+import { type FieldRef, formatFieldRef, parseFieldRef } from '$lib/series/fieldRef';
+import { problemOf } from '$lib/scripts/sandbox';
+
+export const WIDGET_KINDS = ['plot', 'gauge', 'value', 'text', 'horizon', 'compass', 'attitude', 'map', 'fft'] as const;
+export type WidgetKind = (typeof WIDGET_KINDS)[number];
+
+export interface WidgetField {
+  readonly ref: FieldRef;
+  /** Name in the legend; empty: that of the reference. */
+  readonly label: string;
+  /** The value is shown after `value * factor + offset`. */
+  readonly factor: number;
+  readonly offset: number;
+  readonly unit: string;
+}
+
+export interface Widget {
+  readonly id: string;
+  readonly kind: WidgetKind;
+  readonly title: string;
+  readonly x: number;
+  readonly y: number;
+  readonly width: number;
+  readonly height: number;
+  readonly fields: readonly WidgetField[];
+  /** Limits of a gauge. */
+  readonly minimum: number;
+  readonly maximum: number;
+  /** Seconds that a plot shows. */
+  readonly window: number;
+  readonly decimals: number;
+  /** Markdown-free text of a text widget, with `{1}` for the value of the first field. */
+  readonly text: string;
+}
+
+export interface UserScript {
+  /** Name of its source: `script:NAME`. */
+  readonly name: string;
+  /** Fields by the names under which the script reads them in `values`. */
+  readonly inputs: Readonly<Record<string, FieldRef>>;
+  readonly code: string;
+}
+
+export interface Dashboard {
+  readonly title: string;
+  /** Sources that the station needs for it, offered to be added. */
+  readonly sources: readonly string[];
+  readonly widgets: readonly Widget[];
+  readonly scripts: readonly UserScript[];
+}
+
+export const FILE_TYPE = 'mavstack-dashboard';
+export const FILE_VERSION = 1;
+export const MAX_WIDGETS = 100;
+export const EMPTY: Dashboard = { title: 'New dashboard', sources: [], widgets: [], scripts: [] };
+
+/** Default size of a kind of widget, in columns and rows. */
+export const DEFAULT_SIZES: Readonly<Record<WidgetKind, readonly [number, number]>> = {
+  plot: [6, 5],
+  gauge: [3, 4],
+  value: [3, 2],
+  text: [3, 2],
+  horizon: [3, 5],
+  compass: [3, 5],
+  attitude: [3, 5],
+  map: [6, 7],
+  fft: [6, 5],
+};
+
+/** The fields that a kind takes, in their order; a plot takes any number. */
+export const FIELD_ROLES: Readonly<Record<WidgetKind, readonly string[] | null>> = {
+  plot: null,
+  gauge: ['value'],
+  value: ['value'],
+  text: null,
+  horizon: ['roll', 'pitch'],
+  compass: ['heading'],
+  attitude: ['roll', 'pitch', 'yaw'],
+  map: null,
+  fft: null,
+};
+
+export class DashboardError extends Error {}
+
+/** Returns a field with defaults for all but its reference. */
+export function fieldOf(ref: FieldRef, options: Partial<Omit<WidgetField, 'ref'>> = {}): WidgetField {
+  return { ref, label: '', factor: 1, offset: 0, unit: '', ...options };
+}
+
+/** Returns a widget of a kind with defaults, without a place. */
+export function newWidget(kind: WidgetKind, fields: readonly WidgetField[] = [], title = ''): Omit<Widget, 'id' | 'x' | 'y'> {
+  const [width, height] = DEFAULT_SIZES[kind];
+  return { kind, title, width, height, fields, minimum: 0, maximum: 100, window: 30, decimals: 1, text: '' };
+}
+
+/** Returns the text of a file. */
+export function saveDashboard(dashboard: Dashboard): string {
+  const widgets = dashboard.widgets.map((widget) => ({ ...widget, fields: widget.fields.map(savedField) }));
+  const scripts = dashboard.scripts.map(({ name, inputs, code }) => ({
+    name,
+    inputs: Object.fromEntries(Object.entries(inputs).map(([input, ref]) => [input, formatFieldRef(ref)])),
+    code,
+  }));
+  const { title, sources } = dashboard;
+  return `${JSON.stringify({ type: FILE_TYPE, version: FILE_VERSION, title, sources, widgets, scripts }, null, 2)}\n`;
+}
+
+function savedField({ ref, label, factor, offset, unit }: WidgetField): Record<string, unknown> {
+  return {
+    ref: formatFieldRef(ref),
+    ...(label && { label }),
+    ...(factor !== 1 && { factor }),
+    ...(offset !== 0 && { offset }),
+    ...(unit && { unit }),
+  };
+}
+
+/**
+ * Returns the dashboard of a text; throws a DashboardError that says what is wrong.
+ *
+ * Widgets of unknown kinds and unknown members are left out, so that files of newer versions can be opened.
+ */
+export function loadDashboard(text: string): Dashboard {
+  let value: unknown;
+  try {
+    value = JSON.parse(text);
+  } catch (error) {
+    throw new DashboardError(`not a dashboard: ${(error as Error).message}`);
+  }
+  if (!isObject(value) || value['type'] !== FILE_TYPE) throw new DashboardError(`not a dashboard: no "type": "${FILE_TYPE}"`);
+  if (value['version'] !== FILE_VERSION) throw new DashboardError(`this dashboard has the version ${value['version']}`);
+  const widgets = list(value['widgets']).flatMap(loadWidget).slice(0, MAX_WIDGETS);
+  if (new Set(widgets.map((widget) => widget.id)).size < widgets.length) {
+    throw new DashboardError('two widgets have the same id');
+  }
+  return {
+    title: string(value['title'], EMPTY.title),
+    sources: list(value['sources']).filter((each): each is string => typeof each === 'string'),
+    widgets,
+    scripts: list(value['scripts']).flatMap(loadScript),
+  };
+}
+
+function loadWidget(value: unknown, index: number): Widget[] {
+  if (!isObject(value)) return [];
+  const kind = WIDGET_KINDS.find((each) => each === value['kind']);
+  if (kind === undefined) return [];
+  const [width, height] = DEFAULT_SIZES[kind];
+  return [
+    {
+      id: string(value['id'], `w${index + 1}`),
+      kind,
+      title: string(value['title'], ''),
+      x: number(value['x'], 0),
+      y: number(value['y'], 0),
+      width: number(value['width'], width),
+      height: number(value['height'], height),
+      fields: list(value['fields']).map((field) => loadField(field, index)),
+      minimum: number(value['minimum'], 0),
+      maximum: number(value['maximum'], 100),
+      window: Math.min(3600, Math.max(1, number(value['window'], 30))),
+      decimals: Math.min(9, Math.max(0, Math.round(number(value['decimals'], 1)))),
+      text: string(value['text'], ''),
+    },
+  ];
+}
+
+function loadField(value: unknown, index: number): WidgetField {
+  const object = typeof value === 'string' ? { ref: value } : isObject(value) ? value : {};
+  return fieldOf(loadRef(object['ref'], `widget ${index + 1}`), {
+    label: string(object['label'], ''),
+    factor: number(object['factor'], 1),
+    offset: number(object['offset'], 0),
+    unit: string(object['unit'], ''),
+  });
+}
+
+function loadRef(value: unknown, place: string): FieldRef {
+  const ref = typeof value === 'string' ? parseFieldRef(value) : null;
+  if (ref === null) throw new DashboardError(`${place}: ${JSON.stringify(value)} is not a field such as 1/1:ATTITUDE.roll`);
+  return ref;
+}
+
+function loadScript(value: unknown, index: number): UserScript[] {
+  if (!isObject(value)) return [];
+  const name = string(value['name'], '');
+  const code = string(value['code'], '');
+  const problem = /^[A-Za-z][A-Za-z0-9_]{0,31}$/.test(name) ? problemOf(code) : 'it needs a name of letters and digits';
+  if (problem !== null) throw new DashboardError(`script ${index + 1}: ${problem}`);
+  const inputs = isObject(value['inputs']) ? Object.entries(value['inputs']) : [];
+  return [{ name, code, inputs: Object.fromEntries(inputs.map(([input, ref]) => [input, loadRef(ref, `script ${name}`)])) }];
+}
+
+function isObject(value: unknown): value is Record<string, unknown> {
+  return typeof value === 'object' && value !== null && !Array.isArray(value);
+}
+
+function list(value: unknown): readonly unknown[] {
+  return Array.isArray(value) ? value : [];
+}
+
+function string(value: unknown, fallback: string): string {
+  return typeof value === 'string' ? value.slice(0, 100_000) : fallback;
+}
+
+function number(value: unknown, fallback: number): number {
+  return typeof value === 'number' && Number.isFinite(value) ? value : fallback;
+}

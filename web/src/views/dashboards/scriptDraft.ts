@@ -1,0 +1,35 @@
+/** A script as its form holds it, with the inputs as lines of text. */
+import { problemOf } from '$lib/scripts/sandbox';
+import { formatFieldRef, parseFieldRef, type FieldRef } from '$lib/series/fieldRef';
+
+import type { UserScript } from './model';
+
+export interface ScriptDraft {
+  name: string;
+  inputs: string;
+  code: string;
+}
+
+export interface ReadScript {
+  readonly script: UserScript | null;
+  readonly problem: string | null;
+}
+
+export function draftOf({ name, inputs, code }: UserScript): ScriptDraft {
+  const lines = Object.entries(inputs).map(([input, ref]) => `${input} = ${formatFieldRef(ref)}`);
+  return { name, inputs: lines.join('\n'), code };
+}
+
+/** Returns the script of a form, or why it cannot run. */
+export function readDraft({ name, inputs, code }: ScriptDraft): ReadScript {
+  if (!/^[A-Za-z][A-Za-z0-9_]{0,31}$/.test(name)) return { script: null, problem: 'the name has letters and digits' };
+  const found: Record<string, FieldRef> = {};
+  for (const line of inputs.split('\n').filter((each) => each.trim() !== '')) {
+    const [input = '', ...rest] = line.split('=');
+    const ref = parseFieldRef(rest.join('='));
+    if (ref === null || !/^\w{1,32}$/.test(input.trim())) return { script: null, problem: `${line.trim()} is not an input` };
+    found[input.trim()] = ref;
+  }
+  const problem = problemOf(code);
+  return { script: problem === null ? { name, inputs: found, code } : null, problem };
+}

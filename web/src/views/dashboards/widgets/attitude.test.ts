@@ -1,0 +1,27 @@
+import { expect, it } from 'vitest';
+import { attitudeFaces, project, rotated } from './attitude';
+
+const QUARTER = Math.PI / 2;
+const near = (point: object, expected: object): void => {
+  for (const [key, value] of Object.entries(expected)) expect((point as Record<string, number>)[key]).toBeCloseTo(value);
+};
+
+it('turns as aircraft do', () => {
+  near(rotated([1, 0, 0], 0, QUARTER, 0), { x: 0, y: 0, z: -1 });
+  near(rotated([1, 0, 0], 0, 0, QUARTER), { x: 0, y: 1, z: 0 });
+  near(rotated([0, 1, 0], QUARTER, 0, 0), { x: 0, y: 0, z: 1 });
+});
+
+it('draws what is far first, in a picture of bounded size', () => {
+  const faces = attitudeFaces(0.3, 0.2, 1);
+  expect(faces).toHaveLength(10);
+  for (const { points, light } of faces) {
+    expect(light).toBeLessThanOrEqual(1.3);
+    for (const [x, y] of points) expect(Math.hypot(x, y)).toBeLessThan(2);
+  }
+});
+
+it('shows right to the right and up above', () => {
+  expect(project({ x: 0, y: 1, z: 0 })[0]).toBeGreaterThan(0);
+  expect(project({ x: 0, y: 0, z: -1 })[1]).toBeLessThan(0);
+});

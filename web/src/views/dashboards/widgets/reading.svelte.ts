@@ -1,0 +1,45 @@
+/** The series of a widget's fields, with the values that the widget shows. */
+import { fieldLabel } from '$lib/series/fieldRef';
+import { live } from '$lib/series/live.svelte';
+import type { Series } from '$lib/series/SeriesHub';
+
+import type { WidgetField } from '../model';
+
+export interface Watched {
+  readonly field: WidgetField;
+  readonly series: Series;
+  readonly label: string;
+}
+
+/** Returns the number that a field shows, null before its first value. */
+export function valueOf({ field, series }: Watched): number | null {
+  const { value } = series;
+  return value === null ? null : value * field.factor + field.offset;
+}
+
+/** Returns what a field shows as text: a text of the source as it is. */
+export function textOfField(watched: Watched, decimals: number): string {
+  const value = valueOf(watched);
+  if (value !== null) return value.toFixed(decimals);
+  const { latest } = watched.series;
+  return typeof latest === 'string' ? latest : '–';
+}
+
+/** Watches fields while a component is shown; call it while the component is made. */
+export function watchFields(fields: () => readonly WidgetField[]): { readonly list: readonly Watched[] } {
+  let list = $state.raw<readonly Watched[]>([]);
+  $effect(() => {
+    const made = fields().map((field) => ({
+      field,
+      series: live.hub.watch(field.ref),
+      label: field.label || fieldLabel(field.ref),
+    }));
+    list = made;
+    return () => made.forEach(({ series }) => live.hub.release(series));
+  });
+  return {
+    get list() {
+      return list;
+    },
+  };
+}

@@ -1,0 +1,78 @@
+/** Layers of the fly view's map: they read the store, so that each change of it paints the map once. */
+import { paintFence, paintHome, paintMission, paintRally, paintTarget } from '$lib/map/planLayer';
+import type { Layer } from '$lib/map/drawing';
+import { paintTraffic } from '$lib/map/traffic';
+import { type MapVehicle, paintVehicles } from '$lib/map/vehicleLayer';
+import { fleet } from '$lib/store/fleet.svelte';
+import { format } from '$lib/units/units';
+import type { Vehicle } from '$lib/vehicle/Vehicle';
+
+import { fly } from './fly.svelte';
+
+/** Homes and missions of so many vehicles are shown; of larger fleets only those of the selected vehicle. */
+const MAX_WITH_PLANS = 12;
+
+/** Returns a vehicle as the map shows it, or null while its position is not known. */
+export function mapVehicle(vehicle: Vehicle, isSelected: boolean): MapVehicle | null {
+  const { system, position, velocity, type, heading, armed, alive } = vehicle.state;
+  if (position === null) return null;
+  const altitude = position.relativeAltitude;
+  return {
+    system,
+    type,
+    heading,
+    velocity,
+    isArmed: armed === true,
+    isAlive: alive,
+    isSelected,
+    latitude: position.latitude,
+    longitude: position.longitude,
+    caption: altitude === null ? String(system) : `${system} · ${format(altitude, 'altitude', 0)}`,
+    trackEnd: fly.trackEnd(system),
+  };
+}
+
+/** Returns all vehicles whose positions are known. */
+export function mapVehicles(): MapVehicle[] {
+  const selected = new Set(fly.targets.map((vehicle) => vehicle.system));
+  return fleet.vehicles.map((each) => mapVehicle(each, selected.has(each.system))).filter((each) => each !== null);
+}
+
+const plans: Layer = (drawing) => {
+  const few = fleet.vehicles.length <= MAX_WITH_PLANS;
+  for (const vehicle of fleet.vehicles) {
+    const isSelected = vehicle.system === fleet.selectedSystem;
+    if (!few && !isSelected) continue;
+    const { mission, fence, rally } = fly.plansOf(vehicle.system);
+    if (isSelected) {
+      paintFence(drawing, fence);
+      paintRally(drawing, rally);
+    }
+    if (mission.length === 0) continue;
+    paintMission(drawing, fly.pathOf(vehicle), {
+      isFaint: !isSelected,
+      current: vehicle.state.mission?.current ?? null,
+    });
+  }
+};
+
+const homes: Layer = (drawing) => {
+  const few = fleet.vehicles.length <= MAX_WITH_PLANS;
+  for (const { system, state } of fleet.vehicles) {
+    if (state.home === null || (!few && system !== fleet.selectedSystem)) continue;
+    paintHome(drawing, state.home, few && fleet.vehicles.length > 1 ? String(system) : '');
+  }
+};
+
+const traffic: Layer = (drawing) => {
+  paintTraffic(drawing, fly.traffic, fleet.selected?.state.position?.altitude ?? null);
+};
+
+const target: Layer = (drawing) => {
+  if (fly.target === null) return;
+  paintTarget(drawing, fly.target.place, fly.target.systems.join(', '), fly.target.radius);
+};
+
+const vehicles: Layer = (drawing) => paintVehicles(drawing, mapVehicles());
+
+export const LAYERS: readonly Layer[] = [plans, homes, traffic, target, vehicles];

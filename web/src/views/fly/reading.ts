@@ -1,0 +1,69 @@
+/** Values that instruments show of a vehicle, in the user's units. */
+import type { FlightReading, FlightUnits } from '$lib/instruments/flight';
+import { bearing, distance } from '$lib/map/geometry';
+import { convert, type Quantity, unitOf } from '$lib/units/units';
+import type { VehicleState } from '$lib/vehicle/Vehicle';
+
+const RADIANS = Math.PI / 180;
+/** Slower than this, the direction of travel is noise. */
+const MIN_COURSE_SPEED = 0.7;
+
+function shown(value: number | null, quantity: Quantity): number | null {
+  return value === null ? null : convert(value, quantity);
+}
+
+/** Whether the airspeed counts: fixed wings fly by it. */
+function usesAirSpeed(state: VehicleState): boolean {
+  return (state.type === 'plane' || state.type === 'vtol') && state.airSpeed !== null;
+}
+
+/** Returns the values of a flight display. */
+export function flightReading(state: VehicleState | null): FlightReading {
+  if (state === null) return { roll: null, pitch: null, heading: null, speed: null, altitude: null, climb: null };
+  const { position, home } = state;
+  return {
+    roll: state.roll,
+    pitch: state.pitch,
+    heading: state.heading,
+    course: course(state),
+    home: position !== null && home !== null && distance(position, home) > 3 ? bearing(position, home) : null,
+    speed: shown(usesAirSpeed(state) ? state.airSpeed : state.groundSpeed, 'speed'),
+    altitude: shown(position?.relativeAltitude ?? position?.altitude ?? null, 'altitude'),
+    climb: shown(state.climbRate, 'climb'),
+  };
+}
+
+/** Returns the direction of travel in degrees, or null while the vehicle hardly moves. */
+export function course(state: VehicleState): number | null {
+  if (state.velocity === null) return null;
+  const { north, east } = state.velocity;
+  if (Math.hypot(north, east) < MIN_COURSE_SPEED) return null;
+  return (Math.atan2(east, north) / RADIANS + 360) % 360;
+}
+
+/** Returns the names of the units of a flight display. */
+export function flightUnits(state: VehicleState | null): FlightUnits {
+  const hasHome = state?.position?.relativeAltitude != null;
+  return {
+    speedLabel: state !== null && usesAirSpeed(state) ? 'AS' : 'GS',
+    speedUnit: unitOf('speed').name,
+    altitudeLabel: hasHome || state === null ? 'ALT' : 'AMSL',
+    altitudeUnit: unitOf('altitude').name,
+    fullClimb: convert(10, 'climb'),
+  };
+}
+
+/** Returns the distance to home in metres, or null. */
+export function homeDistance(state: VehicleState): number | null {
+  return state.position === null || state.home === null ? null : distance(state.position, state.home);
+}
+
+/** Whether a vehicle moves on the ground or on water: it needs no takeoff. */
+export function isOnSurface({ type }: VehicleState): boolean {
+  return type === 'rover' || type === 'boat';
+}
+
+/** Whether a vehicle can be sent to places: armed, and in the air if it flies. */
+export function isUnderWay(state: VehicleState): boolean {
+  return state.armed === true && (state.inAir !== false || isOnSurface(state) || state.type === 'sub');
+}

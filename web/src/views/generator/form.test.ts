@@ -1,0 +1,14 @@
+import { expect, it } from 'vitest';
+import { queryOf, toggled } from './form';
+
+const FORM = { dialect: 'common', languages: ['c', 'go'], only: ' GPS* ', exclude: '', package: '' };
+
+it('makes the query of the form', () => {
+  expect(queryOf(FORM, false)).toEqual({ dialect: 'common', languages: 'c,go', only: 'GPS*' });
+  expect(queryOf(FORM, true).dialect).toBeUndefined();
+});
+
+it('keeps the languages in their order', () => {
+  expect(toggled(['go'], 'c', ['c', 'lua', 'go'])).toEqual(['c', 'go']);
+  expect(toggled(['c', 'go'], 'c', ['c', 'lua', 'go'])).toEqual(['go']);
+});

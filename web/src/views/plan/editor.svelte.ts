@@ -1,0 +1,386 @@
+/** The plan that is edited, with its history, selection, tool and the drawing that is under way. */
+
+import { fleet } from '$lib/store/fleet.svelte';
+import { Persisted } from '$lib/store/settings.svelte';
+
+import { check, type Problem } from './logic/checks';
+import { commandInfo, itemPosition, newItem } from './logic/commands';
+import { corridorLanes } from './logic/corridor';
+import { hgtSource, tileSource, type ElevationSource, type HgtFile, type TileEncoding } from './logic/elevation';
+import { area, destination, pathLength, type Point } from './logic/geo';
+import { begin, commit, redo, undo, type History } from './logic/history';
+import {
+  changedAt, CMD, EMPTY_PLAN, FRAME, insertItems, moveItem, moveVertex, placedAt, removeItems, replaceItem, waypoint, without,
+  type Item, type Place, type Plan, type PlanKind,
+} from './logic/model';
+import { altitudeFor, CAMERAS, laneItems, pictureCount, spacingOf, type Camera, type Lane } from './logic/pattern';
+import { isWing, statisticsOf } from './logic/statistics';
+import { maxEdgeAngle, surveyLanes } from './logic/survey';
+import type { Profile } from './logic/terrain';
+
+export type Tool = 'select' | 'waypoint' | 'survey' | 'corridor' | 'polygon' | 'circle' | 'rally' | 'home' | 'return';
+export type Selection =
+  | { readonly kind: 'item' | 'polygon' | 'circle' | 'rally'; readonly index: number }
+  | { readonly kind: 'home' | 'return' };
+
+export interface PatternSettings {
+  /** Name of the camera; empty: the distance of lanes is given by hand. */
+  readonly camera: string;
+  readonly side: number;
+  readonly front: number;
+  readonly spacing: number;
+  readonly turnaround: number;
+  readonly crosshatch: boolean;
+  /** Metres of a corridor. */
+  readonly width: number;
+}
+
+export interface Limits {
+  /** Minutes that a full battery lasts; null: not known. */
+  readonly endurance: number | null;
+  /** Metres. */
+  readonly clearance: number;
+  readonly ceiling: number | null;
+}
+
+const PATTERN: PatternSettings = {
+  camera: 'Sony a6000 16 mm', side: 70, front: 75, spacing: 25, turnaround: 10, crosshatch: false, width: 60,
+};
+/** Tools that draw a line or an area, and how many points they need. */
+const DRAWN: Readonly<Partial<Record<Tool, number>>> = { survey: 3, corridor: 2, polygon: 3 };
+const NEW_RADIUS = 100;
+const ENDS: ReadonlySet<number> = new Set([CMD.NAV_RETURN_TO_LAUNCH, CMD.NAV_LAND, CMD.NAV_VTOL_LAND]);
+
+export class Editor {
+  private history: History<Plan> = $state.raw(begin(EMPTY_PLAN));
+  selection: Selection | null = $state.raw(null);
+  tool: Tool = $state('select');
+  /** The points of the line or the area that is drawn. */
+  draft: readonly Point[] = $state.raw([]);
+  /** Heading of the lanes of a survey; null: along the longest edge. */
+  angle: number | null = $state(null);
+  start = $state(0);
+  profile: Profile | null = $state.raw(null);
+  hgtFiles: readonly HgtFile[] = $state.raw([]);
+  /** The plans as the vehicle has them, as far as they were downloaded or uploaded; by system id and kind. */
+  held: Readonly<Record<string, readonly Item[]>> = $state.raw({});
+  name = $state('');
+
+  readonly altitude = new Persisted('plan.altitude', 30);
+  readonly frame = new Persisted<number>('plan.frame', FRAME.GLOBAL_RELATIVE_ALT);
+  readonly pattern = new Persisted('plan.pattern', PATTERN);
+  readonly limits = new Persisted<Limits>('plan.limits', { endurance: null, clearance: 20, ceiling: 120 });
+
+  readonly terrainTiles = new Persisted('plan.terrainTiles', '');
+  readonly terrainEncoding = new Persisted<TileEncoding>('plan.terrainEncoding', 'terrarium');
+
+  readonly elevation: ElevationSource | null = $derived.by(() => {
+    const address = this.terrainTiles.value.trim();
+    if (this.hgtFiles.length > 0) return hgtSource(this.hgtFiles);
+    return address === '' ? null : tileSource(address, this.terrainEncoding.value);
+  });
+  readonly plan: Plan = $derived(this.history.present);
+  readonly canUndo: boolean = $derived(this.history.past.length > 0);
+  readonly canRedo: boolean = $derived(this.history.future.length > 0);
+  readonly statistics = $derived(statisticsOf(this.plan));
+  readonly problems: Problem[] = $derived(check({
+    plan: this.plan,
+    statistics: this.statistics,
+    profile: this.profile,
+    ...this.limits.value,
+    vehicle: this.vehiclePlace,
+    wing: isWing(this.plan),
+  }));
+
+  get vehiclePlace(): Point | null {
+    const at = fleet.selected?.state.position ?? null;
+    // Rounded to some hundred metres, so that a vehicle that moves does not check the plan again all the time.
+    return at && { latitude: Math.round(at.latitude * 200) / 200, longitude: Math.round(at.longitude * 200) / 200 };
+  }
+
+  /** Changes the plan; edits with the same key, such as those of one drag, are undone together. */
+  change(plan: Plan, key: string | null = null): void {
+    this.history = commit(this.history, plan, key);
+  }
+
+  /** Ends a gesture: the next edit is undone alone. */
+  endGesture(): void {
+    this.history = { ...this.history, key: null };
+  }
+
+  undo(): void {
+    this.history = undo(this.history);
+    this.clampSelection();
+  }
+
+  redo(): void {
+    this.history = redo(this.history);
+    this.clampSelection();
+  }
+
+  /** Replaces the whole plan, as by a file or a download. */
+  load(plan: Plan): void {
+    this.change(plan);
+    this.selection = null;
+    this.setTool('select');
+  }
+
+  setTool(tool: Tool): void {
+    this.tool = tool;
+    this.draft = [];
+    this.angle = null;
+    this.start = 0;
+  }
+
+  /** The number of points that the drawing still needs; null if the tool draws none. */
+  get missing(): number | null {
+    const needed = DRAWN[this.tool];
+    return needed === undefined ? null : Math.max(0, needed - this.draft.length);
+  }
+
+  /** Metres per second; a wing has its cruise speed, other vehicles the speed of hovering flight. */
+  get speed(): number {
+    return isWing(this.plan) ? this.plan.cruiseSpeed : this.plan.hoverSpeed;
+  }
+
+  set speed(speed: number) {
+    this.change({ ...this.plan, ...(isWing(this.plan) ? { cruiseSpeed: speed } : { hoverSpeed: speed }) });
+  }
+
+  get selectedItem(): number | null {
+    return this.selection?.kind === 'item' ? this.selection.index : null;
+  }
+
+  private clampSelection(): void {
+    const [chosen, plan] = [this.selection, this.plan];
+    if (!chosen || !('index' in chosen)) return;
+    const counts = { item: plan.mission, polygon: plan.polygons, circle: plan.circles, rally: plan.rally };
+    if (chosen.index >= counts[chosen.kind].length) this.selection = null;
+  }
+
+  // Editing
+
+  /** Does what the tool does at a place of the map. */
+  click(at: Point): void {
+    const { latitude, longitude } = at;
+    const place: Place = { latitude, longitude, altitude: this.altitude.value };
+    const actions: Partial<Record<Tool, () => void>> = {
+      waypoint: () => this.addWaypoint(place),
+      circle: () => this.addCircle({ latitude, longitude }),
+      rally: () => this.addRally(place),
+      home: () => this.setHome({ ...place, altitude: this.plan.home?.altitude ?? 0 }),
+      return: () => this.placeReturn(place),
+    };
+    if (this.missing !== null) this.draft = [...this.draft, { latitude, longitude }];
+    else actions[this.tool]?.();
+  }
+
+  private addWaypoint(place: Place): void {
+    if (this.plan.mission.length === 0) {
+      const home = this.plan.home ?? this.knownHome() ?? { ...place, altitude: 0 };
+      const takeoff = newItem(CMD.NAV_TAKEOFF, { ...home, altitude: place.altitude }, this.frame.value);
+      const first = waypoint(place, place.altitude, this.frame.value);
+      this.change(this.forVehicle({ ...insertItems(this.plan, 0, [takeoff, first]), home }));
+      this.selection = { kind: 'item', index: 1 };
+      return;
+    }
+    this.insertAt(this.insertionIndex(), waypoint(place, place.altitude, this.frame.value));
+  }
+
+  /** Returns a plan for the kind of vehicle that is selected, which speeds depend on. */
+  private forVehicle(plan: Plan): Plan {
+    const vehicle = fleet.selected?.state;
+    return vehicle ? { ...plan, firmware: vehicle.autopilot, vehicleType: vehicle.mavType } : plan;
+  }
+
+  /** The home of the vehicle, if it has told it. */
+  private knownHome(): Place | null {
+    const home = fleet.selected?.state.home ?? fleet.selected?.state.position ?? null;
+    return home && { latitude: home.latitude, longitude: home.longitude, altitude: home.altitude ?? 0 };
+  }
+
+  /** New items come after the selected one; without one at the end, before a landing or a return. */
+  private insertionIndex(): number {
+    const { mission } = this.plan;
+    if (this.selectedItem !== null) return this.selectedItem + 1;
+    const last = mission.at(-1);
+    return last && ENDS.has(last.command) ? mission.length - 1 : mission.length;
+  }
+
+  insertAt(index: number, added: Item): void {
+    this.change(insertItems(this.plan, index, [added]));
+    this.selection = { kind: 'item', index };
+  }
+
+  /** Adds an item of a command after the selected one, at its place. */
+  addCommand(command: number): void {
+    const index = ENDS.has(command) && this.selectedItem === null ? this.plan.mission.length : this.insertionIndex();
+    this.insertAt(index, newItem(command, this.placeNear(index), this.frame.value));
+  }
+
+  /** The place of the items before an index, or a known one. */
+  placeNear(index: number): Place {
+    const before = this.plan.mission.slice(0, index).reverse().map(itemPosition).find((each) => each !== null);
+    const at = before ?? this.plan.home ?? this.knownHome() ?? { latitude: 0, longitude: 0 };
+    return { latitude: at.latitude, longitude: at.longitude, altitude: this.altitude.value };
+  }
+
+  replaceItem(index: number, changed: Item, key: string | null = null): void {
+    this.change(replaceItem(this.plan, index, changed), key);
+  }
+
+  moveItem(from: number, to: number): void {
+    this.change(moveItem(this.plan, from, to));
+    this.selection = { kind: 'item', index: Math.max(0, Math.min(to, this.plan.mission.length - 1)) };
+  }
+
+  private addCircle(center: Point): void {
+    const circles = [...this.plan.circles, { inclusion: true, center, radius: NEW_RADIUS }];
+    this.change({ ...this.plan, circles });
+    this.selection = { kind: 'circle', index: circles.length - 1 };
+    this.setTool('select');
+  }
+
+  private addRally(place: Place): void {
+    this.change({ ...this.plan, rally: [...this.plan.rally, place] });
+    this.selection = { kind: 'rally', index: this.plan.rally.length - 1 };
+  }
+
+  private setHome(home: Place): void {
+    this.change({ ...this.plan, home });
+    this.selection = { kind: 'home' };
+    this.setTool('select');
+  }
+
+  private placeReturn(returnPoint: Place): void {
+    this.change({ ...this.plan, returnPoint });
+    this.selection = { kind: 'return' };
+    this.setTool('select');
+  }
+
+  /** Turns the drawing into a fence polygon, or the items of a pattern. */
+  finishDrawing(): void {
+    if (this.missing !== 0) return;
+    if (this.tool === 'polygon') {
+      const polygons = [...this.plan.polygons, { inclusion: true, vertices: this.draft }];
+      this.change({ ...this.plan, polygons });
+      this.selection = { kind: 'polygon', index: polygons.length - 1 };
+    } else this.insertPattern();
+    this.setTool('select');
+  }
+
+  /** Moves something on the map; `handle` is a corner of a polygon or a point of the drawing. */
+  place(target: Selection | { kind: 'draft' }, at: Point, handle = 0): void {
+    const { plan } = this;
+    const point = { latitude: at.latitude, longitude: at.longitude };
+    if (target.kind === 'draft') {
+      this.draft = changedAt(this.draft, handle, point);
+      return;
+    }
+    const index = 'index' in target ? target.index : 0;
+    const edits: Record<Selection['kind'], () => Plan> = {
+      item: () => replaceItem(plan, index, placedAt(plan.mission[index]!, point)),
+      polygon: () => moveVertex(plan, index, handle, point),
+      circle: () => ({ ...plan, circles: changedAt(plan.circles, index, { ...plan.circles[index]!, center: point }) }),
+      rally: () => ({ ...plan, rally: changedAt(plan.rally, index, { ...plan.rally[index]!, ...point }) }),
+      home: () => ({ ...plan, home: { altitude: 0, ...plan.home, ...point } }),
+      return: () => ({ ...plan, returnPoint: { altitude: 0, ...plan.returnPoint, ...point } }),
+    };
+    this.change(edits[target.kind](), `place ${target.kind} ${index} ${handle}`);
+  }
+
+  removeSelected(): void {
+    const { plan, selection } = this;
+    if (!selection) return;
+    const index = 'index' in selection ? selection.index : 0;
+    const edits: Record<Selection['kind'], () => Plan> = {
+      item: () => removeItems(plan, new Set([index])),
+      polygon: () => ({ ...plan, polygons: without(plan.polygons, index) }),
+      circle: () => ({ ...plan, circles: without(plan.circles, index) }),
+      rally: () => ({ ...plan, rally: without(plan.rally, index) }),
+      home: () => ({ ...plan, home: null }),
+      return: () => ({ ...plan, returnPoint: null }),
+    };
+    this.change(edits[selection.kind]());
+    const left = this.plan.mission.length;
+    this.selection = selection.kind === 'item' && left > 0 ? { kind: 'item', index: Math.min(index, left - 1) } : null;
+  }
+
+  // Patterns
+
+  get camera(): Camera | null {
+    return CAMERAS.find((each) => each.name === this.pattern.value.camera) ?? null;
+  }
+
+  /** Metres between lanes and between pictures. */
+  get spacing(): { lanes: number; pictures: number } {
+    const { camera, pattern } = this;
+    return camera ? spacingOf(camera, this.altitude.value, pattern.value) : { lanes: pattern.value.spacing, pictures: 0 };
+  }
+
+  /** Centimetres on the ground of a pixel; null without a camera. */
+  get resolution(): number | null {
+    return this.camera && spacingOf(this.camera, this.altitude.value, this.pattern.value).resolution;
+  }
+
+  setResolution(centimetres: number): void {
+    if (this.camera) this.altitude.value = Math.round(altitudeFor(this.camera, centimetres) * 10) / 10;
+  }
+
+  get laneAngle(): number {
+    return this.angle ?? maxEdgeAngle(this.draft);
+  }
+
+  /** The lanes of the pattern that is drawn. */
+  get lanes(): Lane[] {
+    const { crosshatch, width } = this.pattern.value;
+    const spacing = this.spacing.lanes;
+    if (this.missing !== 0) return [];
+    if (this.tool === 'corridor') return corridorLanes(this.draft, { width, spacing, reverse: this.start > 0 });
+    if (this.tool !== 'survey') return [];
+    return surveyLanes(this.draft, { spacing, angle: this.laneAngle, start: this.start, crosshatch });
+  }
+
+  /** Numbers of the pattern that is drawn; null while it is not complete. */
+  get patternSummary(): { lanes: number; distance: number; pictures: number; area: number } | null {
+    const { lanes } = this;
+    if (lanes.length === 0) return null;
+    const covered = this.tool === 'survey' ? area(this.draft) : pathLength(this.draft) * this.pattern.value.width;
+    const distance = lanes.reduce((sum, lane) => sum + pathLength(lane), 0);
+    return { lanes: lanes.length, distance, pictures: pictureCount(lanes, this.spacing.pictures), area: covered };
+  }
+
+  private insertPattern(): void {
+    const items = laneItems(this.lanes, {
+      altitude: this.altitude.value,
+      frame: this.frame.value,
+      pictures: this.spacing.pictures,
+      turnaround: this.pattern.value.turnaround,
+    });
+    const first = this.lanes[0]?.[0];
+    if (!first) return;
+    const isFirst = this.plan.mission.length === 0;
+    const home = this.plan.home ?? (isFirst ? (this.knownHome() ?? { ...first, altitude: 0 }) : null);
+    const place = { ...(home ?? first), altitude: this.altitude.value };
+    const takeoff = isFirst ? [newItem(CMD.NAV_TAKEOFF, place, this.frame.value)] : [];
+    const back = isFirst ? [newItem(CMD.NAV_RETURN_TO_LAUNCH, place)] : [];
+    const index = this.insertionIndex();
+    const inserted = { ...insertItems(this.plan, index, [...takeoff, ...items, ...back]), home };
+    this.change(isFirst ? this.forVehicle(inserted) : inserted);
+    this.selection = null;
+  }
+}
+
+/** The place on the edge of a circle to drag its radius by: to the east of its centre. */
+export function radiusHandle(center: Point, radius: number): Point {
+  return destination(center, 90, radius);
+}
+
+export function itemLabel(each: Item): string {
+  return commandInfo(each.command).label;
+}
+
+export const KINDS: readonly PlanKind[] = ['mission', 'fence', 'rally'];
+
+/** The plan stays while other views are shown. */
+export const editor = new Editor();

@@ -1,0 +1,189 @@
+/** Checks of a plan, before a vehicle refuses it or flies it differently. */
+
+import type { plan as texts } from '$lib/i18n/en/plan';
+
+import { commandInfo, isOnPath, itemPosition } from './commands';
+import { contains, crosses, crossesItself, distance, toLocal, centre, type Point } from './geo';
+import { CMD, FRAME, isEmpty, type Item, type Plan, type PlanKind } from './model';
+import { batteryUse, pathOf, type PathPoint, type Statistics } from './statistics';
+import type { Profile } from './terrain';
+
+export type CheckKey = Extract<keyof typeof texts, `check${string}`>;
+export type Severity = 'error' | 'warning' | 'info';
+
+export interface Problem {
+  readonly severity: Severity;
+  readonly kind: PlanKind;
+  /** The index of the item, area or point; null: the whole plan. */
+  readonly index: number | null;
+  /** The name of the text in the catalogue of the view. */
+  readonly key: CheckKey;
+  readonly values: Readonly<Record<string, string | number>>;
+}
+
+export interface CheckInput {
+  readonly plan: Plan;
+  readonly statistics: Statistics;
+  readonly profile: Profile | null;
+  /** Metres that the path must keep above the ground. */
+  readonly clearance: number;
+  /** Minutes that a full battery lasts; null: not known. */
+  readonly endurance: number | null;
+  /** Metres above home that rules of most countries allow; null: no limit. */
+  readonly ceiling: number | null;
+  /** The vehicle's position; null: not known. */
+  readonly vehicle: Point | null;
+  readonly wing: boolean;
+}
+
+/** The part of a battery that a mission may need. */
+const USABLE_BATTERY = 0.8;
+const FAR_FROM_VEHICLE = 5000;
+const FAR_FROM_HOME = 20_000;
+const ENDS: ReadonlySet<number> = new Set([
+  CMD.NAV_RETURN_TO_LAUNCH, CMD.NAV_LAND, CMD.NAV_VTOL_LAND, CMD.NAV_LOITER_UNLIM,
+]);
+const TAKEOFFS: ReadonlySet<number> = new Set([CMD.NAV_TAKEOFF, CMD.NAV_VTOL_TAKEOFF]);
+const MUST_HAVE_POSITION: ReadonlySet<number> = new Set([CMD.NAV_WAYPOINT, CMD.NAV_SPLINE_WAYPOINT]);
+const RANK: Readonly<Record<Severity, number>> = { error: 0, warning: 1, info: 2 };
+
+type Values = Readonly<Record<string, string | number>>;
+
+function problem(severity: Severity, kind: PlanKind, key: CheckKey, index: number | null = null, values: Values = {}): Problem {
+  return { severity, kind, index, key, values: index === null ? values : { number: index + 1, ...values } };
+}
+
+/** Returns the problems of a plan, the worst first. */
+export function check(input: CheckInput): Problem[] {
+  const { plan } = input;
+  const found = [
+    ...plan.mission.flatMap((each, index) => itemProblems(plan, each, index)),
+    ...missionProblems(input),
+    ...areaProblems(plan),
+    ...fenceProblems(plan),
+    ...terrainProblems(input),
+  ];
+  return found.sort((a, b) => RANK[a.severity] - RANK[b.severity]);
+}
+
+function itemProblems(plan: Plan, each: Item, index: number): Problem[] {
+  const error = (key: CheckKey, values: Values = {}): Problem => problem('error', 'mission', key, index, values);
+  const found: Problem[] = [];
+  const info = commandInfo(each.command);
+  const [latitude, longitude, altitude] = each.params.slice(4);
+  if (info.hasLocation && each.frame !== FRAME.MISSION) {
+    if (MUST_HAVE_POSITION.has(each.command) && itemPosition(each) === null) found.push(error('checkNoPosition'));
+    if (Math.abs(latitude ?? 0) > 90 || Math.abs(longitude ?? 0) > 180) found.push(error('checkOffEarth'));
+    if (altitude == null && MUST_HAVE_POSITION.has(each.command)) found.push(error('checkNoAltitude'));
+  }
+  if (each.command === CMD.DO_JUMP) {
+    const target = each.params[0] ?? -1;
+    if (!Number.isInteger(target) || target < 0 || target >= plan.mission.length) found.push(error('checkJumpNowhere'));
+    else if (target === index) found.push(error('checkJumpToItself'));
+  }
+  for (const { index: number, minimum, maximum, label } of info.params) {
+    const value = each.params[number - 1];
+    if (value == null) continue;
+    const values = { label, value, minimum: minimum ?? '', maximum: maximum ?? '' };
+    if (minimum !== null && value < minimum) found.push(problem('warning', 'mission', 'checkParamLow', index, values));
+    if (maximum !== null && value > maximum) found.push(problem('warning', 'mission', 'checkParamHigh', index, values));
+  }
+  if (MUST_HAVE_POSITION.has(each.command) && altitude != null && altitude <= 0 && each.frame !== FRAME.GLOBAL) {
+    found.push(problem('warning', 'mission', 'checkOnGround', index, { altitude }));
+  }
+  return found;
+}
+
+function missionProblems(input: CheckInput): Problem[] {
+  const { plan, statistics, endurance, ceiling, vehicle } = input;
+  if (isEmpty(plan, 'mission')) return [];
+  const found: Problem[] = [];
+  const add = (severity: Severity, key: CheckKey, index: number | null = null, values: Values = {}): void => {
+    found.push(problem(severity, 'mission', key, index, values));
+  };
+  const firstFlown = plan.mission.findIndex((each) => commandInfo(each.command).name.startsWith('NAV_'));
+  if (firstFlown >= 0 && !TAKEOFFS.has(plan.mission[firstFlown]!.command)) add('warning', 'checkNoTakeoff');
+  if (!plan.mission.some((each) => ENDS.has(each.command))) add(input.wing ? 'warning' : 'info', 'checkNoEnd');
+  if (statistics.duration === null) add('info', 'checkEndless');
+  const used = batteryUse(statistics, endurance);
+  if (used !== null && used > USABLE_BATTERY) add(used > 1 ? 'error' : 'warning', 'checkBattery', null, { percent: Math.round(used * 100) });
+  const tooHigh = plan.mission.findIndex(
+    (each) => ceiling !== null && each.frame === FRAME.GLOBAL_RELATIVE_ALT && isOnPath(each) && (each.params[6] ?? 0) > ceiling,
+  );
+  if (tooHigh >= 0) add('info', 'checkCeiling', tooHigh, { altitude: plan.mission[tooHigh]!.params[6]!, limit: ceiling! });
+  const first = pathOf({ ...plan, home: null })[0];
+  if (vehicle && first && distance(vehicle, first) > FAR_FROM_VEHICLE) {
+    add('warning', 'checkFarFromVehicle', first.item, { distance: Math.round(distance(vehicle, first) / 1000) });
+  }
+  if (statistics.farthest !== null && statistics.farthest > FAR_FROM_HOME) {
+    add('warning', 'checkFarFromHome', null, { distance: Math.round(statistics.farthest / 1000) });
+  }
+  return found;
+}
+
+function areaProblems(plan: Plan): Problem[] {
+  const polygons = plan.polygons.flatMap((polygon, index) => {
+    if (polygon.vertices.length < 3) return [problem('error', 'fence', 'checkFewVertices', index)];
+    return crossesItself(polygon.vertices) ? [problem('error', 'fence', 'checkCrossesItself', index)] : [];
+  });
+  const circles = plan.circles.flatMap((circle, index) =>
+    circle.radius > 0 ? [] : [problem('error', 'fence', 'checkNoRadius', index)],
+  );
+  return [...polygons, ...circles];
+}
+
+/** Returns whether a point may be flown to: in all circles and polygons to stay in, and in none to stay out of. */
+export function isAllowed(plan: Plan, point: Point): boolean {
+  const polygons = plan.polygons.every((each) => contains(each.vertices, point) === each.inclusion);
+  const circles = plan.circles.every((each) => distance(each.center, point) <= each.radius === each.inclusion);
+  return polygons && circles;
+}
+
+function fenceProblems(plan: Plan): Problem[] {
+  if (plan.polygons.length + plan.circles.length === 0) return [];
+  const path = pathOf(plan);
+  const outside = path.find((point) => !isAllowed(plan, point));
+  const found: Problem[] = [];
+  if (outside) {
+    const key = outside.item < 0 ? 'checkHomeOutside' : 'checkOutsideFence';
+    found.push(problem('error', 'mission', key, outside.item < 0 ? null : outside.item));
+  } else {
+    const leg = path.findIndex((to, index) => index > 0 && legLeaves(plan, path[index - 1]!, to));
+    if (leg > 0) found.push(problem('warning', 'mission', 'checkLegLeavesFence', path[leg]!.item));
+  }
+  plan.rally.forEach((point, index) => {
+    if (!isAllowed(plan, point)) found.push(problem('error', 'rally', 'checkRallyOutside', index));
+  });
+  return found;
+}
+
+/** Returns whether the leg between two allowed points crosses the border of an area. */
+function legLeaves(plan: Plan, from: PathPoint, to: PathPoint): boolean {
+  const polygons = plan.polygons.some(({ vertices }) => {
+    const origin = centre(vertices);
+    const places = vertices.map((each) => toLocal(origin, each));
+    const [a, b] = [toLocal(origin, from), toLocal(origin, to)];
+    return places.some((place, index) => crosses(a, b, place, places[(index + 1) % places.length]!));
+  });
+  // Both ends are inside of circles to stay in, and so is the line between them.
+  return polygons || plan.circles.some((circle) => !circle.inclusion && lineDistance(circle.center, from, to) < circle.radius);
+}
+
+/** Returns the distance in metres of a point to a line between two points. */
+function lineDistance(point: Point, from: Point, to: Point): number {
+  const [a, b] = [toLocal(point, from), toLocal(point, to)];
+  const [x, y] = [b.x - a.x, b.y - a.y];
+  const part = Math.max(0, Math.min(1, -(a.x * x + a.y * y) / (x * x + y * y || 1)));
+  return Math.hypot(a.x + x * part, a.y + y * part);
+}
+
+function terrainProblems({ plan, profile, clearance }: CheckInput): Problem[] {
+  if (pathOf(plan).length < 2 || isEmpty(plan, 'mission')) return [];
+  if (!profile || profile.known === 0) return [problem('info', 'mission', 'checkTerrainUnknown')];
+  const lowest = profile.lowest;
+  const values = { clearance: Math.round(lowest?.clearance ?? 0), limit: clearance };
+  const index = lowest && lowest.item >= 0 ? lowest.item : null;
+  if (lowest && lowest.clearance! < 0) return [problem('error', 'mission', 'checkBelowTerrain', index, values)];
+  if (lowest && lowest.clearance! < clearance) return [problem('warning', 'mission', 'checkNearTerrain', index, values)];
+  return profile.known < 1 ? [problem('info', 'mission', 'checkTerrainPartly')] : [];
+}

@@ -1,0 +1,86 @@
+import { describe, expect, it } from 'vitest';
+
+import { area, bearing, contains, destination, distance, pathLength } from './geo';
+import { corridorLanes, corridorOutline } from './corridor';
+import { CMD } from './model';
+import { altitudeFor, CAMERAS, laneItems, pictureCount, spacingOf } from './pattern';
+import { maxEdgeAngle, surveyLanes } from './survey';
+
+const HOME = { latitude: 47.397, longitude: 8.545 };
+const corner = (east: number, north: number) => destination(destination(HOME, 90, east), 0, north);
+const field = [corner(0, 0), corner(200, 0), corner(200, 100), corner(0, 100)];
+
+describe('survey', () => {
+  it('covers a rectangle with lanes at their distance, there and back', () => {
+    const lanes = surveyLanes(field, { spacing: 25, angle: 0 });
+    expect(lanes).toHaveLength(8);
+    for (const lane of lanes) expect(pathLength(lane)).toBeCloseTo(100, 0);
+    expect(distance(lanes[0]![1]!, lanes[1]![0]!)).toBeCloseTo(25, 1);
+    expect(bearing(lanes[0]![0]!, lanes[0]![1]!)).toBeCloseTo(0, 1);
+    expect(bearing(lanes[1]![0]!, lanes[1]![1]!)).toBeCloseTo(180, 1);
+  });
+
+  it('turns lanes by their angle', () => {
+    const lanes = surveyLanes(field, { spacing: 25, angle: 90 });
+    expect(lanes).toHaveLength(4);
+    expect(pathLength(lanes[0]!)).toBeCloseTo(200, 0);
+    expect(maxEdgeAngle(field)).toBe(90);
+  });
+
+  it('stays in a concave area', () => {
+    const bay = [corner(0, 0), corner(200, 0), corner(200, 100), corner(100, 40), corner(0, 100)];
+    const lanes = surveyLanes(bay, { spacing: 10, angle: 90 });
+    expect(lanes.length).toBeGreaterThan(10);
+    for (const [from, to] of lanes) {
+      const middle = { latitude: (from!.latitude + to!.latitude) / 2, longitude: (from!.longitude + to!.longitude) / 2 };
+      expect(contains(bay, middle)).toBe(true);
+    }
+  });
+
+  it('has a second pass across, other corners, and no lanes for what is impossible', () => {
+    const once = surveyLanes(field, { spacing: 25, angle: 0 });
+    expect(surveyLanes(field, { spacing: 25, angle: 0, crosshatch: true })).toHaveLength(8 + 4);
+    const starts = [0, 1, 2, 3].map((start) => surveyLanes(field, { spacing: 25, angle: 0, start })[0]![0]!);
+    expect(new Set(starts.map((each) => `${each.latitude.toFixed(6)} ${each.longitude.toFixed(6)}`)).size).toBe(4);
+    expect(once[0]![0]).toEqual(starts[0]);
+    for (const spacing of [0, -1, NaN, 0.01]) expect(surveyLanes(field, { spacing, angle: 0 })).toEqual([]);
+  });
+});
+
+describe('corridor', () => {
+  const line = [corner(0, 0), corner(300, 0), corner(300, 300)];
+
+  it('has parallel lanes that keep their distance around corners', () => {
+    const lanes = corridorLanes(line, { width: 60, spacing: 30 });
+    expect(lanes).toHaveLength(2);
+    expect(distance(lanes[0]![0]!, lanes[1]!.at(-1)!)).toBeCloseTo(30, 1);
+    const lengths = lanes.map((lane) => pathLength(lane)).sort((a, b) => a - b);
+    expect(lengths[1]! - lengths[0]!).toBeCloseTo(60, 0);
+    expect(area(corridorOutline(line, 60))).toBeCloseTo(600 * 60, -2);
+  });
+});
+
+describe('camera', () => {
+  it('gives the distances of lanes and pictures from overlap', () => {
+    const camera = CAMERAS[0]!;
+    const spacing = spacingOf(camera, 70, { side: 70, front: 80 });
+    expect(spacing.footprint.across).toBeCloseTo(71.8, 1);
+    expect(spacing.lanes).toBeCloseTo(21.54, 2);
+    expect(spacing.pictures).toBeCloseTo(9.6, 1);
+    expect(altitudeFor(camera, spacing.resolution)).toBeCloseTo(70, 6);
+  });
+
+  it('takes pictures on the lanes only, and turns outside', () => {
+    const lanes = surveyLanes(field, { spacing: 50, angle: 0 });
+    const items = laneItems(lanes, { altitude: 50, pictures: 10, turnaround: 15 });
+    expect(items).toHaveLength(lanes.length * 6);
+    const commands = items.slice(0, 6).map((each) => each.command);
+    const [fly, camera] = [CMD.NAV_WAYPOINT, CMD.DO_SET_CAM_TRIGG_DIST];
+    expect(commands).toEqual([fly, fly, camera, fly, camera, fly]);
+    expect(items[2]!.params[0]).toBe(10);
+    expect(items[4]!.params[0]).toBe(0);
+    const before = { latitude: items[0]!.params[4]!, longitude: items[0]!.params[5]! };
+    expect(distance(before, lanes[0]![0]!)).toBeCloseTo(15, 1);
+    expect(pictureCount(lanes, 10)).toBe(lanes.length * 11 - lanes.filter((lane) => pathLength(lane) < 100).length);
+  });
+});

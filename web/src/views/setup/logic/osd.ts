@@ -1,0 +1,42 @@
+/** Items of Betaflight's on-screen display: where each one stands, and in which profiles it is shown. */
+
+import type { ParameterTable } from './parameters';
+
+export interface OsdItem {
+  /** Name of the parameter. */
+  readonly parameter: string;
+  readonly number: number;
+  readonly column: number;
+  readonly row: number;
+  /** Bits of the three profiles; 0: hidden. */
+  readonly profiles: number;
+  /** The form of the item. */
+  readonly form: number;
+}
+
+const NAME = /^BF_OSD_(\d+)_POS$/;
+
+/** Reads the number of MSP_OSD_CONFIG: five bits of column and row, a sixth bit of the column, profiles, form. */
+export function readItem(parameter: string, number: number, bits: number): OsdItem {
+  return {
+    parameter,
+    number,
+    column: (bits & 31) | (((bits >> 10) & 1) << 5),
+    row: (bits >> 5) & 31,
+    profiles: (bits >> 11) & 7,
+    form: (bits >> 14) & 3,
+  };
+}
+
+export function writeItem({ column, row, profiles, form }: OsdItem): number {
+  return (column & 31) | (row << 5) | ((column >> 5) << 10) | (profiles << 11) | (form << 14);
+}
+
+export function osdItems(parameters: ParameterTable): OsdItem[] {
+  return Object.values(parameters)
+    .flatMap(({ name, value }) => {
+      const match = NAME.exec(name);
+      return match ? [readItem(name, Number(match[1]), value)] : [];
+    })
+    .sort((a, b) => a.number - b.number);
+}

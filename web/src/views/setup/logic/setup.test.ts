@@ -1,0 +1,171 @@
+import { describe, expect, it } from 'vitest';
+
+import type { Parameter } from '$lib/vehicle/Vehicle';
+
+import { CalibrationMachine, startCommand } from './calibration';
+import { readMetadata } from './metadataFiles';
+import { motorCommand, motorCount } from './motors';
+import { osdItems, readItem, writeItem } from './osd';
+import { compare, FORMATS, readParameters, writeParameters, type ParameterFormat } from './parameterFiles';
+import { EMPTY_METADATA, groupsOf, hasBit, hasOnlyNamed, problemOf, rowsOf, search, toggleBit } from './parameters';
+import { FAILSAFES, FLIGHT_MODES, namesOf } from './sections';
+import { shellMessages, ShellText } from './shell';
+
+const parameter = (name: string, value: number, type = 'REAL32'): Parameter => ({ name, value, type, text: String(value) });
+const table = (...list: Parameter[]) => Object.fromEntries(list.map((each) => [each.name, each]));
+const parameters = table(
+  parameter('RTL_ALT', 1500),
+  parameter('RTL_SPEED', 0),
+  parameter('ANGLE_MAX', 3000, 'INT16'),
+  parameter('ATC_RAT_RLL_P', 0.13500000536441803),
+);
+const metadata = {
+  RTL_ALT: { ...EMPTY_METADATA, name: 'RTL_ALT', short_description: 'Altitude of the return', unit: 'cm', default: 1500, minimum: 30, maximum: 300_000 },
+  ANGLE_MAX: { ...EMPTY_METADATA, name: 'ANGLE_MAX', short_description: 'Largest lean', default: 4500, values: { '0': 'None' }, minimum: 1000 },
+};
+
+describe('parameters', () => {
+  const rows = rowsOf(parameters, metadata);
+  const names = (filter: Partial<Parameters<typeof search>[1]>) =>
+    search(rows, { text: '', group: '', onlyChanged: false, ...filter }).map((each) => each.parameter.name);
+
+  it('are found by words in names and descriptions, names first', () => {
+    expect(names({ text: 'rtl' })).toEqual(['RTL_ALT', 'RTL_SPEED']);
+    expect(names({ text: 'return altitude' })).toEqual(['RTL_ALT']);
+    expect(names({ text: 'a' })[0]).toBe('ANGLE_MAX');
+    expect(names({ onlyChanged: true })).toEqual(['ANGLE_MAX']);
+    expect(names({ group: 'RTL' })).toEqual(['RTL_ALT', 'RTL_SPEED']);
+    expect(groupsOf(rows)).toEqual([{ name: 'ANGLE', count: 1 }, { name: 'ATC', count: 1 }, { name: 'RTL', count: 2 }]);
+  });
+
+  it('have values that their metadata allows', () => {
+    const problem = (name: 'RTL_ALT' | 'ANGLE_MAX', value: number) => problemOf(value, parameters[name]!, metadata[name]);
+    expect(problem('RTL_ALT', 2000)).toBeNull();
+    expect(problem('RTL_ALT', 1)).toBe('tooLow');
+    expect(problem('RTL_ALT', 1e6)).toBe('tooHigh');
+    expect(problem('RTL_ALT', NaN)).toBe('notNumber');
+    expect(problem('ANGLE_MAX', 1000.5)).toBe('notWhole');
+    expect(problem('ANGLE_MAX', 0)).toBeNull();
+    expect(problemOf(1, parameters['RTL_ALT']!, { ...EMPTY_METADATA, read_only: true })).toBe('readOnly');
+    expect(hasOnlyNamed(metadata.ANGLE_MAX)).toBe(false);
+    expect(hasOnlyNamed({ ...metadata.ANGLE_MAX, minimum: null })).toBe(true);
+  });
+
+  it('have bits', () => {
+    expect([hasBit(5, 0), hasBit(5, 1), hasBit(5, 2)]).toEqual([true, false, true]);
+    expect([toggleBit(5, 1), toggleBit(5, 2), toggleBit(0, 31)]).toEqual([7, 1, 2147483648]);
+  });
+
+  it('are grouped by what they set', () => {
+    const found = namesOf(FAILSAFES, parameters);
+    expect(found).toEqual([{ title: 'groupReturn', names: ['RTL_ALT', 'RTL_SPEED'] }]);
+    const modes = table(parameter('FLTMODE2', 0), parameter('FLTMODE1', 0), parameter('FLTMODE_CH', 5));
+    expect(namesOf(FLIGHT_MODES, modes).map((each) => each.names)).toEqual([['FLTMODE1', 'FLTMODE2'], ['FLTMODE_CH']]);
+  });
+});
+
+describe('parameter files', () => {
+  it('keep all values in every format', () => {
+    for (const format of Object.keys(FORMATS) as ParameterFormat[]) {
+      const text = writeParameters(Object.values(parameters), format, 1, 1);
+      const comparison = compare(parameters, readParameters(text));
+      expect([format, comparison.different, comparison.same]).toEqual([format, [], 4]);
+    }
+  });
+
+  it('differ from a vehicle', () => {
+    const file = readParameters('# saved\nRTL_ALT,2000\nparam set RTL_SPEED 0\nATC_RAT_RLL_P 0.135000\nNEW_ONE 1\n');
+    expect(compare(parameters, file)).toEqual({
+      different: [{ name: 'RTL_ALT', vehicle: 1500, file: 2000 }], onlyFile: ['NEW_ONE'], same: 2,
+    });
+  });
+
+  it('that are wrong are told with the line', () => {
+    expect(() => readParameters('RTL_ALT,15\nRTL_SPEED,fast')).toThrow('line 2: RTL_SPEED,fast is not a name and a number');
+    expect(() => readParameters('# nothing')).toThrow('no parameters');
+  });
+
+  it('have metadata of PX4 and of ArduPilot', () => {
+    const px4 = readMetadata(JSON.stringify({ parameters: [{ name: 'A', shortDesc: 'B', min: 1, bitmask: [{ index: 2, description: 'C' }] }] }));
+    expect(px4['A']).toMatchObject({ short_description: 'B', minimum: 1, bitmask: { '2': 'C' } });
+    const ardupilot = readMetadata(JSON.stringify({ 'RTL_': { 'ArduCopter:RTL_ALT': { DisplayName: 'D', Range: { low: '2', high: '3' }, Values: { '0': 'E' } } } }));
+    expect(ardupilot['RTL_ALT']).toMatchObject({ short_description: 'D', minimum: 2, maximum: 3, values: { '0': 'E' }, group: 'RTL' });
+    expect(() => readMetadata('{}')).toThrow('no metadata');
+    expect(() => readMetadata('<')).toThrow('not JSON');
+  });
+});
+
+describe('calibration', () => {
+  const pose = (machine: CalibrationMachine, position: number) => machine.message('COMMAND_LONG', { command: 42429, param1: position });
+
+  it('of the accelerometer asks for six poses of ArduPilot', () => {
+    const machine = new CalibrationMachine('ardupilot', 'accelerometer');
+    expect(startCommand('ardupilot', 'accelerometer')).toEqual({ command: 'PREFLIGHT_CALIBRATION', params: [0, 0, 0, 0, 1] });
+    pose(machine, 16_777_215);
+    expect(machine.state.state).toBe('running');
+    for (let position = 1; position <= 6; position += 1) {
+      pose(machine, position);
+      expect(machine.state.step.needs_confirmation).toBe(true);
+      expect(machine.confirm()).toEqual({ command: 42429, params: [position] });
+      pose(machine, position);
+      expect(machine.confirm()).toBeNull();
+    }
+    expect(machine.state.step.pose).toBe('on its back');
+    pose(machine, 16_777_215);
+    expect(machine.state.state).toBe('done');
+  });
+
+  it('of the compass follows the slowest compass', () => {
+    const machine = new CalibrationMachine('ardupilot', 'compass');
+    machine.accepted();
+    machine.message('MAG_CAL_PROGRESS', { compass_id: 0, completion_pct: 60 });
+    machine.message('MAG_CAL_PROGRESS', { compass_id: 1, completion_pct: 40 });
+    expect(machine.state.step).toMatchObject({ task: 'rotate', progress: 40 });
+    machine.message('MAG_CAL_REPORT', { compass_id: 0, cal_status: 4 });
+    expect(machine.state.state).toBe('running');
+    machine.message('MAG_CAL_REPORT', { compass_id: 1, cal_status: 5 });
+    expect(machine.state.state).toBe('failed');
+  });
+
+  it('of simple sensors ends with the acknowledgement of ArduPilot, and with the text of PX4', () => {
+    const simple = new CalibrationMachine('ardupilot', 'gyroscope');
+    simple.accepted();
+    expect(simple.state.state).toBe('done');
+    const px4 = new CalibrationMachine('px4', 'accelerometer');
+    px4.accepted();
+    px4.text('[cal] calibration started: 2 accel');
+    px4.text('[cal] pending: back front left');
+    expect(px4.state.step.pending).toEqual(['nose up', 'nose down', 'on its left side']);
+    px4.text('[cal] left orientation detected');
+    px4.text('[cal] progress <17>');
+    expect(px4.state.step).toMatchObject({ pose: 'on its left side', progress: 17 });
+    px4.text('[cal] calibration done: accel');
+    expect(px4.state.state).toBe('done');
+    expect(startCommand('msp', 'airspeed')).toBeNull();
+  });
+});
+
+describe('equipment', () => {
+  it('motors are run by the command of the firmware', () => {
+    expect(motorCommand('ardupilot', 2, 8)).toEqual({ command: 'DO_MOTOR_TEST', params: [2, 0, 8, 2, 1] });
+    expect(motorCommand('px4', 1, 8).params).toEqual([0.08, 2, 0, 0, 1]);
+    expect([motorCount(2, undefined), motorCount(13, undefined), motorCount(2, 8)]).toEqual([4, 6, 8]);
+  });
+
+  it('items of the display keep their form and profiles', () => {
+    const item = readItem('BF_OSD_3_POS', 3, 0b10_101_1_00110_01001);
+    expect(item).toMatchObject({ column: 41, row: 6, profiles: 5, form: 2 });
+    expect(writeItem(item)).toBe(0b10_101_1_00110_01001);
+    expect(osdItems(table(parameter('BF_OSD_10_POS', 0), parameter('BF_OSD_2_POS', 0), parameter('BF_OSD_UNITS', 0))).map((each) => each.number)).toEqual([2, 10]);
+  });
+
+  it('the shell takes lines and leaves out escape sequences', () => {
+    const sent = shellMessages(`${'x'.repeat(80)}\n`);
+    expect(sent.map((each) => each.count)).toEqual([70, 11]);
+    const text = new ShellText();
+    const bytes = [...new TextEncoder().encode('nsh> \x1b[Kvef\br\r\nok')];
+    text.take(7, bytes);
+    text.take(bytes.length - 7, bytes.slice(7));
+    expect(text.text).toBe('nsh> ver\nok');
+  });
+});

@@ -1,0 +1,58 @@
+/** The shell of the autopilot over SERIAL_CONTROL: lines in, text out. */
+
+/** SERIAL_CONTROL_DEV_SHELL. */
+export const SHELL_DEVICE = 10;
+const RESPOND = 2;
+const EXCLUSIVE = 4;
+const MULTI = 16;
+const DATA_SIZE = 70;
+
+export interface ShellMessage {
+  readonly device: number;
+  readonly flags: number;
+  readonly timeout: number;
+  readonly baudrate: number;
+  readonly count: number;
+  readonly data: readonly number[];
+}
+
+function message(data: readonly number[], flags = RESPOND | EXCLUSIVE | MULTI): ShellMessage {
+  const padded = [...data, ...Array<number>(DATA_SIZE - data.length).fill(0)];
+  return { device: SHELL_DEVICE, flags, timeout: 0, baudrate: 0, count: data.length, data: padded };
+}
+
+/** Returns the messages that carry a text, of at most 70 bytes each; an empty text opens the shell. */
+export function shellMessages(text: string): ShellMessage[] {
+  const bytes = [...new TextEncoder().encode(text)];
+  const count = Math.max(1, Math.ceil(bytes.length / DATA_SIZE));
+  return Array.from({ length: count }, (_, index) => message(bytes.slice(index * DATA_SIZE, (index + 1) * DATA_SIZE)));
+}
+
+/** Returns the message that ends the shell. */
+export function closeMessage(): ShellMessage {
+  return message([], 0);
+}
+
+const MAX_CHARACTERS = 100_000;
+
+/** The text of a terminal: escape sequences are left out, carriage returns and backspaces take effect. */
+export class ShellText {
+  text = '';
+  private readonly decoder = new TextDecoder();
+  private rest = '';
+
+  /** Takes the bytes of an answer. */
+  take(count: number, data: ArrayLike<number | bigint>): void {
+    const bytes = Uint8Array.from({ length: count }, (_, index) => Number(data[index] ?? 0));
+    const all = this.rest + this.decoder.decode(bytes, { stream: true });
+    // An escape sequence may arrive in two messages.
+    const open = /\x1b(\[[0-9;?]*)?$/.exec(all)?.index ?? all.length;
+    this.rest = all.slice(open);
+    for (const character of all.slice(0, open).replace(/\x1b\[[0-9;?]*[A-Za-z]/g, '').replace(/\r\n/g, '\n')) {
+      if (character === '\b') this.text = this.text.slice(0, -1);
+      else if (character === '\r') this.text = this.text.slice(0, this.text.lastIndexOf('\n') + 1);
+      else if (character >= ' ' || character === '\n' || character === '\t') this.text += character;
+    }
+    this.text = this.text.slice(-MAX_CHARACTERS);
+  }
+}

@@ -1,0 +1,36 @@
+import { fileURLToPath } from 'node:url';
+
+import { svelte } from '@sveltejs/vite-plugin-svelte';
+import { defineConfig } from 'vitest/config';
+
+const path = (name: string): string => fileURLToPath(new URL(name, import.meta.url));
+
+export default defineConfig({
+  plugins: [svelte()],
+  resolve: {
+    alias: { $lib: path('./src/lib'), $generated: path('./src/generated/src/index.ts') },
+    // Without this vitest takes the build of Svelte for servers, where nothing is reactive.
+    ...(process.env['VITEST'] ? { conditions: ['browser'] } : {}),
+  },
+  // The station is served at the root, and below any path behind a proxy.
+  base: './',
+  build: {
+    outDir: path('../src/mavstack/server/static'),
+    emptyOutDir: true,
+    // For the script that adds up the size of the first load.
+    manifest: true,
+    target: 'es2022',
+    // The station forbids inline scripts, and data URLs of modules.
+    assetsInlineLimit: 0,
+    modulePreload: { polyfill: false },
+    chunkSizeWarningLimit: 1500,
+  },
+  server: {
+    proxy: {
+      '/api': 'http://127.0.0.1:8080',
+      '/openapi.json': 'http://127.0.0.1:8080',
+      '/ws': { target: 'ws://127.0.0.1:8080', ws: true },
+    },
+  },
+  test: { include: ['src/**/*.test.ts'], environment: 'node' },
+});
