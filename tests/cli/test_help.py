@@ -20,6 +20,7 @@ BRIEFLY = {"sim": ("--for", "1", "--speed", "max", *NOWHERE), "demo": ("--for", 
 #: These are run by tests of their own, against a simulated vehicle, or with files of their own.
 WITH_VEHICLE = (
     "record",
+    "route",
     "data",
     "vehicle",
     "rate",
@@ -31,6 +32,8 @@ WITH_VEHICLE = (
     "gimbal",
     "terrain",
     "key",
+    "msp",
+    "radio",
     "shell",
     "gen",
 )
@@ -58,6 +61,9 @@ def words_of(example: list[str]) -> list[str]:
     if "--each" in words:
         words[words.index("--out") + 1] = "udpout://127.0.0.1:9"
         return [*words, *BRIEFLY["sim"][:4]]
+    if any(word.startswith("msp+") for word in words):
+        words[words.index("--out") + 1] = "msp+udpout://127.0.0.1:9"
+        return [*words, *BRIEFLY["sim"][:4]]
     return [*words, *BRIEFLY.get(words[0], ())]
 
 
@@ -78,7 +84,7 @@ EXAMPLES = [
 def test_examples_of_the_help_run(mav, monkeypatch, tmp_path, example):
     monkeypatch.chdir(tmp_path)
     own, official = tmp_path / "mine.xml", tmp_path / "official.xml"
-    for path in (own, official):
+    for path in (own, official, tmp_path / "old.xml"):
         path.write_text(OFFICIAL.read_text("utf-8"), "utf-8")
     if "import" in example:
         own.unlink()

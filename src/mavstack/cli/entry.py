@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
+import gc
+import sys
+from typing import Final
+
 from mavstack.cli.common.interrupted_imports import ended_by_sigint
+
+#: A module that reports its objects which are left at exit as leaks.
+_CHECKS_AT_EXIT: Final = "duckdb"
 
 
 def main() -> int:
@@ -13,4 +20,8 @@ def main() -> int:
     """
     with ended_by_sigint():
         from mavstack.cli.main import main as run
-    return run()
+    code = run()
+    if _CHECKS_AT_EXIT not in sys.modules:
+        # The collections at exit would search all objects, which the system frees together.
+        gc.freeze()
+    return code

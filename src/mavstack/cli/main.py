@@ -89,11 +89,12 @@ def _dispatch(words: Sequence[str]) -> int:
 
 def _run(name: str, words: Sequence[str]) -> int:
     parser = command_parser(name)
+    parse = parser.parse_intermixed_args if COMMANDS[name].mixed else parser.parse_args
     try:
-        arguments = parser.parse_args(words)
+        arguments = parse(words)
     except SystemExit as leaving:  # argparse has printed its help or the problem
         return leaving.code if isinstance(leaving.code, int) else 0
-    with logging_to_outputs(arguments), warnings_as_lines(f"mav {name}"):
+    with logging_to_outputs(arguments, quiet=not COMMANDS[name].logs), warnings_as_lines(f"mav {name}"):
         return load_command(name).run(arguments)
 
 

@@ -7,13 +7,15 @@ when it is needed, so that `mav --help` loads none of them.
 from __future__ import annotations
 
 import re
-from argparse import ArgumentParser, RawDescriptionHelpFormatter, _SubParsersAction
+from argparse import ArgumentParser, HelpFormatter, RawDescriptionHelpFormatter, _SubParsersAction
+from functools import partial
 from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol, cast
 
 from mavstack.cli.common.interrupted_imports import ended_by_sigint
 from mavstack.cli.common.log_output import add_logging_options
+from mavstack.cli.common.output import terminal_width
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -21,10 +23,19 @@ if TYPE_CHECKING:
 
 
 class CommandEntry(NamedTuple):
-    """The module of a command, and one line about it."""
+    """The module of a command and one line about it.
+
+    Attributes:
+        module: Name of the module.
+        summary: The line.
+        logs: False if nothing that the command runs writes to the log.
+        mixed: True if options may stand between its words.
+    """
 
     module: str
     summary: str
+    logs: bool = True
+    mixed: bool = False
 
 
 class CommandModule(Protocol):
@@ -39,8 +50,8 @@ class CommandModule(Protocol):
         """Run the command and return its exit code."""
 
 
-def _entry(name: str, summary: str) -> tuple[str, CommandEntry]:
-    return name, CommandEntry(f"mavstack.cli.{name}.command", summary)
+def _entry(name: str, summary: str, *, logs: bool = True, mixed: bool = False) -> tuple[str, CommandEntry]:
+    return name, CommandEntry(f"mavstack.cli.{name}.command", summary, logs, mixed)
 
 
 COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
@@ -50,6 +61,8 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
             _entry("demo", "a simulated fleet with a live display, without hardware"),
             _entry("watch", "messages of a link or a file: rates, values, link quality"),
             _entry("record", "record the packets of links to a file that survives a crash"),
+            _entry("route", "join links: forward, filter, record; control a running router", mixed=True),
+            _entry("web", "ground station in the browser, with an HTTP and WebSocket API"),
             _entry("data", "logs on disk: facts, conversion, queries, reports, charts"),
             _entry("vehicle", "act on a vehicle: arm, takeoff, goto, mode, info and others"),
             _entry("rate", "how often a vehicle sends a message: show it, set it"),
@@ -59,11 +72,13 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
             _entry("log", "logs on a vehicle: list, get, erase"),
             _entry("camera", "cameras of a vehicle: info, photo, video, mode, settings and others"),
             _entry("gimbal", "gimbals of a vehicle: info, point, turn, center, roi, take, release"),
+            _entry("radio", "SiK telemetry radios: show, get, set, save, load, signal; both ends together"),
+            _entry("msp", "Betaflight and iNav: info, get, set, osd, vtx, cli, dump, restore, passthrough"),
             _entry("key", "signing keys: new, list, remove; install one on a vehicle, turn signing off"),
             _entry("terrain", "heights of the terrain: serve them to vehicles, check what a vehicle has"),
             _entry("shell", "interactive console: arm, mode, takeoff, wp, param, ftp, log"),
             _entry("dialect", "list, show, check, compare and import message definitions"),
-            _entry("gen", "libraries in C, C++, TypeScript and other languages from a dialect"),
+            _entry("gen", "libraries in C, C++, TypeScript and other languages from a dialect", logs=False),
             _entry("completion", "print a completion script for bash, zsh or fish"),
             _entry("doctor", "check the installation"),
         ]
@@ -81,6 +96,9 @@ class CommandParser(ArgumentParser):
     """A parser that takes words such as -35.3,149.1 for values, not for options."""
 
     def __init__(self, *arguments: Any, **options: Any) -> None:  # noqa: ANN401 (those of ArgumentParser)
+        # Without the width argparse would import `shutil`, which is slow, for the first argument.
+        formatter = options.get("formatter_class", HelpFormatter)
+        options["formatter_class"] = partial(formatter, width=terminal_width() - 2)
         super().__init__(*arguments, **options)
         self._negative_number_matcher = re.compile(r"-\.?\d")
 

@@ -13,6 +13,10 @@ from mavstack.security import SigningKey
 OPTIONS = {"--key", "--id", "--mavlink", "--heartbeat-rate"}
 #: Commands whose components are simulated vehicles, with ids of their own.
 SIMULATIONS = {"sim", "demo"}
+#: Commands that speak another protocol with the device of their URL.
+OTHER_PROTOCOLS = {"radio", "msp"}
+#: Commands that send no packets of their own.
+ROUTERS = {"route"}
 
 
 def urls(*words: str, url: str = "udpin://0.0.0.0:14550") -> list[str]:
@@ -46,13 +50,16 @@ def test_wrong_values_are_refused(words, capsys):
 
 
 def test_every_command_that_opens_a_link_has_the_options():
-    for name in COMMANDS:
+    for name in COMMANDS.keys() - OTHER_PROTOCOLS:
         command = command_parser(name)
         for parser in [command, *(action for _, _, action in actions_of(command))]:
             known = set(parser._option_string_actions)
             destinations = {action.dest for action in parser._actions}
-            if not destinations.isdisjoint({"url", "out"}) or name == "watch":
+            opens = not destinations.isdisjoint({"url", "out", "endpoint"}) or name in ("watch", "record")
+            if opens:
                 wanted = OPTIONS - ({"--id", "--heartbeat-rate"} if name in SIMULATIONS else set())
+                wanted &= {"--key"} if name in ROUTERS else OPTIONS
+                wanted -= {"--key"} if parser.prog == "mav key rotate" else set()  # NAME is the key
                 assert wanted <= known, f"{parser.prog} lacks {sorted(wanted - known)}"
 
 

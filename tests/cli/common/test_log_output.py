@@ -63,6 +63,15 @@ def test_handlers_and_level_are_restored(tmp_path):
     assert (logger.level, logger.handlers) == before
 
 
+def test_a_block_that_logs_nothing_needs_a_handler_only_for_the_options(capsys):
+    before = list(logging.getLogger("mavstack").handlers)
+    with logging_to_outputs(parse(), quiet=True):
+        assert logging.getLogger("mavstack").handlers == before
+    with logging_to_outputs(parse("-v"), quiet=True):
+        log_one_of_each()
+    assert len(capsys.readouterr().err.splitlines()) == 2
+
+
 def test_failed_command_is_logged_with_its_traceback(capsys):
     with pytest.raises(ValueError, match="defect"), logging_to_outputs(parse("-vv")):
         raise ValueError("a defect")

@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 from io import StringIO
 
-from mavstack.cli.common.output import coloured, echo
+import pytest
+
+from mavstack.cli.common.output import coloured, echo, terminal_width
 
 LONG = "mav vehicle: going to 47.0, 8.0 with 1/1 failed: DENIED (the target is 19,321 km away)"
 
@@ -56,3 +58,20 @@ def test_the_width_is_that_of_the_terminal_of_stderr(monkeypatch):
     monkeypatch.setattr(os, "get_terminal_size", lambda descriptor: os.terminal_size((120, 24)))
     echo(LONG, error=True)
     assert stderr() == f"{LONG}\n"
+
+
+@pytest.mark.parametrize(("chosen", "width"), [("61", 61), ("0", 120), ("wide", 120), (None, 120)])
+def test_the_width_is_chosen_or_that_of_the_terminal_of_stdout(monkeypatch, chosen, width):
+    monkeypatch.setattr("sys.stdout", Terminal())
+    monkeypatch.setattr("sys.stdout.fileno", lambda: 1, raising=False)
+    monkeypatch.setattr(os, "get_terminal_size", lambda descriptor: os.terminal_size((120, 24)))
+    monkeypatch.delenv("COLUMNS", raising=False)
+    if chosen is not None:
+        monkeypatch.setenv("COLUMNS", chosen)
+    assert terminal_width() == width
+
+
+def test_a_pipe_has_80_columns(monkeypatch):
+    monkeypatch.delenv("COLUMNS", raising=False)
+    monkeypatch.setattr("sys.stdout", StringIO())
+    assert terminal_width() == 80

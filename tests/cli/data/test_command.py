@@ -145,3 +145,39 @@ def test_examples_of_the_help_run(mav, tlog, tmp_path, line):
     result = mav(*(found for word in words for found in matches(word)))
     # The recordings of this test have no vibration and no power.
     assert result.code == 0 or "holds none of" in result.err or "neither a topic" in result.err, result.err
+
+
+STRICT = {
+    "info": ("info", "FILE"),
+    "info as JSON": ("info", "FILE", "--json"),
+    "messages": ("messages", "FILE"),
+    "columns": ("messages", "FILE", "ATTITUDE"),
+    "columns as JSON": ("messages", "FILE", "ATTITUDE", "--json"),
+    "convert": ("convert", "FILE", "--to", "kml", "-o", "x.kml"),
+    "query": ("query", "FILE", "ATTITUDE.roll"),
+    "report": ("report", "FILE", "-o", "x.html"),
+    "report as JSON": ("report", "FILE", "--json"),
+    "plot": ("plot", "FILE", "altitude"),
+    "diff": ("diff", "FILE", "sound.tlog"),
+    "diff, second file": ("diff", "sound.tlog", "FILE"),
+    "merge": ("merge", "sound.tlog", "FILE"),
+    "repair": ("repair", "FILE", "-o", "new.tlog"),
+    "replay": ("replay", "FILE", "--to", "udpout://127.0.0.1:9", "--speed", "max"),
+}
+
+
+@pytest.mark.parametrize("words", STRICT.values(), ids=STRICT)
+@pytest.mark.parametrize("damage", ["junk", "damaged packet", "cut off"])
+def test_every_action_fails_with_strict_if_anything_was_skipped(mav, tlog, words, damage):
+    data = tlog.read_bytes()
+    Path("sound.tlog").write_bytes(data)
+    tlog.write_bytes(
+        {
+            "junk": data + b"junk" * 5,
+            "damaged packet": data[:-5] + bytes([data[-5] ^ 1]) + data[-4:],
+            "cut off": data[:-3],
+        }[damage]
+    )
+    result = mav("data", *(str(tlog) if word == "FILE" else word for word in words), "--strict")
+    assert result.code == 1
+    assert "skipped" in result.err or "dropped" in result.out

@@ -7,7 +7,9 @@ from argparse import Namespace
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 
+import fsspec
 import pytest
+from fsspec.implementations.memory import MemoryFileSystem
 
 from mavstack.cli.data import conversion
 from mavstack.cli.data.conversion import ConvertedLogs, Job
@@ -29,7 +31,7 @@ def test_a_conversion_is_resumed(mav, logs):
     assert mav(*words).code == 0
     again = mav(*words)
     assert (again.code, again.out) == (0, "")
-    assert "1 logs were converted before" in again.err
+    assert "1 log was converted before" in again.err
     (logs / "a.tlog").write_bytes(flight_tlog() * 2)
     assert "40 points" in mav(*words).out, "a log that has changed is converted again"
     assert len((logs / "done.txt").read_text().splitlines()) == 2
@@ -151,3 +153,30 @@ def test_a_process_that_is_killed_fails_its_logs(logs, monkeypatch):
     outcomes = list(conversion.run_jobs(jobs, Namespace(dask=None, jobs=2)))
     assert {outcome.job for outcome in outcomes} == set(jobs)
     assert all("a process was killed" in outcome.problem for outcome in outcomes)
+
+
+class StrangeError(Exception):
+    """An error of a file system that is no OSError, as those of cloud storages."""
+
+
+class StrangeFileSystem(MemoryFileSystem):
+    protocol = "strange"
+
+    def _open(self, *arguments, **options):
+        raise StrangeError("NoSuchBucket: it is gone\nRequest ID: 1")
+
+    def glob(self, path, **options):
+        raise StrangeError
+
+    makedirs = get_file = put_file = _open
+
+
+def test_errors_of_file_systems_are_one_line(mav, logs):
+    fsspec.register_implementation("strange", StrangeFileSystem, clobber=True)
+    for words, problem in [
+        (("strange://x/a.tlog", "-o", "out"), "cannot open strange://x/a.tlog: NoSuchBucket: it is gone"),
+        (("a.tlog", "-o", "strange://x/out"), "cannot write strange://x/out: NoSuchBucket: it is gone"),
+        (("strange://x/*.tlog", "-o", "out"), "cannot open strange://x/*.tlog: StrangeError"),
+    ]:
+        result = mav("data", "convert", *words, "--to", "kml")
+        assert (result.code, result.err) == (1, f"mav data: {problem}\n")

@@ -24,6 +24,8 @@ def test_diff(mav, tlog):
     assert (result.code, result.out) == (0, "parameters: no difference\nmission: no difference\n")
     assert json.loads(mav("data", "diff", tlog, tlog, "--json").out) == {"parameters": [], "mission": []}
     assert mav("data", "diff", tlog).code == 2
+    assert mav("data", "diff", tlog, tlog, "--system", "2").code == 0
+    assert mav("data", "diff", tlog, tlog, "--system", "300").code == 2
 
 
 def test_merge(mav, tlog, tmp_path):
@@ -65,5 +67,12 @@ def test_book(mav, tlog, tmp_path):
     assert len((tmp_path / "book.csv").read_text().splitlines()) == 3
     rows = [json.loads(line) for line in mav("data", "book", tmp_path, "--json").out.splitlines()]
     assert [row["date"] for row in rows] == ["2023-11-14"] * 2
+    assert mav("data", "book", tmp_path, "--strict").code == 0
+    tlog.write_bytes(flight_tlog() + b"junk")
+    damaged = mav("data", "book", tmp_path, "--strict")
+    assert (damaged.code, "flight.tlog: skipped 4 bad bytes" in damaged.err) == (1, True)
+    assert mav("data", "book", tmp_path, "--strict").code == 1, "unchanged, and damaged as before"
     assert mav("data", "book", tmp_path, "--incident", "none.tlog", "x").code == 2
     assert mav("data", "book", tmp_path / "nowhere", "-o", "b.duckdb").code == 1
+    (tmp_path / "letter.tlog").write_bytes(b"no packets here")
+    assert f"mav data: {tmp_path / 'letter.tlog'}: it holds no record\n" in mav("data", "book", tmp_path).err

@@ -22,7 +22,10 @@ def tlog(tmp_path, monkeypatch):
 def test_a_page_and_its_facts_beside_the_log(mav, tlog, tmp_path):
     result = mav("data", "report", tlog)
     assert (result.code, result.err) == (0, "")
-    assert result.out.splitlines()[-1] == f"report: {tmp_path / 'flight.html'}"
+    assert (
+        result.out.splitlines()[-1]
+        == f"report: {tmp_path / 'flight.html'} (facts: {tmp_path / 'flight.json'})"
+    )
     assert (tmp_path / "flight.html").read_text("utf-8").startswith("<!doctype html>")
     data = json.loads((tmp_path / "flight.json").read_text("utf-8"))
     printed = json.loads(mav("data", "report", tlog, "--json").out)
@@ -81,6 +84,15 @@ def test_unknown_values_are_no_points(mav, tlog, monkeypatch):
     assert (lines[1].split()[0], lines[8].split()[0]) == ("0.5", "0.25")
 
 
+def test_a_constant_is_drawn_in_the_middle(mav, tlog, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "60")
+    lines = mav("data", "plot", tlog, "BATTERY_STATUS.voltages[1]").out.splitlines()
+    drawn = [any(0x2800 < ord(letter) < 0x2900 for letter in line) for line in lines[1:9]]
+    assert (lines[1].split()[0], lines[8].split()[0]) == ("5.001", "3.001")
+    assert drawn == [number == 4 for number in range(8)] or drawn == [number == 3 for number in range(8)]
+    assert lines[9].split() == ["0.3", "s", "9.3", "s"]
+
+
 def test_an_array_is_plotted_by_its_elements(mav, tlog):
     result = mav("data", "plot", tlog, "BATTERY_STATUS.voltages")
     assert (result.code, "BATTERY_STATUS.voltages[0]" in result.err) == (2, True)
@@ -90,3 +102,18 @@ def test_the_facts_never_replace_the_page(mav, tlog, tmp_path):
     result = mav("data", "report", tlog, "-o", "x.json")
     assert (result.code, "name the page" in result.err) == (2, True)
     assert not (tmp_path / "x.json").exists()
+
+
+def test_files_that_the_user_did_not_name_are_kept(mav, tlog, tmp_path):
+    facts, page = tmp_path / "flight.json", tmp_path / "flight.html"
+    facts.write_text('{"my": "notes"}')
+    refused = mav("data", "report", tlog)
+    assert (refused.code, page.exists(), facts.read_text()) == (1, False, '{"my": "notes"}')
+    assert f"cannot write {facts}: it exists and is of no earlier report" in refused.err
+    assert mav("data", "report", tlog, "-o", page).code == 1
+    assert mav("data", "report", tlog, "--force").code == 0
+    assert json.loads(facts.read_text("utf-8"))["kind"] == "mavstack flight report"
+    assert mav("data", "report", tlog).code == 0, "files of an earlier report are replaced"
+    page.write_text("<h1>Mine</h1>")
+    assert mav("data", "report", tlog).code == 1
+    assert mav("data", "report", tlog, "-o", page).code == 0, "the user named it"

@@ -15,10 +15,11 @@ def test_summary_as_json(mav):
     assert (result.code, result.err) == (0, "")
     summary = json.loads(result.out)
     vehicles = summary["vehicles"]
-    assert [vehicle["system"] for vehicle in vehicles] == [1, 2, 3, 4, 5, 6, 7]
+    assert [vehicle["system"] for vehicle in vehicles] == [1, 2, 3, 4, 5, 6, 7, 8]
     assert all(vehicle["armed"] for vehicle in vehicles), vehicles
-    assert all(vehicle["mode"] in ("AUTO", "MISSION") for vehicle in vehicles)
-    copter, _, plane, _, rover, _, submarine = vehicles
+    assert all(vehicle["mode"] in ("AUTO", "MISSION") for vehicle in vehicles[:7])
+    assert vehicles[7]["height_m"] == pytest.approx(15, abs=3)
+    copter, _, plane, _, rover, _, submarine, _ = vehicles
     assert copter["height_m"] == pytest.approx(20, abs=2)
     assert plane["speed_m_s"] > 10
     assert plane["height_m"] > 30
@@ -31,12 +32,13 @@ def test_summary_as_json(mav):
 def test_summary_without_a_terminal(mav):
     result = mav("demo", "--for", "5")
     assert (result.code, result.err) == (0, "")
-    assert result.out.count("\n") == 8
+    assert result.out.count("\n") == 9
     assert "ArduPilot quadrotor" in result.out
     assert "PX4 VTOL" in result.out
 
 
 @pytest.mark.nightly
+@pytest.mark.timeout(900)  # three demos of eight vehicles, on a busy machine
 def test_equal_seeds_give_equal_flights(mav):
     first, second, other = (mav("demo", "--for", "8", "--json", "--seed", seed).out for seed in (3, 3, 4))
     assert first == second != other

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from importlib import import_module
 
 import pytest
@@ -108,3 +110,12 @@ def test_examples_of_the_help_name_languages_of_this_design():
     text = import_module("mavstack.cli.gen.command").EXAMPLES
     named = {line.split()[2] for line in text.splitlines() if line.startswith("  mav gen ")}
     assert {"c", "typescript", "java", "python", "--list"} <= named
+
+
+@pytest.mark.flight
+def test_generation_imports_nothing_that_takes_longer_than_a_part_of_it(tmp_path):
+    words = ["-X", "importtime", "-m", "mavstack", "gen", "lua", "minimal", "-o", str(tmp_path)]
+    done = subprocess.run([sys.executable, *words], capture_output=True, text=True, check=True)
+    imported = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
+    assert "mavstack.codegen.library" in imported
+    assert not imported & {"dataclasses", "inspect", "jinja2", "logging", "numpy", "pathlib", "shutil"}

@@ -72,12 +72,12 @@ def test_the_keys_are_listed_without_their_secrets(mav, keys):
     (keys / "broken.key").write_text("not a key")
     fingerprint = SigningKey.load(keys / "fleet.key").fingerprint
     broken, fleet = json.loads(mav("key", "list", "--json").out)
-    assert fleet == {"name": "fleet", "fingerprint": fingerprint, "problem": None}
+    assert fleet == {"name": "fleet", "kind": "signing", "fingerprint": fingerprint, "problem": None}
     assert broken["name"] == "broken"
     assert "hexadecimal" in broken["problem"]
     lines = mav("key", "list").out.splitlines()
-    assert lines[0].split() == ["NAME", "FINGERPRINT"]
-    assert lines[2].split() == ["fleet", fingerprint]
+    assert lines[0].split() == ["NAME", "KIND", "FINGERPRINT"]
+    assert lines[2].split() == ["fleet", "signing", fingerprint]
 
 
 def test_a_key_is_removed_after_confirmation(mav, keys, monkeypatch):

@@ -16,6 +16,7 @@ from mavstack import open_log
 from mavstack.cli.record.command import EXAMPLES
 from mavstack.cli.registry import command_parser
 from mavstack.dialects import common
+from mavstack.pytest_plugin import flight_controller  # noqa: F401 (the fixture)
 from mavstack.wire import encode
 from tests.cli.conftest import flight, setup_signing
 from tests.cli.watch.test_command import sender
@@ -32,6 +33,24 @@ def test_links_are_recorded_into_one_file(mav, tmp_path):
     packets = sum(log.counts.values())
     assert result.err.splitlines()[-1] == f"mav record: recorded {packets} packets to {path}"
     assert result.out == ""
+
+
+@pytest.mark.parametrize(("name", "words"), [("flight.pcap", ()), ("flight", ("--format", "pcap"))])
+def test_a_capture_for_wireshark(mav, tmp_path, name, words):
+    path = tmp_path / name
+    with sender(b"".join(flight(1))) as url:
+        assert mav("record", url, path, "--for", "0.4", *words).code == 0
+    log = open_log(path)
+    assert (log.format, log.skipped.total) == ("pcap", 0)
+    assert sorted(log) == ["ATTITUDE", "HEARTBEAT"]
+
+
+def test_a_flight_controller_that_speaks_msp_is_recorded(mav, tmp_path, flight_controller):  # noqa: F811
+    path = tmp_path / "flight.tlog"
+    result = mav("record", flight_controller.url, path, "--for", "1")
+    assert result.code == 0, result.err
+    log = open_log(path)
+    assert {"HEARTBEAT", "ATTITUDE", "AUTOPILOT_VERSION"} <= set(log)
 
 
 def test_only_selected_packets_are_recorded(mav, tmp_path):

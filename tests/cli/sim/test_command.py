@@ -67,7 +67,7 @@ def test_faults_from_the_command_line_and_from_a_file(mav, tmp_path):
     "words",
     [
         ["--type", "spaceship"],
-        ["--firmware", "betaflight"],
+        ["--firmware", "cleanflight"],
         ["--count", "0"],
         ["--count", "256"],
         ["--home", "91,0"],

@@ -6,7 +6,7 @@ import pytest
 
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.watch.observer import Observer
-from mavstack.cli.watch.trend import MAX_AGE, MAX_SAMPLES, SAMPLE_INTERVAL, Trends, sparkline
+from mavstack.cli.watch.trend import MAX_AGE, MAX_SAMPLES, SAMPLE_INTERVAL, FieldPatterns, Trends, sparkline
 from mavstack.dialects import Dialect, common
 from mavstack.wire import Encoder
 
@@ -20,7 +20,7 @@ class Watched:
         self.observers = {label: Observer(ALL) for label in labels or ("",)}
         for observer in self.observers.values():
             observer.open("link")
-        self.trends = Trends(patterns, ALL)
+        self.trends = Trends(FieldPatterns(patterns, ALL))
         self.vehicle = Encoder(1, 1)
 
     def step(self, now: float, message=None, label: str = "") -> None:
@@ -65,7 +65,7 @@ def test_patterns(patterns, fields):
 )
 def test_a_pattern_without_a_numeric_field_is_refused(pattern):
     with pytest.raises(UsageError, match=r"--trend .*no message has such a numeric field"):
-        Trends(pattern, ALL)
+        FieldPatterns(pattern, ALL)
 
 
 def test_silence_and_unknown_values_leave_gaps():

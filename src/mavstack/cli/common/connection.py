@@ -131,12 +131,21 @@ async def _run_on_each(group: Group, arguments: Namespace, work: Callable[[Vehic
     return 1 if outcomes.errors or any(outcomes.succeeded.values()) else 0
 
 
-def run_on_connection(arguments: Namespace, work: Callable[[Connection], Awaitable[int]]) -> int:
-    """Connect, run the work and return its exit code."""
+def run_on_connection(
+    arguments: Namespace, work: Callable[[Connection], Awaitable[int]], *, announce: bool = True
+) -> int:
+    """Connect, run the work and return its exit code.
+
+    Args:
+        arguments: The parsed arguments.
+        work: The work of the command.
+        announce: Say on stderr which links accept data from other hosts.
+    """
 
     async def connected() -> int:
         async with connect(*connection_urls(arguments)) as connection:
-            announce_exposure(arguments.command, connection.links)
+            if announce:
+                announce_exposure(arguments.command, connection.links)
             return await work(connection)
 
     return asyncio.run(connected())

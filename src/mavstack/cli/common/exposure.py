@@ -9,15 +9,24 @@ from mavstack.cli.common.output import echo
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+    from typing import Protocol
 
-    from mavstack.links import Link
+    from mavstack.links.url import LinkURL
+
+    class HasURL(Protocol):
+        """A link, or an endpoint of the router."""
+
+        @property
+        def url(self) -> LinkURL:
+            """The URL that was opened."""
+
 
 #: Of more links only the first and the last are named.
 _MAX_SHOWN: Final = 3
 _LISTENING: Final = frozenset({"udpin", "tcpin", "tlsin", "wsin", "wssin"})
 
 
-def announce_exposure(command: str, links: Iterable[Link]) -> None:
+def announce_exposure(command: str, links: Iterable[HasURL]) -> None:
     """Say on stderr, in one line, which links accept data from other hosts."""
     urls = [link.url for link in links]
     exposed = [url.redacted for url in urls if url.scheme in _LISTENING and not _is_loopback(url.host)]

@@ -117,6 +117,22 @@ def field_texts(message: Message) -> list[FieldText]:
     ]
 
 
+def element_text(field: FieldDefinition, value: object) -> str:
+    """Return a value of a field, or an element of its array, as text."""
+    return _number(field, value, _invalid(field))
+
+
+def is_known(field: FieldDefinition, value: object) -> bool:
+    """Return False if the definition calls a value of the field invalid."""
+    return value != _invalid(field)
+
+
+def display_format(field: FieldDefinition) -> UnitFormat:
+    """Return the display of a field: the factor to multiply its raw values by, suffix and decimals."""
+    known = _UNITS.get(field.units) or UnitFormat(1, f" {field.units}" if field.units else "", 0)
+    return known._replace(factor=known.factor * field.factor)
+
+
 def _text(field: FieldDefinition, value: object) -> FieldText:
     if isinstance(value, str):
         text = printable(value.strip())

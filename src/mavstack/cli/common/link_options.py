@@ -28,21 +28,18 @@ Value = TypeVar("Value")
 _URL_OPTIONS: Final = ("signing_key", "id", "mavlink", "heartbeat_rate")
 
 
-def add_link_options(group: _ActionsContainer, *, identity: bool = True) -> None:
+def add_link_options(group: _ActionsContainer, *, identity: bool = True, key: bool = True) -> None:
     """Declare the options of links.
 
     Args:
         group: Group of arguments of the command or action.
         identity: The command is a component of its own, with `--id` and `--heartbeat-rate`; simulated
             vehicles have ids of their own.
+        key: The command takes the present key with `--key`.
     """
     add = group.add_argument
-    add(
-        "--key",
-        dest="signing_key",
-        metavar="FILE|NAME",
-        help="sign with this key, and accept only packets signed with it",
-    )
+    if key:
+        add_key_option(group, "sign with this key, and accept only packets signed with it")
     add(
         "--mavlink",
         choices=tuple(VERSIONS),
@@ -61,6 +58,16 @@ def add_link_options(group: _ActionsContainer, *, identity: bool = True) -> None
             metavar="HZ",
             help="our heartbeats per second; 0: none (default: 1)",
         )
+
+
+def add_key_option(group: _ActionsContainer, summary: str) -> None:
+    """Declare `--key`.
+
+    Args:
+        group: Group of arguments of the command or action.
+        summary: The text of its help.
+    """
+    group.add_argument("--key", dest="signing_key", metavar="FILE|NAME", help=summary)
 
 
 def with_link_options(urls: Sequence[str], arguments: Namespace) -> list[str]:

@@ -49,12 +49,19 @@ def add_logging_options(parser: ArgumentParser) -> None:
 
 
 @contextmanager
-def logging_to_outputs(arguments: Namespace) -> Iterator[None]:
+def logging_to_outputs(arguments: Namespace, *, quiet: bool = False) -> Iterator[None]:
     """Send the log where the arguments say while the block runs.
+
+    Args:
+        arguments: The arguments of the command.
+        quiet: True if the block logs nothing; then only the options need `logging`, which is slow to import.
 
     Raises:
         OSError: The log file cannot be opened.
     """
+    if quiet and not (hasattr(arguments, "verbose") or hasattr(arguments, "log_file")):
+        yield
+        return
     import logging
 
     logger = logging.getLogger(ROOT_LOGGER)

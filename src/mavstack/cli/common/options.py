@@ -7,18 +7,16 @@ from argparse import ArgumentTypeError
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from math import isfinite
-from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.errors import UsageError
-from mavstack.dialects import Dialect
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser
     from collections.abc import Mapping
 
-    from mavstack.dialects import Message
+    from mavstack.dialects import Dialect, Message
 
 _SIZE: Final = re.compile(r"(\d{1,15}(?:\.\d+)?)\s*([kMG]?)B?", re.IGNORECASE)
 _UNITS: Final[Mapping[str, int]] = MappingProxyType({"": 1, "k": 10**3, "m": 10**6, "g": 10**9})
@@ -29,13 +27,6 @@ def add_dialect_option(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--dialect", default="all", metavar="NAME|FILE.xml", help="dialect of the messages (default: all)"
     )
-
-
-def load_dialect(name: str) -> Dialect:
-    """Load an official dialect by its name, or a custom one by the path of its file."""
-    if name.lower().endswith(".xml") and Path(name).is_file():
-        return Dialect.from_xml(name)
-    return Dialect.load(name)
 
 
 def message_ids(dialect: Dialect, text: str) -> frozenset[int]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import sys
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
@@ -34,6 +33,7 @@ _SEQUENCES: Final[Mapping[str, str]] = MappingProxyType(
 _ERASE: Final = "\r\x1b[K"
 #: Narrower terminals break lines themselves.
 MIN_COLUMNS: Final = 40
+DEFAULT_COLUMNS: Final = 80
 _INDENT: Final = "  "
 
 
@@ -108,7 +108,18 @@ def _columns_of(stream: TextIO) -> int:
     try:
         return max(os.get_terminal_size(stream.fileno()).columns, MIN_COLUMNS)
     except (OSError, ValueError):  # a prompt has replaced the stream
-        return max(shutil.get_terminal_size().columns, MIN_COLUMNS)
+        return max(terminal_width(), MIN_COLUMNS)
+
+
+def terminal_width() -> int:
+    """Return the columns of the terminal as `shutil` does, which is slow to import; 80 without a terminal."""
+    chosen = os.environ.get("COLUMNS", "")
+    if chosen.isdecimal() and int(chosen):
+        return int(chosen)
+    try:
+        return os.get_terminal_size(sys.stdout.fileno()).columns or DEFAULT_COLUMNS
+    except (AttributeError, OSError, ValueError):  # stdout is closed, or no terminal
+        return DEFAULT_COLUMNS
 
 
 def _broken(line: str, columns: int) -> list[str]:

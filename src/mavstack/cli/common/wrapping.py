@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-import shutil
 import sys
 from typing import TYPE_CHECKING, Final
 
-from mavstack.cli.common.output import MIN_COLUMNS, align_columns, shown_length, wrapped
+from mavstack.cli.common.output import (
+    DEFAULT_COLUMNS,
+    MIN_COLUMNS,
+    align_columns,
+    shown_length,
+    terminal_width,
+    wrapped,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-DEFAULT_COLUMNS: Final = 80
 #: The width of a table in a pipe, where programs read it.
 UNLIMITED: Final = 1 << 20
 #: Columns that the last column of a table needs to be wrapped.
@@ -22,7 +27,7 @@ def terminal_columns(in_pipe: int = DEFAULT_COLUMNS) -> int:
     """Return the width of the terminal, or `in_pipe` if the output goes elsewhere."""
     if not sys.stdout.isatty():
         return in_pipe
-    return max(shutil.get_terminal_size().columns, MIN_COLUMNS)
+    return max(terminal_width(), MIN_COLUMNS)
 
 
 def table_that_fits(

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.data import convert, files, info, query, report
+from mavstack.cli.data.remote import LocalCopies
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -14,6 +15,7 @@ EXAMPLES: Final = """\
 examples:
   mav data info flight.tlog                 # vehicle, times, messages, damage
   mav data info flight.tlog --json
+  mav data info s3://bucket/flight.ulg      # any log may be a URL
   mav data messages flight.tlog             # the messages with their rates
   mav data messages flight.tlog ATTITUDE    # the columns of one, with units and enums
   mav data convert flight.tlog --to parquet -o dataset/
@@ -52,5 +54,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Run the chosen action."""
-    code: int = arguments.run_action(arguments)
+    with LocalCopies() as arguments.copies:
+        code: int = arguments.run_action(arguments)
     return code

@@ -63,7 +63,8 @@ def convert(arguments: Namespace) -> int:
     done = None if arguments.resume is None else ConvertedLogs(arguments.resume)
     waiting = [job for job in jobs if done is None or not done.has(job)]
     if len(waiting) < len(jobs):
-        echo(f"mav data: {len(jobs) - len(waiting)} logs were converted before", error=True)
+        before = len(jobs) - len(waiting)
+        echo(f"mav data: {before} {'log was' if before == 1 else 'logs were'} converted before", error=True)
     failed = False
     for outcome in run_jobs(waiting, arguments):
         failed |= bool(outcome.problem) or (bool(outcome.skipped) and arguments.strict)

@@ -8,11 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mavstack.cli.common.errors import UsageError
-from mavstack.cli.common.options import load_dialect
+from mavstack.cli.common.options import system_id
 from mavstack.cli.common.output import echo, echo_json, table_lines
 from mavstack.cli.common.text import duration_text, size_text
 from mavstack.cli.common.transfer_progress import TransferProgress
-from mavstack.cli.data.opening import add_log_options, open_file, report_damage
+from mavstack.cli.data.opening import add_log_options, local_file, open_file, report_damage
+from mavstack.cli.data.remote import expand
+from mavstack.dialects.lookup import find_dialect
 from mavstack.logs import merge_logs
 from mavstack.logs.book import FlightBook
 from mavstack.logs.compare import mission_differences, parameter_differences
@@ -31,6 +33,14 @@ def add_actions(actions: Actions) -> None:
     parser = actions.add("diff", "parameters and missions that differ between logs", diff)
     add_log_options(parser, several=True)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
+    # Not `system`: the rows of a ground station hold the missions that it uploaded.
+    parser.add_argument(
+        "--system",
+        dest="vehicle",
+        type=system_id,
+        metavar="ID",
+        help="this vehicle (default: the first one in each log)",
+    )
     parser = actions.add("merge", "logs of one flight on one timeline, such as a tlog and a .BIN", merge)
     add_log_options(parser, several=True)
     parser.add_argument("--to", choices=exporter_names(), metavar="FORMAT", help="write the merged log")
@@ -42,7 +52,12 @@ def add_actions(actions: Actions) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser = actions.add("replay", "send a tlog over a link, as fast as it was recorded", replay)
     add_log_options(parser)
-    parser.add_argument("--to", required=True, metavar="URL", help="link to send to")
+    parser.add_argument(
+        "--to",
+        required=True,
+        metavar="URL",
+        help="link to send to; with {system} in it each vehicle has a link of its own",
+    )
     parser.add_argument("--speed", default="1", metavar="X", help="X times as fast, or max")
     parser.add_argument("--system", type=int, metavar="ID", help="only this system")
     parser = actions.add("book", "a flight book of all logs below a folder", book)
@@ -53,6 +68,7 @@ def add_actions(actions: Actions) -> None:
     parser.add_argument("--csv", metavar="FILE", help="write the book as CSV too")
     parser.add_argument("--incident", nargs=2, metavar=("LOG", "TEXT"), help="write a remark about a log")
     parser.add_argument("--json", action="store_true", help="print one JSON object per flight")
+    parser.add_argument("--strict", action="store_true", help="fail if a log holds anything that was skipped")
 
 
 def diff(arguments: Namespace) -> int:
@@ -60,7 +76,8 @@ def diff(arguments: Namespace) -> int:
     if len(arguments.files) != 2:
         raise UsageError(f"two logs are compared, got {len(arguments.files)}")
     first, second = (open_file(path, arguments) for path in arguments.files)
-    parameters, mission = parameter_differences(first, second), mission_differences(first, second)
+    parameters = parameter_differences(first, second, system=arguments.vehicle)
+    mission = mission_differences(first, second, system=arguments.vehicle)
     if arguments.json:
         echo_json(
             {
@@ -92,7 +109,7 @@ def merge(arguments: Namespace) -> int:
         raise UsageError("name two logs of one flight, or more")
     if (arguments.to is None) != (arguments.output is None):
         raise UsageError("--to and -o belong together")
-    logs = [open_file(path, arguments) for path in arguments.files]
+    logs = [open_file(path, arguments) for path in expand(arguments.files)]
     merged = merge_logs(*logs)
     written = {}
     if arguments.to is not None:
@@ -109,9 +126,10 @@ def merge(arguments: Namespace) -> int:
 
 def repair(arguments: Namespace) -> int:
     """Run `mav data repair`."""
-    dialect = load_dialect(arguments.dialect)
+    dialect = find_dialect(arguments.dialect)
     with TransferProgress(f"repairing {arguments.file}") as progress:
-        result = repair_log(arguments.file, arguments.output, dialect, progress, format=arguments.format)
+        source = local_file(arguments.file, arguments)
+        result = repair_log(source, arguments.output, dialect, progress, format=arguments.format)
     if arguments.json:
         echo_json(result.to_dict())
     else:
@@ -132,13 +150,21 @@ def replay(arguments: Namespace) -> int:
 
     parser = ArgumentParser()
     watch.add_arguments(parser)
-    words = [arguments.file, "--to", arguments.to, "--speed", arguments.speed, "--once"]
+    words = [
+        local_file(arguments.file, arguments),
+        "--to",
+        arguments.to,
+        "--speed",
+        arguments.speed,
+        "--once",
+    ]
     words += ["--dialect", arguments.dialect]
     if arguments.system is not None:
         words += ["--system", str(arguments.system)]
     parsed = parser.parse_args(words, Namespace())
     parsed.command = "data"
-    return watch.run(parsed)
+    code = watch.run(parsed)
+    return code or (report_damage(open_file(arguments.file, arguments), arguments) if arguments.strict else 0)
 
 
 def book(arguments: Namespace) -> int:
@@ -153,7 +179,10 @@ def book(arguments: Namespace) -> int:
             flight_book.export_csv(arguments.csv)
         rows = flight_book.rows()
     for name, problem in update.failed.items():
-        echo(f"mav data: {name}: {problem}", error=True)
+        named = Path(name).name in problem
+        echo(f"mav data: {problem}" if named else f"mav data: {name}: {problem}", error=True)
+    for name, skipped in update.skipped.items():
+        echo(f"mav data: {name}: skipped {skipped}", error=True)
     if arguments.json:
         for row in rows:
             echo_json({name: str(value) if hasattr(value, "year") else value for name, value in row.items()})
@@ -162,7 +191,8 @@ def book(arguments: Namespace) -> int:
         echo(*table_lines(head, [_book_row(row) for row in rows], {"DATE", "FILE", "TYPE", "FINDINGS"}))
         counts = f"{update.read} read, {update.unchanged} unchanged, {update.removed} removed"
         echo(f"{path}: {len(rows)} flights; logs: {counts}, {len(update.failed)} failed", error=True)
-    return 1 if update.failed else 0
+    damaged = arguments.strict and any(row["skipped"] for row in rows)
+    return 1 if update.failed or damaged else 0
 
 
 def _book_row(row: dict[str, object]) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from mavstack.cli.common.output import align_columns, echo, echo_json, table_lines
 from mavstack.cli.common.text import duration_text, size_text
-from mavstack.cli.data.opening import add_log_options, open_file, report_damage
+from mavstack.cli.data.opening import add_log_options, name_of, open_file, report_damage
 from mavstack.errors import UnknownMessageError
 
 if TYPE_CHECKING:
@@ -37,10 +37,10 @@ def info(arguments: Namespace) -> int:
     """Run `mav data info`."""
     log = open_file(arguments.file, arguments)
     if arguments.json:
-        echo_json(info_object(log))
-        return 1 if log.skipped and arguments.strict else 0
-    echo(*info_lines(log))
-    return 1 if log.skipped and arguments.strict else 0
+        echo_json(info_object(log) | {"file": name_of(log, arguments)})
+    else:
+        echo(*info_lines(log, name_of(log, arguments)))
+    return report_damage(log, arguments) if arguments.strict else 0
 
 
 def info_object(log: Log) -> dict[str, Any]:
@@ -67,9 +67,9 @@ def info_object(log: Log) -> dict[str, Any]:
     }
 
 
-def info_lines(log: Log) -> Iterator[str]:
+def info_lines(log: Log, name: str) -> Iterator[str]:
     """Return the facts of a log as lines of text."""
-    facts = {"file": f"{log.path} ({size_text(log.size)}, {log.format})"}
+    facts = {"file": f"{name} ({size_text(log.size)}, {log.format})"}
     if log.start is not None:
         facts["begins"] = f"{str(log.start)[:19].replace('T', ' ')} UTC"
     facts["duration"] = duration_text(log.duration) if log.time_span is not None else "unknown"
@@ -108,11 +108,12 @@ def _rate(log: Log, count: int) -> float | None:
 
 def _columns(log: Log, arguments: Namespace) -> int:
     if arguments.message not in log:
-        raise UnknownMessageError(f"{log.path} contains no {arguments.message}; it contains {', '.join(log)}")
+        name = name_of(log, arguments)
+        raise UnknownMessageError(f"{name} contains no {arguments.message}; it contains {', '.join(log)}")
     schema = log.schema(arguments.message)
     if arguments.json:
         echo_json(schema.to_dict())
-        return 0
+        return report_damage(log, arguments)
     table = log[arguments.message]
     rows = [
         (field.name, str(field.dtype.base), _unit(field), _range_text(table, field), field.description)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from mavstack.cli.common.output import echo, echo_json, table_lines
 from mavstack.cli.data.opening import add_log_options, add_selection_options, open_file, report_damage
+from mavstack.cli.data.remote import expand
 from mavstack.logs.query import query_logs
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ def add_actions(actions: Actions) -> None:
 
 def query(arguments: Namespace) -> int:
     """Run `mav data query`."""
-    logs = [open_file(path, arguments) for path in arguments.files]
+    logs = [open_file(path, arguments) for path in expand(arguments.files)]
     names, rows = query_logs(logs, arguments.query, scaled=arguments.scaled, enums=arguments.enums)
     if arguments.json:
         for row in rows:

@@ -7,13 +7,13 @@ folder and uploaded when they are complete.
 
 from __future__ import annotations
 
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from mavstack.errors import LogError, MissingExtraError
+from mavstack.errors import LogError, MavstackError, MissingExtraError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -38,13 +38,35 @@ def expand(paths: Sequence[str]) -> list[str]:
     for path in paths:
         if is_remote(path) and any(sign in path for sign in "*?["):
             system, pattern = _open(path)
-            matches = [system.unstrip_protocol(name) for name in _call(path, system.glob, pattern)]
+            matches = [str(system.unstrip_protocol(name)) for name in _call(path, system.glob, pattern)]
             if not matches:
                 raise LogError(f"{path}: no file matches")
             found += sorted(matches)
         else:
             found.append(path)
     return found
+
+
+class LocalCopies(ExitStack):
+    """The copies of logs at URLs that a command reads; they are removed at the end of the block."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        #: URL of each copy by its path.
+        self.names: dict[str, str] = {}
+
+    def path_of(self, url: str) -> str:
+        """Copy a log once, and return the path of the copy.
+
+        Raises:
+            LogError: The file cannot be read.
+        """
+        for path, name in self.names.items():
+            if name == url:
+                return path
+        path = self.enter_context(local_copy(url))
+        self.names[path] = url
+        return path
 
 
 @contextmanager
@@ -93,8 +115,12 @@ def local_result(path: str) -> Iterator[str]:
         for file in [target] if target.is_file() else sorted(target.rglob("*")):
             if file.is_file():
                 remote = f"{name.rstrip('/')}/{file.relative_to(target).as_posix()}".removesuffix("/.")
-                system.makedirs(system._parent(remote), exist_ok=True)  # noqa: SLF001 (fsspec has no public one)
-                _call(path, system.put_file, str(file), remote)
+                _call(path, _put, system, str(file), remote, operation="write")
+
+
+def _put(system: Any, file: str, remote: str) -> None:  # noqa: ANN401 (fsspec has no types)
+    system.makedirs(system._parent(remote), exist_ok=True)  # noqa: SLF001 (fsspec has no public one)
+    system.put_file(file, remote)
 
 
 def _open(path: str) -> tuple[Any, str]:
@@ -103,15 +129,16 @@ def _open(path: str) -> tuple[Any, str]:
         core = import_module("fsspec.core")
     except ImportError:
         raise MissingExtraError("a file at a URL", "remote") from None
-    try:
-        system, name = core.url_to_fs(path)
-    except (ImportError, ValueError) as error:
-        raise LogError(f"cannot open {path}: {error}") from error
+    system, name = _call(path, core.url_to_fs, path)
     return system, name
 
 
-def _call(path: str, function: Any, *arguments: str) -> Any:  # noqa: ANN401 (fsspec has no types)
+def _call(path: str, function: Any, *arguments: Any, operation: str = "open") -> Any:  # noqa: ANN401 (no types)
+    """Call fsspec; the exceptions of its file systems have no common class."""
     try:
         return function(*arguments)
-    except OSError as error:
-        raise LogError(f"cannot open {path}: {error.strerror or error}") from error
+    except MavstackError:
+        raise
+    except Exception as error:
+        reason = (getattr(error, "strerror", None) or str(error) or type(error).__name__).splitlines()[0]
+        raise LogError(f"cannot {operation} {path}: {reason}") from error

@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 import json
-import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from mavstack.atomic_file import write_file_atomically
-from mavstack.cli.common.errors import UsageError
-from mavstack.cli.common.output import echo, echo_json
-from mavstack.cli.data.opening import add_log_options, add_selection_options, open_file, report_damage
+from mavstack.cli.common.errors import CommandError, UsageError
+from mavstack.cli.common.output import echo, echo_json, terminal_width
+from mavstack.cli.data.opening import (
+    add_log_options,
+    add_selection_options,
+    name_of,
+    open_file,
+    report_damage,
+)
+from mavstack.cli.data.remote import is_remote
 from mavstack.cli.data.terminal_chart import chart_lines
 from mavstack.errors import LogError
 from mavstack.logs.analysis import flights
 from mavstack.logs.report import make_report
-from mavstack.logs.report.charts import Chart, Line, svg_document
-from mavstack.logs.report.page import plot_page
+from mavstack.logs.report.charts import Chart, Line, aligned, svg_document
+from mavstack.logs.report.page import MARK, plot_page
 from mavstack.logs.report.panels import PANELS, charts_of
 from mavstack.logs.report.png import png_of
 from mavstack.logs.report.style import STYLE
@@ -32,6 +38,8 @@ if TYPE_CHECKING:
 
 
 _USUAL_TOPICS: Final = ("attitude", "altitude")
+#: Bytes at the beginning of a file that tell whether it is of an earlier report.
+_HEAD: Final = 1024
 
 
 def add_actions(actions: Actions) -> None:
@@ -40,6 +48,9 @@ def add_actions(actions: Actions) -> None:
     add_log_options(parser)
     parser.add_argument("-o", "--output", metavar="FILE", help="page to write (default: beside the log)")
     parser.add_argument("--json", action="store_true", help="print facts and findings instead of a page")
+    parser.add_argument(
+        "--force", action="store_true", help="replace files beside the log that are not of an earlier report"
+    )
     add_selection_options(parser)
     parser = actions.add("plot", "charts of a flight: PNG, SVG, HTML, or on the terminal", plot)
     add_log_options(parser)
@@ -54,21 +65,55 @@ def add_actions(actions: Actions) -> None:
 
 def report(arguments: Namespace) -> int:
     """Run `mav data report`."""
+    page = _page_path(arguments)
     log = open_file(arguments.file, arguments)
     made = make_report(log)
     if arguments.json:
         echo_json(made.data)
-    if not arguments.json or arguments.output is not None:
-        path = Path(arguments.output or Path(arguments.file).with_suffix(".html"))
-        if path.suffix.lower() == ".json":
-            raise UsageError(
-                f"{path}: name the page, such as {path.with_suffix('.html')}; its facts go beside it"
-            )
-        write_file_atomically(path, made.html)
-        write_file_atomically(path.with_suffix(".json"), json.dumps(made.data, indent=1) + "\n")
+    if page is not None:
+        write_file_atomically(page, made.html)
+        write_file_atomically(page.with_suffix(".json"), json.dumps(made.data, indent=1) + "\n")
         if not arguments.json:
-            _print_findings(made.data, path)
+            _print_findings(made.data, page)
     return report_damage(log, arguments)
+
+
+def _page_path(arguments: Namespace) -> Path | None:
+    """Return the path of the page, or None if none is to be written.
+
+    Raises:
+        UsageError: The path is that of the facts beside the page, or there is none beside a URL.
+        CommandError: A file would be replaced that the user did not name and that no report wrote.
+    """
+    if arguments.json and arguments.output is None:
+        return None
+    if arguments.output is None and is_remote(arguments.file):
+        raise UsageError("the report of a log at a URL needs -o FILE")
+    page = Path(arguments.output or Path(arguments.file).with_suffix(".html"))
+    facts = page.with_suffix(".json")
+    if page.suffix.lower() == ".json":
+        raise UsageError(
+            f"{page}: name the page, such as {page.with_suffix('.html')}; its facts go beside it"
+        )
+    for path in [facts] if arguments.output else [page, facts]:
+        if not arguments.force and not _may_be_replaced(path):
+            raise CommandError(
+                f"cannot write {path}: it exists and is of no earlier report; "
+                "move it away, name another page with -o, or add --force"
+            )
+    return page
+
+
+def _may_be_replaced(path: Path) -> bool:
+    """Return whether a file does not exist, is empty, or was written with an earlier report."""
+    try:
+        with path.open("rb") as file:
+            head = file.read(_HEAD)
+    except FileNotFoundError:
+        return True
+    except OSError:  # writing tells the reason
+        return True
+    return not head or MARK.encode() in head
 
 
 def _print_findings(data: dict[str, object], path: Path) -> None:
@@ -79,18 +124,18 @@ def _print_findings(data: dict[str, object], path: Path) -> None:
             echo(f"{finding['severity']}: {finding['title']}{when}")
         if not vehicle["findings"]:
             echo("the rules found nothing")
-    echo(f"report: {path}")
+    echo(f"report: {path} (facts: {path.with_suffix('.json')})")
 
 
 def plot(arguments: Namespace) -> int:
     """Run `mav data plot`."""
     log = open_file(arguments.file, arguments)
     topics = arguments.what or _USUAL_TOPICS
-    charts = [chart for what in topics for chart in _charts(log, what)]
+    charts = aligned(chart for what in topics for chart in _charts(log, what))
     if not charts:
-        raise LogError(f"{log.path}: it holds none of {', '.join(topics)}")
+        raise LogError(f"{name_of(log, arguments)}: it holds none of {', '.join(topics)}")
     if arguments.output is None:
-        width = shutil.get_terminal_size().columns
+        width = terminal_width()
         for chart in charts:
             echo(*chart_lines(chart, width))
     else:

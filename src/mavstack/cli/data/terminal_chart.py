@@ -25,23 +25,25 @@ def chart_lines(chart: Chart, width: int, height: int = 8) -> Iterator[str]:
         width: Columns of the terminal.
         height: Lines of the drawing.
     """
-    lines = [line for line in chart.lines if len(line.xs)]
+    lines = chart.drawn_lines
     if not lines:
         return
     columns = max(width - _LABEL - 1, 10)
-    left, right = min(line.xs[0] for line in lines), max(line.xs[-1] for line in lines)
+    left, right = chart.extent
     low, high = min(line.ys.min() for line in lines), max(line.ys.max() for line in lines)
+    if low == high:  # a constant is drawn in the middle
+        low, high = low - 1, high + 1
     cells = np.zeros((height, columns), np.intp)
     for line in lines:
         xs = (line.xs - left) / ((right - left) or 1) * (2 * columns - 1)
-        ys = (high - line.ys) / ((high - low) or 1) * (4 * height - 1)
+        ys = (high - line.ys) / (high - low) * (4 * height - 1)
         _plot(cells, xs.round().astype(np.intp).tolist(), ys.round().astype(np.intp).tolist())
     unit = f" [{chart.unit}]" if chart.unit else ""
     yield f"{chart.title}{unit}: {', '.join(line.label for line in lines)}"
     for number, row in enumerate(cells.tolist()):
         label = f"{high:.6g}" if number == 0 else f"{low:.6g}" if number == height - 1 else ""
         yield f"{label:>{_LABEL}} {''.join(chr(_BRAILLE + cell) for cell in row)}"
-    first, last = f"{left:.6g} {chart.axis}", f"{right:.6g} {chart.axis}"
+    first, last = (f"{round(end, 3):.4g} {chart.axis}" for end in (left, right))
     yield f"{'':{_LABEL}} {first}{last:>{max(columns - len(first), len(last) + 1)}}"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import sys
+from contextlib import AsyncExitStack
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.cli.common.exposure import announce_exposure
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
 
 EXAMPLES: Final = """\
 examples:
-  mav demo                     # seven vehicles on missions, live, until Ctrl-C
+  mav demo                     # eight vehicles on missions, live, until Ctrl-C
+  mav demo --web               # with the ground station in the browser
   mav demo --speed 5           # five times as fast
   mav demo --for 60 --once     # a summary after one simulated minute
   mav demo --once --json       # the summary as one JSON object
@@ -46,7 +48,15 @@ def add_arguments(parser: ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="URL",
-        help="link on which other programs can reach the vehicles",
+        help="link on which other programs can reach the vehicles with MAVLink",
+    )
+    add("--web", action="store_true", help="serve the ground station in the browser too")
+    add(
+        "--port",
+        type=int,
+        default=8080,
+        metavar="N",
+        help="port of the ground station; 0: a free one (default: 8080)",
     )
     add("--seed", type=int, default=1, metavar="N", help="seed of all random numbers (default: 1)")
     add_link_options(parser.add_argument_group("links"), identity=False)
@@ -55,7 +65,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Run `mav demo`."""
     _choose_output(arguments)
-    if arguments.once and not arguments.out:
+    if arguments.once and not (arguments.out or arguments.web):
         from mavstack.sim.virtual import run_virtually
 
         return run_virtually(_demo(arguments))
@@ -65,6 +75,8 @@ def run(arguments: Namespace) -> int:
 async def _demo(arguments: Namespace) -> int:
     from mavstack.cli.demo.fleet_state import FleetState
     from mavstack.cli.demo.flights import add_vehicles, fly_missions
+    from mavstack.cli.demo.racing_drone import add_racing_drone, bridged
+    from mavstack.cli.demo.station import station_served
     from mavstack.cli.watch.follower import background_tasks
     from mavstack.dialects import Dialect
     from mavstack.links import MemoryNetwork
@@ -74,15 +86,21 @@ async def _demo(arguments: Namespace) -> int:
 
     dialect = Dialect.load("all")
     simulation, fleet, network = Simulation(seed=arguments.seed), FleetState(dialect), MemoryNetwork()
-    vehicles = add_vehicles(simulation)
+    vehicles, drone = add_vehicles(simulation), add_racing_drone(simulation)
     async with Runner(simulation, speed=arguments.speed) as runner:
         await runner.connect(network.link(), vehicles)
         urls = with_link_options(arguments.out, arguments)
         announce_exposure("demo", [await runner.connect(url, vehicles) for url in urls])
         async with (
+            bridged(runner, drone, network),
             Node(network.link(), dialect=dialect) as ground,
             background_tasks(_observe(ground, fleet), fly_missions(ground, vehicles)),
+            AsyncExitStack() as stack,
         ):
+            if arguments.web:
+                url = await stack.enter_async_context(station_served(network.link(), arguments.port))
+                echo(f"ground station on {url}; Ctrl-C to end")
+                arguments.out.append(url)
             await _show(runner, fleet, arguments)
     return 0
 
@@ -107,15 +125,16 @@ async def _show(runner: Runner, fleet: FleetState, arguments: Namespace) -> None
         return
     from mavstack.cli.demo.fleet_display import FleetDisplay
 
-    title = f"seven simulated vehicles{f' on {arguments.out[0]}' if arguments.out else ''}"
+    title = f"eight simulated vehicles{f' on {arguments.out[0]}' if arguments.out else ''}"
     with FleetDisplay(title, fleet) as display:
         async with background_tasks(display.run()):
             await runner.run(arguments.seconds)
 
 
 def _choose_output(arguments: Namespace) -> None:
-    """Choose a summary in a pipe or without rich, and no output in a pipe with `--out`."""
-    arguments.quiet = bool(arguments.out) and not (arguments.once or arguments.json or sys.stdout.isatty())
+    """Choose a summary in a pipe or without rich, and no output in a pipe with `--out` or `--web`."""
+    served = bool(arguments.out) or arguments.web
+    arguments.quiet = served and not (arguments.once or arguments.json or sys.stdout.isatty())
     arguments.once = not arguments.quiet and (arguments.once or arguments.json or not sys.stdout.isatty())
     if arguments.once or arguments.quiet:
         return

@@ -19,6 +19,8 @@ MAX_TRACK = 400
 _MIN_TRACK_STEP = 2.0
 _MAX_TEXTS = 100
 _METRES_PER_DEGREE = 111_319.5
+#: Firmwares by the beginning of `flight_custom_version`, which vehicles behind a bridge of MSP have.
+_FIRMWARES = {b"BTFL": "Betaflight", b"INAV": "iNav"}
 _UNKNOWN_PERCENT = -1
 
 
@@ -38,6 +40,9 @@ class FleetVehicle:
     battery: int | None = None
     item: int | None = None
     items: int | None = None
+    #: Names of modes by their numbers, and of the firmware, for a vehicle whose HEARTBEAT tells neither.
+    mode_names: dict[int, str] = field(default_factory=dict)
+    firmware: str = ""
     track: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=MAX_TRACK))
 
     def distance_to_track_end(self, latitude: float, longitude: float) -> float:
@@ -87,6 +92,10 @@ class FleetState:
                 vehicle.battery = percent if percent > _UNKNOWN_PERCENT else None
             case common.MissionCurrent(seq=item, total=total):
                 vehicle.item, vehicle.items = item, total if 0 < total < 0xFFFF else None
+            case common.AvailableModes(custom_mode=number, mode_name=name):
+                vehicle.mode_names[number] = name
+            case common.AutopilotVersion(flight_custom_version=version):
+                vehicle.firmware = _FIRMWARES.get(bytes(version)[:4], "")
             case common.Statustext(text=text):
                 self.texts.append((now, packet.system, text.rstrip()))
 
@@ -103,6 +112,10 @@ class FleetState:
         vehicle = self.vehicles.get(packet.system)
         if vehicle is None:
             vehicle = self.vehicles[packet.system] = FleetVehicle(packet.system, identity)
+        identity = identity._replace(
+            mode=vehicle.mode_names.get(message.custom_mode, identity.mode),
+            autopilot=vehicle.firmware or identity.autopilot,
+        )
         vehicle.identity, vehicle.last_heartbeat = identity, now
 
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.errors import UsageError
-from mavstack.cli.common.options import load_dialect
 from mavstack.cli.common.output import echo, echo_json, echo_text
+from mavstack.dialects.lookup import find_dialect
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -100,7 +100,7 @@ def _list(arguments: Namespace) -> int:
 def _show(arguments: Namespace) -> int:
     from mavstack.cli.dialect.pages import contents_page, dialect_facts, find, plain
 
-    dialect = load_dialect(arguments.dialect)
+    dialect = find_dialect(arguments.dialect)
     if arguments.item is None:
         contents = {
             **dialect_facts(dialect),
@@ -145,7 +145,7 @@ def _problems(arguments: Namespace) -> list[Problem]:
     names = reserved_names(collect(arguments.file).definition)
     problems += [Problem("note", text, arguments.file, line or None) for line, text in names]
     if arguments.against:
-        problems += check_against(arguments.file, load_dialect(arguments.against).definition)
+        problems += check_against(arguments.file, find_dialect(arguments.against).definition)
     return problems
 
 
@@ -154,7 +154,7 @@ def _diff(arguments: Namespace) -> int:
 
     from mavstack.dialects.compare import compare
 
-    old, new = (load_dialect(name).definition for name in (arguments.old, arguments.new))
+    old, new = (find_dialect(name).definition for name in (arguments.old, arguments.new))
     changes = compare(old, new, prose=arguments.prose)
     broken = sum(change.breaks_wire for change in changes)
     if arguments.json:

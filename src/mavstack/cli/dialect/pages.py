@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, is_dataclass
 from difflib import get_close_matches
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -94,10 +93,13 @@ def find(dialect: Dialect, name: str) -> Found:
 
 def plain(value: object) -> object:
     """Return a definition as values for JSON, without its empty attributes."""
-    if is_dataclass(value):
-        pairs = ((item.name, plain(getattr(value, item.name))) for item in fields(value))
-        return {name: found for name, found in pairs if name != "line" and found not in ("", None, [], False)}
-    return [plain(item) for item in value] if isinstance(value, tuple) else value
+    if not isinstance(value, tuple):
+        return value
+    items = [plain(item) for item in value]
+    if not hasattr(value, "_fields"):
+        return items
+    pairs = zip(value._fields, items, strict=True)
+    return {name: found for name, found in pairs if name != "line" and found not in ("", None, [], False)}
 
 
 def message_page(message: MessageDefinition) -> str:

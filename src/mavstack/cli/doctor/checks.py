@@ -25,6 +25,7 @@ _LIBRARIES: Final = (
     ("prompt_toolkit", "completion in the shell", "cli"),
     ("pyserial", "serial ports", "serial"),
     ("websockets", "WebSocket links", "web"),
+    ("cryptography", "sealed links", "secure"),
 )
 _CPU_FEATURES: Final = ("sha_ni", "sha2", "avx2", "neon", "asimd")
 

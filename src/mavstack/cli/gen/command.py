@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import gc
 import sys
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.errors import CommandError, UsageError
-from mavstack.cli.common.options import load_dialect
 from mavstack.cli.common.output import echo, echo_json
+from mavstack.dialects.lookup import find_dialect
 from mavstack.errors import InvalidArgumentError, MissingExtraError
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
-    from pathlib import Path
+    from collections.abc import Iterator
 
     from mavstack.codegen import GeneratedFile
 
@@ -63,7 +65,8 @@ def run(arguments: Namespace) -> int:
         raise UsageError("name a language, a dialect and a folder: mav gen c common -o include")
     from mavstack.codegen import outdated_files, write_files
 
-    files = _generate(arguments)
+    with _no_collection():
+        files = _generate(arguments)
     if arguments.check:
         return _check(outdated_files(files, arguments.output), arguments)
     try:
@@ -73,20 +76,34 @@ def run(arguments: Namespace) -> int:
             f"{error.filename} was not written by mav gen; choose another folder, or overwrite with --force"
         ) from None
     if arguments.json:
-        echo_json({"files": [file.path for file in files], "changed": [str(path) for path in changed]})
+        echo_json({"files": [file.path for file in files], "changed": changed})
     else:
         echo(f"{arguments.output}: {len(files) - 1} files, {len(changed)} changed")
     return 0
 
 
+@contextmanager
+def _no_collection() -> Iterator[None]:
+    """Keep the garbage collector off, and from searching the definitions later: they all stay to the end."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.freeze()
+        if was_enabled:
+            gc.enable()
+
+
 def _generate(arguments: Namespace) -> list[GeneratedFile]:
     from mavstack.codegen import generate, make_library
+    from mavstack.codegen.library import name_patterns
 
     try:
         library = make_library(
-            load_dialect(arguments.dialect),
-            only=_words(arguments.only),
-            exclude=_words(arguments.exclude),
+            find_dialect(arguments.dialect),
+            only=name_patterns(arguments.only),
+            exclude=name_patterns(arguments.exclude),
             package=arguments.package,
         )
         return generate(library, arguments.language)
@@ -115,13 +132,9 @@ def _show_form(arguments: Namespace) -> int:
     return GenerationWindow(form).run() or 0
 
 
-def _words(text: str) -> list[str]:
-    return [word.strip() for word in text.split(",") if word.strip()]
-
-
-def _check(outdated: list[Path], arguments: Namespace) -> int:
+def _check(outdated: list[str], arguments: Namespace) -> int:
     if arguments.json:
-        echo_json({"outdated": [str(path) for path in outdated]})
+        echo_json({"outdated": outdated})
     else:
         for path in outdated:
             echo(f"mav gen: out of date: {path}", error=True)

@@ -1,6 +1,7 @@
 """`mav key`: the user's signing keys, and the key of a vehicle.
 
-The keys are files in the user's key directory (see `mavstack.security.key_store`); every command that opens
+The keys are files in the user's key directory, or are in the keyring of the system (see
+`mavstack.security.key_store`); every command that opens
 a link takes one by its name with `--key`. A vehicle gets a key by SETUP_SIGNING, which carries it in the
 clear. A first key is therefore sent only after the user has confirmed the channel, by a question or by
 `--yes`; a later one over the channel on which the vehicle was verified with its present key.
@@ -9,22 +10,29 @@ clear. A first key is therefore sent only after the user has confirmed the chann
 from __future__ import annotations
 
 import asyncio
-from contextlib import suppress
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.common.confirmation import add_yes_option, is_confirmed, is_confirmed_while_connected
+from mavstack.cli.common.confirmation import add_yes_option, is_confirmed_while_connected
 from mavstack.cli.common.connection import add_heartbeat_timeout, run_on_vehicle
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.link_options import add_link_options
 from mavstack.cli.common.options import seconds
-from mavstack.cli.common.output import align_columns, echo, echo_json
+from mavstack.cli.common.output import echo, echo_json
 from mavstack.cli.common.selection import add_system_option, of_vehicle
 from mavstack.cli.common.text import printable
+from mavstack.cli.key import inventory, offers, sealed, ticket
 from mavstack.cli.key.passphrase import read_passphrase
-from mavstack.errors import RemoteTimeout, SigningError
+from mavstack.cli.key.rotate import rotate
+from mavstack.cli.key.vehicle_key import require_ready
+from mavstack.errors import RemoteTimeout
 from mavstack.security import SigningKey
-from mavstack.security.key_store import find_key, key_names, key_path, store_key
+from mavstack.security.key_store import (
+    find_key,
+    key_path,
+    store_key,
+    uses_keyring,
+)
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -38,13 +46,15 @@ examples:
   mav key list
   mav key install fleet /dev/ttyACM0                # a first key, over a cable
   mav key install fleet udpin://127.0.0.1:14550 --yes
+  mav key rotate fleet udpin://0.0.0.0:14550 --all  # a new key for every vehicle that uses fleet
   mav key install next udpin://0.0.0.0:14550 --key fleet    # another key, signed with the present one
   mav key off udpin://0.0.0.0:14550 --key next      # turn signing off
   mav key remove club                               # forget it on this machine
+  mav key new --sealed boat                         # a key pair for sealed links
+  mav key public boat                               # the half of it that the other end needs
+  mav key remove boat --kind sealed                 # if a signing key has this name too
+  mav key ticket fleet                              # for one connection to wsin://…?ticket_key=fleet
 """
-
-#: Seconds to wait for a packet of the vehicle: three heartbeats.
-_PACKET_TIMEOUT: Final = 3.0
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -57,25 +67,34 @@ def add_arguments(parser: ArgumentParser) -> None:
         action="store_true",
         help="make it of a passphrase as ground stations do (SHA-256); it is asked for, or read from stdin",
     )
+    action.add_argument(
+        "--keyring",
+        action="store_true",
+        help="store it in the keyring of the system instead of a file (MAVSTACK_KEY_STORE=keyring: always)",
+    )
+    sealed.add_option(action)
     _add_json(action)
-    _add_json(actions.add("list", "list the keys on this machine", show))
+    inventory.add_list(actions)
     action = actions.add("install", "set the signing key of a vehicle", install)
     action.add_argument("name", metavar="FILE|NAME", help="the new key: its name, or the path of its file")
     _add_vehicle(action)
     add_yes_option(action)
+    action = actions.add("rotate", "give all vehicles of a key another one, one after the other", rotate)
+    action.add_argument("name", metavar="NAME", help="name of the present key, which the new one gets")
+    _add_vehicle(action, rotates=True)
     action = actions.add("off", "turn signing off on a vehicle", turn_off)
     _add_vehicle(action)
-    action = actions.add("remove", "remove a key from this machine; vehicles keep it", remove)
-    action.add_argument("name", metavar="NAME", help="name of the key")
-    add_yes_option(action)
-    _add_json(action)
+    inventory.add_remove(actions)
+    ticket.add_action(actions)
+    sealed.add_action(actions)
+    offers.add_actions(actions)
 
 
 def _add_json(parser: ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
-def _add_vehicle(parser: ArgumentParser) -> None:
+def _add_vehicle(parser: ArgumentParser, *, rotates: bool = False) -> None:
     """Declare the link to the vehicle, which is always named: a key goes nowhere by default."""
     parser.set_defaults(changes=True)  # for the selection of the vehicle
     parser.add_argument("url", nargs=1, metavar="URL", help="link to the vehicle")
@@ -87,9 +106,9 @@ def _add_vehicle(parser: ArgumentParser) -> None:
     )
     _add_json(parser)
     group = parser.add_argument_group("vehicle")
-    add_system_option(group, fleet=False, changes=True)
+    add_system_option(group, fleet=rotates, changes=True)
     add_heartbeat_timeout(group)
-    add_link_options(parser.add_argument_group("links"))
+    add_link_options(parser.add_argument_group("links"), key=not rotates)
 
 
 def run(arguments: Namespace) -> int:
@@ -100,28 +119,13 @@ def run(arguments: Namespace) -> int:
 
 def new(arguments: Namespace) -> int:
     """Run `mav key new`."""
+    if arguments.sealed:
+        return sealed.new(arguments)
     key_path(arguments.name)  # an invalid name is refused before anything is asked
     key = SigningKey.from_passphrase(read_passphrase()) if arguments.passphrase else SigningKey.generate()
-    path = store_key(arguments.name, key)
+    path = store_key(arguments.name, key, keyring=arguments.keyring or uses_keyring())
     facts = {"name": arguments.name, "fingerprint": key.fingerprint, "path": str(path)}
     _report(arguments, facts, f"{path} made; commands take it with --key {arguments.name}")
-    return 0
-
-
-def show(arguments: Namespace) -> int:
-    """Run `mav key list`."""
-    rows = [_row(name) for name in key_names()]
-    if arguments.json:
-        echo_json(
-            [
-                {"name": name, "fingerprint": text or None, "problem": problem or None}
-                for name, text, problem in rows
-            ]
-        )
-    elif rows:
-        echo(*align_columns([("NAME", "FINGERPRINT", ""), *rows]))
-    else:
-        echo("there is no key; mav key new NAME makes one", error=True)
     return 0
 
 
@@ -130,7 +134,7 @@ def install(arguments: Namespace) -> int:
     key = find_key(arguments.name)
 
     async def work(vehicle: Vehicle) -> int:
-        await _require_ready(vehicle, arguments)
+        await require_ready(vehicle, arguments)
         channel = None if arguments.signing_key else _channel_of(vehicle)
         if channel is not None and not await _is_confirmed(vehicle, arguments, channel):
             return 1
@@ -150,51 +154,12 @@ def turn_off(arguments: Namespace) -> int:
         raise UsageError("name the present key with --key: only who has it can turn signing off")
 
     async def work(vehicle: Vehicle) -> int:
-        await _require_ready(vehicle, arguments)
+        await require_ready(vehicle, arguments)
         await _setup_signing(vehicle, arguments, None, None)
         _report(arguments, {"system": vehicle.system, "key": None}, of_vehicle(vehicle, "signing turned off"))
         return 0
 
     return run_on_vehicle(arguments, work)
-
-
-def remove(arguments: Namespace) -> int:
-    """Run `mav key remove`."""
-    path = key_path(arguments.name)
-    if not path.is_file():
-        find_key(arguments.name)  # raises with the names that exist
-        raise CommandError(f"there is no key {arguments.name!r} in {path.parent}")
-    question = f"remove {path}? A vehicle that uses this key cannot be reached without it. Remove it"
-    if not is_confirmed(arguments, question, "remove a key", refused="nothing was removed"):
-        return 1
-    path.unlink()
-    _report(arguments, {"removed": arguments.name}, f"{path} removed")
-    return 0
-
-
-def _row(name: str) -> tuple[str, str, str]:
-    """Return the name, the fingerprint and the problem of a key."""
-    try:
-        return name, find_key(str(key_path(name))).fingerprint, ""
-    except SigningError as error:
-        return name, "", str(error)
-
-
-async def _require_ready(vehicle: Vehicle, arguments: Namespace) -> None:
-    """Refuse at once what the vehicle would ignore: any request while armed, unsigned ones if it signs."""
-    if vehicle.armed:
-        raise CommandError(of_vehicle(vehicle, "it is armed; autopilots take no key then: disarm it first"))
-    if arguments.signing_key is None and await _signs(vehicle):
-        raise CommandError(of_vehicle(vehicle, "it has a key already; name its present key with --key"))
-
-
-async def _signs(vehicle: Vehicle) -> bool:
-    """Return whether the next packet of the vehicle is signed."""
-    async with vehicle.connection.packets(system=vehicle.system) as packets:
-        with suppress(TimeoutError):
-            async with asyncio.timeout(_PACKET_TIMEOUT):
-                return (await anext(packets)).signed
-    return False
 
 
 def _channel_of(vehicle: Vehicle) -> str:

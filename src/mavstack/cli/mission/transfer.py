@@ -18,7 +18,7 @@ from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.mission.files import STANDARD, read, save, select_plan_types, validate
 from mavstack.cli.vehicle.interruption import notice_of_interruption
 from mavstack.dialects import common
-from mavstack.errors import MavstackError, MissionDenied, RemoteError, RemoteProtocolError
+from mavstack.errors import ActionUnsupported, MavstackError, MissionDenied, RemoteError, RemoteProtocolError
 from mavstack.files.plans import Home, PlanFile, Settings, format_of
 from mavstack.files.plans.model import PLAN_NAMES, params_of
 from mavstack.services.mission import Plan, PlanType
@@ -188,6 +188,10 @@ async def _download(vehicle: Vehicle, plan_type: PlanType, *, strict: bool) -> P
     with TransferProgress(f"downloading the {PLAN_NAMES[plan_type]}", in_bytes=False) as progress:
         try:
             return await _plans(vehicle, plan_type).download(progress=progress)
+        except ActionUnsupported:
+            if strict or plan_type == PlanType.MISSION:
+                raise
+            return Plan(plan_type)
         except MissionDenied as error:
             unsupported = error.code == common.MavMissionResult.UNSUPPORTED and plan_type != PlanType.MISSION
             if strict or not unsupported:

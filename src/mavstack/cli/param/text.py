@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     Item = TypeVar("Item")
 
 
-def matching(patterns: Sequence[str], known: Mapping[str, Item]) -> dict[str, Item]:
+def matching(patterns: Sequence[str], known: Mapping[str, Item], noun: str = "parameter") -> dict[str, Item]:
     """Return the items whose names match a pattern such as `WPNAV*`; all items if there is no pattern.
 
     Raises:
@@ -31,7 +31,7 @@ def matching(patterns: Sequence[str], known: Mapping[str, Item]) -> dict[str, It
     """
     for pattern in patterns:
         if not any(matches_any(name, [pattern]) for name in known):
-            raise CommandError(f"there is no parameter {pattern}{_hint(pattern.upper(), known)}")
+            raise CommandError(f"there is no {noun} {pattern}{_hint(pattern.upper(), known)}")
     return {name: item for name, item in known.items() if matches_any(name, patterns)}
 
 

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.connection import add_connection_options, run_on_vehicle
 from mavstack.cli.common.errors import UsageError
-from mavstack.cli.common.options import add_dialect_option, load_dialect, message_ids
+from mavstack.cli.common.options import add_dialect_option, message_ids
 from mavstack.cli.common.output import echo, echo_json
 from mavstack.cli.common.selection import of_vehicle, selects_several
+from mavstack.dialects.lookup import find_dialect
 from mavstack.services.message_request import DEFAULT, OFF, Interval
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ def run(arguments: Namespace) -> int:
     """Run `mav rate`."""
     arguments.command = "rate"
     arguments.changes = arguments.rate is not None
-    dialect = load_dialect(arguments.dialect)
+    dialect = find_dialect(arguments.dialect)
     wanted = {_name(dialect, number): number for number in sorted(message_ids(dialect, arguments.message))}
     interval = None if arguments.rate is None else _interval(arguments.rate)
 

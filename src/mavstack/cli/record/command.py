@@ -11,7 +11,6 @@ from mavstack.cli.common.link_options import add_link_options
 from mavstack.cli.common.options import (
     add_dialect_option,
     byte_size,
-    load_dialect,
     message_ids,
     seconds,
     system_id,
@@ -21,6 +20,7 @@ from mavstack.cli.record.status import RecordingStatus
 from mavstack.cli.watch.following import follow_sources
 from mavstack.cli.watch.observer import Selection
 from mavstack.cli.watch.sources import open_sources
+from mavstack.dialects.lookup import find_dialect
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -71,7 +71,7 @@ def run(arguments: Namespace) -> int:
     """Run `mav record`."""
     if arguments.keep is not None and arguments.max_size is None and arguments.max_duration is None:
         raise UsageError("--keep needs --max-size or --max-time")
-    dialect = load_dialect(arguments.dialect)
+    dialect = find_dialect(arguments.dialect)
     ids = message_ids(dialect, arguments.filter) if arguments.filter else None
     sources = open_sources(arguments.sources, dialect, Selection(ids, arguments.system), RecordingObserver)
     for source in sources:

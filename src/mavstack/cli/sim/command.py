@@ -7,9 +7,7 @@ immediately (see `mavstack.sim.faults`).
 from __future__ import annotations
 
 import asyncio
-from argparse import ArgumentTypeError
 from dataclasses import replace
-from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeVar
 
@@ -18,8 +16,16 @@ from mavstack.cli.common.exposure import announce_exposure
 from mavstack.cli.common.link_options import add_link_options, with_link_options
 from mavstack.cli.common.options import seconds, system_id
 from mavstack.cli.common.output import echo, echo_json
-from mavstack.errors import MavstackError
-from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, TerrainSource, VehicleType
+from mavstack.cli.sim.arguments import count, home, milliseconds, obstacle, rangefinder, share, speed, wind
+from mavstack.cli.sim.flight_controllers import DEFAULT_OUT as DEFAULT_MSP_OUT
+from mavstack.cli.sim.flight_controllers import PREFIX, controller_firmwares, transports
+from mavstack.sim.vehicle_types import (
+    DEFAULT_HOME,
+    ControllerFirmware,
+    Firmware,
+    TerrainSource,
+    VehicleType,
+)
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -27,8 +33,7 @@ if TYPE_CHECKING:
 
     from mavstack.links import Link
     from mavstack.sim.faults import FaultScript, TimedFault
-    from mavstack.sim.motion.obstacles import Obstacle
-    from mavstack.sim.rangefinders import Rangefinder
+    from mavstack.sim.msp import SimulatedFlightController
     from mavstack.sim.runner import Runner
     from mavstack.sim.simulation import Simulation
     from mavstack.sim.vehicle import SimulatedVehicle
@@ -49,6 +54,8 @@ examples:
   mav sim --storage flights                   # keep logs and files in a folder
   mav sim --camera --gimbal                   # with a camera and a gimbal
   mav sim --rangefinder forward --obstacle 30,0,2,15   # a rangefinder, and a cylinder 30 m north of home
+  mav sim --firmware betaflight --out msp+tcpin://127.0.0.1:5761   # a racing drone that speaks MSP
+  mav sim --firmware inav --out msp+pty:///tmp/ttyINAV             # iNav on a serial port of this machine
 
 Fly it from another terminal:
   mavproxy.py --master=udpin:0.0.0.0:14550
@@ -64,15 +71,15 @@ DEFAULT_OUT: Final = ("udpout://127.0.0.1:14550", "udpout://127.0.0.1:14540")
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments."""
-    names, firmwares = ", ".join(VehicleType), ", ".join(Firmware)
+    names, firmwares = ", ".join(VehicleType), ", ".join((*Firmware, *ControllerFirmware))
     add = parser.add_argument
     add("--type", default="copter", metavar="TYPE", help=f"{names}; several in turn: copter,plane")
     add("--firmware", default="ardupilot", metavar="NAME", help=f"{firmwares}; several in turn")
-    add("--count", type=_count, default=1, metavar="N", help="number of vehicles (default: 1)")
+    add("--count", type=count, default=1, metavar="N", help="number of vehicles (default: 1)")
     add("--system", type=system_id, default=1, metavar="ID", help="system id of the first one (default: 1)")
     add(
         "--home",
-        type=_home,
+        type=home,
         default=DEFAULT_HOME,
         metavar="LAT,LON,ALT,HDG",
         help="home of the first vehicle: degrees, metres above sea, heading in degrees",
@@ -82,7 +89,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     add(
         "--rangefinder",
         action="append",
-        type=_rangefinder,
+        type=rangefinder,
         default=[],
         metavar="ORIENTATION[:KIND]",
         help="rangefinder of each vehicle, such as downward:sonar or forward; may be repeated",
@@ -96,7 +103,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     add("--seed", type=int, default=1, metavar="N", help="seed of all random numbers (default: 1)")
     add(
         "--speed",
-        type=_speed,
+        type=speed,
         default=1.0,
         metavar="N",
         help="simulated seconds per second, or max (default: 1)",
@@ -114,8 +121,8 @@ def _add_link_options(parser: ArgumentParser) -> None:
     default = " and ".join(DEFAULT_OUT)
     add("--out", action="append", metavar="URL", help=f"link; may be repeated (default: {default})")
     add("--each", action="store_true", help="one port per vehicle, counting up from the port of the link")
-    add("--loss", type=_share, default=0.0, metavar="F", help="share of packets lost per direction, 0 to 1")
-    add("--latency", type=_milliseconds, default=0.0, metavar="MS", help="delay per direction, milliseconds")
+    add("--loss", type=share, default=0.0, metavar="F", help="share of packets lost per direction, 0 to 1")
+    add("--latency", type=milliseconds, default=0.0, metavar="MS", help="delay per direction, milliseconds")
     add("--bandwidth", metavar="BYTES", help="bytes per second in each direction, such as 5760 or 64k")
     add(
         "--radio",
@@ -129,14 +136,14 @@ def _add_disturbances(parser: ArgumentParser) -> None:
     add = parser.add_argument_group("disturbances").add_argument
     add(
         "--wind",
-        type=_wind,
+        type=wind,
         metavar="SPEED,FROM[,GUSTS]",
         help="m/s, degrees that it comes from, share of gusts (default: 0.1)",
     )
     add(
         "--obstacle",
         action="append",
-        type=_obstacle,
+        type=obstacle,
         default=[],
         metavar="NORTH,EAST,RADIUS[,HEIGHT]",
         help="cylinder on the ground, metres from home; vehicles get a proximity sensor; may be repeated",
@@ -158,16 +165,42 @@ def run(arguments: Namespace) -> int:
 
 async def _simulate(arguments: Namespace) -> int:
     from mavstack.sim.faults import FaultScript
-    from mavstack.sim.fleet import Fleet
     from mavstack.sim.runner import Runner
     from mavstack.sim.simulation import Simulation
 
+    controllers = controller_firmwares(arguments)
     simulation = Simulation(seed=arguments.seed, start=_start_time(), storage=arguments.storage)
-    types = _kinds(VehicleType, arguments.type, "--type")
-    firmwares = _kinds(Firmware, arguments.firmware, "--firmware")
+    for each in arguments.obstacle:
+        simulation.add_obstacle(each, home=arguments.home)
+    if arguments.wind:
+        strength, direction, turbulence = arguments.wind
+        simulation.world.set_wind(speed=strength, direction=direction, turbulence=turbulence)
+    script = FaultScript([*_lines(arguments.script), *arguments.fault])
+    printer = EventPrinter(arguments.json)
+    vehicles = _fleet(arguments, controllers, simulation)
+    for vehicle in vehicles:
+        vehicle.listeners.append(printer.event)
+    try:
+        async with Runner(simulation, speed=arguments.speed, on_link_down=printer.link_down) as runner:
+            links = await _connect(runner, vehicles, arguments, speaks_msp=bool(controllers))
+            prefix = PREFIX if controllers else ""
+            printer.begin(vehicles, [prefix + link.url.redacted for link in links])
+            announce_exposure("sim", links)
+            await _run(runner, script, printer, arguments.seconds)
+    finally:
+        simulation.close()
+    return 0
+
+
+def _fleet(
+    arguments: Namespace, controllers: list[ControllerFirmware], simulation: Simulation
+) -> Sequence[SimulatedVehicle | SimulatedFlightController]:
+    """Add the vehicles to the simulation."""
+    from mavstack.sim.fleet import Fleet
+
     fleet = Fleet(
-        types,
-        firmwares,
+        _kinds(VehicleType, arguments.type, "--type"),
+        _firmwares(arguments) if not controllers else (),
         arguments.count,
         arguments.home,
         arguments.system,
@@ -175,26 +208,9 @@ async def _simulate(arguments: Namespace) -> int:
         gimbal=arguments.gimbal,
         rangefinders=arguments.rangefinder,
         terrain=arguments.terrain,
+        controllers=controllers,
     )
-    for obstacle in arguments.obstacle:
-        simulation.add_obstacle(obstacle, home=arguments.home)
-    if arguments.wind:
-        speed, direction, turbulence = arguments.wind
-        simulation.world.set_wind(speed=speed, direction=direction, turbulence=turbulence)
-    script = FaultScript([*_lines(arguments.script), *arguments.fault])
-    printer = EventPrinter(arguments.json)
-    vehicles = fleet.add_to(simulation)
-    for vehicle in vehicles:
-        vehicle.listeners.append(printer.event)
-    try:
-        async with Runner(simulation, speed=arguments.speed, on_link_down=printer.link_down) as runner:
-            links = await _connect(runner, vehicles, arguments)
-            printer.begin(vehicles, links)
-            announce_exposure("sim", links)
-            await _run(runner, script, printer, arguments.seconds)
-    finally:
-        simulation.close()
-    return 0
+    return fleet.add_flight_controllers_to(simulation) if controllers else fleet.add_to(simulation)
 
 
 def _start_time() -> float:
@@ -203,9 +219,22 @@ def _start_time() -> float:
     return float(int(time()))
 
 
-async def _connect(runner: Runner, vehicles: Sequence[SimulatedVehicle], arguments: Namespace) -> list[Link]:
+async def _connect(
+    runner: Runner,
+    vehicles: Sequence[SimulatedVehicle | SimulatedFlightController],
+    arguments: Namespace,
+    *,
+    speaks_msp: bool,
+) -> list[Link]:
     from mavstack.sim.fleet import link_per_vehicle
 
+    if speaks_msp:
+        urls = [
+            PREFIX + _impaired(url, arguments)
+            for url in transports(arguments.out or [DEFAULT_MSP_OUT], len(vehicles))
+        ]
+        owners = [vehicle for _ in arguments.out or [DEFAULT_MSP_OUT] for vehicle in vehicles]
+        return [await runner.connect(url, [vehicle]) for url, vehicle in zip(urls, owners, strict=True)]
     urls = with_link_options(arguments.out or DEFAULT_OUT, arguments)
     urls = [_impaired(url, arguments) for url in urls]
     if not arguments.each:
@@ -253,8 +282,10 @@ class EventPrinter:
         self._json = as_json
         self._started = 0.0
 
-    def begin(self, vehicles: Sequence[SimulatedVehicle], links: Sequence[Link]) -> None:
-        """Print the vehicles and their links."""
+    def begin(
+        self, vehicles: Sequence[SimulatedVehicle | SimulatedFlightController], links: Sequence[str]
+    ) -> None:
+        """Print the vehicles and the URLs of their links."""
         self._started = vehicles[0].now
         if self._json:
             self._print(
@@ -263,20 +294,17 @@ class EventPrinter:
                     {"system": each.address.system, "type": each.vehicle_type, "firmware": each.firmware}
                     for each in vehicles
                 ],
-                links=[link.url.redacted for link in links],
+                links=list(links),
             )
             return
         for vehicle in vehicles:
-            payloads = [name for name in ("camera", "gimbal") if getattr(vehicle, name) is not None]
-            payloads += [f"rangefinder {each.name}" for each in vehicle.rangefinders]
-            payloads += ["proximity sensor"] * vehicle.proximity
-            equipment = f" with {', '.join(payloads)}" if payloads else ""
-            echo(f"system {vehicle.address.system}: {vehicle.firmware} {vehicle.vehicle_type}{equipment}")
-        shown = [link.url.redacted for link in links]
-        echo("on " + (", ".join(shown) if len(shown) <= 6 else f"{shown[0]} … {shown[-1]}"))
+            equipment = vehicle.equipment
+            shown = f" with {', '.join(equipment)}" if equipment else ""
+            echo(f"system {vehicle.address.system}: {vehicle.firmware} {vehicle.vehicle_type}{shown}")
+        echo("on " + (", ".join(links) if len(links) <= 6 else f"{links[0]} … {links[-1]}"))
         echo(_input_hint())
 
-    def event(self, vehicle: SimulatedVehicle, kind: str, text: str) -> None:
+    def event(self, vehicle: SimulatedVehicle | SimulatedFlightController, kind: str, text: str) -> None:
         """Print an event of a vehicle."""
         system, elapsed = vehicle.address.system, vehicle.now - self._started
         if self._json:
@@ -331,70 +359,17 @@ def _lines(path: Path | None) -> list[str]:
     return path.read_text().splitlines() if path else []
 
 
+def _firmwares(arguments: Namespace) -> list[Firmware]:
+    """Return the firmwares that speak MAVLink."""
+    try:
+        return _kinds(Firmware, arguments.firmware, "--firmware")
+    except UsageError:
+        choices = ", ".join((*Firmware, *ControllerFirmware))
+        raise UsageError(f"--firmware {arguments.firmware}: the choices are {choices}") from None
+
+
 def _kinds(kind: type[Kind], text: str, option: str) -> list[Kind]:
     try:
         return [kind(word.strip().lower()) for word in text.split(",")]
     except ValueError:
         raise UsageError(f"{option} {text}: the choices are {', '.join(kind)}") from None
-
-
-def _count(text: str) -> int:
-    if not (text.isdecimal() and 1 <= int(text) <= 255):
-        raise ArgumentTypeError(f"{text!r} is not a number of vehicles, 1 to 255")
-    return int(text)
-
-
-def _home(text: str) -> Home:
-    try:
-        return Home.parse(text)
-    except MavstackError as error:
-        raise ArgumentTypeError(str(error)) from None
-
-
-def _rangefinder(text: str) -> Rangefinder:
-    from mavstack.sim.rangefinders import Rangefinder
-
-    try:
-        return Rangefinder.parse(text)
-    except MavstackError as error:
-        raise ArgumentTypeError(str(error)) from None
-
-
-def _obstacle(text: str) -> Obstacle:
-    from mavstack.sim.motion.obstacles import Obstacle
-
-    try:
-        return Obstacle.parse(text)
-    except MavstackError as error:
-        raise ArgumentTypeError(str(error)) from None
-
-
-def _share(text: str) -> float:
-    return _number(text, 0.0, 1.0, "a share from 0 to 1")
-
-
-def _milliseconds(text: str) -> float:
-    return _number(text, 0.0, 60_000.0, "a delay of 0 to 60000 ms")
-
-
-def _speed(text: str) -> float:
-    return inf if text == "max" else _number(text, 0.01, 1000.0, "a speed of 0.01 to 1000, or max")
-
-
-def _wind(text: str) -> tuple[float, float, float]:
-    expected = "a wind SPEED,FROM[,GUSTS] such as 5,270,0.2"
-    parts = text.split(",")
-    if not 2 <= len(parts) <= 3:
-        raise ArgumentTypeError(f"{text!r} is not {expected}")
-    speed, direction, gusts = (_number(part, -360.0, 360.0, expected) for part in (*parts, "0.1")[:3])
-    return speed, direction, gusts
-
-
-def _number(text: str, minimum: float, maximum: float, expected: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = inf
-    if not minimum <= value <= maximum:
-        raise ArgumentTypeError(f"{text!r} is not {expected}")
-    return value

@@ -10,9 +10,8 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.cli.common.identity import entry_words
-from mavstack.cli.common.output import coloured, wrapped
+from mavstack.cli.common.output import DEFAULT_COLUMNS, coloured, wrapped
 from mavstack.cli.common.text import printable
-from mavstack.cli.common.wrapping import DEFAULT_COLUMNS
 from mavstack.cli.vehicle.flight_progress import distance_to_home
 from mavstack.dialects import common
 from mavstack.errors import MavstackError
@@ -46,10 +45,6 @@ _FEATURE_NAMES: Final = {
     "command_int": "COMMAND_INT",
     "ekf_sources": "EKF sources",
 }
-_FIRMWARES: Final[dict[int, str]] = {
-    common.MavAutopilot.ARDUPILOTMEGA: "ArduPilot",
-    common.MavAutopilot.PX4: "PX4",
-}
 
 
 async def gather_facts(vehicle: Vehicle) -> dict[str, Any]:
@@ -77,7 +72,7 @@ def _identity(vehicle: Vehicle) -> dict[str, Any]:
         "component": vehicle.address.component,
         "type": None if mav_type is None else entry_words(_name(mav_type)),
         "class": str(vehicle.vehicle_type),
-        "firmware": _FIRMWARES.get(vehicle.autopilot, _name(vehicle.autopilot)),
+        "firmware": vehicle.firmware.NAME or _name(vehicle.autopilot),
     }
 
 

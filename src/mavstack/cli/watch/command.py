@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.link_options import add_link_options
-from mavstack.cli.common.options import add_dialect_option, load_dialect, message_ids, seconds, system_id
-from mavstack.cli.common.output import echo, echo_json
+from mavstack.cli.common.options import add_dialect_option, message_ids, seconds, system_id
+from mavstack.cli.common.output import echo, echo_json, terminal_width
 from mavstack.cli.watch.observer import Selection
 from mavstack.cli.watch.packet_lines import json_line, text_line
 from mavstack.cli.watch.recording import STDIN, read_recording
 from mavstack.cli.watch.sources import open_sources, take_picture, take_summary
 from mavstack.cli.watch.summary import summary_text
+from mavstack.dialects.lookup import find_dialect
 from mavstack.errors import LogError
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from mavstack.cli.watch.following import Following
     from mavstack.cli.watch.live_table import LiveTable
     from mavstack.cli.watch.sources import Source
-    from mavstack.cli.watch.trend import Trends
+    from mavstack.cli.watch.trend import FieldPatterns
     from mavstack.dialects import Dialect
     from mavstack.wire import Packet
 
@@ -36,6 +37,7 @@ examples:
   mav watch /dev/ttyACM0,57600 --sort rate     # of a serial port, the highest rate first
   mav watch /dev/ttyACM0,57600 udpin://0.0.0.0:14550       # two links, compared in one display
   mav watch udpin://0.0.0.0:14550 --trend ATTITUDE.roll    # with the course of a field
+  mav watch udpin://0.0.0.0:14550 --tui        # choose messages, fields and plots in a window
   mav watch udpin://0.0.0.0:14550 --record new.tlog        # and record all packets
   mav watch udpin://0.0.0.0:14550 --json       # one JSON object per packet, until Ctrl-C
   mav watch tcp:127.0.0.1:5760 --once          # a summary of 3 s
@@ -43,12 +45,17 @@ examples:
   mav watch flight.tlog --once --json          # the summary as one JSON object
   mav watch flight.tlog --speed 10             # replay a recording, ten times as fast
   mav watch flight.tlog --to udpout://127.0.0.1:14550   # replay it for a ground station
+  mav watch fleet.tlog --to 'udpout://127.0.0.1:1455{system}'   # each vehicle onto a link of its own
   mav watch flight.tlog --json --filter 'GPS*,ATTITUDE' --system 1 | head
 
 In a pipe, without --once and --json, a link gives one line of text per packet. Keys and passwords are never
 shown, and blanked in a recording.
 """
 
+_TO_HELP: Final = (
+    "replay a recording onto this link, as fast as recorded or --speed; with {system} in the URL each "
+    "vehicle has a link of its own"
+)
 #: Seconds of a link that a summary covers.
 _SUMMARY_DURATION: Final = 3.0
 
@@ -59,6 +66,7 @@ class Mode(Enum):
     SUMMARY = auto()
     LINES = auto()
     LIVE = auto()
+    WINDOW = auto()
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -79,6 +87,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="SECONDS",
         help="end after this time; of a file, after this recorded time",
     )
+    add("--tui", action="store_true", help="inspect messages, fields and plots in a window on the terminal")
     add("--filter", metavar="NAME,…", help="only these messages: names, patterns (GPS*) or ids")
     add("--system", type=system_id, metavar="ID", help="only this system")
     add("--sort", choices=("name", "rate", "count"), default="name", help="order of the live display")
@@ -90,7 +99,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     add("--heartbeat", action="store_true", help="send the HEARTBEAT of a ground station")
     add("--record", metavar="FILE", help="write all packets of the links to a new tlog")
     add("--speed", metavar="X", help="replay a tlog X times as fast as recorded, or max")
-    add("--to", metavar="URL", help="replay a recording onto this link, as fast as recorded or --speed")
+    add("--to", metavar="URL", help=_TO_HELP)
     add_link_options(parser.add_argument_group("links"))
     add_dialect_option(parser)
     parser.set_defaults(command="watch")
@@ -98,30 +107,46 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Run `mav watch`."""
-    dialect = load_dialect(arguments.dialect)
+    dialect = find_dialect(arguments.dialect)
     ids = message_ids(dialect, arguments.filter) if arguments.filter else None
     mode = _mode(arguments)
-    trends = _trends(arguments, dialect, mode)
+    patterns = _patterns(arguments, dialect, mode)
     sources = open_sources(arguments.sources, dialect, Selection(ids, arguments.system))
+    if mode is Mode.WINDOW:
+        return _inspect(sources, arguments, patterns)
     if _is_read(sources, arguments):
         return _read_files(sources, arguments)
-    return asyncio.run(_follow_links(sources, arguments, mode, trends))
+    return asyncio.run(_follow_links(sources, arguments, mode, patterns))
 
 
 def _mode(arguments: Namespace) -> Mode:
+    if arguments.tui:
+        if arguments.once or arguments.json:
+            raise UsageError("--tui is a window on the terminal: without --once and --json")
+        return Mode.WINDOW
     if arguments.once:
         return Mode.SUMMARY
     return Mode.LINES if arguments.json or not sys.stdout.isatty() else Mode.LIVE
 
 
-def _trends(arguments: Namespace, dialect: Dialect, mode: Mode) -> Trends | None:
+def _patterns(arguments: Namespace, dialect: Dialect, mode: Mode) -> FieldPatterns | None:
     if arguments.trend is None:
         return None
-    if mode is not Mode.LIVE:
+    if mode not in (Mode.LIVE, Mode.WINDOW):
         raise UsageError("--trend needs the live display: a terminal, without --once and --json")
-    from mavstack.cli.watch.trend import Trends
+    from mavstack.cli.watch.trend import FieldPatterns
 
-    return Trends(arguments.trend, dialect)
+    return FieldPatterns(arguments.trend, dialect)
+
+
+def _inspect(sources: Sequence[Source], arguments: Namespace, patterns: FieldPatterns | None) -> int:
+    """Open the window; recordings are replayed as fast as recorded, or `--speed`."""
+    if any(source.path is not None for source in sources):
+        arguments.speed = arguments.speed or "1"
+    _is_read(sources, arguments)
+    from mavstack.cli.watch.inspector.running import inspect_sources
+
+    return asyncio.run(inspect_sources(sources, arguments, patterns))
 
 
 def _is_read(sources: Sequence[Source], arguments: Namespace) -> bool:
@@ -171,7 +196,7 @@ def _print_recorded(
 
 
 async def _follow_links(
-    sources: Sequence[Source], arguments: Namespace, mode: Mode, trends: Trends | None
+    sources: Sequence[Source], arguments: Namespace, mode: Mode, patterns: FieldPatterns | None
 ) -> int:
     from mavstack.cli.watch.following import follow_sources
 
@@ -183,7 +208,9 @@ async def _follow_links(
 
     def display(following: Following) -> LiveTable:
         from mavstack.cli.watch.live_table import LiveTable
+        from mavstack.cli.watch.trend import Trends
 
+        trends = None if patterns is None else Trends(patterns)
         return LiveTable(sources, arguments.sort, trends, lambda: following.activity)
 
     await follow_sources(
@@ -209,11 +236,7 @@ def print_summary(sources: Sequence[Source], arguments: Namespace) -> None:
 
 def _terminal_columns() -> int | None:
     """Return the width of the terminal; None in a pipe."""
-    if not sys.stdout.isatty():
-        return None
-    from shutil import get_terminal_size
-
-    return get_terminal_size().columns
+    return terminal_width() if sys.stdout.isatty() else None
 
 
 def _printer(arguments: Namespace, source: Source) -> Callable[[Sequence[Packet], float | None], None]:

@@ -61,6 +61,7 @@ class Follower:
         """Follow an open link until it ends, at most for `seconds`."""
         self.started = monotonic()
         self._key = link_keys([link]).get(link)
+        link.joins_datagrams = True
         try:
             async with asyncio.timeout(seconds) as deadline:
                 async for events in link.batches():

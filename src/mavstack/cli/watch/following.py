@@ -11,10 +11,11 @@ from mavstack.cli.common.link_options import with_link_options
 from mavstack.cli.common.output import echo
 from mavstack.cli.watch.follower import background_tasks
 from mavstack.cli.watch.heartbeats import send_heartbeats
-from mavstack.cli.watch.relay import Relay
+from mavstack.cli.watch.vehicle_relays import VehicleRelays
 from mavstack.errors import LinkError
 from mavstack.links import open_link
 from mavstack.links.registry import resolve_url
+from mavstack.logs import open_log
 from mavstack.logs.recorder import Recorder
 
 if TYPE_CHECKING:
@@ -87,7 +88,7 @@ class Following:
         self._stack = AsyncExitStack()
         #: The recording; None: nothing is recorded.
         self.recorder: Recorder | None = None
-        self._relay: Relay | None = None
+        self._relays: VehicleRelays | None = None
 
     @property
     def activity(self) -> str:
@@ -95,9 +96,8 @@ class Following:
         parts = []
         if self.recorder is not None:
             parts.append(recorded_text(self.recorder))
-        if self._relay is not None:
-            dropped = f", {self._relay.dropped} dropped" if self._relay.dropped else ""
-            parts.append(f"replayed {self._relay.sent} packets{dropped} to {self._relay.link.url.redacted}")
+        if self._relays is not None:
+            parts.append(self._relays.activity)
         return ", ".join(parts)
 
     def jobs(self) -> list[Coroutine[Any, Any, None]]:
@@ -145,9 +145,10 @@ class Following:
     async def _open(self) -> None:
         arguments = self._arguments
         if arguments.to is not None:
-            self._relay = await self._stack.enter_async_context(Relay(arguments.to))
-            announce_exposure(arguments.command, [self._relay.link])
-            await _wait_for_peer(self._relay)
+            relays = self._relays = VehicleRelays(arguments.to, self._vehicles)
+            await self._stack.enter_async_context(relays)
+            announce_exposure(arguments.command, relays.links)
+            await relays.wait_for_peers(arguments.command)
         for url in with_link_options([source.text for source in self._sources], arguments):
             self._links.append(await self._stack.enter_async_context(self._link(url)))
         announce_exposure(arguments.command, self._links)
@@ -168,12 +169,12 @@ class Following:
         if self.recorder is not None:
             source.observer.tap = self.recorder.add
             source.follower.after_batch = self._finish_batch
-        relay, show = self._relay, source.follower.show
-        if relay is None:
+        relays, show = self._relays, source.follower.show
+        if relays is None:
             return
 
         def send(packets: Sequence[Packet], time: float) -> None:
-            relay.send(packets)
+            relays.send(packets)
             if show is not None:
                 show(packets, time)
 
@@ -184,8 +185,14 @@ class Following:
         """Write what was received to the recording, and wait for the link of the replay."""
         if self.recorder is not None:
             self.recorder.flush()
-        if self._relay is not None:
-            await self._relay.drain()
+        if self._relays is not None:
+            await self._relays.drain()
+
+    def _vehicles(self) -> list[int]:
+        """Return the system ids of the vehicles in the recording that is replayed, or of the one selected."""
+        (source,) = self._sources
+        with open_log(resolve_url(source.text).path, source.observer.dialect) as log:
+            return [system for system in log.vehicles if self._arguments.system in (None, system)]
 
 
 def silence(source: Source) -> LinkError | None:
@@ -204,13 +211,6 @@ def silence(source: Source) -> LinkError | None:
     else:
         problem = f"no data received {waited}; {follower.note or 'some vehicles send only after --heartbeat'}"
     return LinkError(f"{source.title}: {problem}")
-
-
-async def _wait_for_peer(relay: Relay) -> None:
-    await asyncio.sleep(0)  # a channel that is open from the start is reported now
-    if not relay.link.channels:
-        echo(f"mav watch: waiting for a peer on {relay.link.url.redacted}", error=True)
-    await relay.wait_for_peer()
 
 
 def recorded_text(recorder: Recorder) -> str:

@@ -34,7 +34,7 @@ def _source(source: str) -> str:
     return f'"source": {json.dumps(source)}, ' if source else ""
 
 
-def _clock(time: float | None) -> str:
+def clock_text(time: float | None) -> str:
     """Return the local time of day; dashes if a time is not known or beyond the calendar."""
     try:
         return f"{datetime.fromtimestamp(time).astimezone():%H:%M:%S.%f}"[:-3] if time else _NO_CLOCK
@@ -47,7 +47,7 @@ def text_line(packet: Packet, time: float | None, label: str = "") -> str:
 
     `label` is the letter of the link or file, if there are several.
     """
-    clock = _clock(time) + (f" {label}" if label else "")
+    clock = clock_text(time) + (f" {label}" if label else "")
     source = f"{packet.system}/{packet.component}"
     message = packet.message
     if message is None:

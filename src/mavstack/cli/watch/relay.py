@@ -40,6 +40,11 @@ class Relay:
         self._has_peer = asyncio.Event()
         self._reader: asyncio.Task[None] | None = None
 
+    async def has_peer(self) -> bool:
+        """Return whether the link has a peer; a channel that is open from the start is reported first."""
+        await asyncio.sleep(0)
+        return bool(self.link.channels)
+
     async def wait_for_peer(self) -> None:
         """Wait until the link has a peer."""
         await self._has_peer.wait()

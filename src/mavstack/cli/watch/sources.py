@@ -49,6 +49,11 @@ class Source:
         followed = self.path is None
         return self.follower.seconds if followed else self.observer.recorded_seconds
 
+    @property
+    def is_live(self) -> bool:
+        """False for a recording, read or replayed."""
+        return recording_path(self.text) is None and not self.text.startswith("file:")
+
 
 def open_sources(
     texts: Sequence[str],
@@ -86,14 +91,17 @@ def recording_path(source: str) -> str | None:
 
 def take_picture(sources: Sequence[Source]) -> Snapshot:
     """Return a snapshot of one source, or of several together."""
-    now = monotonic()
-    snapshots = {
+    return merge_snapshots(take_snapshots(sources, monotonic()))
+
+
+def take_snapshots(sources: Sequence[Source], now: float) -> dict[str, Snapshot]:
+    """Return a snapshot of each source by its letter; `now` is the time on a monotonic clock."""
+    return {
         source.label: take_snapshot(
             source.observer, source.title, now, source.seconds, source.follower.note, source.follower.refused
         )
         for source in sources
     }
-    return merge_snapshots(snapshots)
 
 
 def take_summary(sources: Sequence[Source]) -> dict[str, Any]:

@@ -48,8 +48,8 @@ class TrendRow(NamedTuple):
     text: str
 
 
-class Trends:
-    """The samples of the fields that the patterns name.
+class FieldPatterns:
+    """The numeric fields that the patterns of `--trend` name.
 
     Raises:
         UsageError: A pattern names no numeric field of the dialect.
@@ -57,14 +57,28 @@ class Trends:
 
     def __init__(self, patterns: str, dialect: Dialect) -> None:
         words = [word.strip() for word in patterns.split(",") if word.strip()]
+        self._dialect = dialect
         self._patterns = [_pattern(word) for word in words]
         self._fields: dict[str, list[str]] = {}
-        self._samples: dict[Key, tuple[deque[float | None], str]] = {}
-        self._due = 0.0
         for word, pattern in zip(words, self._patterns, strict=True):
             if not any(_fields(dialect, name, [pattern]) for name in dialect.names):
                 example = "for example ATTITUDE.roll or 'VFR_HUD.*'"
                 raise UsageError(f"--trend {word}: no message has such a numeric field; {example}")
+
+    def fields(self, message: str) -> list[str]:
+        """Return the named fields of a message, in their order."""
+        if message not in self._fields:
+            self._fields[message] = _fields(self._dialect, message, self._patterns)
+        return self._fields[message]
+
+
+class Trends:
+    """The samples of the fields that the patterns name."""
+
+    def __init__(self, patterns: FieldPatterns) -> None:
+        self._patterns = patterns
+        self._samples: dict[Key, tuple[deque[float | None], str]] = {}
+        self._due = 0.0
 
     def sample(self, observers: Mapping[str, Observer], now: float) -> None:
         """Take a sample of each field, if one is due."""
@@ -76,7 +90,7 @@ class Trends:
         for label, observer in observers.items():
             for (system, component, _), stream in observer.traffic.streams.items():
                 if now - stream.time <= MAX_AGE:
-                    self._sample_stream((label, system, component), stream, observer.dialect)
+                    self._sample_stream((label, system, component), stream)
 
     def rows(self) -> list[TrendRow]:
         """Return the fields by message, their order in it, and source."""
@@ -89,18 +103,17 @@ class Trends:
 
     def _order(self, key: Key) -> tuple[str, int, tuple[str, int, int]]:
         label, system, component, name, field = key
-        return name, self._fields[name].index(field), (label, system, component)
+        return name, self._patterns.fields(name).index(field), (label, system, component)
 
-    def _sample_stream(self, source: tuple[str, int, int], stream: Stream, dialect: Dialect) -> None:
+    def _sample_stream(self, source: tuple[str, int, int], stream: Stream) -> None:
         message, name = stream.packet.message, stream.packet.name
         if message is None or name is None:
             return
-        if name not in self._fields:
-            self._fields[name] = _fields(dialect, name, self._patterns)
-        if not self._fields[name]:
+        fields = self._patterns.fields(name)
+        if not fields:
             return
         texts = {each.name: each.text for each in field_texts(message)}
-        for field in self._fields[name]:
+        for field in fields:
             self._add((*source, name, field), getattr(message, field, None), texts.get(field, ""))
 
     def _add(self, key: Key, value: object, text: str) -> None:

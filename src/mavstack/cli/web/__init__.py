@@ -1,0 +1,1 @@
+"""`mav web`: the ground station in the browser."""
