@@ -574,6 +574,26 @@ class UlogIndex:
         step: int | None = None,
         done: Callable[[int, int], object] | None = None,
     ) -> Self: ...
+    def save(self) -> bytes | None:
+        """Return the index as bytes, which `restore` takes; None without the positions of the records."""
+
+    @staticmethod
+    def restore(saved: bytes, data: Buffer, *, threads: int = 1) -> UlogIndex | None:
+        """Return the index of a whole file that was saved, without reading the file again.
+
+        Args:
+            saved: The bytes that `save` returned.
+            data: A read-only buffer with the indexed bytes.
+            threads: Maximum number of threads.
+
+        Returns:
+            The index, or None if the bytes cannot be those of an index of this file.
+
+        Raises:
+            BufferError: The buffer is writable or not contiguous.
+            ValueError: The buffer is no ULog, or uses features that are not supported.
+        """
+
     def without_positions(self) -> Self:
         """Return the same index without the positions of the records, in less memory."""
 
@@ -693,6 +713,25 @@ class Index:
     """
 
     def __new__(cls, data: Buffer, dialect: HasCoreDialect, *, timestamped: bool, threads: int = 1) -> Self: ...
+    def save(self) -> bytes:
+        """Return the index as bytes, which `restore` takes."""
+
+    @staticmethod
+    def restore(saved: bytes, data: Buffer, dialect: HasCoreDialect) -> Index | None:
+        """Return an index that was saved, without reading the file again.
+
+        Args:
+            saved: The bytes that `save` returned.
+            data: A read-only buffer with the indexed bytes.
+            dialect: The dialect of the messages.
+
+        Returns:
+            The index, or None if the bytes are not those of an index of this dialect and size.
+
+        Raises:
+            BufferError: The buffer is writable or not contiguous.
+        """
+
     @property
     def counts(self) -> dict[int, int]:
         """Number of packets of each known message in the buffer, by message id."""
@@ -838,6 +877,24 @@ class DataFlashIndex:
         step: int | None = None,
         done: Callable[[int, int], object] | None = None,
     ) -> Self: ...
+    def save(self) -> bytes | None:
+        """Return the index as bytes, which `restore` takes; None if it does not hold the positions of all records."""
+
+    @staticmethod
+    def restore(saved: bytes, data: Buffer) -> DataFlashIndex | None:
+        """Return an index that was saved, without reading the log again.
+
+        Args:
+            saved: The bytes that `save` returned.
+            data: A read-only buffer with the indexed bytes.
+
+        Returns:
+            The index, or None if the bytes cannot be those of an index of this log.
+
+        Raises:
+            BufferError: The buffer is writable or not contiguous.
+        """
+
     def without_positions(self) -> Self:
         """Return the same index in less memory, which is slower to decode with."""
 
@@ -889,3 +946,137 @@ class DataFlashIndex:
             IndexError: The slot has fewer rows.
             ValueError: A buffer is read-only, has no size of whole rows or overlaps another.
         """
+
+@final
+class PacketRouter:
+    """The decision of the router where each packet goes, without sockets and threads.
+
+    Args:
+        dialect: A `mavstack.Dialect` or a dialect module, which defines the messages.
+    """
+
+    def __new__(cls, dialect: HasCoreDialect) -> Self: ...
+    def add_port(self, group: str | None = None) -> int:
+        """Add a place that packets come from and go to.
+
+        Args:
+            group: Name of a group of redundant links, or None.
+
+        Returns:
+            The number of the port; numbers of removed ports are used again.
+
+        Raises:
+            RuntimeError: There are 4,096 ports already.
+        """
+
+    def remove_port(self, port: int) -> None:
+        """Remove a port and its routes. Idempotent.
+
+        Args:
+            port: The port.
+        """
+
+    def route(self, port: int, packet: Buffer, now: float) -> list[int]:
+        """Learn from a packet, and return the ports that it goes to.
+
+        Args:
+            port: The port on which it was received.
+            packet: The bytes of exactly one valid packet.
+            now: Current time in seconds, of any clock that does not run back.
+
+        Returns:
+            The ports; empty if the packet is dropped.
+
+        Raises:
+            ValueError: The port is not open, or the bytes are not one packet.
+        """
+
+# (action, messages, systems, components, target systems, commands, rate, name, dry run)
+RuleLayout: TypeAlias = tuple[
+    str, Sequence[int], Sequence[int], Sequence[int], Sequence[int], Sequence[int], float | None, str, bool
+]
+
+@final
+class RouterCore:
+    """A router on a thread of its own; see `mavstack.router.RouterEngine`.
+
+    Args:
+        dialect: A `mavstack.Dialect` or a dialect module, which defines the messages.
+        duplicate_window: Seconds within which copies of a packet on other endpoints are dropped.
+
+    Raises:
+        OSError: The system has no more threads or descriptors.
+    """
+
+    def __new__(cls, dialect: HasCoreDialect, duplicate_window: float) -> Self: ...
+    def add_udp(self, descriptor: int, peer: tuple[str, int] | None, idle: float, max_peers: int) -> int:
+        """Add a UDP socket, whose descriptor is duplicated; return the number of the endpoint."""
+
+    def add_stream(self, descriptor: int, has_lengths: bool, queue_bytes: int) -> int:
+        """Add a stream, whose descriptor is duplicated; return the number of the endpoint."""
+
+    def add_queue(self, capacity: int) -> int:
+        """Add an endpoint whose bytes the program carries; return its number."""
+
+    def start(self, endpoint: int) -> None:
+        """Open an endpoint that was added; nothing passes it before."""
+
+    def push(self, endpoint: int, data: Buffer) -> bool | None:
+        """Route bytes from the program; return whether there was room, or None if the endpoint is no queue."""
+
+    def pull(self, endpoint: int) -> list[bytes] | None:
+        """Return the packets for the program, oldest first, or None if the endpoint is no queue."""
+
+    def remove(self, endpoint: int) -> None:
+        """Remove an endpoint."""
+
+    def pause(self, endpoint: int, paused: bool) -> None:
+        """Pause an endpoint, or let it continue."""
+
+    def set_rules(
+        self,
+        endpoint: int,
+        incoming: Sequence[RuleLayout],
+        outgoing: Sequence[RuleLayout],
+        default_incoming: str,
+        default_outgoing: str,
+        bytes_per_second: float | None,
+    ) -> None:
+        """Set the rules of an endpoint."""
+
+    def set_group(self, endpoint: int, group: str | None) -> None:
+        """Set the group of an endpoint."""
+
+    def set_listen_only(self, endpoint: int, listen_only: bool) -> None:
+        """Drop packets from an endpoint, or accept them."""
+
+    def set_monitor(self, endpoint: int, monitor: bool) -> None:
+        """Give an endpoint a copy of every accepted packet, or no longer."""
+
+    def set_allowed_peers(self, endpoint: int, ranges: Sequence[tuple[str, int, int, int]] | None) -> None:
+        """Set the ranges of peers that a listening socket accepts."""
+
+    def set_signing(
+        self,
+        endpoint: int,
+        incoming: Signing | None,
+        outgoing: Signing | None,
+        allow_unsigned: Sequence[int],
+        strip: bool,
+    ) -> None:
+        """Set the signing of an endpoint; the state of the keys is shared with the given objects."""
+
+    def decide(self, token: int, passed: bool) -> None:
+        """Pass or drop a packet that waits for a decision."""
+
+    def statistics(self) -> dict[str, Any]:
+        """Return the counters of all endpoints and the learned routes."""
+
+    def events(self) -> list[tuple[Any, ...]]:
+        """Return the events since the last call, oldest first, as tuples."""
+
+    def fileno(self) -> int:
+        """Return the descriptor that is readable while events wait."""
+
+    def close(self) -> None:
+        """End the engine, and close all endpoints."""

@@ -114,6 +114,20 @@ class MetadataError(MavstackError):
         return type(self), (self.problem, self.path, self.line)
 
 
+class RouterConfigError(MavstackError):
+    """A configuration of the router cannot be read; `path` and `line` locate the problem."""
+
+    def __init__(self, problem: str, path: str | None = None, line: int | None = None) -> None:
+        self.problem = problem
+        self.path = path
+        self.line = line
+        where = "" if path is None else f"{path}: " if line is None else f"{path}:{line}: "
+        super().__init__(where + problem)
+
+    def __reduce__(self) -> tuple[type[RouterConfigError], tuple[str, str | None, int | None]]:
+        return type(self), (self.problem, self.path, self.line)
+
+
 class PlanFileError(MavstackError):
     """A plan file cannot be read or written; `path` and `where` (a line or a key) locate the problem."""
 
@@ -137,6 +151,14 @@ class LinkURLError(LinkError, ValueError):
 
 class LinkClosedError(LinkError):
     """The link or channel is closed."""
+
+
+class RadioError(MavstackError):
+    """A telemetry radio does not answer or refuses a command; the text holds the reason and the remedy."""
+
+    def __init__(self, text: str, *, refused: bool = False) -> None:
+        self.refused = refused  # the radio answered ERROR
+        super().__init__(text)
 
 
 class MissingExtraError(MavstackError, ImportError):
@@ -294,6 +316,30 @@ class ActionInterrupted(RemoteError):
 
 class ActionUnsupported(LocalProtocolError):
     """The vehicle type or the firmware does not support the action; nothing was sent."""
+
+
+class MspError(RemoteError):
+    """A request to a flight controller of Betaflight or iNav failed."""
+
+
+class MspTimeout(MspError, RemoteTimeout):
+    """A flight controller did not answer in time."""
+
+
+class MspDenied(MspError, RemoteDenied):
+    """A flight controller answered with an error: it does not know the command, or its state forbids it."""
+
+
+class MspDecodeError(MspError, RemoteProtocolError):
+    """A message of a flight controller does not have the layout of its definition."""
+
+
+class MspSettingError(MspError):
+    """A setting of a flight controller has another value than the one that was written."""
+
+
+class MspFirmwareError(MspError):
+    """The firmware or its version is not supported; the text holds the reason."""
 
 
 class HealthTimeout(RemoteTimeout):

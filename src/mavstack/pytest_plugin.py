@@ -17,8 +17,12 @@
     @pytest.mark.vehicle(loss=0.1, latency=0.2, bandwidth=5760)
     def test_over_a_radio(virtual_vehicle): ...             # with a lossy and slow link
 
+    @pytest.mark.vehicle(firmware="inav")                   # a flight controller that speaks MSP
+    def test_my_configurator(flight_controller):
+        configurator = Configurator(port=flight_controller.port)
+
 The marker has the keyword arguments of `mavstack.sim.BackgroundSimulator`, for `virtual_vehicle` those of
-`VirtualVehicle`.
+`VirtualVehicle`, for `flight_controller` those of `BackgroundFlightController`.
 """
 
 from __future__ import annotations
@@ -32,6 +36,7 @@ if TYPE_CHECKING:
 
     from mavstack.links import Link
     from mavstack.sim.background import BackgroundSimulator
+    from mavstack.sim.background_controller import BackgroundFlightController
     from mavstack.sim.simulation import Simulation
     from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.sim.vehicle_types import Home
@@ -76,6 +81,19 @@ def flying_vehicle(request: pytest.FixtureRequest) -> Iterator[BackgroundSimulat
     from mavstack.sim.background import BackgroundSimulator
 
     with BackgroundSimulator(**_marker_options(request), airborne=True) as running:
+        yield running
+
+
+@pytest.fixture
+def flight_controller(request: pytest.FixtureRequest) -> Iterator[BackgroundFlightController]:
+    """Provide a simulated flight controller with Betaflight or iNav on a local TCP port, in real time.
+
+    Yields:
+        The flight controller; `flight_controller.url` is the URL for clients, `port` the TCP port.
+    """
+    from mavstack.sim.background_controller import BackgroundFlightController
+
+    with BackgroundFlightController(**_marker_options(request)) as running:
         yield running
 
 

@@ -33,6 +33,21 @@ def test_broadcasts_and_unknown_systems_use_all_channels() -> None:
     assert list(routes.channels_to(Address(9, 1), ALL)) == list(ALL)
 
 
+def test_packets_of_others_go_over_all_channels_that_heard_their_target() -> None:
+    routes: Routes[str] = Routes()
+    routes.learn(COPTER, A, 0.0)
+    routes.learn(COPTER, B, 0.0)
+    routes.learn(CAMERA, C, 0.0)
+    assert routes.all_channels_to(COPTER, ALL) == [A, B]
+    assert routes.all_channels_to(CAMERA, ALL) == [C]
+    assert routes.all_channels_to(Address(1, 55), ALL) == [A, B, C]
+    assert routes.all_channels_to(BROADCAST, ALL) == ALL
+    assert routes.all_channels_to(Address(9, 1), ALL) == []
+    routes.learn(COPTER, B, 0.0, verified=True)
+    assert routes.all_channels_to(COPTER, ALL) == [B]
+    assert routes.all_channels_to(Address(1, 0), ALL) == [B]
+
+
 def test_system_0_is_never_learned() -> None:
     routes: Routes[str] = Routes()
     for address in (Address(0, 1), BROADCAST):

@@ -215,3 +215,18 @@ def test_arguments_out_of_range_send_nothing():
         assert requests_of(harness) == []
 
     run_scenario(scenario)
+
+
+def test_beep_sends_a_tune():
+    async def scenario(harness):
+        tunes = []
+        harness.autopilot.add_listener(common.PlayTuneV2, lambda message: tunes.append(message.tune))
+        await harness.vehicle.actuators.beep()
+        await harness.vehicle.actuators.beep("L8ABC")
+        await asyncio.sleep(1)
+        assert tunes == ["MFT200L16CCC", "L8ABC"]
+        for wrong in ("", "A" * 249, "\u266a"):
+            with pytest.raises(InvalidArgumentError):
+                await harness.vehicle.actuators.beep(wrong)
+
+    run_scenario(scenario)

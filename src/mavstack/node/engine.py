@@ -194,14 +194,13 @@ class Engine:
             self._encode(outgoing, channel, source or self.local, now)
 
     def forward(self, packet: Packet, now: float) -> None:
-        """Send a packet of another component unchanged to its target, or over all channels.
+        """Send a packet of another component unchanged to its target, over all channels that heard it.
 
-        SETUP_SIGNING is dropped: it carries a signing key and must never be forwarded.
+        SETUP_SIGNING, which carries a key, is never forwarded, nor RADIO_STATUS, which is about one link.
         """
-        if carries_signing_key(packet):
+        if carries_signing_key(packet) or packet.message_id == _RADIO_STATUS:
             return
-        message = packet.message
-        for channel in self.key_channels.leading_to(target_of(message)):
+        for channel in self.routes.all_channels_to(target_of(packet.message), self.channels):
             channel.pacer.sent(len(packet.raw), now, Priority.STREAM)
             self._to_send.append((channel, packet.raw))
 

@@ -3,22 +3,27 @@
     async with Forwarding(node) as forwarding:
         await forwarding.add("udpout://127.0.0.1:14551")
 
-Every packet that the node receives is sent unchanged to every output; every packet received from an output is
-sent unchanged to its target. Bytes are split into packets, so that streams and datagrams can be on either
-side and packets never interleave; bytes that are not MAVLink are dropped. Packets from one output reach
-neither the other outputs nor the program's own subscriptions. SETUP_SIGNING is never forwarded, in neither
-direction, because it carries a signing key in the clear.
+Packets go where the router sends them (`mavstack.router`), with the same table of learned routes: a packet
+without a target to all outputs and to the links of the node, one with a target to those on which its target
+was heard, and none back to where it came from. The links of the node are one place: packets are not passed
+from one of them to another. A packet that an output sends back is dropped.
+
+Packets stay as they are. Bytes are split into packets, so that streams and datagrams can be on either side
+and packets never interleave; bytes that are not MAVLink are dropped. Packets from outputs do not reach the
+program's own subscriptions. SETUP_SIGNING is never forwarded, in no direction, because it carries a signing
+key in the clear; nor is RADIO_STATUS, which is about one link.
 """
 
 from __future__ import annotations
 
 import asyncio
 from dataclasses import dataclass, field
+from time import monotonic
 from typing import TYPE_CHECKING
 
+from mavstack._core import PacketRouter
 from mavstack.errors import InvalidArgumentError, LinkClosedError, LinkError, LinkURLError
 from mavstack.links import BytesReceived, ChannelClosed, ChannelOpened, Link, open_link
-from mavstack.security import carries_signing_key
 from mavstack.wire import Parser
 
 if TYPE_CHECKING:
@@ -31,6 +36,14 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 
+@dataclass(frozen=True, slots=True)
+class OutputChannel:
+    """A peer of an output: its port in the routes, and the parser of its bytes."""
+
+    port: int
+    parser: Parser
+
+
 @dataclass(eq=False)
 class Output:
     """A link that packets are forwarded to, with its counters in packets."""
@@ -38,7 +51,7 @@ class Output:
     link: Link
     sent: int = 0
     received: int = 0
-    parsers: dict[Channel, Parser] = field(default_factory=dict)
+    channels: dict[Channel, OutputChannel] = field(default_factory=dict)
     task: asyncio.Task[None] | None = None
 
     @property
@@ -49,7 +62,7 @@ class Output:
     @property
     def peers(self) -> int:
         """The number of open channels of the link."""
-        return len(self.parsers)
+        return len(self.channels)
 
 
 class Forwarding:
@@ -58,6 +71,10 @@ class Forwarding:
     def __init__(self, node: Node) -> None:
         self._node = node
         self._outputs: list[Output] = []
+        self._router = PacketRouter(node.dialect)
+        #: The port of all links of the node.
+        self._links = self._router.add_port()
+        self._ports: dict[int, tuple[Output, Channel]] = {}
         self._listener = node.add_packet_listener(None, self._forward)
 
     @property
@@ -130,16 +147,24 @@ class Forwarding:
             output.task.cancel()
             await asyncio.gather(output.task, return_exceptions=True)
         await output.link.close()
+        for channel in tuple(output.channels):
+            self._close_channel(output, channel)
 
     def _forward(self, packet: Packet) -> None:
-        if carries_signing_key(packet):
-            return
-        for output in self._outputs:
-            for channel in tuple(output.parsers):
-                try:
-                    output.sent += channel.write(packet.raw)
-                except LinkClosedError:
-                    continue  # its ChannelClosed follows
+        """Forward a packet that the node received."""
+        self._route(packet, self._links)
+
+    def _route(self, packet: Packet, source: int) -> None:
+        for port in self._router.route(source, packet.raw, monotonic()):
+            if port == self._links:
+                if self._node.is_open:
+                    self._node.forward(packet)
+                continue
+            output, channel = self._ports[port]
+            try:
+                output.sent += channel.write(packet.raw)
+            except LinkClosedError:
+                continue  # its ChannelClosed follows
 
     async def _read(self, output: Output) -> None:
         async for event in output.link:
@@ -148,14 +173,21 @@ class Forwarding:
     def _handle(self, output: Output, event: LinkEvent) -> None:
         match event:
             case ChannelOpened(channel):
-                output.parsers[channel] = Parser(self._node.dialect)
+                port = self._router.add_port()
+                output.channels[channel] = OutputChannel(port, Parser(self._node.dialect))
+                self._ports[port] = output, channel
             case ChannelClosed(channel):
-                output.parsers.pop(channel, None)
+                self._close_channel(output, channel)
             case BytesReceived(channel, data):
-                for packet in output.parsers[channel].feed(data):
+                opened = output.channels[channel]
+                for packet in opened.parser.feed(data):
                     output.received += 1
-                    if self._node.is_open:
-                        self._node.forward(packet)
+                    self._route(packet, opened.port)
+
+    def _close_channel(self, output: Output, channel: Channel) -> None:
+        if closed := output.channels.pop(channel, None):
+            self._router.remove_port(closed.port)
+            del self._ports[closed.port]
 
     async def __aenter__(self) -> Self:
         return self

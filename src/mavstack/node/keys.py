@@ -80,6 +80,14 @@ class Keys:
         engine.adopt_key = self._adopt
         self._task: asyncio.Task[None] | None = None
 
+    def add_links(self, keys: Mapping[Link, SigningKey]) -> None:
+        """Use the keys that the URLs of further links name."""
+        self._link_keys.update(keys)
+
+    def remove_link(self, link: Link) -> None:
+        """Forget the key of a link that was removed."""
+        self._link_keys.pop(link, None)
+
     def on_channel_opened(self, channel: ChannelState, link: Link) -> None:
         """Set the key of a channel that opened; during a change of keys of its name, it joins that change."""
         self._sign(channel, self._by_channel.get(channel.name, self._link_keys.get(link, self._key)))

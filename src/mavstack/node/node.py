@@ -18,7 +18,7 @@ from contextlib import AsyncExitStack
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.dialects import Dialect, Message, common
-from mavstack.errors import InvalidArgumentError, RemoteTimeout
+from mavstack.errors import InvalidArgumentError, InvalidStateError, RemoteTimeout
 from mavstack.links import ChannelClosed, ChannelOpened, Link, open_link
 from mavstack.links.settings import VERSIONS
 from mavstack.node.component import RemoteComponent
@@ -211,6 +211,61 @@ class Node(Messaging, Serving, ReadOnly):
             steps.push_async_callback(self._version_queries.close)
             if "commands" in self.__dict__:
                 steps.push_async_callback(self.commands.stop)
+
+    # Links
+
+    async def add_link(self, link: str | Link) -> Link:
+        """Add a link; on an open node the link is opened at once.
+
+        The address and the heartbeats of a node do not change while it is open, so the URL must not name
+        others.
+
+        Args:
+            link: A URL such as "tcpout://192.168.1.20:5760", or a link.
+
+        Returns:
+            The link.
+
+        Raises:
+            InvalidArgumentError: The URL gives the node another address, or a rate of heartbeats.
+            LinkError: The link cannot be opened.
+            LinkURLError: The URL is invalid.
+            SigningError: The key that the URL names cannot be read.
+        """
+        added = open_link(link) if isinstance(link, str) else link
+        if local_address([added], *self.address) != self.address:
+            raise InvalidArgumentError(f"{added.url.redacted}: the address of the node is {self.address}")
+        if added.settings.heartbeat_rate is not None:
+            raise InvalidArgumentError(
+                f"{added.url.redacted}: heartbeat_rate is only for the links that a node begins with"
+            )
+        keys = link_keys([added])
+        driver = self._host.open_driver
+        if driver is not None:
+            await added.open()
+            if self._host.open_driver is not driver:
+                await added.close()
+                raise InvalidStateError(f"cannot add {added.url.redacted}: the node was closed meanwhile")
+        self._keys.add_links(keys)
+        if driver is not None:
+            driver.read(added)
+        self.links.append(added)
+        return added
+
+    async def remove_link(self, link: Link) -> None:
+        """Close a link and remove it; components that were reachable over it alone become lost.
+
+        Args:
+            link: One of `links`.
+
+        Raises:
+            InvalidArgumentError: The node does not have that link.
+        """
+        if link not in self.links:
+            raise InvalidArgumentError(f"the node has no link {link.url.redacted}")
+        self.links.remove(link)
+        await link.close()
+        self._keys.remove_link(link)
 
     # Remote components
 

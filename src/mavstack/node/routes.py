@@ -156,6 +156,20 @@ class Routes(Generic[Channel]):
         found = found or {route.preferred: None for route in known.values()}
         return [channel for channel in channels if channel in found]
 
+    def all_channels_to(self, target: Address, channels: Sequence[Channel]) -> Sequence[Channel]:
+        """Return the open channels on which a target was heard, for packets of other components.
+
+        They are the router's choice: every channel that heard the target or, if only its system is known,
+        that system; none for an unknown system.
+        """
+        if target.system == 0:
+            return channels
+        exact = self._routes.get(target) if target.component else None
+        known = [exact] if exact is not None else list(self._systems.get(target.system, {}).values())
+        verified = {channel: None for route in known for channel in route.verified}
+        found = verified or {channel: None for route in known for channel in route.heard}
+        return [channel for channel in channels if channel in found]
+
     def heard_on(self, address: Address) -> tuple[Channel, ...]:
         """Return the channels on which an address was heard."""
         route = self._routes.get(address)

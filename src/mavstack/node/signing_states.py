@@ -51,6 +51,11 @@ class SigningStates:
             state.advance(timestamp)
         return state.for_link(link_id)
 
+    @property
+    def clock(self) -> int:
+        """The newest timestamp used or received with any key; 0 without a key."""
+        return max((state.timestamp for _, state in self._states), default=0)
+
     def streams(self) -> list[tuple[SigningKey, Mapping[StreamId, int]]]:
         """Return the newest timestamp of each stream of each key."""
         return [(key, state.stream_timestamps) for key, state in self._states]

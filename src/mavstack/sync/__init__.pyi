@@ -2151,6 +2151,35 @@ class Node:
         its error is raised at the end.
         """
 
+    def add_link(self, link: str | Link) -> Link:
+        """Add a link; on an open node the link is opened at once.
+
+        The address and the heartbeats of a node do not change while it is open, so the URL must not name
+        others.
+
+        Args:
+            link: A URL such as "tcpout://192.168.1.20:5760", or a link.
+
+        Returns:
+            The link.
+
+        Raises:
+            InvalidArgumentError: The URL gives the node another address, or a rate of heartbeats.
+            LinkError: The link cannot be opened.
+            LinkURLError: The URL is invalid.
+            SigningError: The key that the URL names cannot be read.
+        """
+
+    def remove_link(self, link: Link) -> None:
+        """Close a link and remove it; components that were reachable over it alone become lost.
+
+        Args:
+            link: One of `links`.
+
+        Raises:
+            InvalidArgumentError: The node does not have that link.
+        """
+
     def component(self, system: int, component: int=...) -> RemoteComponent:
         """Return a remote component by its address, whether it was discovered or not.
 
@@ -2628,6 +2657,17 @@ class Actuators:
             ActionInterrupted: The vehicle was armed meanwhile.
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
+        """
+
+    def beep(self, tune: str=...) -> None:
+        """Sound the beeper, so that a vehicle is found in the grass (PLAY_TUNE_V2); nothing acknowledges it.
+
+        Args:
+            tune: The tune, in the notation of QBasic's PLAY. Betaflight and iNav have one sound of their own.
+
+        Raises:
+            InvalidTypeError: The tune is not a text.
+            InvalidArgumentError: The tune is empty, is not ASCII, or has more than 248 characters.
         """
 
     def grip(self, gripper: int=1, *, timeout: float | None=None) -> None:
@@ -3319,6 +3359,10 @@ class Vehicle:
         """The MAV_AUTOPILOT of the heartbeat."""
 
     @property
+    def identifier(self) -> str:
+        """The identifier of a firmware that speaks MSP, "BTFL" or "INAV"; empty for all others."""
+
+    @property
     def vehicle_type(self) -> VehicleType:
         """The way the vehicle moves; `mav_type` is the MAV_TYPE of its heartbeat."""
 
@@ -3352,15 +3396,18 @@ class Vehicle:
 
     @property
     def ftp(self) -> Ftp:
-        """The files on the vehicle (MAVLink FTP)."""
+        """The files on the vehicle (MAVLink FTP); raises `ActionUnsupported` if its firmware has none."""
 
     @property
     def logs(self) -> Logs:
-        """The logs on the vehicle."""
+        """The logs on the vehicle; raises `ActionUnsupported` if its firmware has none."""
 
     @property
     def terrain(self) -> Terrain:
-        """The terrain that the vehicle has from ground stations; `serve_terrain` of a node sends it."""
+        """The terrain that the vehicle has from ground stations; `serve_terrain` of a node sends it.
+
+        Raises `ActionUnsupported` if its firmware uses none.
+        """
 
     def events(self, *, severity: int=..., component: int | None=None, queue: int=...) -> EventStream:
         """Subscribe to the vehicle's events (EVENT): notices that arrive in order and each once.
@@ -3403,6 +3450,9 @@ class Vehicle:
 
         Returns:
             The shell.
+
+        Raises:
+            ActionUnsupported: The firmware has none.
         """
 
     def rc_pulse(self, channel: int) -> int | None:

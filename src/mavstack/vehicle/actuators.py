@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Final
 from mavstack.dialects import common
 from mavstack.errors import ActionInterrupted, InvalidArgumentError
 from mavstack.node.read_only import ReadOnly
-from mavstack.services.arguments import check_number
+from mavstack.services.arguments import check_number, check_text
 from mavstack.vehicle.action_monitor import ActionGoal, ActionMonitor
 from mavstack.vehicle.actions import winch as winching
 from mavstack.vehicle.deadline import deadline
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Coroutine
     from typing import Any
 
+    from mavstack.vehicle.firmware import Firmware
     from mavstack.vehicle.vehicle_state import VehicleState
 
 _CMD: Final = common.MavCmd
@@ -38,6 +39,9 @@ _WINCH: Final = common.WinchActions
 MAX_PULSE: Final = 2500
 #: The longest test of a motor, in seconds; ArduPilot's own limit.
 MAX_MOTOR_TEST: Final = 600.0
+#: Characters of a tune, and the tune of `beep`: three short notes.
+MAX_TUNE: Final = 248
+DEFAULT_TUNE: Final = "MFT200L16CCC"
 #: A repeated motor test is extended this long before its end, in seconds.
 _OVERLAP: Final = 1.0
 #: The time after a motor test in which the heartbeat may still say that the vehicle is armed, in seconds.
@@ -70,7 +74,7 @@ class Actuators(ReadOnly):
         """
         _check_whole("servo number", number, 1, 255)
         _check_whole("pulse", pulse, 0, MAX_PULSE)
-        firmware = firmware_of(self._vehicle)
+        firmware = self._firmware("servo")
         await self._request(f"setting servo {number} of", firmware.set_servo(number, pulse), timeout)
 
     async def set_relay(self, number: int, on: bool, *, timeout: float | None = None) -> None:
@@ -90,7 +94,7 @@ class Actuators(ReadOnly):
             ActionTimeout: The call did not end within `timeout`.
         """
         _check_whole("relay number", number, 0, 255)
-        firmware = firmware_of(self._vehicle)
+        firmware = self._firmware("relay")
         await self._request(f"switching relay {number} of", firmware.set_relay(number, on=on), timeout)
 
     async def set_actuator(self, number: int, value: float, *, timeout: float | None = None) -> None:
@@ -111,7 +115,7 @@ class Actuators(ReadOnly):
         """
         _check_whole("actuator number", number, 1, 255)
         _check_range("actuator value", value, -1.0, 1.0)
-        firmware = firmware_of(self._vehicle)
+        firmware = self._firmware("actuator")
         await self._request(f"setting actuator {number} of", firmware.set_actuator(number, value), timeout)
 
     async def test_motor(
@@ -149,6 +153,7 @@ class Actuators(ReadOnly):
         _check_whole("motor number", number, 1, 32)
         _check_range("throttle", throttle, 0.0, 100.0)
         _check_range("duration", duration, 0.0, MAX_MOTOR_TEST)
+        self._firmware("motor test")
         vehicle = self._vehicle
         async with ActionMonitor(vehicle, f"test of motor {number} of", timeout) as monitor:
             await self._run_motor(monitor, number, throttle, duration, wait=wait)
@@ -186,6 +191,21 @@ class Actuators(ReadOnly):
         await monitor.wait_until_reached(goal)
         if vehicle.armed:
             raise monitor.error(ActionInterrupted, "it was armed")
+
+    async def beep(self, tune: str = DEFAULT_TUNE) -> None:
+        """Sound the beeper, so that a vehicle is found in the grass (PLAY_TUNE_V2); nothing acknowledges it.
+
+        Args:
+            tune: The tune, in the notation of QBasic's PLAY. Betaflight and iNav have one sound of their own.
+
+        Raises:
+            InvalidTypeError: The tune is not a text.
+            InvalidArgumentError: The tune is empty, is not ASCII, or has more than 248 characters.
+        """
+        check_text("tune", tune)
+        if not (0 < len(tune) <= MAX_TUNE and tune.isascii()):
+            raise InvalidArgumentError(f"tune must have 1 to {MAX_TUNE} ASCII characters, got {tune!r}")
+        self._vehicle.component.send(common.PlayTuneV2(format=common.TuneFormat.QBASIC1_1, tune=tune))
 
     # Gripper and winch
 
@@ -300,12 +320,20 @@ class Actuators(ReadOnly):
 
     async def _grip(self, gripper: int, action: int, verb: str, timeout: float | None) -> None:
         _check_whole("gripper number", gripper, 1, 255)
+        self._firmware("gripper")
         command = self._vehicle.component.command(_CMD.DO_GRIPPER, gripper, action)
         await self._request(f"{verb} gripper {gripper} of", command, timeout)
 
     def _wind(self, winch: int, action: int, length: float, rate: float) -> Coroutine[Any, Any, object]:
         _check_whole("winch number", winch, 1, 255)
+        self._firmware("winch")
         return self._vehicle.component.command(_CMD.DO_WINCH, winch, action, length, rate)
+
+    def _firmware(self, call: str) -> Firmware:
+        """Return the firmware; raise `ActionUnsupported` if it lacks a call."""
+        firmware = firmware_of(self._vehicle)
+        firmware.check_supported(call)
+        return firmware
 
     async def _request(
         self, operation: str, request: Coroutine[Any, Any, object], timeout: float | None

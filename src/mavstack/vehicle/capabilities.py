@@ -62,6 +62,7 @@ class Capabilities:
         winch: There is a winch: `actuators.unwind`.
         ekf_sources: The sources of the estimator can be selected: `set_ekf_source`.
         osd: There is an on-screen display.
+        vtx: There is a video transmitter that the vehicle controls.
         flashing: The firmware can be replaced over USB by its bootloader.
         calibrations: The kinds of calibrations: `calibration`.
         cameras: The ids of cameras, as `Vehicle.camera` takes them.
@@ -92,6 +93,7 @@ class Capabilities:
     winch: bool | None = None
     ekf_sources: bool | None = None
     osd: bool | None = None
+    vtx: bool | None = None
     flashing: bool | None = None
     calibrations: tuple[CalibrationKind, ...] = ()
     cameras: tuple[int, ...] = ()
@@ -112,29 +114,34 @@ def capabilities_of(vehicle: VehicleState) -> Capabilities:
         parameters=reader.first(features.get("parameters"), reader.parameters()),
         extended_parameters=bool(cameras) or reader.heard(common.ParamExtValue),
         mission=reader.first(reader.flag(_FLAG.MISSION_INT), features.get("mission")),
-        fence=reader.flag(_FLAG.MISSION_FENCE),
-        rally=reader.flag(_FLAG.MISSION_RALLY),
-        ftp=reader.flag(_FLAG.FTP),
+        fence=reader.first(features.get("fence"), reader.flag(_FLAG.MISSION_FENCE)),
+        rally=reader.first(features.get("rally"), reader.flag(_FLAG.MISSION_RALLY)),
+        ftp=reader.first(features.get("ftp"), reader.flag(_FLAG.FTP)),
         logs=reader.first(features.get("logs"), reader.heard(common.LogEntry)),
         shell=features.get("shell"),
         events=reader.first(
             features.get("events"), reader.heard(common.CurrentEventSequence), reader.heard(common.Event)
         ),
-        setpoints=reader.flag(_FLAG.SET_POSITION_TARGET_LOCAL_NED),
-        attitude_setpoints=reader.flag(_FLAG.SET_ATTITUDE_TARGET),
+        setpoints=reader.first(features.get("setpoints"), reader.flag(_FLAG.SET_POSITION_TARGET_LOCAL_NED)),
+        attitude_setpoints=reader.first(
+            features.get("attitude_setpoints"), reader.flag(_FLAG.SET_ATTITUDE_TARGET)
+        ),
         command_int=reader.flag(_FLAG.COMMAND_INT),
         mavlink2=reader.flag(_FLAG.MAVLINK2),
-        terrain=reader.flag(_FLAG.TERRAIN),
+        terrain=reader.first(features.get("terrain"), reader.flag(_FLAG.TERRAIN)),
         termination=reader.flag(_FLAG.FLIGHT_TERMINATION),
         vtol=reader.vtol(),
         servos=features.get("servos"),
         relays=features.get("relays"),
         actuators=features.get("actuators"),
         motor_test=features.get("motor_test"),
-        gripper=reader.first(reader.enabled("gripper"), reader.flag(_FLAG.GRIPPER) or None),
-        winch=reader.first(reader.enabled("winch"), reader.heard(common.WinchStatus)),
+        gripper=reader.first(
+            features.get("gripper"), reader.enabled("gripper"), reader.flag(_FLAG.GRIPPER) or None
+        ),
+        winch=reader.first(features.get("winch"), reader.enabled("winch"), reader.heard(common.WinchStatus)),
         ekf_sources=features.get("ekf_sources", reader.has_parameter(_EKF_SOURCE)),
         osd=reader.enabled("osd"),
+        vtx=reader.enabled("vtx"),
         flashing=reader.flashing() if features.get("flashing") else features.get("flashing"),
         calibrations=tuple(procedures_of(vehicle)),
         cameras=cameras,
@@ -187,8 +194,8 @@ class _Reader:
         return True if name in self._vehicle.params.cached else None
 
     def flashing(self) -> bool | None:
-        """Return whether the board has a USB identity, and thus a bootloader; simulated ones have none."""
-        return None if self._version is None else bool(self._version.vendor_id)
+        """Return whether the board has a bootloader; simulated ones have none."""
+        return None if self._version is None else firmware_of(self._vehicle).has_bootloader(self._version)
 
     def cameras(self) -> Iterator[int]:
         """Yield the component ids of cameras, and the number of one that is attached to the autopilot."""

@@ -6,6 +6,7 @@ from mavstack.dialects import common
 from mavstack.services.arguments import check_numbers
 from mavstack.vehicle.actions import arming, flying
 from mavstack.vehicle.actions.transition import transition
+from mavstack.vehicle.firmware import firmware_of
 from mavstack.vehicle.geography import Location
 from mavstack.vehicle.status_text_capture import with_status_texts
 from mavstack.vehicle.vehicle_state import VehicleState
@@ -244,6 +245,7 @@ class FlightActions(VehicleState):
             CommandTimeout: The vehicle did not answer.
         """
         check_numbers(speed=speed, speed_type=speed_type)
+        firmware_of(self).check_supported("speed")
         command = self.component.command(
             common.MavCmd.DO_CHANGE_SPEED, speed_type, speed, -1, timeout=timeout
         )

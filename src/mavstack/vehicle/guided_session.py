@@ -187,6 +187,7 @@ class GuidedSession(ReadOnly):
         self.set(AttitudeSetpoint(quaternion(radians(roll), radians(pitch), radians(yaw)), thrust=thrust))
 
     async def __aenter__(self) -> Self:
+        firmware_of(self._vehicle).check_supported("guided")
         await self._stream.__aenter__()
         self._texts = StatusTextCapture(self._vehicle)
         try:

@@ -62,6 +62,7 @@ class VehiclePlan(ReadOnly):
             PlanType.RALLY: component.rally,
         }
         self._plans = plans[plan_type]
+        self._call = {PlanType.FENCE: "fence", PlanType.RALLY: "rally"}.get(PlanType(plan_type), "mission")
         self._plan: Plan | None = None
 
     @property
@@ -91,6 +92,7 @@ class VehiclePlan(ReadOnly):
             MissionDenied: The vehicle refused the plan.
             MissionTimeout: The vehicle did not answer, or the transfer stalled.
         """
+        self._check_supported()
         plan = await with_status_texts(
             self._vehicle, self._plans.upload(items, timeout=timeout, progress=progress)
         )
@@ -113,6 +115,7 @@ class VehiclePlan(ReadOnly):
             MissionDenied: The vehicle refused the transfer.
             MissionTimeout: The vehicle did not answer, or the transfer stalled.
         """
+        self._check_supported()
         plan = await with_status_texts(
             self._vehicle, self._plans.download(timeout=timeout, progress=progress)
         )
@@ -129,7 +132,11 @@ class VehiclePlan(ReadOnly):
             MissionDenied: The vehicle refused.
             MissionTimeout: The vehicle did not answer.
         """
+        self._check_supported()
         await with_status_texts(self._vehicle, self._plans.clear(timeout=timeout))
+
+    def _check_supported(self) -> None:
+        firmware_of(self._vehicle).check_supported(self._call)
 
 
 class Mission(VehiclePlan):
@@ -232,6 +239,7 @@ class Mission(VehiclePlan):
             MissionTimeout: The vehicle did not answer.
         """
         check_number("seq", seq)
+        self._check_supported()
         await with_status_texts(self._vehicle, self._plans.set_current(seq, restart=restart, timeout=timeout))
 
     async def start(self, *, timeout: float | None = None) -> None:
@@ -246,6 +254,7 @@ class Mission(VehiclePlan):
             ModeTimeout: The vehicle accepted its mission mode and did not enter it.
             ActionTimeout: The call did not end within `timeout`.
         """
+        self._check_supported()
         async with deadline(timeout, "starting the mission of", self._vehicle.address):
             await with_status_texts(self._vehicle, firmware_of(self._vehicle).start_mission())
 
@@ -261,6 +270,7 @@ class Mission(VehiclePlan):
             ModeTimeout: The vehicle accepted the mode and did not enter it.
             ActionTimeout: The call did not end within `timeout`.
         """
+        self._check_supported()
         async with deadline(timeout, "pausing the mission of", self._vehicle.address):
             await with_status_texts(self._vehicle, firmware_of(self._vehicle).pause_mission())
 
@@ -283,6 +293,7 @@ class Mission(VehiclePlan):
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
         """
+        self._check_supported()
         vehicle = self._vehicle
         firmware = firmware_of(vehicle)
         completion = MissionCompletion(vehicle, firmware, self)

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Coroutine
     from typing import Any
 
+    from mavstack.vehicle.firmware import Firmware
     from mavstack.vehicle.vehicle_state import VehicleState
 
 
@@ -52,7 +53,7 @@ class RegionOfInterest(ReadOnly):
         check_number("altitude", altitude)
         location = Location(latitude, longitude, altitude)
         check_location(location)
-        await self._request(firmware_of(self._vehicle).look_at(location), timeout)
+        await self._request(self._firmware.look_at(location), timeout)
 
     async def set_next_waypoint(
         self,
@@ -79,7 +80,7 @@ class RegionOfInterest(ReadOnly):
             ActionTimeout: The call did not end within `timeout`.
         """
         check_numbers(pitch=pitch, roll=roll, yaw=yaw)
-        await self._request(firmware_of(self._vehicle).look_at_next_waypoint(pitch, roll, yaw), timeout)
+        await self._request(self._firmware.look_at_next_waypoint(pitch, roll, yaw), timeout)
 
     async def clear(self, *, timeout: float | None = None) -> None:
         """Point ahead again (MAV_CMD_DO_SET_ROI_NONE).
@@ -92,7 +93,13 @@ class RegionOfInterest(ReadOnly):
             CommandTimeout: The vehicle did not answer.
             ActionTimeout: The call did not end within `timeout`.
         """
-        await self._request(firmware_of(self._vehicle).look_ahead(), timeout)
+        await self._request(self._firmware.look_ahead(), timeout)
+
+    @property
+    def _firmware(self) -> Firmware:
+        firmware = firmware_of(self._vehicle)
+        firmware.check_supported("roi")
+        return firmware
 
     async def _request(self, request: Coroutine[Any, Any, object], timeout: float | None) -> None:
         operation = "setting the region of interest of"

@@ -12,7 +12,7 @@ from mavstack.errors import CommandDenied, MessageTimeout
 from mavstack.node.read_only import ReadOnly
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.services.events import LogLevel
-from mavstack.services.version import AutopilotVersion
+from mavstack.vehicle.firmware import firmware_of
 from mavstack.vehicle.health import Health, health_of
 from mavstack.vehicle.payloads import VehiclePayloads
 from mavstack.vehicle.status_text_capture import with_status_texts
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from mavstack.services import Address
     from mavstack.services.events import DecodedEvent
     from mavstack.services.heartbeat import ComponentInfo
+    from mavstack.services.version import AutopilotVersion
     from mavstack.vehicle.telemetry.values import HomePosition, Position
 
 #: The time without a position after which a call fails that has no timeout of its own, in seconds.
@@ -94,6 +95,12 @@ class VehicleState(VehiclePayloads, TelemetryStreams, ReadOnly):
         return common.MavAutopilot.GENERIC if info is None else info.autopilot
 
     @property
+    def identifier(self) -> str:
+        """The identifier of a firmware that speaks MSP, "BTFL" or "INAV"; empty for all others."""
+        info = self.component.info
+        return "" if info is None else info.identifier
+
+    @property
     def vehicle_type(self) -> VehicleType:
         """The way the vehicle moves; `mav_type` is the MAV_TYPE of its heartbeat."""
         info = self.component.info
@@ -140,8 +147,7 @@ class VehicleState(VehiclePayloads, TelemetryStreams, ReadOnly):
     @property
     def version(self) -> AutopilotVersion | None:
         """The software and hardware versions; None before `get_version` (AUTOPILOT_VERSION)."""
-        message = self.latest(common.AutopilotVersion)
-        return None if message is None else AutopilotVersion.read(message)
+        return self.telemetry.version
 
     # Services
 
@@ -157,17 +163,23 @@ class VehicleState(VehiclePayloads, TelemetryStreams, ReadOnly):
 
     @property
     def ftp(self) -> Ftp:
-        """The files on the vehicle (MAVLink FTP)."""
+        """The files on the vehicle (MAVLink FTP); raises `ActionUnsupported` if its firmware has none."""
+        firmware_of(self).check_supported("ftp")
         return self.component.ftp
 
     @property
     def logs(self) -> Logs:
-        """The logs on the vehicle."""
+        """The logs on the vehicle; raises `ActionUnsupported` if its firmware has none."""
+        firmware_of(self).check_supported("logs")
         return self.component.logs
 
     @property
     def terrain(self) -> Terrain:
-        """The terrain that the vehicle has from ground stations; `serve_terrain` of a node sends it."""
+        """The terrain that the vehicle has from ground stations; `serve_terrain` of a node sends it.
+
+        Raises `ActionUnsupported` if its firmware uses none.
+        """
+        firmware_of(self).check_supported("terrain")
         return self.component.terrain
 
     def events(
@@ -228,7 +240,11 @@ class VehicleState(VehiclePayloads, TelemetryStreams, ReadOnly):
 
         Returns:
             The shell.
+
+        Raises:
+            ActionUnsupported: The firmware has none.
         """
+        firmware_of(self).check_supported("shell")
         return self.component.shell()
 
     # Positions, requested or waited for if they are not known

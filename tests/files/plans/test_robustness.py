@@ -160,7 +160,7 @@ def test_control_characters_are_escaped_in_errors():
     assert "\x1b" not in str(caught.value)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_sizes_are_bounded(tmp_path, monkeypatch):
     from mavstack.files.plans import parsing, registry
 

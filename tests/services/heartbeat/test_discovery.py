@@ -136,3 +136,13 @@ def test_loss_and_return_over_a_network() -> None:
         pipe.cut = False
     network.run(timeout=2)
     assert len(ground.events_of(ComponentReturned)) == 1
+
+
+def test_the_identifier_of_a_firmware_stays_with_its_heartbeats() -> None:
+    discovery = Discovery(GROUND)
+    version = packet(common.AutopilotVersion(flight_custom_version=b"BTFL\0\0\0\0"))
+    discovery.receive(version, START)
+    assert discovery.components == {}
+    for message in (packet(HEARTBEAT), version, packet(HEARTBEAT)):
+        discovery.receive(message, START)
+    assert discovery.components[VEHICLE].identifier == "BTFL"

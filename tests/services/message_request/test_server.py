@@ -200,3 +200,47 @@ def test_a_producer_may_make_several_messages() -> None:
     harness.messages.provide(common.GimbalManagerStatus, lambda now: both, interval=1.0, now=START)
     harness.run_for(3.1)
     assert [each.gimbal_device_id for each in harness.received(common.GimbalManagerStatus)] == [1, 2] * 4
+
+
+class TriggeredHarness(RequestHarness):
+    """A vehicle whose ATTITUDE is sent when a value arrives."""
+
+    def provide(self) -> None:
+        self.made = 0
+        self.messages.provide(common.Attitude, self.make, interval=0.1, triggered=True)
+
+    def make(self, now: float) -> common.Attitude:
+        self.made += 1
+        return common.Attitude(roll=self.made)
+
+    def feed(self, interval: float, count: int) -> int:
+        """Trigger the message at an interval; return how many were received."""
+        before = len(self.received(common.Attitude))
+        for _ in range(count):
+            self.messages.trigger(common.Attitude, self.network.now)
+            self.vehicle.engine.touch(self.messages)
+            self.run_for(interval)
+        self.run_for(1.0)
+        return len(self.received(common.Attitude)) - before
+
+
+def test_a_triggered_message_is_sent_with_its_values() -> None:
+    harness = TriggeredHarness()
+    harness.run_for(5)
+    assert harness.received(common.Attitude) == []
+    assert harness.feed(0.1, 50) == 50
+
+
+@pytest.mark.parametrize(("interval", "count"), [(0.05, 100), (0.01, 500), (0.07, 71)])
+def test_a_triggered_message_is_not_sent_more_often_than_at_its_interval(interval: float, count: int) -> None:
+    assert TriggeredHarness().feed(interval, count) == pytest.approx(50, abs=2)
+
+
+def test_the_rate_of_a_triggered_message_can_be_requested() -> None:
+    harness = TriggeredHarness()
+    harness.run(CommandOperation(Command(common.MavCmd.SET_MESSAGE_INTERVAL, 30, 1_000_000)))
+    assert harness.messages.interval_of(common.Attitude) == 1_000_000
+    assert harness.feed(0.1, 50) == pytest.approx(5, abs=1)
+    harness.run(CommandOperation(Command(common.MavCmd.SET_MESSAGE_INTERVAL, 30, -1)))
+    assert harness.feed(0.1, 10) == 0
+    assert harness.run(RequestMessage(common.Attitude)).result().roll == harness.made

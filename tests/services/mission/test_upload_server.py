@@ -21,6 +21,7 @@ from tests.services.mission.server_harness import OTHER, make_server, result_of
 from tests.services.network import GROUND, VEHICLE
 
 if TYPE_CHECKING:
+    from mavstack.dialects import Message
     from mavstack.services import Address
 
 Result = common.MavMissionResult
@@ -217,3 +218,59 @@ def test_an_item_is_not_requested_again_too_soon() -> None:
         pauses.append(station.service.next_timeout() - station.now)
     assert pauses[0] < 0.5
     assert pauses[1] == pytest.approx(1.0, abs=0.01)
+
+
+class StoringElsewhere:
+    """A station whose vehicle stores plans on another device; `waiting` are the plans that it stores now."""
+
+    def __init__(self) -> None:
+        self.waiting: list[tuple[Plan, Address]] = []
+        self.station = make_server(store_elsewhere=lambda plan, source: self.waiting.append((plan, source)))
+
+    def finish(self, result: int = Result.ACCEPTED) -> list[Message]:
+        plan, source = self.waiting.pop(0)
+        self.station.service.finish_storing(plan, source, result, self.station.now)
+        return self.station.receive()
+
+
+def test_a_plan_that_is_stored_elsewhere_is_acknowledged_at_the_end() -> None:
+    storing, plan = StoringElsewhere(), plan_of(2)
+    station = storing.station
+    assert kinds(station.upload(plan)) == []
+    assert kinds(station.item(plan, 1)) == []  # the client repeats it, and nothing is asked for again
+    assert station.wait_for_all(20) == []
+    assert result_of(station.count(1, source=OTHER)) == Result.DENIED
+    assert result_of(storing.finish()) == Result.ACCEPTED
+    assert station.service.plan(PlanType.MISSION) == plan
+    assert station.service.events() == [PlanReplaced(plan, GROUND)]
+    assert result_of(station.item(plan, 1)) == Result.ACCEPTED
+
+
+def test_a_plan_that_could_not_be_stored_elsewhere_is_refused() -> None:
+    storing, old = StoringElsewhere(), plan_of(3)
+    storing.station.upload(old)
+    storing.finish()
+    storing.station.upload(plan_of(2))
+    assert result_of(storing.finish(Result.ERROR)) == Result.ERROR
+    assert storing.station.service.plan(PlanType.MISSION) == old
+
+
+def test_clearing_of_plans_that_are_stored_elsewhere() -> None:
+    storing = StoringElsewhere()
+    station = storing.station
+    station.upload(plan_of(2))
+    storing.finish()
+    assert kinds(station.clear()) == kinds(station.clear()) == []
+    assert len(storing.waiting) == 1
+    assert result_of(storing.finish()) == Result.ACCEPTED
+    assert len(station.service.plan(PlanType.MISSION)) == 0
+
+
+def test_clearing_during_an_upload_that_is_stored_elsewhere() -> None:
+    storing, plan = StoringElsewhere(), plan_of(2)
+    storing.station.upload(plan)
+    storing.station.clear()
+    assert [len(waiting) for waiting, _ in storing.waiting] == [2, 0]
+    assert [kind for kind in kinds(storing.finish()) if kind == "MissionAck"] == []
+    assert result_of(storing.finish()) == Result.ACCEPTED
+    assert len(storing.station.service.plan(PlanType.MISSION)) == 0

@@ -133,3 +133,19 @@ def test_a_camera_is_requested_like_an_autopilot() -> None:
     harness = VersionHarness()
     assert harness.client.target == VEHICLE
     assert harness.run(RequestMessage(common.AutopilotVersion)).result() == VERSION.to_message()
+
+
+@pytest.mark.parametrize(
+    ("custom", "identifier", "revision"),
+    [
+        (b"BTFL", "BTFL", ""),
+        (b"INAV\0\0\0\0", "INAV", ""),
+        (b"abcd\0\0\0\0", "", "abcd"),
+        (b"3f7a91bc", "", "3f7a91bc"),
+        (bytes(8), "", ""),
+        (b"AB\xff\xff", "", "ffff4241"),
+    ],
+)
+def test_the_identifier_of_a_firmware_that_speaks_msp(custom: bytes, identifier: str, revision: str) -> None:
+    version = AutopilotVersion(flight_custom=custom)
+    assert (version.identifier, version.git_hash) == (identifier, revision)

@@ -41,6 +41,8 @@ def test_one_calibration_directly_after_another():
     fly(COPTER, scenario)
 
 
+@pytest.mark.flight_cases(1)
+@pytest.mark.flight
 @pytest.mark.parametrize(("kind", "task"), [("accelerometer", TASK.HOLD_STILL), ("compass", TASK.ROTATE)])
 def test_the_vehicle_detects_the_side_that_is_down(kind, task):
     async def scenario(world, vehicle):

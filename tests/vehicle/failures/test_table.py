@@ -25,8 +25,9 @@ API_CLASSES = (
 )
 
 
-#: Reads a file; the version of the firmware is requested only to store the metadata in the cache.
-WITHOUT_ROW = {"Params.load_metadata"}
+#: Reads a file; the version of the firmware is requested only to store the metadata in the cache. A beep has
+#: no answer.
+WITHOUT_ROW = {"Params.load_metadata", "Actuators.beep"}
 
 
 def calls_of(api_class):

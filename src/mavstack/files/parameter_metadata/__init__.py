@@ -1,6 +1,7 @@
 """Metadata of parameters from the files that firmware projects publish, and the cache of downloaded files."""
 
-from mavstack.files.parameter_metadata.cache import MetadataCache, cache_directory
+from mavstack.cache_directory import cache_directory
+from mavstack.files.parameter_metadata.cache import MetadataCache
 from mavstack.files.parameter_metadata.file_access import (
     parse_parameter_metadata,
     read_metadata_file,

@@ -11,19 +11,19 @@ is no error: the file is downloaded again.
 from __future__ import annotations
 
 import logging
-import os
 import re
-import sys
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from mavstack.atomic_file import write_file_atomically
 from mavstack.bounded_file import read_file_bounded
+from mavstack.cache_directory import cache_directory
 from mavstack.errors import MetadataError
 from mavstack.services.component_metadata import MAX_CONTENT, has_crc
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Iterator
 
 _LOGGER: Final = logging.getLogger("mavstack.files")
@@ -31,20 +31,6 @@ _LOGGER: Final = logging.getLogger("mavstack.files")
 MAX_FILES: Final = 100
 _SUFFIX: Final = ".metadata"
 _KEY: Final = re.compile(r"[a-z0-9._-]{1,80}")
-
-
-def cache_directory() -> Path:
-    """Return Mavstack's folder in the platform's cache folder; it may not exist yet.
-
-    Raises:
-        RuntimeError: There is no home directory.
-    """
-    if sys.platform == "win32":
-        base = os.environ.get("LOCALAPPDATA") or str(Path.home() / "AppData" / "Local")
-        return Path(base) / "mavstack" / "cache"
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Caches" / "mavstack"
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "mavstack"
 
 
 class MetadataCache:

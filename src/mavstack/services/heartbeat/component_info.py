@@ -31,6 +31,7 @@ class ComponentInfo:
         last_seen: When its last sign of life arrived, Unix seconds.
         high_latency: True if it sends HIGH_LATENCY2 in place of HEARTBEAT.
         alive: False after it was lost.
+        identifier: The identifier of a firmware that speaks MSP, such as "BTFL", from AUTOPILOT_VERSION.
     """
 
     address: Address
@@ -43,6 +44,7 @@ class ComponentInfo:
     last_seen: float
     high_latency: bool = False
     alive: bool = True
+    identifier: str = ""
 
     @classmethod
     def from_heartbeat(
@@ -59,6 +61,7 @@ class ComponentInfo:
             known.first_seen if known else now,
             now,
             alive=known.alive if known else True,
+            identifier=known.identifier if known else "",
         )
 
     @classmethod
@@ -76,6 +79,7 @@ class ComponentInfo:
             known.first_seen if known else now,
             now,
             high_latency=True,
+            identifier=known.identifier if known else "",
         )
 
     @property

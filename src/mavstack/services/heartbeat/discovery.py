@@ -126,11 +126,7 @@ class Discovery(Service):
                 self._high_latency_received(address, summary, now)
             case common.AutopilotVersion():
                 if address in self.components:
-                    unique_id = AutopilotVersion.read(message).unique_id
-                    detector = self._detectors[address]
-                    self._report(
-                        address, detector.observe_unique_id(unique_id, now, self._channel_name()), now
-                    )
+                    self._version_received(address, AutopilotVersion.read(message), now)
             case _ if (known := self.components.get(address)) is not None:
                 self._update(replace(known, last_seen=now), now - known.last_seen)
                 boot_ms = message.time_boot_ms  # every other message in `handles` has it
@@ -158,6 +154,13 @@ class Discovery(Service):
         self._check_at = min((info.last_seen + info.timeout for info in alive), default=None)
         if self._check_at is not None and len(self.components) > MANY_COMPONENTS:
             self._check_at = max(self._check_at, now + MANY_INTERVAL)  # a check visits all of them
+
+    def _version_received(self, address: Address, version: AutopilotVersion, now: float) -> None:
+        known = self.components[address]
+        if known.identifier != version.identifier:
+            self.components[address] = replace(known, identifier=version.identifier)
+        finding = self._detectors[address].observe_unique_id(version.unique_id, now, self._channel_name())
+        self._report(address, finding, now)
 
     def _heartbeat_received(self, address: Address, heartbeat: common.Heartbeat, now: float) -> None:
         known = self.components.get(address)

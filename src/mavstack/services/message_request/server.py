@@ -2,7 +2,8 @@
 
 A producer makes a message when it is due, so that its content is current. Streams have the priority of
 telemetry: on a full link a message waits until there is room, is made then, and missed ones are skipped. The
-most overdue message goes first, so that all messages are thinned alike.
+most overdue message goes first, so that all messages are thinned alike. A message that is made of values from
+elsewhere is streamed by `trigger`: when a new value is there, and not more often than at its interval.
 
 The commands are answered through the component's `CommandServer`; this service handles their ids only so that
 the engine collects its messages after them.
@@ -41,6 +42,9 @@ MIN_INTERVAL = 1_000
 #: Seconds after which a stream without room checks again.
 RETRY = 0.5
 
+#: The part of an interval by which a triggered message may come early: values do not arrive exactly in time.
+_EARLY = 0.25
+
 _REQUESTER, _BROADCAST = 1, 2
 _INTERVAL_ID = next(iter(message_ids(common.MessageInterval)))
 
@@ -54,14 +58,30 @@ class _Stream:
     interval: int
     #: When it is due next; infinite if off.
     due: float
+    triggered: bool = False
+    #: When a triggered one should be sent next.
+    slot: float = 0.0
 
     def set_interval(self, microseconds: int, now: float) -> None:
         self.interval = microseconds
-        self.due = now if microseconds > 0 else inf
+        self.due = now if microseconds > 0 and not self.triggered else inf
+        self.slot = now
+
+    def trigger(self, now: float) -> bool:
+        """Make a triggered stream due; returns False if it is off, or was sent too recently."""
+        if self.interval <= 0 or now < self.slot - _EARLY * self.interval / 1e6 or self.due < inf:
+            return False
+        self.due = now
+        return True
 
     def sent(self, now: float) -> float:
         """Record that the message was sent; returns when it is due again."""
         seconds = self.interval / 1e6
+        if self.triggered:
+            # Slots are kept, so that early and late values give the right number in the long run.
+            self.slot = self.slot + seconds if now < self.slot + seconds else now + seconds
+            self.due = inf
+            return inf
         due = self.due + seconds
         self.due = due = due if due > now else now + seconds
         return due
@@ -90,7 +110,13 @@ class MessageServer(Service):
         self._support_legacy(_INTERVAL_ID)
 
     def provide(
-        self, message: type[Message] | int, producer: Producer, *, interval: float = 0.0, now: float = 0.0
+        self,
+        message: type[Message] | int,
+        producer: Producer,
+        *,
+        interval: float = 0.0,
+        now: float = 0.0,
+        triggered: bool = False,
     ) -> None:
         """Publish a message.
 
@@ -99,13 +125,19 @@ class MessageServer(Service):
             producer: Makes the message.
             interval: Seconds between two messages by default; 0: only on request.
             now: When the stream begins, Unix seconds.
+            triggered: Stream it when `trigger` is called, and not more often than at its interval.
         """
         message_id = message_id_of(message)
         microseconds = _microseconds(interval)
-        due = now if microseconds > 0 else inf
+        due = now if microseconds > 0 and not triggered else inf
         self._queue = None
-        self._streams[message_id] = _Stream(producer, microseconds, microseconds, due)
+        self._streams[message_id] = _Stream(producer, microseconds, microseconds, due, triggered)
         self._support_legacy(message_id)
+
+    def trigger(self, message: type[Message] | int, now: float) -> None:
+        """Send a triggered message as soon as there is room, unless it is off or was sent too recently."""
+        if self._streams[message_id_of(message)].trigger(now):
+            self._queue = None
 
     def set_interval(self, message: type[Message] | int, interval: float, now: float) -> None:
         """Change the default interval of a message, seconds; 0: only on request."""

@@ -42,6 +42,8 @@ _Result = common.MavMissionResult
 
 #: Validates a complete plan from a client: returns a MAV_MISSION_RESULT.
 Validate: TypeAlias = Callable[[Plan, Address], int]
+#: Stores a plan that takes a while, on another device; the program then calls `finish_storing`.
+StoreElsewhere: TypeAlias = Callable[[Plan, Address], None]
 #: Executes an item that is no part of a plan, with its `current`: returns a MAV_MISSION_RESULT.
 Guided: TypeAlias = "Callable[[MissionItem, int], int]"
 #: Values of `current` by which old ground stations command ArduPilot to a position, or to an altitude.
@@ -102,6 +104,7 @@ class MissionServer(Service):
         validate: Validates a complete plan.
         check: Validates an item.
         guided: Executes items that are no part of a plan; None: they are treated as part of an upload.
+        store_elsewhere: Stores a validated plan on another device; None: it is stored at once.
     """
 
     handles = message_ids(
@@ -127,6 +130,7 @@ class MissionServer(Service):
         validate: Validate = lambda plan, source: _Result.ACCEPTED,
         check: Check = lambda plan_type, seq, item: _Result.ACCEPTED,
         guided: Guided | None = None,
+        store_elsewhere: StoreElsewhere | None = None,
     ) -> None:
         super().__init__(local)
         self.store = store or PlanStore()
@@ -137,6 +141,8 @@ class MissionServer(Service):
         #: MISSION_CURRENT.mission_mode: 1 while the vehicle flies the mission, 2 otherwise, 0 unknown.
         self.mode = 0
         self._validate, self._check, self._guided = validate, check, guided
+        self._store_elsewhere = store_elsewhere
+        self._clearing: dict[int, tuple[Address, int]] = {}
         self._current = 0
         #: The cached results of `plan`, which is called for every item, and their sources.
         self._shown: dict[int, tuple[Plan, MissionItem | None, Plan]] = {}
@@ -187,7 +193,15 @@ class MissionServer(Service):
             result = self._check(plan.type, seq, item)
             if result != _Result.ACCEPTED:
                 return result
-        return self._complete(plan, source)[0]
+        outcome = self._complete(plan, source)
+        return _Result.ACCEPTED if outcome is None else outcome[0]
+
+    def finish_storing(self, plan: Plan, source: Address, result: int, now: float) -> None:
+        """End what `store_elsewhere` began: acknowledge it, and keep the plan if the result is ACCEPTED."""
+        plan_id = self._replace(plan, source) if result == _Result.ACCEPTED else 0
+        ended = self._uploads.finish(plan.type, result, plan_id, now)
+        if not ended and not plan.items and plan.type in self._clearing:
+            self._uploads.acknowledge(*self._clearing.pop(plan.type), result)
 
     @property
     def current(self) -> int:
@@ -296,12 +310,18 @@ class MissionServer(Service):
         else:
             self._uploads.begin(source, message, raw, now)
 
-    def _complete(self, plan: Plan, source: Address) -> tuple[int, int]:
+    def _complete(self, plan: Plan, source: Address) -> tuple[int, int] | None:
         result = self._validate(plan, source)
-        if result == _Result.ACCEPTED:
-            self._put(plan)
-            self.emit(PlanReplaced(plan, source))
-        return result, self.plan(plan.type).plan_id if result == _Result.ACCEPTED else 0
+        if result == _Result.ACCEPTED and self._store_elsewhere is not None:
+            self._store_elsewhere(plan, source)
+            return None
+        return result, self._replace(plan, source) if result == _Result.ACCEPTED else 0
+
+    def _replace(self, plan: Plan, source: Address) -> int:
+        """Store a plan of a client; return its id."""
+        self._put(plan)
+        self.emit(PlanReplaced(plan, source))
+        return self.plan(plan.type).plan_id
 
     def _put(self, plan: Plan) -> None:
         self.store.put(plan)
@@ -312,7 +332,7 @@ class MissionServer(Service):
 
     def _clear(self, source: Address, kind: int, raw: bytes, now: float) -> None:
         known, at = self._cleared.get(source, (b"", 0.0))
-        if known == raw and now - at < DUPLICATE_WINDOW:
+        if (known == raw and now - at < DUPLICATE_WINDOW) or (source, kind) in self._clearing.values():
             return
         kinds = tuple(self.limits) if kind == PlanType.ALL else (kind,)
         result = self._check_clear(source, kinds)
@@ -323,9 +343,13 @@ class MissionServer(Service):
                 self._cleared.popitem(last=False)
             for each in kinds:
                 self._uploads.drop(each)
-                self._put(Plan(each))
-                self.emit(PlanReplaced(Plan(each), source))
-        self._uploads.acknowledge(source, kind, result)
+                if self._store_elsewhere is not None:
+                    self._clearing[each] = (source, kind)
+                    self._store_elsewhere(Plan(each), source)
+                else:
+                    self._replace(Plan(each), source)
+        if self._store_elsewhere is None or result != _Result.ACCEPTED:
+            self._uploads.acknowledge(source, kind, result)
 
     def _check_clear(self, source: Address, kinds: tuple[int, ...]) -> int:
         for kind in kinds:

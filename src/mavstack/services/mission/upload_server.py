@@ -57,6 +57,8 @@ class Upload:
     requested_at: float = 0.0
     request_at: float | None = None
     as_float: bool = False
+    #: True while the program stores the complete plan.
+    storing: bool = False
 
     @property
     def due(self) -> int:
@@ -97,7 +99,8 @@ class UploadServer:
     """The uploads to one vehicle.
 
     Args:
-        complete: Stores a complete plan; returns its MAV_MISSION_RESULT and its id.
+        complete: Stores a complete plan; returns its MAV_MISSION_RESULT and its id, or None if that takes a
+            while and ends by `finish`.
         check: Validates one item; returns a MAV_MISSION_RESULT.
         reply: Sends a message to an address.
         plain_requests: Always request items by MISSION_REQUEST.
@@ -106,7 +109,7 @@ class UploadServer:
 
     def __init__(
         self,
-        complete: Callable[[Plan, Address], tuple[int, int]],
+        complete: Callable[[Plan, Address], tuple[int, int] | None],
         check: Callable[[int, int, MissionItem], int],
         reply: Callable[[Message, Address], None],
         *,
@@ -146,6 +149,8 @@ class UploadServer:
         upload = self._running.get(kind)
         if upload is None or upload.source != source:
             self._stale_item(source, message, now)
+        elif upload.storing:
+            return  # the client repeats its last item until it is acknowledged
         elif message.seq == upload.due:
             upload.as_float = isinstance(message, common.MissionItem)
             upload.measure(now)
@@ -161,9 +166,19 @@ class UploadServer:
         if message.type == _Result.OPERATION_CANCELLED:
             self.drop(upload.type)
             self.acknowledge(source, upload.type, _Result.OPERATION_CANCELLED)
-        elif message.type == _Result.UNSUPPORTED and not upload.was_just_requested(now):
+        elif (
+            message.type == _Result.UNSUPPORTED and not upload.storing and not upload.was_just_requested(now)
+        ):
             upload.as_float = not upload.as_float
             self._request(upload, now)
+
+    def finish(self, plan_type: int, result: int, plan_id: int, now: float) -> bool:
+        """End an upload whose plan the program has stored, or could not; False if there is none."""
+        upload = self._running.get(plan_type)
+        if upload is None or not upload.storing:
+            return False
+        self._end_complete(upload, result, plan_id, now)
+        return True
 
     def drop(self, plan_type: int) -> None:
         """End an upload without an answer."""
@@ -187,6 +202,8 @@ class UploadServer:
     def handle_timeout(self, now: float) -> None:
         """Repeat requests without an answer, and end silent uploads."""
         for upload in tuple(self._running.values()):
+            if upload.storing:
+                continue
             if now - upload.progress_at >= IDLE_TIMEOUT:
                 self.drop(upload.type)
                 self.acknowledge(upload.source, upload.type, _Result.OPERATION_CANCELLED)
@@ -208,7 +225,12 @@ class UploadServer:
         if upload.due < upload.count:
             self._request(upload, now)
             return
-        result, plan_id = self._complete(Plan(upload.type, tuple(upload.items)), upload.source)
+        upload.storing, upload.request_at = True, None
+        outcome = self._complete(Plan(upload.type, tuple(upload.items)), upload.source)
+        if outcome is not None:
+            self._end_complete(upload, *outcome, now)
+
+    def _end_complete(self, upload: Upload, result: int, plan_id: int, now: float) -> None:
         last = upload.items.pop() if upload.items else None
         self._end(upload, last, result, plan_id, now)
 

@@ -257,12 +257,18 @@ class ParameterServer(Service):
             value = self._value_in(definition, message)
             error = self._refusal(definition, value)
         if error is None:
-            self._write(definition, value, source)
+            self._write(definition, value, source, packet)
         else:
-            self._send_error(packet, definition.name, error)
-            self.send(self._value_message(definition.name), source)
+            self._send_refusal(packet, definition.name, error, source)
 
-    def _write(self, definition: ParameterDefinition, value: Value, source: Address) -> None:
+    def _send_refusal(self, packet: Packet, name: str, error: common.MavParamError, source: Address) -> None:
+        self._send_error(packet, name, error)
+        self.send(self._value_message(name), source)
+
+    def _write(
+        self, definition: ParameterDefinition, value: Value, source: Address, packet: Packet | None = None
+    ) -> None:
+        """Write a value that is allowed; `packet` is the request, None for a packed file."""
         previous = definition.value
         held = fitted(value, definition.kind)
         definition.value = previous if held is None else held

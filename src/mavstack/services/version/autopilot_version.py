@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from typing import Self
 
 _HEXADECIMAL = frozenset(b"0123456789abcdefABCDEF")
+#: The length of the identifier of a firmware that speaks MSP.
+_IDENTIFIER = 4
 
 
 class FirmwareVersion(NamedTuple):
@@ -49,9 +51,16 @@ class FirmwareVersion(NamedTuple):
 UNKNOWN = FirmwareVersion(0, 0, 0, 0)
 
 
+def identifier(custom: bytes) -> str:
+    """Return the letters by which a firmware names itself in MSP, such as "BTFL"; "" if there are none."""
+    letters = custom.rstrip(b"\0")
+    named = len(letters) == _IDENTIFIER and letters.isalnum() and not _HEXADECIMAL.issuperset(letters)
+    return letters.decode("ascii") if named else ""
+
+
 def git_hash(custom: bytes) -> str:
     """Return the git hash in a custom version field; "" if there is none."""
-    if not any(custom):
+    if not any(custom) or identifier(custom):
         return ""
     letters = custom.rstrip(b"\0")
     if letters and _HEXADECIMAL.issuperset(letters):
@@ -84,6 +93,11 @@ class AutopilotVersion:
     def git_hash(self) -> str:
         """The git hash of the flight software."""
         return git_hash(self.flight_custom)
+
+    @property
+    def identifier(self) -> str:
+        """The identifier of a firmware that speaks MSP, such as "BTFL" or "INAV"; "" for all others."""
+        return identifier(self.flight_custom)
 
     @property
     def board(self) -> tuple[int, int, int]:

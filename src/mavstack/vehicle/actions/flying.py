@@ -78,6 +78,7 @@ async def takeoff(
 ) -> None:
     """Take off to an altitude in metres above home."""
     check_takeoff(altitude, override_limits=override_limits)
+    firmware_of(vehicle).check_supported("takeoff")
     await detect_quadplane(vehicle)
     firmware = firmware_of(vehicle)
     wing = vehicle.vehicle_type is VehicleType.PLANE
@@ -108,6 +109,7 @@ async def takeoff(
 
 async def land(vehicle: VehicleState, *, wait: bool, timeout: float | None) -> None:
     """Land, and wait until the motors stand still."""
+    firmware_of(vehicle).check_supported("land")
     await detect_quadplane(vehicle)
     firmware = firmware_of(vehicle)
     plane = vehicle.vehicle_type is VehicleType.PLANE
@@ -166,6 +168,7 @@ async def move(
     timeout: float | None,
 ) -> None:
     """Go to the location at an offset in metres (north, east, up) from the vehicle."""
+    firmware_of(vehicle).check_supported("goto")
     north, east, up = offset
     started = vehicle.connection.now()
     async with deadline(timeout, "moving", vehicle.address):
@@ -190,6 +193,7 @@ async def goto(
 ) -> None:
     """Go to a location and stay there."""
     check_numbers(yaw=yaw, radius=radius)
+    firmware_of(vehicle).check_supported("goto")
     started = vehicle.connection.now()
     await check_target(vehicle, location, override_limits=override_limits, timeout=timeout)
     timeout = _remaining_timeout(vehicle, timeout, started)
@@ -240,6 +244,7 @@ async def orbit(
         raise InvalidArgumentError(
             f"orbit radius must be finite and not 0 (negative: counter-clockwise), got {radius}"
         )
+    firmware_of(vehicle).check_supported("orbit")
     started = vehicle.connection.now()
     await check_target(vehicle, center, override_limits=override_limits, timeout=timeout)
     timeout = _remaining_timeout(vehicle, timeout, started)
@@ -277,6 +282,7 @@ async def orbit(
 async def turn(vehicle: VehicleState, heading: float, *, wait: bool, timeout: float | None) -> None:
     """Turn to a heading in degrees."""
     check_number("heading", heading)
+    firmware_of(vehicle).check_supported("turn")
     heading %= 360.0
     await detect_quadplane(vehicle)
     firmware = firmware_of(vehicle)

@@ -24,6 +24,7 @@ async def transition(
     vehicle: VehicleState, state: common.MavVtolState, *, wait: bool, timeout: float | None
 ) -> None:
     """Change to a MAV_VTOL_STATE, and wait until EXTENDED_SYS_STATE reports it."""
+    firmware_of(vehicle).check_supported("transition")
     await detect_quadplane(vehicle)
     if vehicle.vehicle_type is not VehicleType.VTOL:
         raise firmware_of(vehicle).unsupported(f"change to {_NAMES[state]}")

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.vehicle.calibration import ardupilot, px4
+from mavstack.vehicle.calibration import ardupilot, msp, px4
+from mavstack.vehicle.firmware import MspFirmware, firmware_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 
 def procedures_of(vehicle: VehicleState) -> Mapping[CalibrationKind, Procedure]:
     """Return the procedures that a vehicle has; none for a firmware that is not known."""
+    if isinstance(firmware_of(vehicle), MspFirmware):
+        return msp.PROCEDURES
     match vehicle.autopilot:
         case common.MavAutopilot.ARDUPILOTMEGA:
             table, lacking = ardupilot.PROCEDURES, ardupilot.lacking(vehicle.vehicle_type)

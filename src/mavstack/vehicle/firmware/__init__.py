@@ -2,7 +2,17 @@
 
 from mavstack.vehicle.firmware.ardupilot import ArduPilot
 from mavstack.vehicle.firmware.firmware import Firmware
+from mavstack.vehicle.firmware.msp import Betaflight, Inav, MspFirmware
 from mavstack.vehicle.firmware.px4 import Px4
 from mavstack.vehicle.firmware.selection import firmware_class, firmware_of
 
-__all__ = ["ArduPilot", "Firmware", "Px4", "firmware_class", "firmware_of"]
+__all__ = [
+    "ArduPilot",
+    "Betaflight",
+    "Firmware",
+    "Inav",
+    "MspFirmware",
+    "Px4",
+    "firmware_class",
+    "firmware_of",
+]

@@ -59,6 +59,7 @@ _THROTTLE_DEAD_ZONE: Final = 100
 class ArduPilot(Firmware):
     """A vehicle that runs ArduPilot."""
 
+    NAME: ClassVar[str] = "ArduPilot"
     MODES: ClassVar[Mapping[str, frozenset[str]]] = MappingProxyType(
         {
             "takeoff": _GUIDED | {"takeoff"},

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from mavstack.dialects import Message
     from mavstack.services.heartbeat import ComponentInfo
+    from mavstack.services.version import AutopilotVersion
     from mavstack.vehicle.firmware.interface import FirmwareVehicle
     from mavstack.vehicle.geography import Location
 
@@ -52,6 +53,8 @@ class Firmware:
 
     #: The modes in which each action goes on, in lower case; an action that is missing goes on in any mode.
     MODES: ClassVar[Mapping[str, frozenset[str]]] = MappingProxyType({})
+    #: The name of the firmware; empty if it is not known.
+    NAME: ClassVar[str] = ""
     #: The modes that end on the ground, in lower case.
     LANDING_MODES: ClassVar[frozenset[str]] = frozenset({"rtl", "land", "qrtl", "qland", "auto_rtl"})
 
@@ -76,6 +79,8 @@ class Firmware:
     FEATURES: ClassVar[Mapping[str, bool]] = MappingProxyType({})
     #: The parameters that enable an equipment, by its name.
     EQUIPMENT_PARAMETERS: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
+    #: The calls that no vehicle of the firmware has, and their words in errors: "takeoff": "take off".
+    LACKING: ClassVar[Mapping[str, str]] = MappingProxyType({})
     #: The longest motor test that one command starts, in seconds.
     MAX_MOTOR_TEST: ClassVar[float] = inf
     #: True if the heartbeat of a vehicle says that it is armed while a motor is tested.
@@ -109,6 +114,17 @@ class Firmware:
         """Return whether a heartbeat means that the vehicle flies; None if it leaves that open."""
         del info
         return None
+
+    @staticmethod
+    def has_bootloader(version: AutopilotVersion) -> bool:
+        """Return whether the board has a bootloader: it has a USB identity, which simulated ones lack."""
+        return bool(version.vendor_id)
+
+    def check_supported(self, call: str) -> None:
+        """Raise `ActionUnsupported` if the firmware lacks a call; does not ask the vehicle."""
+        words = self.LACKING.get(call)
+        if words is not None:
+            raise self.unsupported(words, "its firmware has no command for that")
 
     def modes_of(self, action: str) -> frozenset[str] | None:
         """Return the modes in which an action goes on, in lower case; None if any mode will do."""

@@ -25,6 +25,11 @@ class FirmwareVehicle(Protocol):
         ...
 
     @property
+    def identifier(self) -> str:
+        """The identifier of a firmware that speaks MSP, such as "BTFL"; empty for all others."""
+        ...
+
+    @property
     def component(self) -> RemoteComponent:
         """Its autopilot, which takes the commands."""
         ...

@@ -29,6 +29,7 @@ _FIRST_MOTOR: Final = int(common.ActuatorOutputFunction.MOTOR1)
 class Px4(Firmware):
     """A vehicle that runs PX4."""
 
+    NAME: ClassVar[str] = "PX4"
     MODES: ClassVar[Mapping[str, frozenset[str]]] = MappingProxyType(
         {
             "takeoff": frozenset({"takeoff", "vtol_takeoff"}) | _HOLD,

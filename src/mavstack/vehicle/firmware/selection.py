@@ -1,4 +1,9 @@
-"""The selection of a firmware class by the MAV_AUTOPILOT of a heartbeat."""
+"""The selection of a firmware class by the MAV_AUTOPILOT of a heartbeat, and by AUTOPILOT_VERSION.
+
+Betaflight and iNav have no MAV_AUTOPILOT of their own. Their bridge sends GENERIC, and in the field
+`flight_custom_version` of AUTOPILOT_VERSION the identifier by which the firmware names itself in MSP
+(FC_VARIANT), four letters: "BTFL", "INAV".
+"""
 
 from __future__ import annotations
 
@@ -8,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 from mavstack.dialects import common
 from mavstack.vehicle.firmware.ardupilot import ArduPilot
 from mavstack.vehicle.firmware.firmware import Firmware
+from mavstack.vehicle.firmware.msp import Betaflight, Inav
 from mavstack.vehicle.firmware.px4 import Px4
 
 if TYPE_CHECKING:
@@ -18,13 +24,24 @@ if TYPE_CHECKING:
 _CLASSES: Final[Mapping[int, type[Firmware]]] = MappingProxyType(
     {common.MavAutopilot.ARDUPILOTMEGA: ArduPilot, common.MavAutopilot.PX4: Px4}
 )
+_IDENTIFIED: Final[Mapping[str, type[Firmware]]] = MappingProxyType({"BTFL": Betaflight, "INAV": Inav})
 
 
-def firmware_class(autopilot: int | None) -> type[Firmware]:
-    """Return the class of a MAV_AUTOPILOT; `Firmware`, which keeps to the standard, if it is not known."""
+def firmware_class(autopilot: int | None, identifier: str = "") -> type[Firmware]:
+    """Return the class of a firmware.
+
+    Args:
+        autopilot: The MAV_AUTOPILOT of its heartbeat; None if none was received.
+        identifier: The identifier in its AUTOPILOT_VERSION; empty if it has none, or none was received.
+
+    Returns:
+        The class; `Firmware`, which keeps to the standard, if the firmware is not known.
+    """
+    if autopilot == common.MavAutopilot.GENERIC:
+        return _IDENTIFIED.get(identifier, Firmware)
     return Firmware if autopilot is None else _CLASSES.get(autopilot, Firmware)
 
 
 def firmware_of(vehicle: FirmwareVehicle) -> Firmware:
-    """Return the firmware of a vehicle, by the MAV_AUTOPILOT of its last heartbeat."""
-    return firmware_class(vehicle.autopilot)(vehicle)
+    """Return the firmware of a vehicle, by its last heartbeat and its AUTOPILOT_VERSION."""
+    return firmware_class(vehicle.autopilot, vehicle.identifier)(vehicle)

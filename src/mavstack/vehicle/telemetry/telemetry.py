@@ -14,6 +14,7 @@ from mavstack.dialects import Message, common
 from mavstack.errors import CommandDenied, CommandTimeout, MavstackError, MessageTimeout, RemoteCancelled
 from mavstack.services import DEFAULT_WAIT_TIMEOUT
 from mavstack.services.message_request.interval import name_of
+from mavstack.services.version import AutopilotVersion
 from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import firmware_class
 from mavstack.vehicle.telemetry.rates import Rates
@@ -81,7 +82,14 @@ class Telemetry:
     @property
     def firmware(self) -> type[Firmware]:
         """The class that tells how the firmware reports its state."""
-        return firmware_class(self.autopilot)
+        info = self.component.info
+        return firmware_class(None) if info is None else firmware_class(info.autopilot, info.identifier)
+
+    @property
+    def version(self) -> AutopilotVersion | None:
+        """The AUTOPILOT_VERSION; None before it was received."""
+        message = self.latest(common.AutopilotVersion)
+        return None if message is None else AutopilotVersion.read(message)
 
     # The latest messages
 
