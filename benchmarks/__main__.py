@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import tempfile
 from contextlib import nullcontext
@@ -13,12 +14,17 @@ from . import (
     c_library,
     codegen_c,
     codegen_java_go,
+    codegen_lua,
     codegen_python,
+    codegen_rust,
     codegen_typescript,
     dataflash,
     exports,
+    msp,
+    recorder,
     report,
     rows,
+    sealed,
     simulation,
     ulog,
     workload,
@@ -44,18 +50,23 @@ ROWS: dict[str, Callable[[rows.Bench], Iterator[Row]]] = {
     "dataflash": lambda bench: dataflash.rows(bench, quick=bench.amounts is rows.QUICK),
     "ulog": lambda bench: ulog.rows(bench, quick=bench.amounts is rows.QUICK),
     "exports": exports.rows,
+    "sealed": sealed.rows,
+    "msp": msp.rows,
     "codegen-c": codegen_c.rows,
     "codegen-python": codegen_python.rows,
     "codegen-typescript": codegen_typescript.rows,
     "codegen-java-go": codegen_java_go.rows,
+    "codegen-rust": codegen_rust.rows,
+    "codegen-lua": codegen_lua.rows,
 }
 ON_ALL_CORES = ("tlog", "memory", "dataflash", "ulog", "exports")
 # Benchmarks with separate tables.
 SIMULATION = "simulation"
 TELEMETRY = "telemetry"
+RECORDER = "recorder"
 BRIEF_TRANSFERS = "brief-transfers"
 TRANSFERS = "transfers"  # runs only on request: it takes an hour
-TABLES = (SIMULATION, TELEMETRY, BRIEF_TRANSFERS)
+TABLES = (RECORDER, SIMULATION, TELEMETRY, BRIEF_TRANSFERS)
 
 
 def main() -> None:
@@ -72,12 +83,15 @@ def main() -> None:
         help="folder of the definitions for the C headers (default: those of the project)",
     )
     options = parser.parse_args()
+    os.environ["MAVSTACK_CACHE"] = "0"  # logs are indexed, not found in the cache of an earlier run
     selected = options.only or [*ROWS, *TABLES]
     if TRANSFERS in selected:
         _transfers(options)
     selected_rows = [row for row in selected if row in ROWS]
     if selected_rows:
         _rows(options, selected_rows)
+    if RECORDER in selected:
+        recorder.main(turns=3 if options.quick else 5)
     if SIMULATION in selected:
         simulation.main(["--seconds", "5", "--turns", "1"] if options.quick else [])
     if TELEMETRY in selected:

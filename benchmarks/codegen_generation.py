@@ -21,11 +21,11 @@ PROGRAM = """
 import sys
 from pymavlink.generator import mavgen
 options = mavgen.Opts(sys.argv[3], wire_protocol="2.0", language=sys.argv[1], validate=False)
-mavgen.mavgen(options, [sys.argv[2]])
+assert mavgen.mavgen(options, [sys.argv[2]])
 """
 
 
-def generation(name: str, language: str, peer: str, bench: Bench) -> Row:
+def generation(name: str, language: str, peer: str, bench: Bench, column: str = MAVGEN) -> Row:
     """Return the row of a language.
 
     Args:
@@ -33,19 +33,29 @@ def generation(name: str, language: str, peer: str, bench: Bench) -> Row:
         language: Its name for `mav gen`.
         peer: Its name for mavgen.
         bench: Conditions of the run.
+        column: Column of mavgen in the table.
     """
-    ours = [sys.executable, "-m", "mavstack", "gen", language, "all", "-o"]
-    theirs = [sys.executable, "-c", PROGRAM, peer, str(c_library.DEFINITIONS / "all.xml")]
-    file = "all.lua" if peer == "WLua" else ""
+    ours, theirs = our_command(language, "all"), mavgen_command(peer, "all")
+    file = {"Python": "all.py", "WLua": "all.lua", "Lua": "modules"}.get(peer, "")
     results = take_turns(
         {
             OURS: lambda: _seconds(ours, _fresh(bench.folder)),
-            MAVGEN: lambda: _seconds(theirs, _fresh(bench.folder) / file),
+            column: lambda: _seconds(theirs, _fresh(bench.folder) / file),
         },
         bench.amounts.turns,
     )
     figures = {library: f"{median(times):.2f} s" for library, times in results.items()}
-    return Row(f"{name}: generation of all", figures, (speed_ratio(results, MAVGEN, 1.0),))
+    return Row(f"{name}: generation of all", figures, (speed_ratio(results, column, 1.0),))
+
+
+def our_command(language: str, dialect: str) -> list[str]:
+    """Return the command line of `mav gen`, without the folder at its end."""
+    return [sys.executable, "-m", "mavstack", "gen", language, dialect, "-o"]
+
+
+def mavgen_command(language: str, dialect: str) -> list[str]:
+    """Return the command line of mavgen with our definitions, without the folder at its end."""
+    return [sys.executable, "-c", PROGRAM, language, str(c_library.DEFINITIONS / f"{dialect}.xml")]
 
 
 def _fresh(folder: Path) -> Path:

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-import sys
-import time
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from .codegen_generation import MAVGEN, generation, mavgen_command, our_command
 from .measure import OURS, Row, rates, speed_ratio, take_turns
 
 if TYPE_CHECKING:
@@ -23,14 +22,8 @@ if TYPE_CHECKING:
 
 PROGRAMS = Path(__file__).parent / "generated"
 DIALECT = "ardupilotmega"
-MAVGEN, GOMAVLIB = "mavgen", "gomavlib"
+GOMAVLIB = "gomavlib"
 GOMAVLIB_VERSION = "v3.2.0"
-_MAVGEN = """
-import sys
-from pymavlink.generator import mavgen
-options = mavgen.Opts(output=sys.argv[3], wire_protocol="2.0", language=sys.argv[1], validate=False)
-assert mavgen.mavgen(options, [sys.argv[2]])
-"""
 
 
 def rows(bench: Bench) -> Iterator[Row]:
@@ -38,7 +31,7 @@ def rows(bench: Bench) -> Iterator[Row]:
     yield from _throughput("Java", MAVGEN, _java, bench)
     yield from _throughput("Go", GOMAVLIB, _go, bench)
     for name, language, peer in (("Java", "java", "Java"), ("C#", "csharp", "CS")):
-        yield _generation(name, language, peer, bench)
+        yield generation(name, language, peer, bench)
 
 
 def _throughput(
@@ -70,8 +63,8 @@ def _java(folder: Path) -> dict[str, list[str]] | None:
         return None
     commands = {}
     for library, program, generate in (
-        (OURS, "Ours", _ours("java", DIALECT)),
-        (MAVGEN, "Peer", _mavgen("Java", DIALECT)),
+        (OURS, "Ours", our_command("java", DIALECT)),
+        (MAVGEN, "Peer", mavgen_command("Java", DIALECT)),
     ):
         sources, classes = folder / program, folder / f"{program}-classes"
         # mavgen writes the package com.MAVLink into the folder itself.
@@ -93,7 +86,7 @@ def _go(folder: Path) -> dict[str, list[str]] | None:
     if go is None:
         return None
     ours, peer = folder / "ours", folder / "peer"
-    subprocess.run([*_ours("go", DIALECT), str(ours)], check=True, capture_output=True)
+    subprocess.run([*our_command("go", DIALECT), str(ours)], check=True, capture_output=True)
     shutil.copytree(PROGRAMS / "go_ours", ours / "bench")
     shutil.copytree(PROGRAMS / "go_peer", peer)
     module = f"github.com/bluenviron/gomavlib/v3@{GOMAVLIB_VERSION}"
@@ -107,34 +100,3 @@ def _go(folder: Path) -> dict[str, list[str]] | None:
         if subprocess.run([go, *words], cwd=cwd, capture_output=True, check=False).returncode:
             return None
     return {OURS: [str(folder / "ours-bench")], GOMAVLIB: [str(folder / "peer-bench")]}
-
-
-def _ours(language: str, dialect: str) -> list[str]:
-    return [sys.executable, "-m", "mavstack", "gen", language, dialect, "-o"]
-
-
-def _mavgen(language: str, dialect: str) -> list[str]:
-    definitions = Path(__file__).parents[1] / "src" / "mavstack" / "dialects" / "definitions"
-    return [sys.executable, "-c", _MAVGEN, language, str(definitions / f"{dialect}.xml")]
-
-
-def _generation(name: str, language: str, peer: str, bench: Bench) -> Row:
-    """Return the time from the command line to the last file, for all messages."""
-    runs = {
-        OURS: lambda: _seconds([*_ours(language, "all"), str(_fresh(bench.folder))]),
-        MAVGEN: lambda: _seconds([*_mavgen(peer, "all"), str(_fresh(bench.folder))]),
-    }
-    results = take_turns(runs, bench.amounts.turns)
-    figures = {library: f"{sorted(times)[len(times) // 2]:.2f} s" for library, times in results.items()}
-    return Row(f"{name}: generation of all", figures, (speed_ratio(results, MAVGEN, 1.0),))
-
-
-def _fresh(folder: Path) -> Path:
-    """Return a new folder: existing files would only be compared."""
-    return folder / f"generated-{time.monotonic_ns()}"
-
-
-def _seconds(command: list[str]) -> float:
-    start = time.perf_counter()
-    subprocess.run(command, check=True, capture_output=True)
-    return time.perf_counter() - start

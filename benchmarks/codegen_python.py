@@ -6,17 +6,17 @@ pymavlink uses the compiled checksum of fastcrc, its dependency; our package onl
 from __future__ import annotations
 
 import importlib
-import subprocess
 import sys
 from functools import partial
 from operator import attrgetter
-from time import monotonic_ns, perf_counter
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from mavstack.codegen import generate, make_library, write_files
 from mavstack.dialects import Dialect
 
-from . import c_library, peers_pymavlink
+from . import peers_pymavlink
+from .codegen_generation import generation
 from .measure import OURS, PYMAVLINK, Row, rates, speed_ratio, take_turns
 from .mix import PROFILES
 from .rows import CHUNK
@@ -47,7 +47,7 @@ def rows(bench: Bench) -> Iterator[Row]:
             {PYMAVLINK: partial(theirs, *arguments), OURS: partial(ours, package, *arguments)}, turns
         )
         yield Row(name, rates(results), (speed_ratio(results, PYMAVLINK, TARGET),))
-    yield _generation(bench)
+    yield generation("Python", "python", "Python", bench, PYMAVLINK)
 
 
 def _package(folder: Path) -> ModuleType:
@@ -85,27 +85,3 @@ def encode(package: ModuleType, values: list[tuple[Any, ...]]) -> float:
         attitude(boot, roll, pitch, yaw, rollspeed, pitchspeed, yawspeed).pack(1, 1, sequence)
         sequence = (sequence + 1) & 255
     return (perf_counter() - start) / len(values)
-
-
-def _generation(bench: Bench) -> Row:
-    """Return the time from the command line to the last file, for all messages."""
-    peer = [sys.executable, "-m", "pymavlink.tools.mavgen", "--no-validate", "--lang", "Python"]
-    definition = str(c_library.DEFINITIONS / "all.xml")
-
-    def theirs() -> float:
-        output = str(bench.folder / f"mavgen-{monotonic_ns()}.py")
-        return _seconds([*peer, "--wire-protocol", "2.0", "-o", output, definition])
-
-    def ours() -> float:
-        output = str(bench.folder / f"mavstack-{monotonic_ns()}")
-        return _seconds([sys.executable, "-m", "mavstack", "gen", "python", "all", "-o", output])
-
-    results = take_turns({PYMAVLINK: theirs, OURS: ours}, bench.amounts.turns)
-    figures = {library: f"{sorted(times)[len(times) // 2]:.2f} s" for library, times in results.items()}
-    return Row("Python: generation of all", figures, (speed_ratio(results, PYMAVLINK, 1.0),))
-
-
-def _seconds(command: list[str]) -> float:
-    start = perf_counter()
-    subprocess.run(command, check=True, capture_output=True)
-    return perf_counter() - start

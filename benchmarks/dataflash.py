@@ -158,7 +158,7 @@ def _assert_equal(path: Path) -> None:
 
 
 LOG: Final = OnboardLog(
-    ".BIN", SLICE_SIZE, write, _assert_equal, _count, our_columns, PYMAVLINK, pymavlink_columns, 100, "IMU"
+    ".BIN", SLICE_SIZE, write, _assert_equal, _count, our_columns, PYMAVLINK, pymavlink_columns, 100, "ATT"
 )
 
 

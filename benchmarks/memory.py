@@ -8,6 +8,8 @@ import shutil
 import subprocess
 import sys
 import threading
+import time
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
@@ -17,6 +19,7 @@ from .probe import status
 
 HERE = Path(__file__).parent
 SAMPLE_SECONDS = 0.0005
+PEAK_SECONDS = 0.005
 #: Peak of a conversion in bytes, for a log of any size.
 CONVERSION = 300e6
 
@@ -81,10 +84,13 @@ def conversion(log: Path, target: Path) -> Row:
     shutil.rmtree(target, ignore_errors=True)
     words = [sys.executable, "-m", "mavstack", "data", "convert", str(log), "--to", "parquet"]
     process = subprocess.Popen([*words, "-o", str(target)], stdout=subprocess.DEVNULL)
-    _, wait_status, usage = os.wait4(process.pid, 0)
-    if wait_status:
-        raise RuntimeError(f"the conversion ended with status {wait_status}")
-    peak = usage.ru_maxrss * 1024
+    peak = 0  # of the program: the resource usage of a child begins with the memory of its parent
+    while process.poll() is None:
+        with suppress(OSError, KeyError):  # it has ended meanwhile
+            peak = max(peak, status(process.pid)["VmHWM"])
+        time.sleep(PEAK_SECONDS)
+    if process.returncode:
+        raise RuntimeError(f"the conversion ended with status {process.returncode}")
     name = f"memory of the conversion of a {log.suffix} of {log.stat().st_size / 1e6:.0f} MB"
     ratio = Ratio("of 300 MB", (peak / CONVERSION,), 1, higher_is_better=False)
     return Row(name, {OURS: f"{peak / 1e6:.0f} MB"}, (ratio,))

@@ -26,17 +26,23 @@ CHUNK = 16384
 
 @dataclass(frozen=True, slots=True)
 class Amounts:
-    """Number of messages of each side, and number of turns."""
+    """Number of messages of each side, number of turns, and sizes of tlogs in bytes.
+
+    `log` is the number of messages of the flight. Our side decodes a tlog of `tlog_size`; one of `large_size`
+    shows the cost of a single message.
+    """
 
     log: int
     fast: int
     slow: int
     turns: int
     starts: int
+    tlog_size: int
+    large_size: int
 
 
-FULL = Amounts(log=1_000_000, fast=500_000, slow=100_000, turns=11, starts=15)
-QUICK = Amounts(log=1_000_000, fast=100_000, slow=20_000, turns=5, starts=7)
+FULL = Amounts(1_000_000, 500_000, 100_000, 11, 15, tlog_size=420_000_000, large_size=1_000_000_000)
+QUICK = Amounts(1_000_000, 100_000, 20_000, 5, 7, tlog_size=40_000_000, large_size=80_000_000)
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +59,11 @@ class Bench:
         path = self.folder / name
         path.write_bytes(content())
         return path
+
+    def tlog(self, size: int) -> tuple[Path, int]:
+        """Write a tlog of at least a size; return its path and the number of its packets."""
+        path = self.folder / "flight.tlog"
+        return path, self.flight.write_tlog(path, size)
 
     def c(self, mode: str, count: int, file: Path | None = None) -> dict[str, Callable[[], float]]:
         """Return the runner of the C library, if it was built."""
@@ -128,18 +139,20 @@ def _cut(stream: bytes) -> list[bytes]:
 
 def tlog(bench: Bench, threads: int = 0) -> Row:
     """Decode a tlog to columns: all messages and fields, by default on all cores."""
-    many, few = bench.amounts.log, bench.amounts.slow
-    whole = bench.file("flight.tlog", partial(bench.flight.tlog, many))
+    fast, few = bench.amounts.fast, bench.amounts.slow
+    whole, many = bench.tlog(bench.amounts.tlog_size)
+    part = bench.file("part.tlog", partial(bench.flight.tlog, fast))
     slice_ = bench.file("slice.tlog", partial(bench.flight.tlog, few))
     _assert_equal(ours.columns(slice_, threads), peers_pymavlink.columns(slice_))
     work: dict[str, Callable[[], float]] = {
         PYMAVLINK: partial(peers_pymavlink.tlog, slice_, few),
-        **bench.c("tlog", many, whole),
+        **bench.c("tlog", fast, part),
         OURS: partial(ours.tlog, whole, many, threads),
     }
+    title = f"tlog of {whole.stat().st_size / 1e6:.0f} MB to columns"
     if threads:
-        return bench.compare("tlog to columns on one core", work, None, None)
-    return bench.compare("tlog to columns, CRC checked", work, 400, 4)
+        return bench.compare(f"{title} on one core", work, None, None)
+    return bench.compare(f"{title}, CRC checked", work, 400, 4)
 
 
 def _assert_equal(our_tables: dict[str, Any], peer_tables: dict[str, Any]) -> None:
@@ -156,10 +169,10 @@ def _assert_equal(our_tables: dict[str, Any], peer_tables: dict[str, Any]) -> No
 
 def log_memory(bench: Bench) -> Row:
     """Compare the peak memory of decoding a log to the size of its columns."""
-    many, few = bench.amounts.log, bench.amounts.slow
+    few = bench.amounts.slow
     warm = bench.file("warm.tlog", partial(bench.flight.tlog, few // 10))
     slice_ = bench.file("slice.tlog", partial(bench.flight.tlog, few))
-    whole = bench.file("flight.tlog", partial(bench.flight.tlog, many))
+    whole, many = bench.tlog(bench.amounts.tlog_size)
     our_growth = [memory.growth("columns", OURS, warm, whole) for _ in range(bench.amounts.turns)]
     peer_growth = memory.growth("columns", PYMAVLINK, warm, slice_)
     streamed = memory.growth("stream", OURS, warm, whole)

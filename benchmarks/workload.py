@@ -22,6 +22,7 @@ from .mix import PROFILES, MessageProfile, Value
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
     from types import ModuleType
 
 Bytes2D: TypeAlias = NDArray[np.uint8]
@@ -69,14 +70,38 @@ class Workload:
 
     def tlog(self, count: int) -> bytes:
         """Return the first packets as a tlog: with a big-endian timestamp of 8 bytes before each."""
+        records, is_stamp = self._records(count)
+        records[is_stamp] = self.times_us[:count].astype(">i8").view(np.uint8)
+        return records.tobytes()
+
+    def write_tlog(self, path: Path, size: int) -> int:
+        """Write a tlog of at least `size` bytes: the flight, repeated with advancing times.
+
+        Args:
+            path: Path of the file.
+            size: Bytes.
+
+        Returns:
+            Number of packets in the file.
+        """
+        records, is_stamp = self._records(len(self))
+        turns = -(-size // len(records))
+        length = int(self.times_us[-1] - self.times_us[0]) + 1
+        with path.open("wb") as file:
+            for turn in range(turns):
+                records[is_stamp] = (self.times_us + turn * length).astype(">i8").view(np.uint8)
+                records.tofile(file)
+        return turns * len(self)
+
+    def _records(self, count: int) -> tuple[NDArray[np.uint8], NDArray[np.bool_]]:
+        """Return the records of the first packets, and where their timestamps are, which are not set."""
         end = int(self.ends[count - 1])
         is_stamp = np.zeros(end + STAMP * count, np.bool_)
         positions = self.starts[:count] + STAMP * np.arange(count)
         is_stamp[(positions[:, None] + np.arange(STAMP)).ravel()] = True
-        out = np.empty(len(is_stamp), np.uint8)
-        out[is_stamp] = self.times_us[:count].astype(">i8").view(np.uint8)
-        out[~is_stamp] = np.frombuffer(self.stream, np.uint8, end)
-        return out.tobytes()
+        records = np.empty(len(is_stamp), np.uint8)
+        records[~is_stamp] = np.frombuffer(self.stream, np.uint8, end)
+        return records, is_stamp
 
     def signed(self, count: int) -> list[bytes]:
         """Return the first packets, signed with `SIGNING_KEY` on link 0 with increasing timestamps."""
