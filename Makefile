@@ -3,7 +3,7 @@
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
-SOURCES := $(shell find rust/core rust/logs rust/python -name '*.rs' -o -name Cargo.toml) Cargo.toml pyproject.toml
+SOURCES := $(shell find rust/core rust/logs rust/router rust/python -name '*.rs' -o -name Cargo.toml) Cargo.toml pyproject.toml
 
 # Some tests wait for other programs: with a worker more than cores no core waits with them.
 FAST_WORKERS := $(or $(WORKERS),$(shell $(PYTHON) -c "import os; print((os.cpu_count() or 1) + 1)"))
@@ -11,33 +11,46 @@ FAST_WORKERS := $(or $(WORKERS),$(shell $(PYTHON) -c "import os; print((os.cpu_c
 # Modules are compiled once, not by every worker and every `mav` that a test starts.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: rust demo test flights interop nightly check lint lint-python lint-rust rust-tests docs format bench fuzz generate clean
+.PHONY: rust demo station station-tests test flights interop nightly check lint lint-python lint-rust rust-tests test-programs docs format bench \
+	fuzz generate clean
 
-demo: $(VENV)/package ## Fly seven simulated vehicles and show their live picture
-	@$(BIN)/mav demo
+demo: $(VENV)/package ## Fly eight simulated vehicles and show their live picture; WEB=1: in the browser too
+	@$(if $(WEB),$(MAKE) --no-print-directory station)
+	@$(BIN)/mav demo $(if $(WEB),--web)
 
-test: $(VENV)/installed ## Run the fast tier: lint, types, unit and property tests, one smoke test per peer
-	@$(BIN)/python -m tools.compilers test
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync lint-python rust-tests
-	$(BIN)/pytest -n $(FAST_WORKERS) --dist loadgroup --durations 10 -m "not nightly and not flight and (not interop or smoke)" --seeds $(or $(SEEDS),60)
+station: $(VENV)/package ## Build the browser ground station that `mav web` serves, if Node is installed
+	@$(BIN)/python backend/mavstack_station.py
+
+station-tests: $(VENV)/package
+	@$(BIN)/python backend/mavstack_station.py --test
+
+# One core is busy with the link of the package or with downloads, the other one checks the Rust code.
+test: ## Run the fast tier: lint, types, unit and property tests, one smoke test per peer
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync rust-tests $(VENV)/installed
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync lint-python station-tests test-programs
+	$(BIN)/pytest -n $(FAST_WORKERS) --dist loadgroup --durations 10 -m "not nightly and not flight and (not interop or smoke)" --seeds $(or $(SEEDS),30)
 
 flights: $(VENV)/installed ## Run the tests that take seconds of processor time each, mostly simulated flights
-	$(BIN)/pytest -n $(or $(WORKERS),auto) --dist loadgroup --durations 10 -m "flight and not nightly and not interop" --seeds $(or $(SEEDS),60)
+	$(BIN)/pytest -n $(or $(WORKERS),auto) --dist loadgroup --durations 10 -m "flight and not nightly and not interop" --seeds $(or $(SEEDS),30)
+
+test-programs: $(VENV)/installed
+	@$(BIN)/python -m tools.compilers test
 
 # Compilers run apart, since the other programs have timeouts in real time.
-interop: $(VENV)/installed ## Run the other tests with programs that are not ours, several at a time: they mostly wait
+interop: $(VENV)/installed station ## Run the other tests with programs that are not ours, several at a time: they mostly wait
 	@$(BIN)/python -m tools.compilers interop
 	$(BIN)/pytest -n $(or $(WORKERS),4) --dist loadgroup --durations 10 -m "interop and not smoke and not nightly" --ignore tests/codegen
 	$(BIN)/pytest -n $(or $(WORKERS),auto) --dist loadgroup --durations 5 -m "interop and not smoke and not nightly" tests/codegen
 
 nightly: $(VENV)/installed ## Run the long tests, the randomised ones over SEEDS (10000) each
 	@$(BIN)/python -m tools.compilers nightly
+	cargo test --quiet --profile checks --locked -p mavstack-router -- --ignored
 	$(BIN)/pytest -n auto --dist loadgroup -m nightly --seeds 300 --timeout 1800
 	$(BIN)/pytest -n auto --dist loadgroup -m "properties and not interop" --hypothesis-profile thorough --timeout 7200
 	$(BIN)/pytest -n auto --dist loadgroup -m seeds --seeds $(or $(SEEDS),10000) --timeout 7200
 
 check: $(VENV)/installed ## Run the Python tests of the fast tier alone
-	$(BIN)/pytest -n auto --dist loadgroup -m "not nightly and not flight and not interop" --seeds $(or $(SEEDS),60)
+	$(BIN)/pytest -n auto --dist loadgroup -m "not nightly and not flight and not interop" --seeds $(or $(SEEDS),30)
 
 lint: lint-python lint-rust ## Check style, types, layers, vocabulary and generated files
 
@@ -54,7 +67,7 @@ lint-rust: | rust
 	cargo clippy --quiet --all-targets --profile checks --locked -- -D warnings
 
 rust-tests: lint-rust
-	cargo test --quiet --profile checks --locked -p mavstack-core -p mavstack-logs
+	cargo test --quiet --profile checks --locked -p mavstack-core -p mavstack-logs -p mavstack-router
 
 docs: $(VENV)/installed ## Build the documentation site in site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
@@ -91,4 +104,4 @@ $(VENV)/installed: $(VENV)/package pyproject.toml
 	@touch $@
 
 clean: ## Remove what was built
-	rm -rf $(VENV) target rust/fuzz/target
+	rm -rf $(VENV) target rust/fuzz/target src/mavstack/server/static web/node_modules web/src/generated

@@ -27,7 +27,8 @@ HOOKS = {
 
 
 @pytest.fixture
-def backend():
+def backend(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "backend"))
     spec = importlib.util.spec_from_file_location("mavstack_build", ROOT / "backend" / "mavstack_build.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)

@@ -4,7 +4,8 @@
 
 The list of banned words is `vocabulary.toml` beside this file. Identifiers are checked where they are defined
 (classes, functions, arguments, assigned names), so a library's names do not count. Prose is docstrings and
-comments of Python and Rust, and Markdown outside code blocks. The exit code is 1 if anything was found.
+comments of Python, Rust and TypeScript, texts in TypeScript, and Markdown outside code blocks. The exit code
+is 1 if anything was found.
 """
 
 from __future__ import annotations
@@ -26,14 +27,44 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).resolve().parents[1]
 WORDS = Path(__file__).with_suffix(".toml")
-DEFAULT_PATHS = ("src", "rust", "tests", "benchmarks", "examples", "tools", "backend", "docs")
-DEFAULT_FILES = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md")
-SUFFIXES = (".py", ".rs", ".md")
+DEFAULT_PATHS = (
+    "src",
+    "rust",
+    "tests",
+    "benchmarks",
+    "examples",
+    "tools",
+    "backend",
+    "docs",
+    "web/src",
+    "web/scripts",
+)
+DEFAULT_FILES = (
+    "README.md",
+    "ARCHITECTURE.md",
+    "CONTRIBUTING.md",
+    "CHANGELOG.md",
+    "SECURITY.md",
+    "web/README.md",
+)
+SUFFIXES = (".py", ".rs", ".md", ".ts", ".mjs", ".svelte", ".css")
 #: Files that hold generated or recorded text.
-EXCLUDED = ("*/dialects/definitions/*", "*/target/*", "*/__pycache__/*", "*/site/*", "*/node_modules/*")
+EXCLUDED = (
+    "*/.build/*",
+    "*/dialects/definitions/*",
+    "*/target/*",
+    "*/__pycache__/*",
+    "*/site/*",
+    "*/node_modules/*",
+    "*/web/src/generated/*",
+)
 _RUST_DEFINITION = re.compile(
     r"\b(?:fn|struct|enum|trait|mod|const|static|type|let(?: mut)?)\s+([A-Za-z_]\w*)"
 )
+_SCRIPT_DEFINITION = re.compile(r"\b(?:class|interface|type|function|const|let)\s+([A-Za-z_$]\w*)")
+_SCRIPT_COMMENT = re.compile(r"(?://|/\*\*?|^\s*\*|<!--)\s?(.*?)(?:\*/|-->)?$")
+#: Texts of more than one word.
+_SCRIPT_TEXT = re.compile(r"'([^'\n]* [^'\n]*)'|`([^`\n]* [^`\n]*)`")
 _RUST_COMMENT = re.compile(r"//[/!]*\s?(.*)$")
 
 
@@ -118,6 +149,17 @@ def rust_text(text: str) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
     return names, prose
 
 
+def script_text(text: str) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
+    """Return the names that a TypeScript or Svelte file defines, and its comments and texts."""
+    names, prose = [], []
+    for number, line in enumerate(text.splitlines(), 1):
+        names += [(number, match[1]) for match in _SCRIPT_DEFINITION.finditer(line.partition("//")[0])]
+        if comment := _SCRIPT_COMMENT.search(line):
+            prose.append((number, comment[1]))
+        prose += [(number, match[1] or match[2]) for match in _SCRIPT_TEXT.finditer(line)]
+    return names, prose
+
+
 def markdown_text(text: str) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
     """Return no names and the lines of a Markdown file outside its code blocks."""
     prose, in_code = [], False
@@ -129,7 +171,12 @@ def markdown_text(text: str) -> tuple[list[tuple[int, str]], list[tuple[int, str
     return [], prose
 
 
-_READERS = {".py": python_text, ".rs": rust_text, ".md": markdown_text}
+_READERS = {
+    ".py": python_text,
+    ".rs": rust_text,
+    ".md": markdown_text,
+    **dict.fromkeys((".ts", ".mjs", ".svelte", ".css"), script_text),
+}
 
 
 def _defined(node: ast.AST) -> tuple[int, str] | None:

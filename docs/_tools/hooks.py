@@ -18,7 +18,7 @@ if str(ROOT) not in sys.path:
 
 from mkdocs.structure.files import File  # noqa: E402
 
-from docs._tools import api_table, cli_pages, error_tree, link_options, message_pages  # noqa: E402
+from docs._tools import api_table, cli_pages, error_tree, link_options, message_pages, msp_pages  # noqa: E402
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -33,6 +33,8 @@ PARTS: dict[str, Callable[[], str]] = {
     "dialects": message_pages.render_index,
     "error tree": error_tree.render,
     "link options": link_options.render,
+    "msp messages": msp_pages.render_messages,
+    "msp settings": msp_pages.render_settings,
     "top level": api_table.render_top_level,
 }
 _MARKER = re.compile(r"^\[\[generated: ([a-z ]+)\]\]$", re.MULTILINE)

@@ -15,7 +15,7 @@ from mavstack.links import LinkURL
 from mavstack.links.impairment import Impairment
 from mavstack.links.options import Options
 from mavstack.links.registry import BACKENDS, RADIOS
-from mavstack.links.url import EXAMPLES
+from mavstack.links.url import EXAMPLES, SEALED
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -30,12 +30,18 @@ PURPOSES = {
     "tls": "Connects to a TLS server.",
     "tlsin": "Accepts TLS connections, on request only from clients with a certificate.",
     "serial": "Opens a serial port; needs the extra `serial`.",
+    "pty": "Makes a serial port for other programs of this machine; not on Windows.",
     "unix": "Connects to a Unix socket.",
     "unixin": "Accepts connections on a Unix socket.",
     "ws": "Connects to a WebSocket server; needs the extra `web`.",
     "wss": "Connects to a WebSocket server over TLS; needs the extra `web`.",
     "wsin": "Accepts WebSocket connections; needs the extra `web`.",
     "wssin": "Accepts WebSocket connections over TLS; needs the extra `web`.",
+    "sealed+udpin": "Answers sealed UDP peers; needs the extra `secure`.",
+    "sealed+udpout": "Connects to a sealed UDP link.",
+    "sealed+tcpin": "Accepts sealed TCP connections.",
+    "sealed+tcpout": "Connects to a sealed TCP link; `sealed+tcp` is the same.",
+    "sealed+serial": "Seals a serial port; the URL is the same at both ends.",
     "file": "Replays a tlog or a file of raw packets.",
     "memory": "Connects nodes of one program; `MemoryNetwork` makes such links.",
 }
@@ -52,6 +58,12 @@ DESCRIPTIONS = {
     "idle": "a peer that is silent for this long is closed; 0: never",
     "insecure": "do not verify the server's certificate (tests only)",
     "key": "file with the private key of `cert`",
+    "cipher": "the cipher, equal at both ends",
+    "hybrid": "add ML-KEM-768 to the key exchange, at both ends",
+    "mtu": "bytes of a datagram to which waiting packets are joined",
+    "peer": "public keys of the peers: digits, or a file with a line for each; an end that connects has one",
+    "private_key": "file or name of the own key for sealed links",
+    "shared_key": "file or name of a signing key that both ends have, from which the key is derived",
     "mavlink": "MAVLink version to send; auto: 1 to peers that are heard only in version 1",
     "max_peers": "peers at the same time; a new one replaces the idlest that sent no valid packet",
     "origin": "the Origin header to send, or, on a server, to require",
@@ -68,8 +80,9 @@ DESCRIPTIONS = {
     "speed": "1: as recorded, 10: ten times as fast, max: at once",
     "subprotocol": "subprotocols to offer, or, on a server, to accept: one or several, with commas",
     "threads": "read and write in threads instead of by the event loop",
+    "ticket_key": "file or name of the key of tickets: a client makes one, a server requires one",
     "timeout": "time limit of one attempt to connect",
-    "token": "the bearer token to show, or, on a server, to require",
+    "token": "the bearer token to show, or, on a server, to require; with `ticket_key` either is enough",
     "wait": "let `open` wait until the first attempt succeeds, instead of raising",
     # impairments
     "bandwidth": "bytes/s that the impaired link carries; 0: unlimited",
@@ -82,6 +95,8 @@ DESCRIPTIONS = {
     "queue": "bytes that wait in front of the limited bandwidth",
     "radio": "sik: a pair of SiK telemetry radios with RADIO_STATUS, `bandwidth` and `queue` are theirs",
     "reorder": "probability that a packet is delayed behind later ones",
+    "role": "what clients may send at most: observe, operate or administer",
+    "roles": "file with a line for each client: its role and its identity; others observe",
     "seed": "seed of the random numbers",
 }
 
@@ -152,6 +167,9 @@ def options_of(scheme: str) -> dict[str, Option]:
     options = RecordingOptions(url)
     with suppress(MavstackError, OSError):  # the certificate does not exist: by then the options are read
         getattr(import_module(f"mavstack.links.{module}"), name)(url, options)
+    if scheme.startswith(SEALED):
+        names = options.read.keys() - impairment_options().keys()
+        return {name: option for name, option in options.read.items() if name in names}
     return options_of("wsin") | options.read if scheme == "wssin" else options.read
 
 
@@ -178,6 +196,9 @@ def render() -> str:
         own = [option for name, option in sorted(options_of(schemes[0]).items()) if name not in shared]
         if own:
             lines += ["", f"## Options of {title}", "", *_table(own)]
+    sealed = options_of(f"{SEALED}udpin")
+    own = [option for name, option in sorted(sealed.items()) if name not in options_of("udpin")]
+    lines += ["", "## Options of sealed links, beside those of the link behind the `+`", "", *_table(own)]
     lines += ["", "## Impairments of every scheme", "", *_table(impairment_options().values())]
     return "\n".join(lines)
 
@@ -186,6 +207,8 @@ def _groups() -> dict[str, list[str]]:
     """Return the schemes with equal options, by their names."""
     groups: dict[tuple[str, ...], list[str]] = {}
     for scheme in EXAMPLES:
+        if scheme.startswith(SEALED):
+            continue
         groups.setdefault(tuple(sorted(options_of(scheme))), []).append(scheme)
     return {", ".join(schemes): schemes for schemes in groups.values()}
 

@@ -7,9 +7,12 @@ from importlib import import_module
 
 import pytest
 
-from docs._tools import api_table, error_tree, link_options, message_pages
+from docs._tools import api_table, error_tree, link_options, message_pages, msp_pages
 from mavstack import Dialect
 from mavstack.links.registry import BACKENDS
+from mavstack.msp.messages.fields import layout_of
+from mavstack.msp.messages.registry import all_messages
+from mavstack.msp.settings.tables import ALL_SETTINGS
 from tests.docs.blocks import DOCS, ROOT
 
 PAGES = list(message_pages.pages())
@@ -50,6 +53,18 @@ def test_every_link_scheme_has_a_purpose():
 def test_every_link_option_has_a_description():
     used = {name for scheme in link_options.PURPOSES for name in link_options.options_of(scheme)}
     assert used | set(link_options.impairment_options()) == set(link_options.DESCRIPTIONS)
+
+
+def test_the_msp_reference_holds_every_message_and_setting():
+    text = msp_pages.render_messages()
+    for message in all_messages():
+        assert f"{{ #{message.__name__} }}" in text
+        assert f"`{message.NAME}` ({message.COMMAND})" in text
+        assert all(f"<code>{field}</code>" in text for field in layout_of(message))
+    settings = msp_pages.render_settings().replace("<wbr>", "")
+    for item in ALL_SETTINGS:
+        assert all(f"<code>{name}</code>" in settings for name in (item.name, *item.aliases))
+        assert f"<td>{item.type.name}</td>" in settings
 
 
 def test_the_error_tree_holds_every_error():

@@ -1,7 +1,8 @@
-"""Shell lines of the documentation parse and run; XML, TOML and console commands are valid."""
+"""Shell lines of the documentation parse and run; XML, TOML, scripts and console commands are valid."""
 
 from __future__ import annotations
 
+import json
 import os
 import shlex
 import shutil
@@ -28,18 +29,24 @@ KNOWN_LANGUAGES = {
     "c",
     "cpp",
     "csharp",
+    "docker",
     "go",
+    "ini",
     "java",
+    "js",
+    "json",
     "lua",
     "python",
     "rust",
     "sh",
     "sql",
+    "svelte",
     "swift",
     "text",
     "toml",
     "ts",
     "xml",
+    "yaml",
 }
 RECORDING = ROOT / "tests" / "recordings" / "flight.tlog"
 
@@ -65,6 +72,18 @@ LINES = [
 TABLE_LINES = [("mavproxy", call) for row in comparison_rows("mavproxy.md") for call in row.ours]
 
 
+SERVICES = [block for block in BLOCKS if "\nExecStart=" in block.text or block.language == "docker"]
+
+
+def service_words(text: str) -> list[str]:
+    """The program and the arguments that a unit of systemd or a container starts."""
+    lines = text.splitlines()
+    for line in (line for line in lines if line.startswith("ExecStart=")):
+        return shlex.split(line.removeprefix("ExecStart="))
+    (line,) = (line for line in lines if line.startswith(("ENTRYPOINT [", "CMD [")))
+    return list(json.loads(line.partition(" ")[2]))
+
+
 def test_every_block_has_a_known_language():
     assert {block.language for block in BLOCKS} <= KNOWN_LANGUAGES
 
@@ -74,6 +93,41 @@ def test_commands_parse(place, line):
     name, *words = words_of(line)
     assert name in COMMANDS, place
     command_parser(name).parse_args(words)
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="Node is not installed")
+@pytest.mark.parametrize(
+    "block", [block for block in BLOCKS if block.language == "js"], ids=lambda block: block.name
+)
+def test_scripts_of_dashboards_run(block):
+    calls = "script({alt: 10}, state, 1); console.log(JSON.stringify(script({alt: 14}, state, 3)))"
+    script = f"new Function('values', 'state', 'time', {json.dumps(block.text)})"
+    program = f"const state = {{}}; const script = {script}; {calls}"
+    done = subprocess.run(["node", "-e", program], capture_output=True, text=True, check=True, timeout=60)
+    assert json.loads(done.stdout) == {"rate": 2}
+
+
+@pytest.mark.parametrize("block", SERVICES, ids=lambda block: block.name)
+def test_commands_of_services_parse(block):
+    program, name, *words = service_words(block.text)
+    assert program.rpartition("/")[2] == "mav"
+    command_parser(name).parse_args(words)
+
+
+@pytest.mark.interop
+@pytest.mark.parametrize(
+    "block", [block for block in SERVICES if block.language == "ini"], ids=lambda block: block.name
+)
+def test_units_are_valid(block, tmp_path):
+    if shutil.which("systemd-analyze") is None:
+        pytest.skip("systemd-analyze is not installed")
+    unit = tmp_path / "mavstack.service"
+    unit.write_text(block.text.replace(service_words(block.text)[0], "/bin/true"), "utf-8")
+    done = subprocess.run(
+        ["systemd-analyze", "verify", "--man=no", "--recursive-errors=no", str(unit)],
+        capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.parametrize(
@@ -90,6 +144,13 @@ def test_definitions_load(block, tmp_path):
 )
 def test_settings_load(block):
     assert tomllib.loads(block.text)
+
+
+@pytest.mark.parametrize(
+    "block", [block for block in BLOCKS if block.language == "json"], ids=lambda block: block.name
+)
+def test_json_is_valid(block):
+    assert json.loads(block.text)
 
 
 def test_console_commands_exist():

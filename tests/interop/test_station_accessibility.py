@@ -1,0 +1,69 @@
+"""The views in Chromium, checked by axe-core: desktop and phone, dark and light."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.interop.station import DESKTOP, PATIENT, PHONE, chromium, web_server
+
+pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium"), pytest.mark.timeout(300)]
+
+AXE = Path(__file__).parents[2] / "web" / "node_modules" / "axe-core" / "axe.min.js"
+VIEWS = ("fly", "plan", "setup", "inspect", "logs", "dashboards", "router", "generator")
+SECTIONS = ("Calibration", "Flight modes", "Failsafes", "Motors and outputs", "Estimator")
+#: Messages, settings and keyboard shortcuts by their keys.
+OVERLAYS = ("m", ",", "?")
+VIOLATIONS = """async (rules) => {
+  const options = rules === null ? {} : { runOnly: { type: 'rule', values: rules } }
+  const { violations } = await axe.run(document, { resultTypes: ['violations'], ...options })
+  return violations
+    .filter(({ impact }) => impact === 'serious' || impact === 'critical')
+    .flatMap(({ id, nodes }) => nodes.map(({ target }) => `${id}: ${target.join(' ')}`))
+}"""
+#: Rules whose results depend on the theme.
+CONTRAST = ["color-contrast"]
+
+
+def check_appearances(page: Any, problems: dict[str, list[str]], view: str) -> None:
+    """Check what the page shows on both screens in both themes."""
+    for size in (DESKTOP, PHONE):
+        page.set_viewport_size({"width": size[0], "height": size[1]})
+        for theme in ("dark", "light"):
+            page.emulate_media(color_scheme=theme)
+            page.wait_for_function("theme => document.documentElement.dataset.theme === theme", arg=theme)
+            rules = None if theme == "dark" else CONTRAST
+            problems[f"{view}, {size[0]} pixels, {theme}"] = page.evaluate(VIOLATIONS, rules)
+    page.set_viewport_size({"width": DESKTOP[0], "height": DESKTOP[1]})
+
+
+def test_views_have_no_serious_violations(tmp_path: Path) -> None:
+    if not AXE.is_file():
+        pytest.skip("axe-core is not installed: npm ci in web")
+    problems: dict[str, list[str]] = {}
+    with web_server(tmp_path) as server, chromium() as browser:
+        # Colours that change slowly would be measured half way.
+        context = browser.new_context(bypass_csp=True, reduced_motion="reduce")
+        page = context.new_page()
+        page.goto(f"{server.url}?demo=2")
+        # The vehicle with the lowest system id is selected, whichever is heard first.
+        picker = page.get_by_role("button", name="Choose a vehicle: Copter 1", exact=True)
+        picker.wait_for(timeout=PATIENT)
+        page.add_script_tag(path=str(AXE))
+        for view in VIEWS:
+            page.goto(f"{server.url}?demo=2#/{view}")
+            page.locator(f"nav a[href='#/{view}'][aria-current=page]").first.wait_for(timeout=PATIENT)
+            page.wait_for_load_state("networkidle")
+            check_appearances(page, problems, view)
+            for section in SECTIONS if view == "setup" else ():
+                page.get_by_role("button", name=section, exact=True).click()
+                problems[section] = page.evaluate(VIOLATIONS)
+        for key in OVERLAYS:
+            page.keyboard.press(key)
+            problems[f"key {key}"] = page.evaluate(VIOLATIONS)
+            page.keyboard.press("Escape")
+        picker.click()
+        problems["vehicles"] = page.evaluate(VIOLATIONS)
+    assert {place: found for place, found in problems.items() if found} == {}
