@@ -8,6 +8,9 @@ SOURCES := $(shell find rust/core rust/logs rust/router rust/python -name '*.rs'
 # Some tests wait for other programs: with a worker more than cores no core waits with them.
 FAST_WORKERS := $(or $(WORKERS),$(shell $(PYTHON) -c "import os; print((os.cpu_count() or 1) + 1)"))
 
+# Hundreds of tests talk over real sockets in real time: a failed test runs once more, and the summary names it.
+PYTEST := $(BIN)/pytest --reruns 1 -r fER
+
 # Modules are compiled once, not by every worker and every `mav` that a test starts.
 unexport PYTHONDONTWRITEBYTECODE
 
@@ -28,10 +31,10 @@ station-tests: $(VENV)/package
 test: ## Run the fast tier: lint, types, unit and property tests, one smoke test per peer
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync rust-tests $(VENV)/installed
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync lint-python station-tests test-programs
-	$(BIN)/pytest -n $(FAST_WORKERS) --dist loadgroup --durations 10 -m "not nightly and not flight and (not interop or smoke)" --seeds $(or $(SEEDS),30)
+	$(PYTEST) -n $(FAST_WORKERS) --dist loadgroup --durations 10 -m "not nightly and not flight and (not interop or smoke)" --seeds $(or $(SEEDS),30)
 
 flights: $(VENV)/installed ## Run the tests that take seconds of processor time each, mostly simulated flights
-	$(BIN)/pytest -n $(or $(WORKERS),auto) --dist loadgroup --durations 10 -m "flight and not nightly and not interop" --seeds $(or $(SEEDS),30)
+	$(PYTEST) -n $(or $(WORKERS),auto) --dist loadgroup --durations 10 -m "flight and not nightly and not interop" --seeds $(or $(SEEDS),30)
 
 test-programs: $(VENV)/installed
 	@$(BIN)/python -m tools.compilers test
@@ -39,8 +42,8 @@ test-programs: $(VENV)/installed
 # Compilers run apart, since the other programs have timeouts in real time.
 interop: $(VENV)/installed station ## Run the other tests with programs that are not ours, several at a time: they mostly wait
 	@$(BIN)/python -m tools.compilers interop
-	$(BIN)/pytest -n $(or $(WORKERS),4) --dist loadgroup --durations 10 -m "interop and not smoke and not nightly" --ignore tests/codegen
-	$(BIN)/pytest -n $(or $(WORKERS),auto) --dist loadgroup --durations 5 -m "interop and not smoke and not nightly" tests/codegen
+	$(PYTEST) -n $(or $(WORKERS),4) --dist loadgroup --durations 10 -m "interop and not smoke and not nightly" --ignore tests/codegen
+	$(PYTEST) -n $(or $(WORKERS),auto) --dist loadgroup --durations 5 -m "interop and not smoke and not nightly" tests/codegen
 
 nightly: $(VENV)/installed ## Run the long tests, the randomised ones over SEEDS (10000) each
 	@$(BIN)/python -m tools.compilers nightly
