@@ -115,7 +115,7 @@ def test_assignment_to_read_only_attributes_is_refused(node):
 
 def test_events_lead_to_blocking_vehicles(simulated):
     with mavstack.sync.connect("udpin:127.0.0.1:0") as node, node.events(VehicleFound) as events:
-        node.add_link(simulated.url)  # no earlier, else the vehicles may be found before the events are followed
+        node.add_link(simulated.url)  # not before: vehicles may be found before the subscription
         found = next(events)
         assert found.vehicle == node.wait_for_vehicle(found.vehicle.system)
 
