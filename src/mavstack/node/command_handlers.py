@@ -10,9 +10,9 @@
 
 The result of a plain function is sent immediately. A function that returns None started a long command, which
 the program ends by `node.commands.server.complete`. An async function is a long command: its sender receives
-IN_PROGRESS until it returns; if the sender cancels the command, the task is cancelled and the answer is
-CANCELLED. An exception, or a return value that is no result, is reported to the event loop's exception
-handler, and the answer is FAILED. Closing the node cancels the tasks.
+IN_PROGRESS until it returns; if the sender cancels the command, or a disarming ends an arming, the task is
+cancelled and the answer is CANCELLED. An exception, or a return value that is no result, is reported to the
+event loop's exception handler, and the answer is FAILED. Closing the node cancels the tasks.
 """
 
 from __future__ import annotations

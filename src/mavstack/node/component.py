@@ -117,7 +117,7 @@ class RemoteComponent(EventParts, PayloadParts, PlanParts, ControlStreams, ReadO
         Raises:
             CommandDenied: The component answered with another result than ACCEPTED; `code` is the MAV_RESULT.
             CommandTimeout: The component does not answer.
-            RemoteCancelled: The node was closed.
+            RemoteCancelled: The node was closed, or a disarming superseded this arming.
         """
         named = self._host.named_command(command)
         operation = CommandOperation(Command.of(named, params, frame), timeout=timeout)

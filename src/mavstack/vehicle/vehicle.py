@@ -88,7 +88,7 @@ class Vehicle(FlightActions):
             CommandTimeout: The vehicle did not answer.
             ActionTimeout: The vehicle accepted, and its heartbeat did not confirm it in time.
             ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
+            RemoteCancelled: The connection was closed, or a disarming came before the vehicle armed.
         """
         await arming.set_armed(self, armed=True, force=force, timeout=timeout)
 

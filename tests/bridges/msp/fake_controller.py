@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mavstack.bridges.msp.bridge import MspBridge
 from mavstack.dialects import common
@@ -35,6 +35,9 @@ from mavstack.msp.messages.sensors import Altitude, Attitude, RawImu
 from mavstack.msp.messages.status import InavStatus, StatusEx
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import connect
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 #: Boxes by permanent id, in the order of the status bits.
 BETAFLIGHT_BOXES = {0: "ARM", 1: "ANGLE", 2: "HORIZON", 13: "BEEPER", 27: "FAILSAFE", 46: "GPS RESCUE"}
@@ -114,6 +117,8 @@ class FakeController:
         receives_msp: True if its receiver takes channels by MSP.
         reasons: Reasons not to arm beside those that follow from the channels.
         silent: True while it answers nothing.
+        receiver_delay: Seconds after which its receiver passes the channels on.
+        on_armed: Called when it arms.
     """
 
     variant: str = "BTFL"
@@ -127,6 +132,9 @@ class FakeController:
     channels: tuple[int, ...] = ()
     channels_at: float = -10.0
     armed: bool = False
+    must_switch_off: bool = False
+    receiver_delay: float = 0.0
+    on_armed: Callable[[], object] = bool
     calibrating_until: float = -1.0
     waypoints: dict[int, SetWp] = field(default_factory=dict)
     polls: dict[type, int] = field(default_factory=dict)
@@ -188,6 +196,7 @@ class FakeController:
             flags |= InavArmingFlag.SENSORS_CALIBRATING if calibrating else 0
             return InavStatus(0.001, 0, sensors, 12, 0, InavArmingFlag(flags), (bits, 0))
         flags = self.reasons | (0 if self.has_signal else 1 << 2) | (1 << 12 if calibrating else 0)
+        flags |= 1 << 29 if self.must_switch_off else 0
         return StatusEx(
             0.001, 0, sensors, bits, 0, 12, pid_profile_count=3, rate_profile=0, extra_mode_flags=b"",
             arming_disable_flag_count=30, arming_disable_flags=flags, config_state_flags=0,
@@ -212,7 +221,8 @@ class FakeController:
         await self._answer(type(message))
         self.sent.append(message)
         if isinstance(message, SetRawRc):
-            self._receive_channels(message.channels)
+            loop = asyncio.get_running_loop()
+            loop.call_later(self.receiver_delay, self._receive_channels, message.channels)
         if isinstance(message, SetWp):
             self._set_waypoint(message)
 
@@ -231,6 +241,10 @@ class FakeController:
         await self._answer(FirmwareInfo)
         self.saved += 1
 
+    def disarm_by_itself(self) -> None:
+        """Disarm as after a crash: the arm switch must be off before it arms again."""
+        self.armed, self.must_switch_off = False, True
+
     def sent_of(self, kind: type) -> list[Any]:
         return [message for message in self.sent if isinstance(message, kind)]
 
@@ -248,7 +262,10 @@ class FakeController:
         arm = self.messages[ModeRanges].ranges[0]
         on = arm.start <= channels[4 + arm.aux_channel] < arm.end
         blocked = self.reasons or channels[2] > 1050 or not had_signal
-        self.armed = on and (self.armed or not blocked)
+        was_armed, self.must_switch_off = self.armed, self.must_switch_off and on
+        self.armed = on and not self.must_switch_off and (self.armed or not blocked)
+        if self.armed and not was_armed:
+            self.on_armed()
 
     def _set_waypoint(self, waypoint: SetWp) -> None:
         if waypoint.index == 1:

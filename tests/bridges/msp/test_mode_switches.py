@@ -36,7 +36,14 @@ def test_other_boxes_and_empty_ranges_do_not_count() -> None:
 
 
 def test_the_pulse_that_switches_off() -> None:
-    assert ModeSwitches([Switch(0, 0, 1700, 2100)]).off_pulse(0) == 1000
-    assert ModeSwitches([Switch(0, 0, 900, 1300)]).off_pulse(0) == 1300
-    assert ModeSwitches([Switch(0, 0, 900, 2100)]).off_pulse(0) is None
-    assert ModeSwitches().off_pulse(0) is None
+    assert ModeSwitches([Switch(0, 0, 1700, 2100)]).off_pulses(0) == {0: 1000}
+    assert ModeSwitches([Switch(0, 0, 900, 1300)]).off_pulses(0) == {0: 1300}
+    assert ModeSwitches([Switch(0, 0, 900, 2100)]).off_pulses(0) is None
+    assert ModeSwitches().off_pulses(0) == {}
+
+
+def test_all_channels_of_a_switch_are_switched_off() -> None:
+    switches = ModeSwitches([Switch(0, 0, 1700, 2100), Switch(0, 3, 900, 1200), Switch(1, 2, 900, 1200)])
+    assert switches.channels(0) == {0, 3}
+    assert switches.off_pulses(0) == {0: 1000, 3: 1200}
+    assert ModeSwitches([Switch(0, 0, 1700, 2100), Switch(0, 3, 900, 2100)]).off_pulses(0) is None

@@ -7,13 +7,14 @@ import asyncio
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import CommandDenied
+from mavstack.errors import CommandDenied, RemoteCancelled
 from mavstack.msp.messages.modes import ModeRange, ModeRanges
 from mavstack.msp.messages.rc import SetRawRc
 from mavstack.node import Node
 from mavstack.services.manual_control import ChannelOverride, ManualInput
 from mavstack.sim.virtual import run_virtually
 from tests.bridges.msp.fake_controller import bridged, run
+from tests.waiting import wait_until
 
 
 def test_arming_and_disarming():
@@ -25,6 +26,157 @@ def test_arming_and_disarming():
         assert pulses[:4] == (1500, 1500, 1000, 1500)  # as the receiver counts: the throttle is the third
         assert 1700 <= pulses[4] < 2100
         await vehicle.disarm()
+        assert not controller.armed
+
+    run(scenario)
+
+
+ARM_SWITCH = 4  # the index of AUX 1
+ARM_ON = 1700
+
+
+def arm_switch_is_on(controller) -> bool:
+    return any(message.channels[ARM_SWITCH] >= ARM_ON for message in controller.sent_of(SetRawRc))
+
+
+async def arming_that_waits(vehicle, controller) -> asyncio.Task[None]:
+    """Begin an arming that waits until the vehicle is level."""
+    controller.reasons = 1 << 8
+    arming = asyncio.create_task(vehicle.arm())
+    await asyncio.sleep(1)
+    assert not arming.done()
+    return arming
+
+
+def test_disarming_ends_an_arming_that_waits_for_the_firmware():
+    async def scenario(vehicle, controller, bridge):
+        arming = await arming_that_waits(vehicle, controller)
+        await vehicle.disarm()
+        with pytest.raises(RemoteCancelled, match="superseded by COMPONENT_ARM_DISARM"):
+            await arming
+        controller.reasons = 0
+        await asyncio.sleep(10)
+        assert not arm_switch_is_on(controller)
+        await vehicle.arm()
+        assert controller.armed
+
+    run(scenario)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [(common.MavCmd.COMPONENT_ARM_DISARM, 0), (common.MavCmd.DO_FLIGHTTERMINATION, 1)],
+    ids=["disarm", "terminate"],
+)
+def test_another_component_ends_an_arming_that_waits(command):
+    async def scenario(vehicle, controller, bridge):
+        arming = await arming_that_waits(vehicle, controller)
+        async with Node(vehicle.connection.links[0]._network.link(), system=254) as other:
+            remote = await other.wait_for_autopilot(1)
+            await remote.command(*command)
+            with pytest.raises(CommandDenied, match="CANCELLED"):
+                await arming
+            controller.reasons = 0
+            await asyncio.sleep(10)
+        assert not controller.armed
+
+    run(scenario)
+
+
+def test_disarming_after_the_arm_switch_moved_and_before_the_status_reports_it():
+    async def scenario(vehicle, controller, bridge):
+        arming = asyncio.create_task(vehicle.arm())
+        await wait_until(lambda: arm_switch_is_on(controller), "the arm switch is on", interval=0.001)
+        assert not bridge._status.armed
+        await vehicle.disarm()
+        assert not controller.armed
+        assert (await asyncio.gather(arming, return_exceptions=True))[0] is not None
+        await asyncio.sleep(5)
+        assert not controller.armed
+
+    run(scenario)
+
+
+def test_disarming_is_not_acknowledged_before_a_slow_receiver_saw_the_switch():
+    async def scenario(vehicle, controller, bridge):
+        vehicle_is_armed = []
+        controller.on_armed = lambda: vehicle_is_armed.append(answered.is_set())
+        controller.receiver_delay = 0.15
+        answered = asyncio.Event()
+        arming = asyncio.create_task(vehicle.arm())
+        await wait_until(lambda: arm_switch_is_on(controller), "the arm switch is on", interval=0.001)
+        await vehicle.disarm()
+        answered.set()
+        await asyncio.gather(arming, return_exceptions=True)
+        await asyncio.sleep(2)
+        assert vehicle_is_armed == [False]
+        assert not controller.armed
+
+    run(scenario)
+
+
+def test_arming_again_after_the_firmware_disarmed_by_itself():
+    async def scenario(vehicle, controller, bridge):
+        await vehicle.arm()
+        controller.disarm_by_itself()
+        await asyncio.sleep(1)
+        assert not vehicle.armed
+        await vehicle.arm()
+        assert controller.armed
+
+    run(scenario)
+
+
+def test_an_arming_that_its_sender_cancels_moves_the_switch_back():
+    async def scenario(vehicle, controller, bridge):
+        arming = asyncio.create_task(vehicle.arm())
+        await wait_until(lambda: arm_switch_is_on(controller), "the arm switch is on", interval=0.001)
+        arming.cancel()
+        await asyncio.sleep(2)
+        assert not controller.armed
+
+    run(scenario)
+
+
+def test_taking_control_does_not_arm_by_a_switch_that_is_on_when_low():
+    async def scenario(vehicle, controller, bridge):
+        ranges = controller.messages[ModeRanges].ranges
+        controller.messages[ModeRanges] = ModeRanges((ModeRange(0, 0, 900, 1300), *ranges[1:]))
+        await vehicle.reboot()
+        await vehicle.set_mode("ANGLE")
+        assert not controller.armed
+        assert {message.channels[ARM_SWITCH] for message in controller.sent_of(SetRawRc)} == {1300}
+        await vehicle.arm()
+        await vehicle.disarm()
+        assert controller.sent_of(SetRawRc)[-1].channels[ARM_SWITCH] == 1300
+
+    run(scenario)
+
+
+def test_an_arm_switch_that_is_always_on_is_refused():
+    async def scenario(vehicle, controller, bridge):
+        controller.messages[ModeRanges] = ModeRanges(
+            (ModeRange(0, 0, 900, 2100), ModeRange(1, 1, 1300, 1700))
+        )
+        await vehicle.reboot()
+        for action in (vehicle.arm(), vehicle.set_mode("ANGLE")):
+            with pytest.raises(CommandDenied, match="its arm switch has no off position"):
+                await action
+        assert controller.sent_of(SetRawRc) == []
+
+    run(scenario)
+
+
+def test_a_mode_or_the_beeper_on_any_channel_that_arms_is_refused():
+    async def scenario(vehicle, controller, bridge):
+        ranges = (ModeRange(0, 0, 1700, 2100), ModeRange(0, 1, 1900, 2100), ModeRange(1, 1, 1300, 1700))
+        controller.messages[ModeRanges] = ModeRanges((*ranges, ModeRange(13, 1, 1900, 2100)))
+        await vehicle.reboot()
+        with pytest.raises(CommandDenied, match="its channel is that of arming"):
+            await vehicle.set_mode("ANGLE")
+        await vehicle.actuators.beep()
+        await asyncio.sleep(2)
+        assert controller.sent_of(SetRawRc) == []
         assert not controller.armed
 
     run(scenario)
@@ -174,6 +326,30 @@ def test_the_beeper():
         assert controller.active_modes() == {13}
         await asyncio.sleep(2)
         assert controller.active_modes() == set()
+
+    run(scenario)
+
+
+def test_two_tunes_at_once_end():
+    async def scenario(vehicle, controller, bridge):
+        ranges = controller.messages[ModeRanges].ranges
+        controller.messages[ModeRanges] = ModeRanges((*ranges, ModeRange(13, 3, 1700, 2100)))
+        await vehicle.reboot()
+        await vehicle.actuators.beep()
+        await asyncio.sleep(0.5)
+        await vehicle.actuators.beep()
+        await asyncio.sleep(3)
+        assert controller.active_modes() == set()
+
+    run(scenario)
+
+
+def test_a_mode_that_is_not_entered_does_not_undo_a_later_one():
+    async def scenario(vehicle, controller, bridge):
+        for mode in (46, 1):
+            vehicle.component.send(common.SetMode(target_system=1, base_mode=1, custom_mode=mode))
+        await asyncio.sleep(5)
+        assert (vehicle.mode, controller.active_modes()) == ("ANGLE", {1})
 
     run(scenario)
 

@@ -7,7 +7,7 @@ from math import isnan, nan
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import CommandDenied, CommandTimeout, InvalidArgumentError
+from mavstack.errors import CommandDenied, CommandTimeout, InvalidArgumentError, RemoteCancelled
 from mavstack.services import Address
 from mavstack.services.command import Command, CommandCancelRequested, CommandClient, CommandServer
 from mavstack.services.command.client import ATTEMPTS, PROGRESS_TIMEOUT, SLOW_TIMEOUT
@@ -16,6 +16,7 @@ from tests.services.network import GROUND, START, VEHICLE
 
 SERVO, WINCH = common.MavCmd.DO_SET_SERVO, common.MavCmd.DO_WINCH
 REPOSITION = common.MavCmd.DO_REPOSITION
+ARM = common.MavCmd.COMPONENT_ARM_DISARM
 RESULT = common.MavResult
 
 
@@ -194,6 +195,37 @@ def test_a_result_without_a_name_is_a_denial(client) -> None:
         operation.result()
 
 
+def test_disarming_does_not_wait_for_an_arming(client) -> None:
+    arming = client.command(Command(ARM, 1), START)
+    client.receive(ack(ARM, RESULT.IN_PROGRESS), START)
+    waiting = client.command(Command(ARM, 1, 21196), START)
+    sent(client)
+    disarming = client.command(Command(ARM, 0), START + 1)
+    for operation in (arming, waiting):
+        with pytest.raises(RemoteCancelled, match="superseded by COMPONENT_ARM_DISARM"):
+            operation.result()
+    cancel, request = sent(client)
+    assert (cancel.command, request.command, request.param1) == (ARM, ARM, 0)
+    client.receive(ack(ARM, RESULT.IN_PROGRESS), START + 1)  # both may be those of the arming
+    client.receive(ack(ARM, RESULT.CANCELLED), START + 1)
+    client.handle_timeout(disarming.next_timeout())
+    (repetition,) = sent(client)
+    assert (repetition.param1, repetition.confirmation) == (0, 1)
+    client.receive(ack(ARM), START + 2)
+    assert disarming.result().result == RESULT.ACCEPTED
+
+
+def test_termination_ends_an_arming_and_other_commands_wait(client) -> None:
+    arming = client.command(Command(ARM, 1), START)
+    client.command(Command(ARM, 1), START)
+    client.command(Command(SERVO), START)
+    assert not arming.done
+    client.command(Command(common.MavCmd.DO_FLIGHTTERMINATION, 0), START)
+    assert not arming.done
+    client.command(Command(common.MavCmd.DO_FLIGHTTERMINATION, 1), START)
+    assert isinstance(arming.error, RemoteCancelled)
+
+
 # The server
 
 
@@ -234,6 +266,63 @@ def test_a_packet_that_the_network_doubled_is_not_carried_out_twice() -> None:
     for sequence in (4, 4, 5):
         assert answers(server, message, sequence) == [RESULT.ACCEPTED]
     assert len(done) == 2
+
+
+def arming_server() -> tuple[CommandServer, list[float]]:
+    """Return a server whose arming runs until the program ends it, and the list of what it began."""
+    server, begun = CommandServer(VEHICLE), []
+
+    def arm_or_disarm(request):
+        begun.append(request.command.param1)
+        return None if request.command.param1 else RESULT.ACCEPTED
+
+    server.support(ARM, arm_or_disarm)
+    return server, begun
+
+
+def test_disarming_ends_a_running_arming_of_any_source() -> None:
+    for number, source in enumerate((GROUND, Address(254, 1))):
+        server, begun = arming_server()
+        assert answers(server, command_long(ARM, param1=1)) == [RESULT.IN_PROGRESS]
+        (request,) = server.running
+        disarming = answers(server, command_long(ARM, param1=0), 1 + number, source=source)
+        assert disarming == [RESULT.CANCELLED, RESULT.ACCEPTED]
+        assert begun == [1, 0]
+        assert not server.running
+        assert CommandCancelRequested(request) in server.events()
+        server.complete(request, RESULT.ACCEPTED)  # too late
+        assert sent(server) == []
+
+
+def test_a_late_copy_or_repetition_of_the_arming_does_not_arm_after_the_disarming() -> None:
+    server, begun = arming_server()
+    answers(server, command_long(ARM, param1=1), 7)
+    answers(server, command_long(ARM, param1=0), 8)
+    assert answers(server, command_long(ARM, param1=1), 7, START + 0.3) == [RESULT.CANCELLED]
+    assert answers(server, command_long(ARM, confirmation=1, param1=1), 9, START + 3) == [RESULT.CANCELLED]
+    assert begun == [1, 0]
+    assert answers(server, command_long(ARM, param1=1), 10, START + 4) == [RESULT.IN_PROGRESS]
+
+
+def test_a_late_copy_of_an_answered_command_is_not_carried_out_after_another() -> None:
+    server = CommandServer(VEHICLE)
+    done = []
+    server.support(ARM, lambda request: done.append(request.command.param1) or RESULT.ACCEPTED)
+    for sequence, param1 in ((1, 1), (2, 0), (1, 1)):
+        assert answers(server, command_long(ARM, param1=param1), sequence) == [RESULT.ACCEPTED]
+    assert done == [1, 0]
+    # Its first packet was lost: a new request, although its confirmation is not 0.
+    answers(server, command_long(ARM, confirmation=1, param1=1), 4, START + 10)
+    assert done == [1, 0, 1]
+
+
+def test_flight_termination_ends_an_arming_and_arming_twice_does_not() -> None:
+    server, _ = arming_server()
+    server.support(common.MavCmd.DO_FLIGHTTERMINATION, lambda _: RESULT.ACCEPTED)
+    answers(server, command_long(ARM, param1=1))
+    assert answers(server, command_long(ARM, param1=1), 1) == [RESULT.TEMPORARILY_REJECTED]
+    terminating = answers(server, command_long(common.MavCmd.DO_FLIGHTTERMINATION, param1=1), 2)
+    assert terminating == [RESULT.CANCELLED, RESULT.ACCEPTED]
 
 
 def test_only_the_addressed_component_answers_unsupported(server) -> None:

@@ -47,14 +47,24 @@ class ModeSwitches:
         """Return the first switch of a box; None if the box has none."""
         return next((switch for switch in self._switches if switch.box == box), None)
 
-    def off_pulse(self, box: int) -> int | None:
-        """Return the lowest pulse of the channel of a box at which the box is off; None if there is none."""
-        switch = self.find(box)
-        if switch is None:
-            return None
-        others = [each for each in self._switches if each.box == box and each.aux == switch.aux]
+    def channels(self, box: int) -> frozenset[int]:
+        """Return the AUX channels, from 0, that switch a box."""
+        return frozenset(switch.aux for switch in self._switches if switch.box == box)
+
+    def off_pulses(self, box: int) -> dict[int, int] | None:
+        """Return the lowest pulses at which a box is off.
+
+        Returns:
+            Pulses by AUX channel, from 0, of all channels that switch the box; None if one always does.
+        """
+        pulses = {aux: self._off_pulse(box, aux) for aux in sorted(self.channels(box))}
+        off = {aux: pulse for aux, pulse in pulses.items() if pulse is not None}
+        return off if len(off) == len(pulses) else None
+
+    def _off_pulse(self, box: int, aux: int) -> int | None:
+        ranges = [each for each in self._switches if each.box == box and each.aux == aux]
         pulses = range(MIN_PULSE, MAX_PULSE + 1, _STEP)
-        return next((pulse for pulse in pulses if not any(each.holds(pulse) for each in others)), None)
+        return next((pulse for pulse in pulses if not any(each.holds(pulse) for each in ranges)), None)
 
     def pulses_for(self, mode: int, flight_modes: Collection[int]) -> dict[int, int] | None:
         """Return pulses of AUX channels that enter a flight mode.

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from mavstack.bridges.msp.facts import ControllerFacts
     from mavstack.bridges.msp.flight_controller import FlightController
+    from mavstack.bridges.msp.mode_switches import Switch
     from mavstack.bridges.msp.status import ControllerStatus
     from mavstack.services import Address
     from mavstack.services.manual_control import ManualInput
@@ -70,6 +71,10 @@ class Pilot:
         self._facts: ControllerFacts | None = None
         self._wake = asyncio.Event()
         self._manual = False
+        #: The time of the loop until which the firmware may still arm.
+        self._may_arm_until = 0.0
+        #: The switches of the latest mode that was requested.
+        self._mode_pulses: dict[int, int] = {}
 
     @property
     def is_possible(self) -> bool:
@@ -145,36 +150,59 @@ class Pilot:
     # Commands
 
     async def arm(self, source: Address) -> common.MavResult:
-        """Arm; the status texts name the reasons of a refusal."""
+        """Arm; the status texts name the reasons of a refusal. If it is cancelled, the switch moves back."""
         if self._status().armed:
             return _RESULT.ACCEPTED
         switch = self._facts.switches.find(ARM) if self._facts is not None else None
         if (reason := self._refusal(source)) is not None or switch is None:
             return self._refuse_arming(reason or "no channel is set up as its arm switch")
+        result: common.MavResult | None = None
+        try:
+            result = await self._arm_by(switch, source)
+        finally:  # also if a disarming cancels the task
+            if result != _RESULT.ACCEPTED and self._channels.may_control(source):
+                self._switch_off(ARM)
+            self._may_arm_until = asyncio.get_running_loop().time() + _SETTLING_TIME
+        return result
+
+    async def _arm_by(self, switch: Switch, source: Address) -> common.MavResult:
         was_in_control = self.in_control
         self._take(source)
+        self._switch_off(ARM)  # it may still be on, if the firmware disarmed by itself
         if not was_in_control:
             await asyncio.sleep(_SETTLING_TIME)
         if not await self._wait(lambda: not self._status().failed_checks(by_channels=False), READY_TIMEOUT):
             return self._report_reasons()
+        if self._channels.pilot != source:
+            return self._refuse_arming("control was lost meanwhile")
         if not self._channels.throttle_is_low():
             return self._refuse_arming("throttle is not low")
         self._channels.set_aux(switch.aux, switch.middle)
-        if await self._wait(lambda: self._status().armed, SWITCH_TIMEOUT):
-            return _RESULT.ACCEPTED
-        self._switch_off(ARM)
-        return self._report_reasons()
+        armed = await self._wait(lambda: self._status().armed, SWITCH_TIMEOUT)
+        return _RESULT.ACCEPTED if armed else self._report_reasons()
 
     async def disarm(self, source: Address) -> common.MavResult:
-        """Disarm."""
-        if not self._status().armed:
-            return _RESULT.ACCEPTED
-        if not self._channels.may_control(source) or not self.in_control or self._facts is None:
+        """Disarm; an arming that waited for the firmware was cancelled by the command server before."""
+        armed, in_control = self._status().armed, self._channels.pilot == source
+        if armed and not in_control:
             self._report("Disarm: the transmitter in control disarms it", common.MavSeverity.WARNING)
             return _RESULT.DENIED
-        self._switch_off(ARM)
-        done = await self._wait(lambda: not self._status().armed, SWITCH_TIMEOUT)
-        return _RESULT.ACCEPTED if done else _RESULT.FAILED
+        if in_control:
+            self._switch_off(ARM)
+        settling_time = max(0.0, self._may_arm_until - asyncio.get_running_loop().time())
+        if not (armed or settling_time):
+            return _RESULT.ACCEPTED
+        return await self._wait_until_disarmed(settling_time)
+
+    async def _wait_until_disarmed(self, settling_time: float) -> common.MavResult:
+        before = self._status()
+        await asyncio.sleep(settling_time)  # the firmware may arm before it sees that the switch is off
+        if await self._wait(
+            lambda: self._status() is not before and not self._status().armed, SWITCH_TIMEOUT
+        ):
+            return _RESULT.ACCEPTED
+        self._report("Disarm: the firmware did not disarm", common.MavSeverity.CRITICAL)
+        return _RESULT.FAILED
 
     async def set_mode(self, source: Address, custom_mode: int) -> str | None:
         """Enter a flight mode; returns the reason of a refusal, None if it was entered."""
@@ -185,29 +213,33 @@ class Pilot:
         pulses = facts.switches.pulses_for(custom_mode, flight_modes)
         if pulses is None:
             return f"no channel is set up for {facts.boxes.name(custom_mode)}"
-        arm = facts.switches.find(ARM)
-        if arm is not None and arm.aux in pulses:
-            return "its channel is that of the arm switch"
+        if not facts.switches.channels(ARM).isdisjoint(pulses):
+            return "its channel is that of arming"
         self._take(source)
         before = {aux: self._channels.aux(aux) for aux in pulses}
+        self._mode_pulses = pulses
         self._move_switches(pulses)
         boxes = facts.boxes
         if await self._wait(lambda: boxes.custom_mode(self._status().active) == custom_mode, SWITCH_TIMEOUT):
             return None
-        self._move_switches(before)
+        if self._mode_pulses is pulses:  # else a later request moved the switches
+            self._move_switches(before)
         return "the firmware did not enter it"
 
     async def beep(self, source: Address) -> str | None:
         """Sound the beeper by its switch; returns the reason of a refusal."""
-        reason = self._refusal(source)
-        switch = self._facts.switches.find(BEEPER) if self._facts is not None else None
-        if reason is not None or switch is None:
+        reason, facts = self._refusal(source), self._facts
+        switch = facts.switches.find(BEEPER) if facts is not None else None
+        if reason is not None or facts is None or switch is None:
             return reason or "no channel is set up for the beeper"
+        if switch.aux in facts.switches.channels(ARM):
+            return "its channel is that of arming"
         self._take(source)
         before = self._channels.aux(switch.aux)
         self._channels.set_aux(switch.aux, switch.middle)
         await asyncio.sleep(BEEP_TIME)
-        self._channels.set_aux(switch.aux, before)
+        if self._channels.aux(switch.aux) == switch.middle:  # else a mode or another tune moved it
+            self._channels.set_aux(switch.aux, before)
         return None
 
     # Parts
@@ -217,11 +249,15 @@ class Pilot:
             return "only its transmitter can (no MSP receiver)"
         if not self._channels.may_control(source):
             return f"component {self._channels.pilot} is in control"
+        if self._facts is not None and self._facts.switches.off_pulses(ARM) is None:
+            return "its arm switch has no off position"
         return None
 
     def _take(self, source: Address) -> bool:
         if self._refusal(source) is not None:
             return False
+        if not self.in_control:
+            self._switch_off(ARM)  # low, as all switches are then, may be on
         self._channels.take_control(source, self._now())
         self._wake.set()
         return True
@@ -231,11 +267,8 @@ class Pilot:
             self._channels.set_aux(aux, pulse)
 
     def _switch_off(self, box: int) -> None:
-        facts = self._facts
-        switch = None if facts is None else facts.switches.find(box)
-        pulse = None if facts is None else facts.switches.off_pulse(box)
-        if switch is not None and pulse is not None:
-            self._channels.set_aux(switch.aux, pulse)
+        if self._facts is not None:
+            self._move_switches(self._facts.switches.off_pulses(box) or {})
 
     def _refuse_arming(self, reason: str) -> common.MavResult:
         self._report(f"{PREFIX}{reason}", common.MavSeverity.WARNING)

@@ -8,8 +8,9 @@
       └── silence ──► sent again, up to ATTEMPTS times ──► CommandTimeout
 
 An acknowledgement names the command but carries no number, so two commands of the same id to one target
-queue. TEMPORARILY_REJECTED in answer to a repetition may mean that the first request is in progress and its
-IN_PROGRESS was lost: then the client waits for its end.
+queue. Disarming does not wait for an arming: it cancels the arming, and ignores acknowledgements that may be
+those of the arming. TEMPORARILY_REJECTED in answer to a repetition may mean that the first request is in
+progress and its IN_PROGRESS was lost: then the client waits for its end.
 
 A repetition after the measured round trip is wrong for commands that the vehicle executes before it answers.
 ArduPilot calibrates its gyroscopes for half a second or more: it would do it again, and its second answer
@@ -25,7 +26,7 @@ from typing import TYPE_CHECKING, Any
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, CommandTimeout
 from mavstack.services.addressing import Address, message_ids
-from mavstack.services.operation import Client, Operation
+from mavstack.services.operation import AnyOperation, Client, Operation
 from mavstack.services.timing import RoundTrip
 
 if TYPE_CHECKING:
@@ -90,9 +91,16 @@ class CommandOperation(Operation[CommandResult]):
         self._form = command
         self._in_progress = False
         self._other_form_tried = False
+        self._follows_cancelled = False
         self._progress_timeout = progress_timeout
         self._sent_in_form = 0
         self._sent_at = 0.0
+
+    def supersede(self, other: CommandOperation, now: float) -> None:
+        """Cancel another operation, if this command supersedes its command."""
+        if self.command.supersedes(other.command):
+            other.cancel(now, f"superseded by {self.command.name}")
+            self._follows_cancelled = self.command.command == other.command.command
 
     def start(self, now: float) -> None:
         self._transmit(now)
@@ -100,7 +108,8 @@ class CommandOperation(Operation[CommandResult]):
     def receive(self, packet: Packet, now: float) -> None:
         match packet.message:
             case common.CommandAck(command=command) as ack if command == self.command.command:
-                self._acknowledged(ack, now)
+                if not self._answers_cancelled(ack):
+                    self._acknowledged(ack, now)
 
     def handle_timeout(self, now: float) -> None:
         if self._in_progress:
@@ -127,6 +136,11 @@ class CommandOperation(Operation[CommandResult]):
         self._sent_in_form += 1
         self._sent_at = now
         self.timer = now + (SLOW_TIMEOUT if self._slow else self._round_trip.timeout(self._sent_in_form))
+
+    def _answers_cancelled(self, ack: common.CommandAck) -> bool:
+        """Return whether an acknowledgement may be that of the superseded command."""
+        late_progress = ack.result == common.MavResult.IN_PROGRESS and self._sent_in_form == 1
+        return self._follows_cancelled and (late_progress or ack.result == common.MavResult.CANCELLED)
 
     def _acknowledged(self, ack: common.CommandAck, now: float) -> None:
         if self._sent_in_form == 1 and not self._in_progress and not self._slow:
@@ -190,6 +204,14 @@ class CommandClient(Client):
     def command(self, command: Command, now: float, *, timeout: float | None = None) -> CommandOperation:
         """Send a command; the operation's result is a `CommandResult`."""
         return self.begin(CommandOperation(command, timeout=timeout), now)
+
+    def begin(self, operation: AnyOperation, now: float) -> AnyOperation:
+        """Start an operation, or queue it; a command that supersedes others cancels them first."""
+        if isinstance(operation, CommandOperation):
+            for other in (*self._running, *self._waiting):
+                if isinstance(other, CommandOperation):
+                    operation.supersede(other, now)
+        return super().begin(operation, now)
 
     def conflicts(self, new: Operation[Any], running: Operation[Any]) -> bool:
         return (

@@ -101,6 +101,14 @@ class Command:
             z=self.param7,
         )
 
+    def supersedes(self, running: Command) -> bool:
+        """Return whether this command ends a running one: disarming and termination end an arming."""
+        arm_or_disarm = common.MavCmd.COMPONENT_ARM_DISARM
+        if running.command != arm_or_disarm or running.param1 == 0:
+            return False
+        disarms = self.command == arm_or_disarm and self.param1 == 0
+        return disarms or (self.command == common.MavCmd.DO_FLIGHTTERMINATION and self.param1 > 0.5)
+
     def in_frame(self, frame: int | None) -> Self:
         """Return a copy with another frame."""
         return replace(self, frame=frame)

@@ -7,11 +7,14 @@ reports with `progress` and ends the command with `complete`. While it runs, the
 TEMPORARILY_REJECTED, except for a repetition of the running request (COMMAND_LONG with a higher
 confirmation), which gets the progress. A repetition of an answered request gets the same answer and is not
 executed again.
+
+Disarming is never held up by an arming that still runs: the arming is answered CANCELLED, its cancellation is
+requested, and the disarming is executed (`Command.supersedes`). A late copy of the arming does not arm then.
 """
 
 from __future__ import annotations
 
-from collections import OrderedDict
+from collections import OrderedDict, deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
@@ -30,6 +33,8 @@ AUTOPILOT = common.MavComponent.AUTOPILOT1
 #: Seconds for which a repetition is recognised.
 REPETITION_WINDOW = 30.0
 MAX_ANSWERED = 256
+#: Latest answers kept for each source and command: a late copy of an older request is not executed either.
+MAX_ANSWERS_OF_COMMAND = 4
 #: Seconds between two IN_PROGRESS if the program reports no progress.
 PROGRESS_INTERVAL = 2.0
 
@@ -56,14 +61,17 @@ class CommandRequest:
     percent: int = PROGRESS_UNKNOWN
     progress_due: float = field(default=0.0, repr=False)
 
+    def is_copy_of(self, earlier: CommandRequest) -> bool:
+        """Return whether this is `earlier`, duplicated by the network."""
+        return self.raw == earlier.raw and self.received_at - earlier.received_at < DUPLICATE_WINDOW
+
     def repeats(self, earlier: CommandRequest) -> bool:
         """Return whether this is `earlier`, repeated by its client or duplicated by the network."""
-        age = self.received_at - earlier.received_at
         if self.raw == earlier.raw:
-            return age < DUPLICATE_WINDOW
+            return self.is_copy_of(earlier)
         return (
             bool(self.confirmation)
-            and age < REPETITION_WINDOW
+            and self.received_at - earlier.received_at < REPETITION_WINDOW
             and repr(self.command) == repr(earlier.command)
         )
 
@@ -77,7 +85,11 @@ class CommandStarted(Event):
 
 @dataclass(frozen=True, slots=True)
 class CommandCancelRequested(Event):
-    """The client wants to cancel a long command; end it with CANCELLED, or continue."""
+    """A long command is to be cancelled.
+
+    The client wants it: end the command with CANCELLED, or continue. Or a later command superseded it, and
+    it is no longer in `running`: end its work.
+    """
 
     request: CommandRequest
 
@@ -85,6 +97,7 @@ class CommandCancelRequested(Event):
 #: The handler of a command: returns its MAV_RESULT, a pair of that and `result_param2`, or None for a long
 #: one.
 Handler: TypeAlias = Callable[[CommandRequest], "common.MavResult | tuple[common.MavResult, int] | None"]
+_Answer: TypeAlias = "tuple[CommandRequest, common.CommandAck]"
 
 
 class CommandServer(Service):
@@ -96,9 +109,7 @@ class CommandServer(Service):
         super().__init__(local)
         self._handlers: dict[int, Handler] = {}
         self._running: dict[int, CommandRequest] = {}
-        self._answered: OrderedDict[tuple[Address, int], tuple[CommandRequest, common.CommandAck]] = (
-            OrderedDict()
-        )
+        self._answered: OrderedDict[tuple[Address, int], deque[_Answer]] = OrderedDict()
 
     def support(self, command: int, handler: Handler) -> None:
         """Register the handler of a command."""
@@ -166,13 +177,13 @@ class CommandServer(Service):
         )
 
     def _requested(self, request: CommandRequest, now: float) -> None:
+        self._end_superseded(request)
         running = self._running.get(request.command.command)
         if running is not None:
             self._repeated(request, running, now)
             return
-        earlier = self._answered.get((request.source, request.command.command))
-        if earlier and request.repeats(earlier[0]):
-            self.send(earlier[1], request.source)
+        if (answer := self._earlier_answer(request)) is not None:
+            self.send(answer, request.source)
             return
         handler = self._handlers.get(request.command.command)
         if handler is None:
@@ -180,6 +191,25 @@ class CommandServer(Service):
                 self._answer(request, common.MavResult.UNSUPPORTED, 0)
             return
         self._execute(handler, request, now)
+
+    def _end_superseded(self, request: CommandRequest) -> None:
+        for running in self.running:
+            if request.command.command in self._handlers and request.command.supersedes(running.command):
+                self.complete(running, common.MavResult.CANCELLED)
+                self.emit(CommandCancelRequested(running))
+
+    def _earlier_answer(self, request: CommandRequest) -> common.CommandAck | None:
+        """Return the answer to the request that this one repeats; None if it is a new one.
+
+        A command of other parameters between them makes a repetition by confirmation a new request, unless
+        the earlier one was cancelled.
+        """
+        answers = self._answered.get((request.source, request.command.command), ())
+        for age, (earlier, ack) in enumerate(reversed(answers)):
+            may_be_repeated = age == 0 or ack.result == common.MavResult.CANCELLED
+            if request.is_copy_of(earlier) or (may_be_repeated and request.repeats(earlier)):
+                return ack
+        return None
 
     def _repeated(self, request: CommandRequest, running: CommandRequest, now: float) -> None:
         if running.source == request.source and request.repeats(running):
@@ -204,7 +234,7 @@ class CommandServer(Service):
     def _answer(self, request: CommandRequest, result: int, detail: int) -> None:
         ack = _ack(request, result, 0, detail)
         key = (request.source, request.command.command)
-        self._answered[key] = (request, ack)
+        self._answered.setdefault(key, deque(maxlen=MAX_ANSWERS_OF_COMMAND)).append((request, ack))
         self._answered.move_to_end(key)
         if len(self._answered) > MAX_ANSWERED:
             self._answered.popitem(last=False)
