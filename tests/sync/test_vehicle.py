@@ -115,13 +115,7 @@ def test_assignment_to_read_only_attributes_is_refused(node):
 
 def test_events_lead_to_blocking_vehicles(simulated):
     with mavstack.sync.connect("udpin:127.0.0.1:0") as node, node.events(VehicleFound) as events:
-<<<<<<< HEAD
         node.add_link(simulated.url)  # not before: vehicles may be found before the subscription
-=======
-        node.add_link(
-            simulated.url
-        )  # no earlier, else the vehicles may be found before the events are followed
->>>>>>> 886239e (Disarming ends an arming that still waits, in command clients, servers and the MSP bridge)
         found = next(events)
         assert found.vehicle == node.wait_for_vehicle(found.vehicle.system)
 
