@@ -1,4 +1,4 @@
-"""The fly view in Chromium: a copter is refused, armed, flown, steered by sticks and landed."""
+"""The fly view in Chromium: a copter is refused, armed, flown, steered and landed; buttons are held."""
 
 from __future__ import annotations
 
@@ -17,10 +17,12 @@ from tests.interop.station import (
     near,
     station_page,
     station_server,
+    web_server,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 
@@ -105,3 +107,56 @@ def test_the_view_fits_a_phone(server: StationServer, browser: Any) -> None:
         for tab in ("Status", "Messages", "Sticks", "Video"):
             shown.page.get_by_role("tab", name=tab).click()
         assert_drawn(shown)
+
+
+def let_go_by(shown: StationPage, name: str, change: Callable[[], object]) -> None:
+    """Hold a guarded button and change something: the button must let go without acting."""
+    shown.button(name).hover(timeout=PATIENT)
+    shown.page.mouse.down()
+    held = shown.page.locator(".guarded.held")
+    held.wait_for(timeout=PATIENT)
+    change()
+    held.wait_for(state="detached", timeout=PATIENT)
+    shown.page.wait_for_timeout(1000)
+    shown.page.mouse.up()
+    assert shown.page.get_by_text(": accepted").count() == 0
+    assert shown.page.get_by_role("alert").count() == 0
+
+
+def test_held_buttons_act_for_one_vehicle_only(browser: Any, tmp_path: Path) -> None:
+    with web_server(tmp_path) as server, station_page(browser, server.url, DESKTOP) as shown:
+        page = shown.page
+        page.goto(f"{server.url}?demo=3")
+        shown.button("Choose a vehicle: Copter 1").wait_for(timeout=PATIENT)
+        page.keyboard.press("]")
+        shown.button("Choose a vehicle: VTOL 2").wait_for(timeout=PATIENT)
+        page.get_by_placeholder("Speed").fill("3")
+        let_go_by(shown, "Return", lambda: page.keyboard.press("]"))
+        shown.button("Choose a vehicle: Plane 3").wait_for(timeout=PATIENT)
+        assert page.get_by_placeholder("Speed").input_value() == ""
+        let_go_by(shown, "Return", lambda: page.evaluate("window.dispatchEvent(new Event('blur'))"))
+        shown.button("Return").hover()
+        page.mouse.down(button="right")
+        assert page.locator(".guarded.held").count() == 0
+        page.mouse.up(button="right")
+        shown.hold("Return")
+        shown.wait_for("Return: accepted")
+
+
+def test_motors_are_tested_after_a_confirmation_for_the_vehicle(browser: Any, tmp_path: Path) -> None:
+    with web_server(tmp_path) as server, station_page(browser, server.url, DESKTOP) as shown:
+        page = shown.page
+        page.goto(f"{server.url}?demo=2#/setup")
+        shown.button("Choose a vehicle: Copter 1").wait_for(timeout=PATIENT)
+        shown.button("Motors and outputs").click(timeout=PATIENT)
+        propellers = page.get_by_label("propellers are off")
+        propellers.check()
+        let_go_by(shown, "Motor 1", lambda: propellers.evaluate("box => box.click()"))
+        propellers.check()
+        page.evaluate("document.activeElement.blur()")
+        page.keyboard.press("]")
+        shown.button("Choose a vehicle: VTOL 2").wait_for(timeout=PATIENT)
+        page.keyboard.press("[")
+        shown.button("Choose a vehicle: Copter 1").wait_for(timeout=PATIENT)
+        assert not propellers.is_checked()
+        assert shown.button("Motor 1").is_disabled()

@@ -19,6 +19,8 @@ export type MakeVehicle = (heartbeat: DecodedMessage, send: Send) => ActingVehic
 
 /** Interval of the ground station's own heartbeat. */
 const HEARTBEAT_INTERVAL = 1000;
+/** Time in ms after the first vehicle in which others of the same link are found. */
+const FINDING_TIME = 3000;
 /** Pages in the background have no animation frames. */
 const BACKGROUND_INTERVAL = 1000;
 const MAV_TYPE_GCS = 6;
@@ -41,6 +43,8 @@ class Fleet {
   private frame: number | null = null;
   private counted = 0;
   private chosen = false;
+  /** When the first vehicle was found. */
+  private firstFound = 0;
   private countedSince = 0;
 
   /** Leaves the present link and shows the vehicles of another one. */
@@ -129,8 +133,11 @@ class Fleet {
   private add(vehicle: ActingVehicle): void {
     this.known.set(vehicle.system, vehicle);
     this.vehicles = [...this.known.values()].sort((one, other) => one.system - other.system);
-    // Vehicles are found in any order; the first of the list is selected unless the user chose one.
-    if (!this.chosen) this.selectedSystem = this.vehicles[0]!.system;
+    // Vehicles are found in any order, and the first of the list is selected. Later the selection is the user's: a
+    // vehicle that is switched on must not take the place of the one that is flown.
+    const now = Date.now();
+    if (this.selectedSystem === null) this.firstFound = now;
+    if (!this.chosen && now - this.firstFound < FINDING_TIME) this.selectedSystem = this.vehicles[0]!.system;
   }
 
   private schedule(): void {

@@ -1,8 +1,10 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 
 import { StationError } from '$lib/api/errors';
+import { Decoder, Encoder } from '$lib/decoder/Decoder';
 import { FLEET } from '$lib/transport/mock/profiles';
 
+import { LinkVehicle } from './LinkVehicle';
 import { someLost, startFlight, type Flight } from './testing';
 import type { Plan } from './Vehicle';
 
@@ -35,6 +37,17 @@ describe('actions', () => {
     await flight.until(vehicle.land());
     await flight.pass(40);
     expect(vehicle.state).toMatchObject({ armed: false, inAir: false });
+  });
+
+  it('go to no place at an altitude that is not known', async () => {
+    const sent: string[] = [];
+    const packet = new Encoder(1, 1).build('HEARTBEAT', { type: 2, autopilot: 3 });
+    const vehicle = new LinkVehicle(new Decoder().push(packet, Date.now())[0]!, (name) => sent.push(name));
+    const place = { latitude: 47, longitude: 8 };
+    await expect(vehicle.goto(place)).rejects.toThrow('going to a position with 1/1 failed: its altitude is not known, enter one');
+    await expect(vehicle.orbit({ center: place })).rejects.toThrow('orbiting with 1/1 failed');
+    expect(sent).toEqual([]);
+    vehicle.dispose();
   });
 
   it('tells the reasons of the vehicle when it refuses', async () => {

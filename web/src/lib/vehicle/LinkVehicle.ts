@@ -111,14 +111,12 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
   }
 
   async goto(target: Target, altitude?: number): Promise<void> {
-    const height = altitude ?? this.state.position?.relativeAltitude ?? 0;
-    const place = { ...target, frame: GLOBAL_RELATIVE_ALT_INT, altitude: height };
+    const place = { ...target, frame: GLOBAL_RELATIVE_ALT_INT, altitude: altitude ?? this.heldAltitude('going to a position with') };
     await this.command('going to a position with', 'DO_REPOSITION', [-1, 1, 0, null], place);
   }
 
   async orbit({ center, altitude, radius = DEFAULT_RADIUS, speed }: OrbitOptions): Promise<void> {
-    const height = altitude ?? this.state.position?.relativeAltitude ?? 0;
-    const place = { ...center, frame: GLOBAL_RELATIVE_ALT_INT, altitude: height };
+    const place = { ...center, frame: GLOBAL_RELATIVE_ALT_INT, altitude: altitude ?? this.heldAltitude('orbiting with') };
     await this.command('orbiting with', 'DO_ORBIT', [radius, speed ?? null, 0, 0], place);
   }
 
@@ -166,6 +164,14 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
 
   clearPlan(kind: PlanKind): Promise<void> {
     return new PlanClient(this, this.hasHomeItem).clear(kind);
+  }
+
+  /** Returns the present altitude above home in m; a place at altitude 0 instead would be on the ground. */
+  private heldAltitude(operation: string): number {
+    const altitude = this.state.position?.relativeAltitude ?? null;
+    if (altitude !== null) return altitude;
+    const target = `${this.system}/${this.component}`;
+    throw new StationError('InvalidStateError', `${operation} ${target} failed: its altitude is not known, enter one`);
   }
 
   private get encoding(): ParameterEncoding {

@@ -4,10 +4,12 @@ import type { DecodedMessage, SentFields } from '$lib/decoder/Decoder';
 
 import { UNKNOWN_CAPABILITIES, type Capabilities } from './capabilities';
 import { StateTracker } from './StateTracker';
-import type { MessageListener, StatusText, VehicleState } from './Vehicle';
+import type { MessageListener, Plan, StatusText, VehicleState } from './Vehicle';
 
 /** Sends a message by its name to all vehicles of the transport. */
 export type Send = (name: string, fields: SentFields) => void;
+
+export type Home = NonNullable<Plan['home']>;
 
 export class ObservedVehicle {
   readonly system: number;
@@ -69,6 +71,12 @@ export class ObservedVehicle {
     }
     if (text !== null) for (const listener of this.textListeners) listener(text);
     return text;
+  }
+
+  /** Takes a home that the vehicle told before the page listened. */
+  protected learnHome({ latitude, longitude, altitude }: Home): void {
+    this.tracker.learnHome(latitude, longitude, altitude);
+    this.dirty = true;
   }
 
   /** Publishes the state, once per animation frame; the store calls it. */

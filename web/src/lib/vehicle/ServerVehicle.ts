@@ -4,7 +4,7 @@ import { api as stationApi, type ApiClient } from '$lib/api/client';
 import type { DecodedMessage } from '$lib/decoder/Decoder';
 
 import { UNKNOWN_CAPABILITIES, capabilitiesFrom, type Capabilities } from './capabilities';
-import { ObservedVehicle, type Send } from './ObservedVehicle.svelte';
+import { ObservedVehicle, type Home, type Send } from './ObservedVehicle.svelte';
 import type {
   CommandResult, Mode, OrbitOptions, Parameter, Plan, PlanItem, PlanKind, ProgressListener, Target, Vehicle,
 } from './Vehicle';
@@ -165,8 +165,9 @@ export class ServerVehicle extends ObservedVehicle implements Vehicle {
   private async readCapabilities(): Promise<void> {
     this.reads += 1;
     try {
-      const answer = await this.api.get<{ capabilities: ServerCapabilities }>(`vehicles/${this.system}`);
+      const answer = await this.api.get<{ capabilities: ServerCapabilities; home: Home | null }>(`vehicles/${this.system}`);
       this.given = answer.capabilities;
+      if (answer.home) this.learnHome(answer.home);
       this.updateCapabilities();
     } catch {
       // The server may know the vehicle a moment later than the page.

@@ -104,4 +104,13 @@ describe('StateTracker', () => {
     scene.take('SYS_STATUS', { onboard_control_sensors_health: 0x10000000 });
     expect(scene.state.ready).toBe(true);
   });
+
+  it('takes a home that was told before the page listened, until the vehicle tells another', () => {
+    const scene = new Station();
+    scene.tracker.learnHome(47, 8, 500);
+    expect(scene.state.home).toMatchObject({ latitude: 47, longitude: 8, altitude: 500 });
+    scene.take('HOME_POSITION', { latitude: 460_000_000, longitude: 70_000_000, altitude: 400_000 });
+    scene.tracker.learnHome(47, 8, 500);
+    expect(scene.state.home).toMatchObject({ latitude: 46, longitude: 7, altitude: 400 });
+  });
 });

@@ -53,6 +53,11 @@ export class StateTracker {
     return null;
   }
 
+  /** Takes a home that the vehicle told before the page listened; its own messages win. */
+  learnHome(latitude: number, longitude: number, altitude: number): void {
+    this.draft.home ??= { latitude, longitude, altitude, relativeAltitude: 0 };
+  }
+
   /** Returns a copy of the state at a time in ms since 1970. */
   snapshot(now: number): VehicleState {
     this.draft.alive = now - this.heartbeatTime < ALIVE_TIMEOUT;

@@ -1,9 +1,11 @@
 import { expect, it } from 'vitest';
 
 import { StationError } from '$lib/api/errors';
+import { fleet } from '$lib/store/fleet.svelte';
 
 import { refusalsOf } from './actions.svelte';
-import { course, flightReading, isUnderWay } from './reading';
+import { fly } from './fly.svelte';
+import { course, flightReading, IS_FOR, isUnderWay } from './reading';
 
 it('tells which vehicles refused, with their reasons once', () => {
   const error = new StationError(
@@ -36,4 +38,30 @@ it('sends flying vehicles in the air only, others as soon as they are armed', ()
     [state('copter', true, true), state('copter', true, null), state('rover', true, false)].map(isUnderWay),
   ).toEqual([true, true, true]);
   expect([state('copter', true, false), state('rover', false, false)].map(isUnderWay)).toEqual([false, false]);
+});
+
+it('sends an action to those of several vehicles that can do it', () => {
+  const vehicle = (armed: boolean, inAir: boolean | null, type = 'copter', orbit: boolean | null = null) =>
+    ({ state: { type, armed, inAir }, capabilities: { takeoff: null, goto: true, orbit, mission: true } }) as never;
+  const chosen = [vehicle(false, false), vehicle(true, false), vehicle(true, true), vehicle(true, null), vehicle(true, false, 'rover', false)];
+  const numbers = (action: keyof typeof IS_FOR) => chosen.flatMap((each, index) => (IS_FOR[action](each) ? [index] : []));
+  expect(numbers('arm')).toEqual([0]);
+  expect(numbers('disarm')).toEqual([1, 3, 4]);
+  expect(numbers('takeoff')).toEqual([1, 3]);
+  expect(numbers('goto')).toEqual([2, 3, 4]);
+  expect(numbers('orbit')).toEqual([2, 3]);
+  expect(numbers('armed')).toEqual([1, 2, 3, 4]);
+});
+
+it('keeps a choice whose vehicles are away from falling back to the selected vehicle', () => {
+  const vehicle = (system: number) => ({ system }) as never;
+  fleet.vehicles = [vehicle(1), vehicle(2)];
+  fleet.select(1);
+  expect(fly.targets.map(({ system }) => system)).toEqual([1]);
+  fly.chosen = [2, 7];
+  expect(fly.targets.map(({ system }) => system)).toEqual([2]);
+  fly.chosen = [7];
+  expect([fly.targets, fly.targetKey]).toEqual([[], '']);
+  fly.chosen = [];
+  fleet.vehicles = [];
 });

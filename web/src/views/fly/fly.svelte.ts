@@ -7,6 +7,7 @@ import { Track, type TrackFeatures, trackFeatures } from '$lib/map/track';
 import { type Aircraft, aircraftFrom, TRAFFIC_TIMEOUT } from '$lib/map/traffic';
 import { fleet } from '$lib/store/fleet.svelte';
 import { Persisted } from '$lib/store/settings.svelte';
+import { status } from '$lib/store/status.svelte';
 import type { PlanItem, PlanKind, Vehicle } from '$lib/vehicle/Vehicle';
 
 const TRACK_INTERVAL = 200;
@@ -44,10 +45,12 @@ class FlyState {
   takeoffs: Readonly<Record<number, number>> = $state.raw({});
 
   targets: readonly Vehicle[] = $derived.by(() => {
-    const chosen = fleet.vehicles.filter((vehicle) => this.chosen.includes(vehicle.system));
-    if (chosen.length > 0) return chosen;
+    // A choice whose vehicles are all away never falls back to another vehicle.
+    if (this.chosen.length > 0) return fleet.vehicles.filter((vehicle) => this.chosen.includes(vehicle.system));
     return fleet.selected === null ? [] : [fleet.selected];
   });
+  /** Changes with the vehicles of common actions. */
+  targetKey: string = $derived(this.targets.map((vehicle) => vehicle.system).join());
 
   private readonly trackOf = new Map<number, Track>();
   private readonly reports = new Map<number, Aircraft>();
@@ -65,6 +68,14 @@ class FlyState {
       if (aircraft !== null) this.reports.set(aircraft.address, aircraft);
     });
     setInterval(() => this.tick(Date.now()), TRACK_INTERVAL);
+    $effect.root(() => {
+      $effect(() => {
+        // Another link: a choice by system ids would mean other vehicles there.
+        void [status.source, status.linkName];
+        this.chosen = [];
+        this.target = null;
+      });
+    });
   }
 
   /** Returns the newest places of a vehicle's track: those of the time until the tracks are published and drawn. */
@@ -130,7 +141,6 @@ class FlyState {
       this.paths.delete(system);
     }
     if (fleet.vehicles.length === 0 && Object.keys(this.plans).length > 0) this.plans = {};
-    if (fleet.vehicles.length === 0) this.target = null;
   }
 
   /** Reads mission, fence and rally points of a vehicle, once and after its mission has changed. */

@@ -2,7 +2,7 @@
 import type { FlightReading, FlightUnits } from '$lib/instruments/flight';
 import { bearing, distance } from '$lib/map/geometry';
 import { convert, type Quantity, unitOf } from '$lib/units/units';
-import type { VehicleState } from '$lib/vehicle/Vehicle';
+import type { Vehicle, VehicleState } from '$lib/vehicle/Vehicle';
 
 const RADIANS = Math.PI / 180;
 /** Slower than this, the direction of travel is noise. */
@@ -67,3 +67,16 @@ export function isOnSurface({ type }: VehicleState): boolean {
 export function isUnderWay(state: VehicleState): boolean {
   return state.armed === true && (state.inAir !== false || isOnSurface(state) || state.type === 'sub');
 }
+
+/** Which vehicles an action is sent to: of several chosen ones, only those that can do it now. */
+export const IS_FOR = {
+  arm: ({ state }) => state.armed !== true,
+  disarm: ({ state }) => state.armed === true && state.inAir !== true,
+  takeoff: ({ state, capabilities }) =>
+    state.armed === true && state.inAir !== true && capabilities.takeoff !== false && !isOnSurface(state),
+  goto: ({ state, capabilities }) => isUnderWay(state) && capabilities.goto !== false,
+  orbit: ({ state, capabilities }) => isUnderWay(state) && capabilities.orbit !== false,
+  mission: ({ state, capabilities }) => state.armed === true && capabilities.mission !== false,
+  armed: ({ state }) => state.armed === true,
+  all: () => true,
+} satisfies Readonly<Record<string, (vehicle: Pick<Vehicle, 'state' | 'capabilities'>) => boolean>>;

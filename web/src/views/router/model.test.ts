@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import { NO_RATES, dropReasons, ratesBetween, totalDropped, type Endpoint } from './model';
+import { NO_RATES, bytesText, dropReasons, ratesBetween, totalDropped, type Endpoint } from './model';
 
 const ENDPOINT: Endpoint = {
   name: 'ground', url: 'udpin://:14550', state: 'open', reason: '', links: [], received: 100, received_bytes: 4000,
@@ -16,4 +16,8 @@ it('measures rates between two readings', () => {
 it('sums drops and tells their reasons', () => {
   expect(totalDropped(ENDPOINT)).toBe(7);
   expect(dropReasons(ENDPOINT)).toBe('rule 5, loop 2');
+});
+
+it('writes small and large numbers of bytes', () => {
+  expect([0, 21.4, 999, 27_940].map(bytesText)).toEqual(['0 B', '21 B', '999 B', '27.9 kB']);
 });

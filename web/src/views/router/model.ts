@@ -48,6 +48,11 @@ export function ratesBetween(before: Endpoint | undefined, after: Endpoint, seco
   };
 }
 
+/** Returns a number of bytes for people. */
+export function bytesText(bytes: number): string {
+  return bytes < 1000 ? `${Math.round(bytes)} B` : `${(bytes / 1000).toFixed(1)} kB`;
+}
+
 export function totalDropped({ dropped }: Endpoint): number {
   return Object.values(dropped).reduce((sum, count) => sum + count, 0);
 }

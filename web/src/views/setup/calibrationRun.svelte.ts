@@ -23,7 +23,7 @@ class CalibrationRun {
   step: CalibrationStep | null = $state.raw(null);
   /** Lines about a failure: the reason, then the vehicle's texts. */
   reasons: readonly string[] = $state.raw([]);
-  private vehicle: Vehicle | null = null;
+  vehicle: Vehicle | null = $state.raw(null);
   private machine: CalibrationMachine | null = null;
   private end: (() => void) | null = null;
 
@@ -69,7 +69,9 @@ class CalibrationRun {
         await vehicle.sendCommand(command, params);
       } else await api.delete(this.path());
     } catch (error) {
-      toastError(error);
+      // It may go on, even with motors that turn, so it is not shown as cancelled.
+      this.fail([t('setup.cancelFailed', { reason: textOf(error) })]);
+      return;
     }
     this.finish('cancelled');
   }

@@ -35,7 +35,8 @@ class ParameterSet {
     this.metadata = {};
     this.before = {};
     this.needsReboot = false;
-    void this.load(vehicle);
+    [this.problem, this.isLoading] = [null, false];
+    if (vehicle.capabilities.params !== false) void this.load(vehicle);
   }
 
   async load(vehicle: Vehicle | null = this.vehicle): Promise<void> {

@@ -1,4 +1,5 @@
 export const setup = {
+  cancelFailed: 'It could not be cancelled and may go on: {reason}',
   title: 'Set-up',
   parameters: 'Parameters',
   calibration: 'Calibration',

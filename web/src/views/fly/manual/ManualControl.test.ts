@@ -20,6 +20,7 @@ let control: ManualControl;
 beforeEach(() => {
   sent = [];
   control = new ManualControl((system, fields) => sent.push([system, fields]));
+  control.tick(-20, LOOSE, GOOD);
 });
 
 describe('dead-man rule', () => {
@@ -87,6 +88,20 @@ describe('dead-man rule', () => {
     expect(sent.at(-1)).toEqual([1, NEUTRAL]);
     control.tick(20, HELD, GOOD);
     expect(control.state).toBe('blocked');
+  });
+
+  it('needs the button released when it is held already as steering is switched on', () => {
+    control.tick(0, HELD, { ...GOOD, isEnabled: false });
+    control.tick(20, HELD, GOOD);
+    control.tick(40, HELD, GOOD);
+    expect([sent, control.state]).toEqual([[], 'blocked']);
+    control.tick(60, LOOSE, GOOD);
+    control.tick(80, HELD, GOOD);
+    expect(control.state).toBe('active');
+    const fresh = new ManualControl((system, fields) => sent.push([system, fields]));
+    sent = [];
+    fresh.tick(0, HELD, GOOD);
+    expect([sent, fresh.state]).toEqual([[], 'blocked']);
   });
 
   it('stops when it is switched off', () => {

@@ -2,8 +2,9 @@
  * Control by sticks: MANUAL_CONTROL 50 times a second, under a dead-man rule.
  *
  * Messages are sent only while a hand holds the dead-man button (or the sticks on the screen). Letting go, a hidden
- * page, a controller that is pulled out, a lost link or another vehicle stop it at once: the sticks are sent centred,
- * then nothing more. After anything but letting go, the button must be released and pressed again.
+ * page, another window with the focus, a controller that is pulled out, a lost link or another vehicle stop it at once:
+ * the sticks are sent centred, then nothing more. After anything but letting go, and after it is switched on, the button
+ * must be released and pressed again.
  */
 
 export const SEND_INTERVAL = 20;
@@ -26,6 +27,7 @@ export interface Sticks {
 
 export interface Conditions {
   readonly isEnabled: boolean;
+  /** The page is shown and has the focus. */
   readonly isVisible: boolean;
   readonly isLinked: boolean;
   /** The vehicle to control; null if there is none. */
@@ -73,7 +75,7 @@ export class ManualControl {
   reason: StopReason = null;
   private readonly send: (system: number, fields: ManualFields) => void;
   private last: { system: number; throttle: ThrottleKind; fields: ManualFields; time: number } | null = null;
-  private mustRelease = false;
+  private mustRelease = true;
 
   constructor(send: (system: number, fields: ManualFields) => void) {
     this.send = send;
@@ -88,6 +90,7 @@ export class ManualControl {
       this.stop('released', conditions.isLinked);
       this.state = 'off';
       this.reason = null;
+      this.mustRelease = true;
       return;
     }
     if (problem !== null) {

@@ -15,6 +15,8 @@ import { DEFAULT_MANUAL, isStickKey, KeySticks, type ManualSettings, padSticks, 
 
 export type StickSource = 'pad' | 'keys' | 'touch';
 
+/** Where keys write or choose. */
+const WRITING = 'input:not([type=checkbox]), select, textarea, dialog';
 /** The shown state changes at every fourth tick only. */
 const SHOW_EVERY = 4;
 
@@ -61,6 +63,7 @@ class Manual {
   disable(): void {
     this.isEnabled = false;
     this.keys.clear();
+    this.touch.clear();
     this.tick(performance.now());
     if (this.timer !== null) clearInterval(this.timer);
     this.timer = null;
@@ -75,7 +78,7 @@ class Manual {
     const sticks = this.isEnabled ? this.read(now, state?.type === 'sub') : null;
     this.control.tick(now, sticks, {
       isEnabled: this.isEnabled,
-      isVisible: !document.hidden,
+      isVisible: !document.hidden && document.hasFocus(),
       isLinked: status.link === 'open',
       system: isUsable ? state.system : null,
       throttle: throttleKind(state?.firmware ?? 'other', state?.type ?? 'unknown'),
@@ -111,9 +114,8 @@ class Manual {
     this.isLearning = false;
   }
 
-  /** Keys that are released in another window send no event. */
+  /** Keys and buttons that are released in another window send no event. */
   private lostFocus(): void {
-    if (this.source !== 'keys') return;
     this.keys.clear();
     this.control.halt('hidden');
   }
@@ -121,8 +123,9 @@ class Manual {
   private key(event: KeyboardEvent, isDown: boolean): void {
     if (this.source !== 'keys' || !isStickKey(event.code)) return;
     const target = event.target as HTMLElement | null;
-    if (isDown && target?.closest?.('input, select, textarea, dialog') != null) return;
-    // The space bar would press the button with the focus, arrow keys would move the map.
+    if (isDown && target?.closest?.(WRITING) != null) return;
+    if (isDown && (event.ctrlKey || event.altKey || event.metaKey)) return;
+    // The space bar would hold the button with the focus, arrow keys would move the map.
     event.preventDefault();
     event.stopPropagation();
     // A key that was held while the focus was elsewhere repeats: only a new press counts.
@@ -131,6 +134,7 @@ class Manual {
   }
 }
 
+/** Listens before the elements of the page do: a button with the focus must not see the space bar. */
 function listen(target: EventTarget, name: string, listener: (event: Event) => void): () => void {
   target.addEventListener(name, listener, true);
   return () => target.removeEventListener(name, listener, true);

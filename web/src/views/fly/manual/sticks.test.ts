@@ -70,6 +70,10 @@ it('touch sticks are held while a finger is on one of them', () => {
   expect(sticks.read().isHeld).toBe(false);
   sticks.set('left', [0.2, 0.6]);
   expect(sticks.read()).toMatchObject({ yaw: 0.2, throttle: 0.6, roll: 0, isHeld: true });
+  sticks.set('right', [1, 1]);
+  sticks.clear();
+  expect(sticks.read()).toMatchObject({ roll: 0, pitch: 0, yaw: 0, isHeld: false });
+  sticks.set('left', [0.2, 0.6]);
   sticks.set('left', null);
   expect(sticks.read()).toMatchObject({ throttle: 0, isHeld: false });
 });

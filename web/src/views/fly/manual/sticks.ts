@@ -136,6 +136,12 @@ export class TouchSticks {
     this[side] = place;
   }
 
+  /** Forget the fingers: the sticks are shown no longer, and no event will tell that they were left. */
+  clear(): void {
+    this.left = null;
+    this.right = null;
+  }
+
   read(): Sticks {
     const [yaw, throttle] = this.left ?? [0, 0];
     const [roll, pitch] = this.right ?? [0, 0];

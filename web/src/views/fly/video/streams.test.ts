@@ -37,6 +37,13 @@ it('needs a gateway for RTSP and RTP, and uses it', () => {
 
 it('writes the configuration of the gateway', () => {
   expect(gatewayConfiguration(streamFrom(1, 100, FIELDS)!)).toBe(
-    'paths:\n  front:\n    source: rtsp://10.0.0.5:8554/front\n    sourceOnDemand: yes\n',
+    'paths:\n  front:\n    source: "rtsp://10.0.0.5:8554/front"\n    sourceOnDemand: yes\n',
   );
+});
+
+it('writes an address with line ends as one line, so that a camera adds no options', () => {
+  const uri = 'rtsp://cam/a\n    runOnInit: rm -rf /';
+  const lines = gatewayConfiguration(streamFrom(1, 100, { ...FIELDS, uri })!).split('\n');
+  expect(lines).toHaveLength(5);
+  expect(lines[1]).toBe('  arunOnInitrm-rf/:');
 });

@@ -75,5 +75,6 @@ export function gatewayUrl(uri: string, type: number, gateway: string): string |
 /** Return the configuration of the gateway MediaMTX for a stream. */
 export function gatewayConfiguration(stream: VideoStream): string {
   const name = stream.uri.replace(/^[a-z]+:\/\/[^/]*\/?/i, '').replace(/[^\w/-]/g, '') || 'video';
-  return `paths:\n  ${name}:\n    source: ${stream.uri}\n    sourceOnDemand: yes\n`;
+  // A camera chooses its address: quoted, it cannot add options of the gateway, some of which run programs.
+  return `paths:\n  ${name}:\n    source: ${JSON.stringify(stream.uri)}\n    sourceOnDemand: yes\n`;
 }

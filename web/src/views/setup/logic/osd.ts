@@ -29,7 +29,13 @@ export function readItem(parameter: string, number: number, bits: number): OsdIt
 }
 
 export function writeItem({ column, row, profiles, form }: OsdItem): number {
-  return (column & 31) | (row << 5) | ((column >> 5) << 10) | (profiles << 11) | (form << 14);
+  const [x, y] = [limited(column, 63), limited(row, 31)];
+  return (x & 31) | (y << 5) | ((x >> 5) << 10) | (profiles << 11) | (form << 14);
+}
+
+/** Returns a number that fits its bits: others would change the neighbouring ones. */
+function limited(value: number, maximum: number): number {
+  return Math.max(0, Math.min(maximum, Math.round(value)));
 }
 
 export function osdItems(parameters: ParameterTable): OsdItem[] {

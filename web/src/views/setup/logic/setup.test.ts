@@ -153,6 +153,10 @@ describe('equipment', () => {
   });
 
   it('items of the display keep their form and profiles', () => {
+    const place = ({ column, row, profiles }: { column: number; row: number; profiles: number }) => [column, row, profiles];
+    const far = { ...readItem('BF_OSD_3_POS', 3, 0), column: 99, row: 99, profiles: 1 };
+    expect(place(readItem('BF_OSD_3_POS', 3, writeItem(far)))).toEqual([63, 31, 1]);
+    expect(place(readItem('BF_OSD_3_POS', 3, writeItem({ ...far, column: -1, row: -1 })))).toEqual([0, 0, 1]);
     const item = readItem('BF_OSD_3_POS', 3, 0b10_101_1_00110_01001);
     expect(item).toMatchObject({ column: 41, row: 6, profiles: 5, form: 2 });
     expect(writeItem(item)).toBe(0b10_101_1_00110_01001);
