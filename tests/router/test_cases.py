@@ -58,11 +58,12 @@ class Ends:
         A loaded system delivers a datagram some time after it was sent, so `count` datagrams are waited for.
         """
         deadline = monotonic() + TIMEOUT
-        arrived = {letter: list(datagrams(end)) for letter, end in self.sockets.items()}
+        ours = {router.getsockname() for router in self.routers.values()}
+        arrived = {letter: list(datagrams(end, ours)) for letter, end in self.sockets.items()}
         while sum(map(len, arrived.values())) < count and monotonic() < deadline:
             select.select(self.sockets.values(), [], [], 0.1)
             for letter, end in self.sockets.items():
-                arrived[letter].extend(datagrams(end))
+                arrived[letter].extend(datagrams(end, ours))
         assert all(datagram == raw for datagrams in arrived.values() for datagram in datagrams)
         return "".join(letter for letter in sorted(arrived) for _ in arrived[letter])
 
@@ -74,12 +75,15 @@ def open_socket(stack):
     return opened
 
 
-def datagrams(end):
+def datagrams(end, senders):
+    """Yield the datagrams of the senders; those of other tests, to a port that was theirs before, are dropped."""
     while True:
         try:
-            yield end.recv(2048)
+            datagram, sender = end.recvfrom(2048)
         except BlockingIOError:
             return
+        if sender in senders:
+            yield datagram
 
 
 @contextmanager
