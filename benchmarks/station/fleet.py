@@ -19,7 +19,7 @@ from mavstack.wire import Encoder
 HOST = "127.0.0.1"
 #: Seconds between two bursts.
 INTERVAL = 0.005
-#: Every this many packets of a vehicle are one heartbeat.
+#: At least every this many packets of a vehicle, and once per second, one is a heartbeat.
 HEARTBEAT_SHARE = 100
 
 
@@ -39,6 +39,7 @@ def main() -> None:
     heartbeat = dialect.Heartbeat(type=2, autopilot=3, system_status=3, mavlink_version=3)
     encoders = [Encoder(number + 1, 1) for number in range(count)]
     turns = cycle((encoder, message) for message in messages() for encoder in encoders)
+    share = max(1, min(HEARTBEAT_SHARE, rate // count))
     sent, started = 0, monotonic()
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
         sock.setblocking(False)
@@ -46,7 +47,7 @@ def main() -> None:
             due = int((monotonic() - started) * rate)
             while sent < due:
                 encoder, message = next(turns)
-                is_heartbeat = sent // count % HEARTBEAT_SHARE == 0
+                is_heartbeat = sent // count % share == 0
                 sock.sendto(encoder.encode(heartbeat if is_heartbeat else message), (HOST, port))
                 sent += 1
     print(sent)
