@@ -4,7 +4,10 @@ import json
 
 import pytest
 
+from mavstack.dialects import common
 from mavstack.files.plans import PlanFile, format_plan
+from mavstack.security.roles import Role
+from mavstack.server.access import Access
 from mavstack.services.mission import MissionItem
 from mavstack.sim.vehicle_types import DEFAULT_HOME as HOME
 from tests.server.stations import COPTER, PX4_COPTER, Ground, serve
@@ -40,3 +43,21 @@ def test_files_that_are_no_plan_are_refused() -> None:
         assert unknown.problem == ("format must be one of json, plan, waypoints, rally, fence, got 'kml'")
 
     serve(COPTER, scenario, ready=False)
+
+
+def test_a_plan_has_no_commands_beyond_the_role() -> None:
+    """The vehicle would carry them out later: an operator could set parameters or reboot it by a mission."""
+    passwords = {Role.OPERATE: "may fly it", Role.ADMINISTER: "may change it"}
+    reboot = MissionItem(common.MavCmd.PREFLIGHT_REBOOT_SHUTDOWN, param1=1)
+    plan = PlanFile.of([MissionItem.waypoint(*PLACES[0], 20.0), reboot])
+
+    async def scenario(ground: Ground) -> None:
+        data = format_plan(plan, "json").text.encode()
+        for role, status in ((Role.OPERATE, 403), (Role.ADMINISTER, 409)):
+            begun = await ground.api.post("/api/session", {"password": passwords[role]})
+            ground.api.headers = {"authorization": f"Bearer {begun.json['token']}"}
+            answer = await ground.api.put("/api/vehicles/1/mission", data=data)
+            assert answer.status == status  # the simulated vehicle refuses it, too
+            assert role is Role.ADMINISTER or "PREFLIGHT_REBOOT_SHUTDOWN" in answer.problem
+
+    serve(COPTER, scenario, access=Access(passwords=passwords, local=False))

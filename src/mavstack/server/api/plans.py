@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 from starlette.responses import PlainTextResponse
 
+from mavstack.dialects import common
 from mavstack.errors import PlanFileError
 from mavstack.files.plans import FORMATS, PlanFile, Settings, format_plan, parse_plan, plan_json
 from mavstack.files.plans.parsing import MAX_BYTES
-from mavstack.security.roles import Role
+from mavstack.http.bodies import RefusedError
+from mavstack.security.roles import Role, allows
 from mavstack.server.api_route import ApiRoute, Call
 from mavstack.server.fields import Field
 from mavstack.services.mission import PlanType
@@ -22,12 +24,14 @@ from mavstack.services.mission import PlanType
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from mavstack.services.mission import Plan
     from mavstack.vehicle import Vehicle
     from mavstack.vehicle.mission import VehiclePlan
 
 KINDS: Final = {"mission": PlanType.MISSION, "fence": PlanType.FENCE, "rally": PlanType.RALLY}
 #: Bytes of a file that takes long to read.
 LARGE_FILE: Final = 1 << 16
+_MISSION_ITEM_INT: Final = 73
 _FORMAT: Final = Field(
     name="format",
     type="string",
@@ -88,6 +92,7 @@ def _upload(kind: str) -> ApiRoute:
         if found.problems:
             raise PlanFileError(found.problems[0])
         plan = found.for_vehicle(KINDS[kind], home_first=_home_first(vehicle))
+        _check_commands(plan, call.role)
         held = await _plan_of(vehicle, kind).upload(plan, progress=call.progress)
         return {"system": vehicle.system, "items": len(held), "id": held.plan_id, "notes": list(found.notes)}
 
@@ -120,6 +125,15 @@ def _clear(kind: str) -> ApiRoute:
         role=Role.OPERATE,
         answer={"system": 1, "items": 0},
     )
+
+
+def _check_commands(plan: Plan, role: Role) -> None:
+    """Refuse items with commands that the role may not send, since the vehicle would carry them out later."""
+    for item in plan.items:
+        if not allows(role, _MISSION_ITEM_INT, int(item.command)):
+            known = item.command in common.MavCmd.__members__.values()
+            name = common.MavCmd(item.command).name if known else int(item.command)
+            raise RefusedError(403, f"the role {role.word} may not upload items with the command {name}")
 
 
 async def _parse(data: bytes) -> PlanFile:
