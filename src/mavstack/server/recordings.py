@@ -22,9 +22,11 @@ if TYPE_CHECKING:
 
 #: The names that files may have: no folders, nothing hidden.
 _NAME: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9 _.+-]{0,126}")
-#: The suffixes of the files that are listed.
+#: The suffixes of the files that are listed and read.
 SUFFIXES: Final = frozenset({".tlog", ".pcap", ".pcapng", ".bin", ".ulg", ".log", ".bbl", ".bfl"})
 MAX_LISTED: Final = 10_000
+#: Recordings that run at a time: each one writes every packet, into an open file.
+MAX_RUNNING: Final = 16
 
 
 class Recordings:
@@ -57,10 +59,12 @@ class Recordings:
             The recording as JSON.
 
         Raises:
-            RefusedError: There is no folder, or the name is not allowed.
+            RefusedError: There is no folder, the name is not allowed, or too many recordings run.
             LogError: The file exists, or cannot be created.
         """
         folder = self._require_folder()
+        if len(self._running) >= MAX_RUNNING:
+            raise RefusedError(409, f"{MAX_RUNNING} recordings run already: end one of them")
         name = name or f"{datetime.now(UTC):%Y-%m-%d-%H%M%S}.tlog"
         path = self._path(name if name.lower().endswith((".tlog", ".pcap")) else f"{name}.tlog")
         try:
@@ -79,11 +83,15 @@ class Recordings:
         return self._values(self._path(name))
 
     def path(self, name: str) -> Path:
-        """Return the path of a file in the folder; raises `RefusedError` if there is none of that name."""
+        """Return the path of a recording or a log; raises `RefusedError` if there is none of that name."""
         path = self._path(name)
-        if not path.is_file() or path.is_symlink():
+        if not _is_log(path):
             raise RefusedError(404, f"there is no log {name[:60]!r}")
         return path
+
+    def is_running(self, name: str) -> bool:
+        """Return whether a recording of that name runs, so that its file grows."""
+        return name in self._running
 
     async def close(self) -> None:
         """End all recordings; an error of one does not keep the others from ending."""

@@ -3,6 +3,8 @@ from __future__ import annotations
 import pytest
 
 from mavstack.logs import open_log
+from mavstack.server.api import recordings
+from mavstack.server.recordings import MAX_RUNNING
 from tests.server.stations import COPTER, Ground, serve
 
 
@@ -45,12 +47,47 @@ def test_links_of_the_file_system_are_not_followed(tmp_path) -> None:
     folder = tmp_path / "recordings"
     folder.mkdir()
     (folder / "a.tlog").symlink_to(tmp_path / "secret.txt")
+    (folder / "passwords").write_text("secret")
 
     async def scenario(ground: Ground) -> None:
         assert (await ground.api.get("/api/recordings")).json == []
-        assert (await ground.api.get("/api/recordings/a.tlog")).status == 404
+        for name in ("a.tlog", "passwords"):
+            assert (await ground.api.get(f"/api/recordings/{name}")).status == 404
+            assert (await ground.api.get(f"/api/reports/{name}")).status == 404
+            assert (await ground.api.post("/api/sources", {"recording": name})).status == 404
 
     serve((), scenario, folder=folder)
+
+
+def test_a_running_recording_is_downloaded_as_far_as_it_is(tmp_path, monkeypatch) -> None:
+    """It grows while it is sent, and the answer must not be longer than its header says."""
+    chunks = recordings._chunks
+
+    def growing(path, size):
+        with path.open("ab") as file:
+            file.write(bytes(1000))
+        yield from chunks(path, size)
+
+    monkeypatch.setattr(recordings, "CHUNK_SIZE", 16)
+    monkeypatch.setattr(recordings, "_chunks", growing)
+
+    async def scenario(ground: Ground) -> None:
+        await ground.api.post("/api/recordings", {"name": "flight"})
+        before = ground.station.packets.received
+        await ground.wait_until(lambda: ground.station.packets.received > before + 5)
+        size = (tmp_path / "flight.tlog").stat().st_size
+        answer = await ground.api.get("/api/recordings/flight.tlog")
+        assert size == len(answer.data) == int(answer.headers["content-length"]) > 0
+
+    serve(COPTER, scenario, folder=tmp_path)
+
+
+def test_the_number_of_recordings_is_bounded(tmp_path) -> None:
+    async def scenario(ground: Ground) -> None:
+        begun = [await ground.api.post("/api/recordings", {"name": f"{n}"}) for n in range(MAX_RUNNING + 1)]
+        assert [each.status for each in begun] == [201] * MAX_RUNNING + [409]
+
+    serve((), scenario, folder=tmp_path)
 
 
 def test_without_a_folder_nothing_is_recorded() -> None:

@@ -5,14 +5,19 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Any, Final
 
-from starlette.responses import FileResponse, HTMLResponse, Response
+from starlette.responses import FileResponse, HTMLResponse, Response, StreamingResponse
 
 from mavstack.security.roles import Role
 from mavstack.server.api_route import ApiRoute, Call
 from mavstack.server.fields import Field
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
+
+#: Bytes that are read at a time.
+CHUNK_SIZE: Final = 1 << 18
+_BYTES: Final = "application/octet-stream"
 
 #: A report is a page of its own: it loads nothing, and reaches nothing of the station.
 REPORT_POLICY: Final = (
@@ -34,8 +39,25 @@ async def _stop(call: Call) -> dict[str, Any]:
 
 
 async def _download(call: Call) -> Response:
-    path = call.station.recordings.path(call.path("name"))
-    return FileResponse(path, filename=path.name, media_type="application/octet-stream")
+    recordings, name = call.station.recordings, call.path("name")
+    path = recordings.path(name)
+    if recordings.is_running(name):
+        return _beginning(path)
+    return FileResponse(path, filename=path.name, media_type=_BYTES)
+
+
+def _beginning(path: Path) -> Response:
+    """Return what a file that grows has now: an answer must not be longer than its header says."""
+    size = path.stat().st_size
+    headers = {"Content-Length": str(size), "Content-Disposition": f'attachment; filename="{path.name}"'}
+    return StreamingResponse(_chunks(path, size), media_type=_BYTES, headers=headers)
+
+
+def _chunks(path: Path, size: int) -> Iterator[bytes]:
+    with path.open("rb") as file:
+        while size > 0 and (data := file.read(min(size, CHUNK_SIZE))):
+            size -= len(data)
+            yield data
 
 
 async def _report(call: Call) -> Response:
@@ -104,7 +126,7 @@ ROUTES: Final = (
         handler=_download,
         summary="Download a recording",
         tag="recordings",
-        media_type="application/octet-stream",
+        media_type=_BYTES,
     ),
     ApiRoute(
         method="GET",
