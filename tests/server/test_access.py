@@ -84,6 +84,33 @@ def test_wrong_passwords_are_limited_for_each_address() -> None:
     assert access.log_in("10.0.0.1", password="may fly it").role is Role.OPERATE
 
 
+def test_an_ipv6_network_is_one_address() -> None:
+    access = Access(passwords=PASSWORDS, local=False, now=Clock())
+    for number in range(MAX_FAILURES):
+        assert status_of(lambda: access.log_in(f"2001:db8::{number:x}", password="x")) == 401  # noqa: B023
+    assert status_of(lambda: access.log_in("2001:db8::ffff:1", password="may fly it")) == 429
+    for other in ("2001:db8:0:1::1", "::ffff:10.0.0.1", "fe80::1%eth0", "unix"):
+        assert access.log_in(other, password="may fly it").role is Role.OPERATE
+
+
+def test_sessions_of_one_role_do_not_end_those_of_another(monkeypatch) -> None:
+    monkeypatch.setattr("mavstack.server.access.MAX_SESSIONS", 2)
+    clock = Clock()
+    access = Access(passwords=PASSWORDS, local=False, now=clock)
+    pilot = access.log_in("10.0.0.1", password="may fly it").session
+    watching = []
+    for _ in range(3):
+        clock.now += 1
+        watching.append(access.log_in("10.0.0.2", password="watching only").session)
+    assert access.role_of(pilot) is Role.OPERATE
+    assert [access.role_of(token) for token in watching] == [None, Role.OBSERVE, Role.OBSERVE]
+
+
+def test_the_ticket_of_a_session_begins_no_other_session() -> None:
+    access = Access(passwords=PASSWORDS, ticket_key="k" * 32, local=False, now=Clock())
+    assert status_of(lambda: access.log_in("10.0.0.1", ticket=access.make_ticket(Role.OPERATE))) == 401
+
+
 def test_a_ticket_opens_one_websocket() -> None:
     clock = Clock()
     access = Access(passwords=PASSWORDS, local=False, now=clock)

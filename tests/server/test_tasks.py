@@ -7,6 +7,7 @@ import pytest
 
 from mavstack.errors import InvalidArgumentError
 from mavstack.http.bodies import RefusedError
+from mavstack.security.roles import Role
 from mavstack.server import tasks as tasks_module
 from mavstack.server.tasks import Tasks, TaskState
 
@@ -83,3 +84,17 @@ async def test_the_number_of_tasks_is_bounded(monkeypatch) -> None:
     assert (await tasks.remove(running[0].id)).state is TaskState.CANCELLED
     await tasks.close()
     assert running[1].state is TaskState.CANCELLED
+
+
+async def test_clients_that_observe_leave_tasks_to_pilots(monkeypatch) -> None:
+    monkeypatch.setattr(tasks_module, "MAX_OBSERVED", 1)
+
+    async def wait(task):
+        await asyncio.Event().wait()
+
+    tasks = Tasks()
+    tasks.start("long", wait, role=Role.OBSERVE)
+    with pytest.raises(RefusedError, match="1 tasks run already"):
+        tasks.start("long", wait, role=Role.OBSERVE)
+    tasks.start("long", wait, role=Role.OPERATE)
+    await tasks.close()

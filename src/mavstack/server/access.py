@@ -14,6 +14,7 @@ from __future__ import annotations
 import secrets
 from dataclasses import dataclass
 from hmac import compare_digest
+from ipaddress import ip_address, ip_network
 from time import time
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -31,7 +32,7 @@ from mavstack.security.tickets import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping
+    from collections.abc import Callable, Collection, Mapping, Sequence
 
     from starlette.datastructures import Headers
     from starlette.requests import Request
@@ -39,12 +40,15 @@ if TYPE_CHECKING:
 COOKIE: Final = "mavstack_session"
 #: Seconds after which a session that is not used ends.
 SESSION_LIFETIME: Final = 12 * 3600.0
+#: Sessions of each role; a further one ends the one that was used longest ago.
 MAX_SESSIONS: Final = 1024
 #: Wrong passwords from one address within `FAILURE_WINDOW` seconds, after which it has to wait.
 MAX_FAILURES: Final = 5
 FAILURE_WINDOW: Final = 60.0
 MAX_FAILING_ADDRESSES: Final = 4096
 MIN_PASSWORD: Final = 8
+#: Bits of an IPv6 address that name a network.
+_MACHINE_PREFIX: Final = 64
 _NONCE_SIZE: Final = 16
 
 
@@ -91,7 +95,7 @@ class Access:
         self._now = now
         self._sessions: dict[str, _Session] = {}
         self._failures: dict[str, list[float]] = {}
-        # Sessions get tickets that are signed with a key of this process.
+        # Sessions get tickets that are signed with a key of this process; they open WebSockets, no sessions.
         self._own_key = secrets.token_hex(32)
         keys = [self._own_key, *filter(None, [ticket_key])]
         self._verifiers = [TicketVerifier(key, SCOPES) for key in keys]
@@ -134,7 +138,7 @@ class Access:
         self.check_page(headers)
         ticket = offered_ticket(headers.get("sec-websocket-protocol", ""))
         if ticket is not None and not self.is_open:
-            return Client(self._verify(ticket))
+            return Client(self._verify(ticket, self._verifiers))
         return self._client(headers, cookies.get(COOKIE, ""))
 
     def check_page(self, headers: Headers) -> None:
@@ -161,12 +165,14 @@ class Access:
         Raises:
             RefusedError: The password or the ticket is wrong, or there were too many wrong ones.
         """
-        now = self._now()
+        now, address = self._now(), _network_of(address)
         recent = [each for each in self._failures.get(address, ()) if each > now - FAILURE_WINDOW]
         if len(recent) >= MAX_FAILURES:
             raise RefusedError(429, f"too many wrong passwords: wait {FAILURE_WINDOW:g} s")
         try:
-            role = self._verify(ticket) if ticket is not None else self._role_of(password or "")
+            role = (
+                self._role_of(password or "") if ticket is None else self._verify(ticket, self._verifiers[1:])
+            )
         except RefusedError:
             if len(self._failures) >= MAX_FAILING_ADDRESSES:
                 self._failures.clear()
@@ -211,19 +217,20 @@ class Access:
             raise RefusedError(401, "the password is wrong")
         return max(found)
 
-    def _verify(self, ticket: str) -> Role:
-        refusals = []
-        for verifier in self._verifiers:
+    def _verify(self, ticket: str, verifiers: Sequence[TicketVerifier]) -> Role:
+        refusals = ["tickets are not taken: log in with a password"]
+        for verifier in verifiers:
             refusal = verifier.verify(ticket, self._now())
             if refusal is None:
                 return SCOPES[scope_of(ticket)]
-            refusals.append(refusal)
-        raise RefusedError(401, str(refusals[-1]))
+            refusals.append(str(refusal))
+        raise RefusedError(401, refusals[-1])
 
     def _begin(self, role: Role, now: float) -> Client:
-        if len(self._sessions) >= MAX_SESSIONS:
-            oldest = min(self._sessions, key=lambda token: self._sessions[token].used_at)
-            del self._sessions[oldest]
+        # Sessions of lower roles must not end those of higher ones.
+        of_role = [token for token, session in self._sessions.items() if session.role is role]
+        if len(of_role) >= MAX_SESSIONS:
+            del self._sessions[min(of_role, key=lambda token: self._sessions[token].used_at)]
         token = secrets.token_urlsafe(32)
         self._sessions[token] = _Session(role, now)
         return Client(role, token)
@@ -235,3 +242,14 @@ class Access:
             raise InvalidArgumentError(f"a password needs {MIN_PASSWORD} characters or more")
         if len(set(self._passwords.values())) < len(self._passwords):
             raise InvalidArgumentError("each role needs a password of its own")
+
+
+def _network_of(address: str) -> str:
+    """Return the network of an IPv6 address, since one machine has all of it; others unchanged."""
+    try:
+        found = ip_address(address)
+    except ValueError:
+        return address
+    if found.version == 4 or found.ipv4_mapped is not None:
+        return address
+    return str(ip_network((found.packed, _MACHINE_PREFIX), strict=False))

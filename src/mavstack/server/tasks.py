@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.errors import MavstackError
 from mavstack.http.bodies import RefusedError
+from mavstack.security.roles import Role
 from mavstack.server.problems import problem_json
 
 if TYPE_CHECKING:
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 logger = logging.getLogger("mavstack.server")
 
 MAX_RUNNING: Final = 64
+#: Running tasks with which clients that observe start no more, so that they keep no pilot from acting.
+MAX_OBSERVED: Final = 32
 MAX_ENDED: Final = 32
 #: Bytes of the results of all ended tasks, such as downloaded logs.
 MAX_RESULTS: Final = 256 << 20
@@ -142,13 +145,14 @@ class Tasks:
         self._tasks: dict[str, Task] = {}
         self._numbers = count(1)
 
-    def start(self, name: str, work: Work, owner: str = "") -> Task:
+    def start(self, name: str, work: Work, owner: str = "", role: Role = Role.ADMINISTER) -> Task:
         """Start a task.
 
         Args:
             name: The request, for people.
             work: The work, called with the task, to which it reports its progress.
             owner: The session that starts it.
+            role: The role of the client.
 
         Returns:
             The task.
@@ -156,9 +160,9 @@ class Tasks:
         Raises:
             RefusedError: Too many tasks run.
         """
-        running = [each for each in self._tasks.values() if each.state is TaskState.RUNNING]
-        if len(running) >= MAX_RUNNING:
-            raise RefusedError(429, f"{MAX_RUNNING} tasks run already: wait for one of them, or cancel it")
+        running = sum(each.state is TaskState.RUNNING for each in self._tasks.values())
+        if running >= (MAX_RUNNING if role > Role.OBSERVE else MAX_OBSERVED):
+            raise RefusedError(429, f"{running} tasks run already: wait for one of them, or cancel it")
         self._drop_oldest()
         task = Task(str(next(self._numbers)), name, owner)
         self._tasks[task.id] = task
