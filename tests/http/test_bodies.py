@@ -37,3 +37,12 @@ async def test_other_bodies_are_refused(body, content_type, status):
 
 def test_numbers_that_are_not_json():
     assert parse_json("NaN") is parse_json('{"a": -Infinity}') is None
+    assert parse_json("[1e999]") is parse_json(f"[-{'9' * 400}]") is None
+    assert parse_json("[18446744073709551615, 1e300]") == [2**64 - 1, 1e300]
+    assert parse_json("1" * 30) == pytest.approx(1.1111111111e29)
+
+
+@pytest.mark.parametrize("text", [r'"\ud800"', r'{"\udfff": 1}', b'["\\ud83d"]'])
+def test_halves_of_surrogate_pairs_are_refused(text):
+    assert parse_json(text) is None
+    assert parse_json(r'"\ud83d\ude80"') == "\N{ROCKET}"

@@ -101,3 +101,22 @@ def test_clients_without_a_password_open_no_files() -> None:
         assert (added.status, added.json["state"]) == (201, "waiting")
 
     serve((), scenario)
+
+
+async def test_clients_that_leave_in_the_middle_of_a_request_are_no_defects(caplog) -> None:
+    app = make_app(Station(), Access(), static=None)
+    for path in ("/api/session", "/api/sources"):
+        headers = {"host": "localhost", "content-type": "application/json", "content-length": "9"}
+        scope = ApiClient(app)._scope("http", "POST", path, headers)
+        events = [{"type": "http.disconnect"}, {"type": "http.request", "body": b"{", "more_body": True}]
+        answers: list[dict[str, object]] = []
+
+        async def receive(events=events):
+            return events.pop()
+
+        async def send(message, answers=answers):
+            answers.append(message)
+
+        await app(scope, receive, send)
+        assert answers[0]["status"] == 400
+    assert not caplog.records  # a client cannot fill the log

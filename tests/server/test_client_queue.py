@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import asyncio
 
-from mavstack.server.client_queue import ClientQueue
+from mavstack.server.client_queue import ClientQueue, stream_texts
 
 
 async def test_the_oldest_data_is_dropped_and_counted() -> None:
@@ -21,3 +21,30 @@ async def test_getting_waits_for_data() -> None:
     await asyncio.sleep(0)
     queue.put("x")
     assert await waiting == "x"
+
+
+async def test_each_item_gives_other_tasks_a_turn() -> None:
+    """A client that left is noticed before the rest of its queue is sent."""
+    queue: ClientQueue[str] = ClientQueue(100)
+    for text in "abc":
+        queue.put(text)
+    sent: list[str] = []
+
+    async def send() -> None:
+        async for text in queue.stream():
+            sent.append(text)  # noqa: PERF401 (it has no end)
+
+    sender = asyncio.create_task(send())
+    asyncio.get_running_loop().call_soon(sender.cancel)
+    await asyncio.wait([sender])
+    assert sent == ["a"]
+
+
+async def test_the_number_of_drops_comes_before_the_next_text() -> None:
+    queue: ClientQueue[str] = ClientQueue(4)
+    texts = stream_texts(queue)
+    for text in ("one", "two", "six"):
+        queue.put(text)
+    assert [await anext(texts), await anext(texts)] == ['{"dropped": 2}', "six"]
+    queue.put("ten")
+    assert await anext(texts) == "ten"

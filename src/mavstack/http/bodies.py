@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from math import isfinite
 from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
@@ -10,6 +11,8 @@ if TYPE_CHECKING:
 
 #: Bytes of a JSON body, unless a route allows more.
 MAX_BODY: Final = 1 << 16
+#: Digits and sign of the longest integer of 64 bits; a longer one becomes a float.
+_INTEGER_DIGITS: Final = 20
 
 
 class RefusedError(Exception):
@@ -68,11 +71,30 @@ async def read_json_object(request: Request, max_size: int = MAX_BODY) -> dict[s
 
 
 def parse_json(data: bytes | str) -> object:
-    """Return the value of a JSON text; None if it is not valid. NaN and infinities are not JSON."""
+    """Return the value of a JSON text; None if it is not valid.
+
+    NaN and infinities are not JSON. Numbers beyond the range of a float and halves of surrogate pairs are
+    refused too: the first cannot be computed with, the second cannot be sent back in an answer.
+    """
     try:
-        return json.loads(data, parse_constant=_refuse_constant)
+        value = json.loads(
+            data, parse_constant=_refuse_constant, parse_float=_parse_number, parse_int=_parse_integer
+        )
+        json.dumps(value, ensure_ascii=False).encode()  # raises UnicodeEncodeError, a ValueError
     except (ValueError, RecursionError):
         return None
+    return value
+
+
+def _parse_number(text: str) -> float:
+    value = float(text)
+    if not isfinite(value):
+        raise ValueError(text)
+    return value
+
+
+def _parse_integer(text: str) -> float:
+    return int(text) if len(text) <= _INTEGER_DIGITS else _parse_number(text)
 
 
 def _refuse_constant(word: str) -> object:

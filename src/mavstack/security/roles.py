@@ -131,7 +131,11 @@ class RoleFilter:
         Returns:
             The packets as received.
         """
-        return b"".join(packet.raw for packet in self._parser.feed(data) if self._allows(packet))
+        return b"".join(packet.raw for packet in self.packets(data))
+
+    def packets(self, data: bytes) -> list[Packet]:
+        """Return the allowed packets in the bytes of a client; see `filter`."""
+        return [packet for packet in self._parser.feed(data) if self._allows(packet)]
 
     def _allows(self, packet: Packet) -> bool:
         command = packet.message.command if packet.message_id in _command_messages() else None

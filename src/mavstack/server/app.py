@@ -14,6 +14,7 @@ from mavstack.errors import MavstackError, MissingExtraError
 try:
     from starlette.applications import Starlette
     from starlette.exceptions import HTTPException
+    from starlette.requests import ClientDisconnect
     from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
     from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
     from starlette.staticfiles import StaticFiles
@@ -160,6 +161,8 @@ def _guarded(handler: Callable[[Request], Awaitable[Response]]) -> Callable[[Req
             return await handler(request)
         except (RefusedError, MavstackError) as error:
             return problem_response(error)
+        except ClientDisconnect:  # in the middle of its request: no client reads the answer
+            return Response(status_code=400)
 
     return guarded
 

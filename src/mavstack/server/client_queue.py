@@ -6,8 +6,12 @@ A client that reads too slowly loses the oldest data of its own queue, counted i
 from __future__ import annotations
 
 import asyncio
+import json
 from collections import deque
-from typing import Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
 
 Data = TypeVar("Data", str, bytes)
 
@@ -45,3 +49,22 @@ class ClientQueue(Generic[Data]):
         data, _ = self._items.popleft()
         self._size -= len(data)
         return data
+
+    async def stream(self) -> AsyncIterator[Data]:
+        """Yield the data as it comes, without end; other tasks have a turn after each item.
+
+        A send that need not wait gives no other task a turn, so that a lost connection would not be noticed.
+        """
+        while True:
+            yield await self.get()
+            await asyncio.sleep(0)
+
+
+async def stream_texts(queue: ClientQueue[str]) -> AsyncIterator[str]:
+    """Yield the texts of a queue, and after drops first `{"dropped": N}`, the number of all drops so far."""
+    reported = 0
+    async for text in queue.stream():
+        if queue.dropped != reported:
+            reported = queue.dropped
+            yield json.dumps({"dropped": reported})
+        yield text

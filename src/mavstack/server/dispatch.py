@@ -6,6 +6,7 @@ import logging
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from starlette.requests import ClientDisconnect
 from starlette.responses import JSONResponse, Response
 
 from mavstack.errors import MavstackError
@@ -38,8 +39,10 @@ def endpoint_of(
             return await _answer(route, station, access, request)
         except (RefusedError, MavstackError) as error:
             return problem_response(error)
+        except ClientDisconnect:  # in the middle of its request: no client reads the answer
+            return Response(status_code=400)
         except Exception as error:
-            logger.exception("%s %s failed", request.method, request.url.path)
+            logger.exception("%s %s failed", route.method, route.path)
             return problem_response(error)
 
     return endpoint
@@ -80,7 +83,7 @@ def _start_task(route: ApiRoute, call: Call) -> Response:
         return _response(route, await route.handler(replace(call, task=task)))
 
     name = f"{route.method} {call.request.url.path}"
-    task = call.station.tasks.start(name, work, call.session)
+    task = call.station.tasks.start(name, work, call.session, call.role)
     place = f"/api/tasks/{task.id}"
     values = {"task": task.id, "progress": f"{place}/progress", "result": f"{place}/result"}
     return JSONResponse(values, 202, {"Location": place})

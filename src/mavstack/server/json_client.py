@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from mavstack.errors import MavstackError
 from mavstack.http.bodies import RefusedError, parse_json
-from mavstack.server.client_queue import ClientQueue
+from mavstack.server.client_queue import ClientQueue, stream_texts
 from mavstack.server.fields import Field, read_fields
 from mavstack.server.message_json import message_class, message_of
 from mavstack.server.problems import problem_json
@@ -72,7 +72,6 @@ class JsonClient:
         self._role = role
         self._wanted: dict[int, _Wanted] = {}
         self._next_times: dict[tuple[int, int, int], float] = {}
-        self._reported_drops = 0
 
     def put(self, batch: Batch) -> None:
         """Queue the messages of a batch that the client wants."""
@@ -91,11 +90,7 @@ class JsonClient:
 
     async def send(self) -> None:
         """Send what is queued, until the task is cancelled."""
-        while True:
-            text = await self.queue.get()
-            if self.queue.dropped != self._reported_drops:
-                self._reported_drops = self.queue.dropped
-                await self._websocket.send_text(json.dumps({"dropped": self._reported_drops}))
+        async for text in stream_texts(self.queue):
             await self._websocket.send_text(text)
 
     async def receive(self, data: str | bytes) -> None:

@@ -58,13 +58,13 @@ def message_of(dialect: HasCoreDialect, name: str, fields: Mapping[str, Any], ro
 
     Raises:
         UnknownMessageError: The dialect has no such message.
-        RefusedError: The role may not send it.
+        RefusedError: The role may not send it, or an array holds other arrays.
         FieldNameError: The message has no such field.
         FieldTypeError: A value has the wrong type.
         FieldRangeError: A value is out of range.
     """
     kind = message_class(dialect, name)
-    message = kind.from_dict({key: _value(value) for key, value in fields.items()})
+    message = kind.from_dict({key: _value(key, value) for key, value in fields.items()})
     command = getattr(message, "command", None)
     number = int(kind.__mavlink_row__[0])
     if not allows(role, number, command if isinstance(command, int) else None):
@@ -72,10 +72,12 @@ def message_of(dialect: HasCoreDialect, name: str, fields: Mapping[str, Any], ro
     return message
 
 
-def _value(value: object) -> object:
-    if value is None:
-        return nan
-    return tuple(map(_value, value)) if isinstance(value, list) else value
+def _value(name: str, value: object) -> object:
+    if not isinstance(value, list):
+        return nan if value is None else value
+    if any(isinstance(each, list | dict) for each in value):
+        raise RefusedError(400, f"the array {name[:60]!r} must hold numbers")
+    return tuple(nan if each is None else each for each in value)
 
 
 def _full(dialect: HasCoreDialect) -> Dialect:

@@ -14,10 +14,13 @@ from mavstack.server.client_queue import ClientQueue
 from mavstack.wire import Parser
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
     from starlette.websockets import WebSocket
 
     from mavstack.server.packet_hub import Batch
     from mavstack.server.station import Station
+    from mavstack.wire import Packet
 
 SUBPROTOCOL: Final = "mavstack.raw.1"
 #: Bytes that wait for a client.
@@ -31,8 +34,10 @@ class RawClient:
         self.queue: ClientQueue[bytes] = ClientQueue(MAX_QUEUE)
         self._connection = station.connection
         self._websocket = websocket
-        self._parser = Parser(station.connection.dialect)
-        self._filter = None if role is Role.ADMINISTER else RoleFilter(role)
+        # One parser decides where packets begin: a second one could find others in what the first allowed.
+        self._packets: Callable[[bytes], Iterable[Packet]] = (
+            Parser(station.connection.dialect).feed if role is Role.ADMINISTER else RoleFilter(role).packets
+        )
 
     def put(self, batch: Batch) -> None:
         """Queue the bytes of a batch."""
@@ -40,13 +45,12 @@ class RawClient:
 
     async def send(self) -> None:
         """Send what is queued, until the task is cancelled."""
-        while True:
-            await self._websocket.send_bytes(await self.queue.get())
+        async for data in self.queue.stream():
+            await self._websocket.send_bytes(data)
 
     async def receive(self, data: str | bytes) -> None:
         """Pass the packets of a message to the vehicles; a text is ignored."""
         if isinstance(data, str):
             return
-        allowed = data if self._filter is None else self._filter.filter(data)
-        for packet in self._parser.feed(allowed):
+        for packet in self._packets(data):
             self._connection.forward(packet)

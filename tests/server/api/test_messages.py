@@ -37,6 +37,7 @@ def test_a_message_is_sent_by_name() -> None:
             ({"message": "COMMAND_LONG", "fields": {"command": 1 << 40}}, "FieldRangeError"),
             ({"message": "COMMAND_LONG", "fields": {"command": [1]}}, "FieldTypeError"),
             ({"message": "COMMAND_LONG", "fields": []}, "BadRequest"),
+            ({"message": "DEBUG_FLOAT_ARRAY", "fields": {"data": [[[1]]]}}, "BadRequest"),
         ]:
             answer = await ground.api.post("/api/messages", body)
             assert (answer.status, answer.kind) == (400, kind)

@@ -12,7 +12,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any, Final
 
-from mavstack.server.client_queue import ClientQueue
+from mavstack.server.client_queue import ClientQueue, stream_texts
 
 if TYPE_CHECKING:
     from starlette.websockets import WebSocket
@@ -30,7 +30,6 @@ class RowClient:
     def __init__(self, hub: RowHub, websocket: WebSocket) -> None:
         self.queue: ClientQueue[str] = ClientQueue(MAX_QUEUE)
         self._websocket = websocket
-        self._reported_drops = 0
         for latest in hub.latest.values():
             self.put_row(latest.value)
 
@@ -40,11 +39,7 @@ class RowClient:
 
     async def send(self) -> None:
         """Send what is queued, until the task is cancelled."""
-        while True:
-            text = await self.queue.get()
-            if self.queue.dropped != self._reported_drops:
-                self._reported_drops = self.queue.dropped
-                await self._websocket.send_text(json.dumps({"dropped": self._reported_drops}))
+        async for text in stream_texts(self.queue):
             await self._websocket.send_text(text)
 
     async def receive(self, _data: str | bytes) -> None:
