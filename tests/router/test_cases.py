@@ -76,7 +76,7 @@ def open_socket(stack):
 
 
 def datagrams(end, senders):
-    """Yield the datagrams of the senders; those of other tests, to a port that was theirs before, are dropped."""
+    """Yield the datagrams of the senders, not late ones of tests that had the port before."""
     while True:
         try:
             datagram, sender = end.recvfrom(2048)
