@@ -34,14 +34,17 @@ EEPROM_SIZE = 32768
 #: UDP port for the packets of a flight simulator.
 SIMULATOR_PORT = 9003
 SIMULATOR_INTERVAL = 0.005
-#: Angular rates, acceleration at rest (front, right, down), attitude as a quaternion, velocity, longitude,
-#: latitude, altitude, and pressure.
-AT_REST = (0, 0, 0, 0, 0, -9.80665, 1, 0, 0, 0, 0, 0, 0, 8.545594, 47.397742, 488.0, 95_600.0)
+GRAVITY = 9.80665
 
 PROGRAM = shutil.which(os.environ.get(PROGRAM_VARIABLE, ""))
 needs_betaflight = pytest.mark.skipif(
     PROGRAM is None, reason=f"{PROGRAM_VARIABLE} names no SITL program of Betaflight"
 )
+
+
+def at_rest(gravity: float) -> tuple[float, ...]:
+    """Return angular rates, acceleration, attitude, velocity, longitude, latitude, altitude and pressure."""
+    return (0, 0, 0, 0, 0, -gravity, 1, 0, 0, 0, 0, 0, 0, 8.545594, 47.397742, 488.0, 95_600.0)
 
 
 @contextmanager
@@ -89,6 +92,7 @@ class BetaflightSitl:
 
     def _run(self) -> None:
         assert PROGRAM is not None
+        assert not _listens(), f"another program uses port {PORT}"
         self._process = subprocess.Popen(
             [PROGRAM],
             cwd=self._folder,
@@ -109,18 +113,19 @@ def _listens() -> bool:
 
 
 @asynccontextmanager
-async def flight_simulator() -> AsyncIterator[None]:
+async def flight_simulator(gravity: float = GRAVITY) -> AsyncIterator[None]:
     """Send the packets of a simulator whose vehicle is at rest, as long as the block runs.
 
-    Betaflight reads its receiver in the loop of its gyroscope, which has values only by such packets: without
-    them its channels and its reasons not to arm stay as they are at the start.
+    `gravity` is the acceleration that the sensor measures, in m/s². Betaflight reads its receiver in the loop
+    of its gyroscope, which has values only by such packets: without them its channels and its reasons not to
+    arm stay as they are at the start.
     """
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
 
         async def send() -> None:
             start = time.monotonic()
             while True:
-                packet = struct.pack("<18d", time.monotonic() - start, *AT_REST)
+                packet = struct.pack("<18d", time.monotonic() - start, *at_rest(gravity))
                 sender.sendto(packet, ("127.0.0.1", SIMULATOR_PORT))
                 await asyncio.sleep(SIMULATOR_INTERVAL)
 

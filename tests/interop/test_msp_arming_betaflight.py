@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING
 
 import pytest
 
 import mavstack
 from mavstack.bridges.msp import FlightController
+from mavstack.dialects import common
 from mavstack.errors import CommandDenied
-from mavstack.msp.messages import config, modes
-from tests.interop.betaflight import URL, betaflight_sitl, flight_simulator, needs_betaflight
+from mavstack.msp.messages import config, modes, sensors
+from tests.interop.betaflight import GRAVITY, URL, betaflight_sitl, flight_simulator, needs_betaflight
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -19,6 +21,7 @@ pytestmark = [pytest.mark.interop, pytest.mark.timeout(120), needs_betaflight]
 
 RECEIVERS = config.Feature.RX_UDP | config.Feature.RX_SERIAL | config.Feature.RX_PPM
 BOX_ARM, BOX_ANGLE = 0, 1
+ONE_G = 256
 
 
 async def take_channels_by_msp(controller: FlightController) -> None:
@@ -54,3 +57,28 @@ async def test_another_receiver_keeps_control(tmp_path: Path) -> None:
             vehicle = await connection.wait_for_vehicle(timeout=20)
             with pytest.raises(CommandDenied):
                 await vehicle.arm()
+
+
+async def gravity(controller: FlightController) -> int:
+    """Return the vertical acceleration, 256 for 1 g, once the reading is steady."""
+    before, now = 0, -1
+    while before != now or not now:
+        await asyncio.sleep(0.2)
+        before, now = now, (await controller.get(sensors.RawImu)).accelerations[2]
+    return now
+
+
+async def test_calibrating_the_accelerometer(tmp_path: Path) -> None:
+    with betaflight_sitl(tmp_path) as sitl:
+        await sitl.start()
+        async with flight_simulator(gravity=0.9 * GRAVITY):
+            async with FlightController(URL) as controller:
+                assert await gravity(controller) == pytest.approx(0.9 * ONE_G, abs=2)
+            async with await mavstack.connect(URL) as connection:
+                vehicle = await connection.wait_for_vehicle(timeout=20)
+                states = []
+                vehicle.add_listener(common.Heartbeat, lambda beat: states.append(beat.system_status))
+                await vehicle.calibration.run("accelerometer")
+                assert common.MavState.CALIBRATING in states
+            async with FlightController(URL) as controller:
+                assert await gravity(controller) == pytest.approx(ONE_G, abs=2)

@@ -117,7 +117,7 @@ class LinkURL:
         return replace(self, options={**self.options, **texts})
 
 
-_PATH_SAFE = "/:\\,.~@+=&"
+_PATH_SAFE = "/:\\,.~@+=&[]"  # brackets: other schemes may carry the address of a host
 _SECRET_OPTION = re.compile(r"([?&][^=&]*(?:pass|secret|token|key|header\.)[^=&]*=)[^&]+", re.IGNORECASE)
 
 

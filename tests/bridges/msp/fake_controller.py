@@ -275,8 +275,7 @@ class FakeController:
     def _waypoint(self, index: int) -> Wp:
         if index == 0:
             return Wp(0, WaypointAction.WAYPOINT, 47.0, 8.0, 0.0, 0, 0, 0, 0x48)
-        found = self.waypoints[index]
-        return Wp(*(getattr(found, name) for name in Wp.__dataclass_fields__))
+        return Wp.decode(self.waypoints[index].encode(self.info), self.info)  # in whole centimeters
 
 
 @asynccontextmanager

@@ -50,6 +50,14 @@ def test_up_and_down():
     run(scenario, variant="INAV")
 
 
+def test_altitudes_are_rounded_to_whole_centimeters():
+    async def scenario(vehicle, controller, bridge):
+        await vehicle.mission.upload([waypoint(altitude=12.345), waypoint(47.001, 33.333)])
+        assert [controller.waypoints[number].flag for number in (1, 2)] == [0, LAST_WAYPOINT_FLAG]
+
+    run(scenario, variant="INAV")
+
+
 def test_the_mission_of_the_controller_is_read_at_the_start_and_when_it_changes():
     async def scenario(vehicle, controller, bridge):
         controller.waypoints[1] = SetWp(1, WaypointAction.LAND, 47.0, 8.0, 0.0, 0, 0, 0, LAST_WAYPOINT_FLAG)
@@ -82,7 +90,7 @@ def test_an_item_that_it_lacks_is_refused_with_its_number():
 def test_a_mission_that_the_controller_does_not_take_is_refused():
     async def scenario(vehicle, controller, bridge):
         controller._set_waypoint = lambda waypoint: None
-        with pytest.raises(MissionDenied, match="it did not take it"):
+        with pytest.raises(MissionDenied, match="it did not take waypoint 1"):
             await vehicle.mission.upload(MISSION)
         assert len(await vehicle.mission.download()) == 0
 

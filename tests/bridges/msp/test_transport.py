@@ -4,6 +4,7 @@ import pytest
 
 from mavstack import LinkURLError
 from mavstack.bridges.msp.transport import msp_name, transport_url
+from mavstack.links import parse_url
 
 
 @pytest.mark.parametrize(
@@ -13,6 +14,7 @@ from mavstack.bridges.msp.transport import msp_name, transport_url
         ("MSP+TCP://127.0.0.1:5761?reconnect=no", "tcpout://127.0.0.1:5761?reconnect=no"),
         ("tcp:127.0.0.1:5761", "tcpout://127.0.0.1:5761"),
         ("msp+tcpin://127.0.0.1:5761", "tcpin://127.0.0.1:5761"),
+        ("msp+tcp://[::1]:5761", "tcpout://[::1]:5761"),
         ("msp+serial:///dev/ttyACM0", "serial:///dev/ttyACM0?baud=115200"),
         ("msp+serial:///dev/ttyACM0?baud=57600", "serial:///dev/ttyACM0?baud=57600"),
         ("msp+serial:///dev/ttyACM0:57600", "serial:///dev/ttyACM0?baud=57600"),
@@ -23,6 +25,11 @@ from mavstack.bridges.msp.transport import msp_name, transport_url
 )
 def test_urls_of_links(text: str, url: str):
     assert str(transport_url(text)) == url
+
+
+def test_an_ipv6_address_in_a_parsed_url():
+    parsed = parse_url("msp+tcp://[::1]:5761?reconnect=no", {"msp+tcp"})
+    assert str(transport_url(parsed)) == "tcpout://[::1]:5761?reconnect=no"
 
 
 def test_the_baud_rate_of_an_option():

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from dataclasses import astuple
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Final
 
 from mavstack.bridges.msp.telemetry import StreamedMessage
@@ -176,12 +176,14 @@ class BridgedMissions:
         removed = SetWp(1, WaypointAction.RTH, 0.0, 0.0, 0.0, 0, 0, 0, 0)
         for waypoint in waypoints or [removed]:
             await self._controller.send(waypoint)
-        stored = await self._read()
-        if [astuple(each) for each in stored] != [astuple(each) for each in waypoints]:
+        stored, info = await self._read(), self._controller.info
+        pairs = zip_longest((each.encode(info) for each in waypoints), (each.encode(info) for each in stored))
+        number = next((number for number, (wanted, found) in enumerate(pairs, 1) if wanted != found), None)
+        if number is not None:
             raise MspError(
                 "writing the mission to",
                 self._controller.name,
-                answer="it did not take it; iNav keeps its mission while it flies one",
+                answer=f"it did not take waypoint {number}; iNav keeps its mission while it flies one",
             )
 
     async def _read(self) -> list[Wp]:
