@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import runpy
 import shlex
 import shutil
 import subprocess
@@ -95,3 +96,17 @@ def test_examples_run(example):
     done = run(sys.executable, "-W", "error", str(example))
     assert done.returncode == 0, done.stderr
     assert done.stdout
+
+
+def test_the_drones_of_the_dashboard_circle():
+    example = runpy.run_path(str(ROOT / "examples" / "dashboards" / "zermatt.py"))
+    simulation = example["simulate"]()
+    headings = []
+    for _ in range(2):
+        headings.append([drone.body.truth.yaw for drone in simulation.vehicles])
+        for _ in range(round(10 / simulation.step_length)):
+            simulation.step()
+    for before, after, drone in zip(*headings, simulation.vehicles, strict=True):
+        assert drone.autopilot.altitude > 40
+        assert abs(after - before) > 0.2
+    simulation.close()

@@ -65,3 +65,11 @@ it('keeps a choice whose vehicles are away from falling back to the selected veh
   fly.chosen = [];
   fleet.vehicles = [];
 });
+
+it('keeps the newest 500 aircraft', () => {
+  const report = (address: number) => fly.takeTraffic({ address, latitude: 0, longitude: 0 } as never);
+  for (let address = 1; address <= 500; address += 1) report(address);
+  report(1);
+  report(501);
+  expect([fly.aircraft.length, fly.aircraft[0]!.address, fly.aircraft.at(-2)!.address]).toEqual([500, 3, 1]);
+});

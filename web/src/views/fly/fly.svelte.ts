@@ -15,6 +15,8 @@ const SLOW_TICKS = 5;
 const MAX_TAIL = 3 * SLOW_TICKS;
 /** Places of all tracks together; a large fleet gets shorter tracks. */
 const MAX_PLACES = 40_000;
+/** A receiver hears some hundreds of aircraft at most. */
+const MAX_AIRCRAFT = 500;
 
 export interface VehiclePlans {
   readonly mission: readonly PlanItem[];
@@ -63,10 +65,7 @@ class FlyState {
   start(): void {
     if (this.isStarted) return;
     this.isStarted = true;
-    fleet.onMessage('ADSB_VEHICLE', (message) => {
-      const aircraft = aircraftFrom(message.fields, message.time);
-      if (aircraft !== null) this.reports.set(aircraft.address, aircraft);
-    });
+    fleet.onMessage('ADSB_VEHICLE', (message) => this.takeTraffic(aircraftFrom(message.fields, message.time)));
     setInterval(() => this.tick(Date.now()), TRACK_INTERVAL);
     $effect.root(() => {
       $effect(() => {
@@ -81,6 +80,19 @@ class FlyState {
   /** Returns the newest places of a vehicle's track: those of the time until the tracks are published and drawn. */
   trackEnd(system: number): readonly Place[] | null {
     return this.trackOf.get(system)?.places.slice(-MAX_TAIL) ?? null;
+  }
+
+  /** Keeps the newest report of an aircraft; of too many, those that were reported longest ago are dropped. */
+  takeTraffic(aircraft: Aircraft | null): void {
+    if (aircraft === null) return;
+    this.reports.delete(aircraft.address);
+    this.reports.set(aircraft.address, aircraft);
+    if (this.reports.size > MAX_AIRCRAFT) this.reports.delete(this.reports.keys().next().value!);
+  }
+
+  /** Aircraft that were reported, the newest last. */
+  get aircraft(): readonly Aircraft[] {
+    return [...this.reports.values()];
   }
 
   toggle(system: number): void {
@@ -113,7 +125,7 @@ class FlyState {
     for (const [address, aircraft] of this.reports) {
       if (now - aircraft.time > TRAFFIC_TIMEOUT) this.reports.delete(address);
     }
-    if (this.reports.size > 0 || this.traffic.length > 0) this.traffic = [...this.reports.values()];
+    if (this.reports.size > 0 || this.traffic.length > 0) this.traffic = this.aircraft;
     this.followTakeoffs(now);
     this.forget();
   }

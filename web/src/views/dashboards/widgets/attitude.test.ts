@@ -1,5 +1,6 @@
 import { expect, it } from 'vitest';
 import { attitudeFaces, project, rotated } from './attitude';
+import { numberText } from './reading.svelte';
 
 const QUARTER = Math.PI / 2;
 const near = (point: object, expected: object): void => {
@@ -24,4 +25,9 @@ it('draws what is far first, in a picture of bounded size', () => {
 it('shows right to the right and up above', () => {
   expect(project({ x: 0, y: 1, z: 0 })[0]).toBeGreaterThan(0);
   expect(project({ x: 0, y: 0, z: -1 })[1]).toBeLessThan(0);
+});
+
+it('writes a number that rounds to zero without a sign', () => {
+  expect([-0.2, -0.6, 0.2].map((value) => numberText(value, 0))).toEqual(['0', '-1', '0']);
+  expect(numberText(-0.001, 2)).toBe('0.00');
 });

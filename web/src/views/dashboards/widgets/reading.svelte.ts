@@ -17,10 +17,16 @@ export function valueOf({ field, series }: Watched): number | null {
   return value === null ? null : value * field.factor + field.offset;
 }
 
+/** Returns a number with so many decimals; one that rounds to zero has no sign. */
+export function numberText(value: number, decimals: number): string {
+  const text = value.toFixed(decimals);
+  return /^-0(\.0*)?$/.test(text) ? text.slice(1) : text;
+}
+
 /** Returns what a field shows as text: a text of the source as it is. */
 export function textOfField(watched: Watched, decimals: number): string {
   const value = valueOf(watched);
-  if (value !== null) return value.toFixed(decimals);
+  if (value !== null) return numberText(value, decimals);
   const { latest } = watched.series;
   return typeof latest === 'string' ? latest : '–';
 }
