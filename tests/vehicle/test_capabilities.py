@@ -36,6 +36,22 @@ def test_firmwares(firmware):
     fly((VehicleType.COPTER, firmware), scenario)
 
 
+@pytest.mark.parametrize(
+    ("firmware", "vehicle_type", "actions"),
+    [
+        (ARDUPILOT, VehicleType.COPTER, (True, True, True, True)),
+        (ARDUPILOT, VehicleType.ROVER, (False, True, False, True)),
+        (PX4, VehicleType.COPTER, (True, True, True, True)),
+    ],
+)
+def test_actions(firmware, vehicle_type, actions):
+    async def scenario(world, vehicle):
+        found = vehicle.capabilities
+        assert (found.takeoff, found.goto, found.orbit, found.manual_control) == actions
+
+    fly((vehicle_type, firmware), scenario)
+
+
 @pytest.mark.parametrize(("name", "parameter"), [("gripper", "GRIP_ENABLE"), ("winch", "WINCH_TYPE")])
 def test_a_parameter_enables_equipment(name, parameter):
     async def scenario(world, vehicle):
@@ -76,6 +92,7 @@ def test_components_and_messages_of_an_unknown_firmware():
         assert found.extended_parameters is True
         assert (found.shell, found.logs, found.parameters, found.mission) == (None,) * 4
         assert (found.events, found.winch) == (None, None)
+        assert (found.takeoff, found.goto, found.orbit, found.manual_control) == (None,) * 4
         for message in (common.LogEntry(id=1), common.CurrentEventSequence(), common.WinchStatus()):
             harness.peers[0].node.send(message)
         flags = common.MavProtocolCapability.PARAM_FLOAT | common.MavProtocolCapability.MISSION_RALLY

@@ -47,6 +47,10 @@ class Capabilities:
         logs: Logs can be downloaded: `logs`.
         shell: The firmware has a shell: `shell`.
         events: The vehicle sends events: `events`.
+        takeoff: The vehicle takes off: `takeoff`.
+        goto: The vehicle goes to locations: `goto`.
+        orbit: The vehicle circles locations: `orbit`.
+        manual_control: The vehicle takes the sticks of a ground station: MANUAL_CONTROL.
         setpoints: The vehicle follows setpoints: `guided`.
         attitude_setpoints: The vehicle follows setpoints of its attitude.
         command_int: Commands may be sent as COMMAND_INT.
@@ -78,6 +82,10 @@ class Capabilities:
     logs: bool | None = None
     shell: bool | None = None
     events: bool | None = None
+    takeoff: bool | None = None
+    goto: bool | None = None
+    orbit: bool | None = None
+    manual_control: bool | None = None
     setpoints: bool | None = None
     attitude_setpoints: bool | None = None
     command_int: bool | None = None
@@ -108,7 +116,8 @@ class Capabilities:
 def capabilities_of(vehicle: VehicleState) -> Capabilities:
     """Return the capabilities of a vehicle as far as they are known now."""
     reader = _Reader(vehicle)
-    features = firmware_of(vehicle).FEATURES
+    firmware = firmware_of(vehicle)
+    features = firmware.FEATURES
     cameras, gimbals = tuple(reader.cameras()), tuple(reader.gimbals())
     return Capabilities(
         parameters=reader.first(features.get("parameters"), reader.parameters()),
@@ -122,6 +131,10 @@ def capabilities_of(vehicle: VehicleState) -> Capabilities:
         events=reader.first(
             features.get("events"), reader.heard(common.CurrentEventSequence), reader.heard(common.Event)
         ),
+        takeoff=reader.action("takeoff", possible=vehicle.vehicle_type.flies),
+        goto=reader.action("goto", possible=True),
+        orbit=reader.action("orbit", possible=firmware.can_orbit),
+        manual_control=features.get("manual_control"),
         setpoints=reader.first(features.get("setpoints"), reader.flag(_FLAG.SET_POSITION_TARGET_LOCAL_NED)),
         attitude_setpoints=reader.first(
             features.get("attitude_setpoints"), reader.flag(_FLAG.SET_ATTITUDE_TARGET)
@@ -181,6 +194,15 @@ class _Reader:
         return (
             None if self._vehicle.component.info is None else self._vehicle.vehicle_type is VehicleType.VTOL
         )
+
+    def action(self, call: str, *, possible: bool) -> bool | None:
+        """Return whether the firmware has a call; None for an unknown firmware, which may have it."""
+        firmware = firmware_of(self._vehicle)
+        if self._vehicle.component.info is None:
+            return None
+        if call in firmware.LACKING or not possible:
+            return False
+        return True if firmware.FEATURES else None
 
     def enabled(self, equipment: str) -> bool | None:
         """Return whether a downloaded parameter enables an equipment; None if none was downloaded."""

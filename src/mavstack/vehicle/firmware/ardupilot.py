@@ -74,7 +74,9 @@ class ArduPilot(Firmware):
         }
     )
     FEATURES: ClassVar[Mapping[str, bool]] = MappingProxyType(
-        dict.fromkeys(("parameters", "mission", "logs", "servos", "relays", "motor_test"), True)
+        dict.fromkeys(
+            ("parameters", "mission", "logs", "servos", "relays", "motor_test", "manual_control"), True
+        )
         | {"flashing": True, "actuators": False, "shell": False, "events": False}
     )
     EQUIPMENT_PARAMETERS: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
@@ -165,6 +167,11 @@ class ArduPilot(Firmware):
         if yaw is not None and self._type is VehicleType.COPTER:
             await self.turn(yaw)
 
+    @property
+    def can_orbit(self) -> bool:
+        """True if vehicles of this type circle locations with this firmware."""
+        return self._type in (VehicleType.COPTER, VehicleType.PLANE, VehicleType.VTOL)
+
     async def prepare_orbit(self, center: Location, radius: float) -> OrbitEntry | None:
         """Return the centre for a copter, which circles the position where it enters CIRCLE.
 
@@ -172,7 +179,7 @@ class ArduPilot(Firmware):
         """
         if self._type in (VehicleType.PLANE, VehicleType.VTOL):
             return None
-        if self._type is not VehicleType.COPTER:
+        if not self.can_orbit:
             raise self.unsupported("orbit")
         self._check_throttle()
         if await self._circle_around_entry():

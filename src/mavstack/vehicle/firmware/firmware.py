@@ -126,6 +126,11 @@ class Firmware:
         if words is not None:
             raise self.unsupported(words, "its firmware has no command for that")
 
+    @property
+    def can_orbit(self) -> bool:
+        """True if vehicles of this type circle locations with this firmware."""
+        return self.vehicle.vehicle_type.flies
+
     def modes_of(self, action: str) -> frozenset[str] | None:
         """Return the modes in which an action goes on, in lower case; None if any mode will do."""
         return self.MODES.get(action)

@@ -54,7 +54,7 @@ _FEATURES: Final[Mapping[str, bool]] = MappingProxyType(
     {"parameters": True, "flashing": True}
     | dict.fromkeys(("mission", "fence", "rally", "ftp", "logs", "shell", "events", "terrain"), False)
     | dict.fromkeys(("setpoints", "attitude_setpoints", "servos", "relays", "actuators"), False)
-    | dict.fromkeys(("motor_test", "gripper", "winch", "ekf_sources", "vtol"), False)
+    | dict.fromkeys(("motor_test", "manual_control", "gripper", "winch", "ekf_sources", "vtol"), False)
 )
 
 

@@ -45,7 +45,9 @@ class Px4(Firmware):
         }
     )
     FEATURES: ClassVar[Mapping[str, bool]] = MappingProxyType(
-        dict.fromkeys(("parameters", "mission", "logs", "shell", "actuators", "motor_test"), True)
+        dict.fromkeys(
+            ("parameters", "mission", "logs", "shell", "actuators", "motor_test", "manual_control"), True
+        )
         | {"flashing": True, "servos": False, "relays": False, "ekf_sources": False}
     )
     EQUIPMENT_PARAMETERS: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
