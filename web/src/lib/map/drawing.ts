@@ -1,7 +1,7 @@
 /** Layers of the map and the canvas above the tiles on which they paint, at most once per animation frame. */
 import type { MapPalette } from './palette';
 import type { Point, Projection } from './projection';
-import { stamp } from './sprites';
+import { spriteOf, stamp } from './sprites';
 
 export interface Drawing {
   readonly context: CanvasRenderingContext2D;
@@ -12,6 +12,8 @@ export interface Drawing {
 /** A layer paints itself; it reads the store, so that a change paints the map again. */
 export type Layer = (drawing: Drawing) => void;
 
+/** Pixels around a text for its halo. */
+const MARGIN = 10;
 const FONT = 'system-ui, "Segoe UI", Roboto, "Noto Sans", sans-serif';
 
 export interface LabelStyle {
@@ -25,13 +27,11 @@ export interface LabelStyle {
 export function label({ context, palette }: Drawing, text: string, { x, y }: Point, style: LabelStyle = {}): void {
   const { size = 12, weight = 600, colour = palette.text, align = 'center' } = style;
   const font = `${weight} ${size}px ${FONT}`;
-  context.font = font;
-  const width = context.measureText(text).width;
-  const shift = align === 'center' ? 0 : align === 'left' || align === 'start' ? width / 2 : -width / 2;
-  context.save();
-  // Whole pixels keep texts sharp.
-  context.translate(Math.round(x + shift), Math.round(y));
-  stamp(context, `${text}|${font}|${colour}|${palette.halo}`, width + 8, size + 10, (target) => {
+  const measure = (): [number, number] => {
+    context.font = font;
+    return [context.measureText(text).width + MARGIN, size + MARGIN];
+  };
+  const sprite = spriteOf(`${text}|${font}|${colour}|${palette.halo}`, measure, (target) => {
     target.font = font;
     target.textAlign = 'center';
     target.textBaseline = 'middle';
@@ -42,6 +42,12 @@ export function label({ context, palette }: Drawing, text: string, { x, y }: Poi
     target.fillStyle = colour;
     target.fillText(text, 0, 0);
   });
+  const half = (sprite.width - MARGIN) / 2;
+  const shift = align === 'center' ? 0 : align === 'left' || align === 'start' ? half : -half;
+  context.save();
+  // Whole pixels keep texts sharp.
+  context.translate(Math.round(x + shift), Math.round(y));
+  stamp(context, sprite);
   context.restore();
 }
 

@@ -4,42 +4,53 @@
  * Texts with halos and outlines of symbols are slow to paint; a hundred vehicles would take longer than a frame.
  */
 
-interface Sprite {
-  readonly canvas: HTMLCanvasElement;
+export interface Sprite {
+  readonly picture: CanvasImageSource;
+  /** In CSS pixels. */
   readonly width: number;
   readonly height: number;
 }
+
+type Paint = (context: CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D) => void;
 
 const MAX_SPRITES = 800;
 const sprites = new Map<string, Sprite>();
 
 /**
- * Copies a picture to a place, in the present transformation.
+ * Returns a picture, painted now if it is not there yet.
  *
  * @param key - Everything that the picture depends on.
- * @param width - Width and height in CSS pixels; the origin of `paint` is the middle.
+ * @param size - Width and height in CSS pixels; the origin of `paint` is the middle.
  */
-export function stamp(
-  context: CanvasRenderingContext2D, key: string, width: number, height: number, paint: (context: CanvasRenderingContext2D) => void,
-): void {
+export function spriteOf(key: string, size: () => readonly [width: number, height: number], paint: Paint): Sprite {
   const scale = window.devicePixelRatio || 1;
   const name = `${key}|${scale}`;
-  const sprite = sprites.get(name) ?? painted(width, height, scale, paint);
-  // Moved to the end: the oldest sprites are dropped first.
-  sprites.delete(name);
+  const known = sprites.get(name);
+  if (known !== undefined) return known;
+  if (sprites.size >= MAX_SPRITES) dropOldest();
+  const sprite = painted(...size(), scale, paint);
   sprites.set(name, sprite);
-  if (sprites.size > MAX_SPRITES) sprites.delete(sprites.keys().next().value!);
-  context.drawImage(sprite.canvas, -sprite.width / 2, -sprite.height / 2, sprite.width, sprite.height);
+  return sprite;
 }
 
-function painted(width: number, height: number, scale: number, paint: (context: CanvasRenderingContext2D) => void): Sprite {
-  const canvas = document.createElement('canvas');
-  canvas.width = Math.ceil(width * scale);
-  canvas.height = Math.ceil(height * scale);
+/** Copies a picture with its middle at the origin of the present transformation. */
+export function stamp(context: CanvasRenderingContext2D, { picture, width, height }: Sprite): void {
+  context.drawImage(picture, -width / 2, -height / 2, width, height);
+}
+
+function dropOldest(): void {
+  const [oldest, sprite] = sprites.entries().next().value!;
+  sprites.delete(oldest);
+  if (sprite.picture instanceof ImageBitmap) sprite.picture.close();
+}
+
+function painted(width: number, height: number, scale: number, paint: Paint): Sprite {
+  const canvas = new OffscreenCanvas(Math.ceil(width * scale), Math.ceil(height * scale));
   const context = canvas.getContext('2d');
-  if (context !== null) {
-    context.setTransform(scale, 0, 0, scale, canvas.width / 2, canvas.height / 2);
-    paint(context);
-  }
-  return { canvas, width: canvas.width / scale, height: canvas.height / scale };
+  const size = { width: canvas.width / scale, height: canvas.height / scale };
+  if (context === null) return { picture: canvas, ...size };
+  context.setTransform(scale, 0, 0, scale, canvas.width / 2, canvas.height / 2);
+  paint(context);
+  // A canvas would be copied each time it is drawn.
+  return { picture: canvas.transferToImageBitmap(), ...size };
 }

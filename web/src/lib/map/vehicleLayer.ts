@@ -3,7 +3,7 @@ import type { Place } from './geometry';
 import { vehicleColour } from './palette';
 import type { Point, Projection } from './projection';
 import { label, polyline, type Drawing } from './drawing';
-import { stamp } from './sprites';
+import { spriteOf, stamp } from './sprites';
 import { symbolKind, symbolShape } from './symbols';
 
 export interface MapVehicle extends Place {
@@ -25,7 +25,7 @@ export interface MapVehicle extends Place {
 const AHEAD = 8;
 const HIT_RADIUS = 22;
 const CAPTION_HEIGHT = 15;
-const SYMBOL_SIZE = 48;
+const SYMBOL_SIZE = [48, 48] as const;
 
 /** Paint all vehicles, the selected ones above the others, and captions where there is room for them. */
 export function paintVehicles(drawing: Drawing, vehicles: readonly MapVehicle[]): void {
@@ -71,14 +71,15 @@ function paintVehicle(drawing: Drawing, vehicle: MapVehicle, pixel: Point): void
   if (vehicle.isSelected) paintSelection(drawing, colour);
   context.rotate((((vehicle.heading ?? 0) - projection.view.bearing) * Math.PI) / 180);
   const kind = vehicle.heading === null ? 'unknown' : symbolKind(vehicle.type);
-  stamp(context, `${kind}|${colour}|${vehicle.isArmed}|${palette.halo}`, SYMBOL_SIZE, SYMBOL_SIZE, (target) =>
+  const sprite = spriteOf(`${kind}|${colour}|${vehicle.isArmed}|${palette.halo}`, () => SYMBOL_SIZE, (target) =>
     paintSymbol(target, symbolShape(kind), colour, palette.halo, vehicle.isArmed),
   );
+  stamp(context, sprite);
   context.restore();
 }
 
 function paintSymbol(
-  context: CanvasRenderingContext2D, shape: Path2D, colour: string, halo: string, isArmed: boolean,
+  context: CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D, shape: Path2D, colour: string, halo: string, isArmed: boolean,
 ): void {
   context.lineJoin = 'round';
   context.lineWidth = 4.5;

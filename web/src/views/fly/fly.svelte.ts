@@ -12,7 +12,9 @@ import type { PlanItem, PlanKind, Vehicle } from '$lib/vehicle/Vehicle';
 
 const TRACK_INTERVAL = 200;
 const SLOW_TICKS = 5;
-const MAX_TAIL = 3 * SLOW_TICKS;
+/** The map draws all tracks again when one has changed; in between the newest places are drawn with the vehicle. */
+const TRACK_TICKS = 10;
+const MAX_TAIL = TRACK_TICKS + SLOW_TICKS;
 /** Places of all tracks together; a large fleet gets shorter tracks. */
 const MAX_PLACES = 40_000;
 /** A receiver hears some hundreds of aircraft at most. */
@@ -59,6 +61,7 @@ class FlyState {
   private readonly planTotals = new Map<number, number | null>();
   private readonly paths = new Map<number, { mission: readonly PlanItem[]; home: Place | null; path: MissionPath }>();
   private ticks = 0;
+  private drawn = '';
   private isStarted = false;
 
   /** Begins to watch the fleet; once, when the view is first shown. */
@@ -66,7 +69,7 @@ class FlyState {
     if (this.isStarted) return;
     this.isStarted = true;
     fleet.onMessage('ADSB_VEHICLE', (message) => this.takeTraffic(aircraftFrom(message.fields, message.time)));
-    setInterval(() => this.tick(Date.now()), TRACK_INTERVAL);
+    setInterval(() => this.tick(fleet.now()), TRACK_INTERVAL);
     $effect.root(() => {
       $effect(() => {
         // Another link: a choice by system ids would mean other vehicles there.
@@ -116,12 +119,12 @@ class FlyState {
       // Noise of a vehicle that stands is no track.
       if (position !== null && (inAir !== false || vehicle.state.armed)) track.add(position);
     }
+    if (this.ticks % TRACK_TICKS === 0) this.publishTracks();
     if (this.ticks % SLOW_TICKS === 0) this.slowTick(now);
   }
 
   private slowTick(now: number): void {
     this.now = now;
-    this.publishTracks();
     for (const [address, aircraft] of this.reports) {
       if (now - aircraft.time > TRAFFIC_TIMEOUT) this.reports.delete(address);
     }
@@ -131,6 +134,9 @@ class FlyState {
   }
 
   private publishTracks(): void {
+    const wanted = `${pageTheme.isDark} ${[...this.trackOf].map(([system, track]) => `${system}:${track.revision}`).join()}`;
+    if (wanted === this.drawn) return;
+    this.drawn = wanted;
     const shown = [...this.trackOf].map(([system, track]) => [track, vehicleColour(system, pageTheme.isDark)] as const);
     this.tracks = trackFeatures(shown);
   }
