@@ -59,6 +59,47 @@ describe('ApiClient', () => {
     expect(asked).toHaveBeenCalledOnce();
   });
 
+  it('gives up a station that takes a request and does not answer', async () => {
+    vi.useFakeTimers();
+    const hanging = (_: string, init: RequestInit): Promise<Response> =>
+      new Promise((_resolve, reject) => init.signal!.addEventListener('abort', () => reject(init.signal!.reason as Error)));
+    const client = new ApiClient('/api', hanging as typeof fetch);
+    const failure = errorOf(client.post('vehicles/1/rtl'));
+    await vi.advanceTimersByTimeAsync(60_000);
+    expect((await failure).message).toBe('the station does not answer');
+    vi.useRealTimers();
+  });
+
+  it('ends long work when the station stays away, not when it comes back', async () => {
+    vi.useFakeTimers();
+    let events: FakeEvents | null = null;
+    class FakeEvents {
+      static readonly CLOSED = 2;
+      readyState = 0;
+      onopen: () => void = () => {};
+      onerror: () => void = () => {};
+      readonly close = vi.fn();
+      constructor() {
+        events = this;
+      }
+      addEventListener(): void {}
+    }
+    vi.stubGlobal('EventSource', FakeEvents);
+    const { client } = clientOf([json({ task: '3' }, 202)]);
+    const failure = errorOf(client.longJson('GET', 'vehicles/1/parameters'));
+    await vi.advanceTimersByTimeAsync(0);
+    events!.onerror();
+    await vi.advanceTimersByTimeAsync(15_000);
+    events!.onopen();
+    await vi.advanceTimersByTimeAsync(15_000);
+    events!.onerror();
+    await vi.advanceTimersByTimeAsync(19_000);
+    expect(events!.close).not.toHaveBeenCalled();
+    await vi.advanceTimersByTimeAsync(1000);
+    expect((await failure).message).toBe('the station does not answer');
+    vi.useRealTimers();
+  });
+
   it('follows long work to its result', async () => {
     const listeners = new Map<string, (event: { data: string }) => void>();
     class FakeEvents {

@@ -19,6 +19,9 @@ interface Started {
 }
 
 const INSTALLED_BASE = './api';
+/** Times in ms: until the station answers, and until its connection for the progress of long work is there again. */
+const ANSWER_TIMEOUT = 60_000;
+const PROGRESS_TIMEOUT = 20_000;
 
 export class ApiClient {
   private readonly base: string;
@@ -65,11 +68,6 @@ export class ApiClient {
     return (await (await this.long(method, path, onProgress, body, query)).json()) as Result;
   }
 
-  /** Cancels long work that no longer matters. */
-  async cancel(task: string): Promise<void> {
-    await this.request('DELETE', `tasks/${task}`);
-  }
-
   url(path: string, query: Query = {}): string {
     const given = Object.entries(query).filter(([, value]) => value !== undefined);
     const search = new URLSearchParams(given.map(([name, value]) => [name, String(value)])).toString();
@@ -84,11 +82,17 @@ export class ApiClient {
     const headers: Record<string, string> = { Accept: 'application/json' };
     if (body !== undefined && !(body instanceof Blob)) headers['Content-Type'] = 'application/json';
     const sent = body === undefined ? null : body instanceof Blob ? body : JSON.stringify(body);
+    const aborter = new AbortController();
+    // An upload takes its time.
+    const timer = sent instanceof Blob ? undefined : setTimeout(() => aborter.abort(), ANSWER_TIMEOUT);
+    const { signal } = aborter;
     let response: Response;
     try {
-      response = await this.fetcher(this.url(path, query), { method, headers, body: sent, credentials: 'same-origin' });
+      response = await this.fetcher(this.url(path, query), { method, headers, body: sent, credentials: 'same-origin', signal });
     } catch {
-      throw new StationError('Unreachable', 'the station does not answer');
+      throw unreachable();
+    } finally {
+      clearTimeout(timer);
     }
     if (response.ok) return response;
     if (response.status === 401 && path !== 'session') this.onUnauthorized?.();
@@ -96,24 +100,43 @@ export class ApiClient {
   }
 
   private follow(task: string, onProgress?: Progress): Promise<void> {
-    return new Promise((resolve) => {
+    return new Promise((resolve, reject) => {
       const events = new EventSource(this.url(`tasks/${task}/progress`));
+      let timer: ReturnType<typeof setTimeout> | undefined;
+      const close = (): void => {
+        clearTimeout(timer);
+        events.close();
+      };
       const report = (event: MessageEvent<string>): void => {
         const state = JSON.parse(event.data) as Task;
         onProgress?.(state.done, state.total);
       };
       const end = (): void => {
-        events.close();
+        close();
         resolve();
+      };
+      const lose = (): void => {
+        close();
+        reject(unreachable());
       };
       events.addEventListener('progress', report);
       // The result has the error of failed work, and of a task that is gone.
       for (const name of ['done', 'failed', 'cancelled']) events.addEventListener(name, end);
+      events.onopen = () => {
+        clearTimeout(timer);
+        timer = undefined;
+      };
       events.onerror = () => {
         if (events.readyState === EventSource.CLOSED) end();
+        // The browser tries again by itself.
+        else timer ??= setTimeout(lose, PROGRESS_TIMEOUT);
       };
     });
   }
+}
+
+function unreachable(): StationError {
+  return new StationError('Unreachable', 'the station does not answer');
 }
 
 interface ErrorBody {

@@ -23,6 +23,9 @@ const HEARTBEAT_INTERVAL = 1000;
 const FINDING_TIME = 3000;
 /** Pages in the background have no animation frames. */
 const BACKGROUND_INTERVAL = 1000;
+/** Larger fleets are shown at most this often: their messages come at all times, and each frame would have some. */
+const MAX_SMALL_FLEET = 12;
+const LARGE_FLEET_INTERVAL = 50;
 const MAV_TYPE_GCS = 6;
 const MAV_AUTOPILOT_INVALID = 8;
 const MAV_STATE_ACTIVE = 4;
@@ -45,6 +48,7 @@ class Fleet {
   private chosen = false;
   /** When the first vehicle was found. */
   private firstFound = 0;
+  private published = 0;
   private countedSince = 0;
 
   /** Leaves the present link and shows the vehicles of another one. */
@@ -61,7 +65,7 @@ class Fleet {
     this.ends = [
       transport.onState(follow),
       transport.onData((data, time) => {
-        for (const message of this.decoder.push(data, time)) this.take(message, makeVehicle);
+        for (const message of this.decoder.push(data, time)) this.take(message, makeVehicle, transport);
       }),
       this.every(BACKGROUND_INTERVAL, () => this.publish()),
     ];
@@ -71,7 +75,8 @@ class Fleet {
     try {
       await transport.open();
     } finally {
-      follow();
+      // Another link may have been chosen in the meantime.
+      if (this.transport === transport) follow();
     }
   }
 
@@ -86,10 +91,13 @@ class Fleet {
     this.vehicles = [];
     this.selectedSystem = null;
     this.chosen = false;
+    this.texts = [];
+    this.counted = 0;
     messages.clear();
     status.source = null;
     status.link = 'closed';
     status.texts = [];
+    status.rate = 0;
   }
 
   select(system: number): void {
@@ -99,6 +107,11 @@ class Fleet {
 
   vehicle(system: number): Vehicle | null {
     return this.known.get(system) ?? null;
+  }
+
+  /** Returns the time that the views show in ms since 1970: that of the recording in a replay. */
+  now(): number {
+    return this.transport?.now() ?? Date.now();
   }
 
   /** Sends a message by its name, from the ground station. */
@@ -114,12 +127,15 @@ class Fleet {
     return () => listeners.delete(listener);
   }
 
-  private take(message: DecodedMessage, makeVehicle: MakeVehicle): void {
+  private take(message: DecodedMessage, makeVehicle: MakeVehicle, transport: Transport): void {
     this.counted += 1;
     messages.take(message);
     let vehicle = this.known.get(message.system);
     if (vehicle === undefined && isVehicleHeartbeat(message)) {
-      vehicle = makeVehicle(message, (name, fields) => this.send(name, fields));
+      // A vehicle of a link that was left must not reach one with its id on the next link.
+      vehicle = makeVehicle(message, (name, fields) => {
+        if (this.transport === transport) this.send(name, fields);
+      });
       this.add(vehicle);
     }
     const text = vehicle?.take(message) ?? null;
@@ -142,22 +158,25 @@ class Fleet {
 
   private schedule(): void {
     if (this.frame !== null || typeof requestAnimationFrame === 'undefined') return;
-    this.frame = requestAnimationFrame(() => {
+    this.frame = requestAnimationFrame((time) => {
       this.frame = null;
+      const interval = this.known.size > MAX_SMALL_FLEET ? LARGE_FLEET_INTERVAL : 0;
+      if (time - this.published < interval) return this.schedule();
+      this.published = time;
       this.publish();
     });
   }
 
   /** Makes what arrived visible to components. */
-  publish(now: number = Date.now()): void {
+  publish(now: number = this.now()): void {
     for (const vehicle of this.known.values()) vehicle.publish(now);
     messages.publish(now);
     status.addTexts(this.texts.splice(0));
-    const elapsed = now - this.countedSince;
+    const elapsed = Date.now() - this.countedSince;
     if (elapsed < 1000) return;
     status.rate = this.countedSince === 0 ? 0 : (this.counted * 1000) / elapsed;
     this.counted = 0;
-    this.countedSince = now;
+    this.countedSince = Date.now();
   }
 
   private every(interval: number, action: () => void): () => void {

@@ -1,52 +1,127 @@
-import { afterEach, beforeEach, expect, it, vi } from 'vitest';
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 
 import { Encoder } from '$lib/decoder/Decoder';
-import type { Transport } from '$lib/transport/Transport';
+import { ReplayTransport } from '$lib/transport/ReplayTransport';
+import { BaseTransport } from '$lib/transport/Transport';
+import { tlogOf } from '$lib/series/export';
 import { LinkVehicle } from '$lib/vehicle/LinkVehicle';
 
-import { fleet } from './fleet.svelte';
+import { fleet, type MakeVehicle } from './fleet.svelte';
+import { status } from './status.svelte';
 
-let receive: (data: Uint8Array, time: number) => void;
+const NOW = 1_790_000_000_000;
+const link: MakeVehicle = (heartbeat, send) => new LinkVehicle(heartbeat, send);
+const heartbeat = (system: number): Uint8Array => new Encoder(system, 1).build('HEARTBEAT', { type: 2, autopilot: 3 });
 
-function hear(system: number): void {
-  receive(new Encoder(system, 1).build('HEARTBEAT', { type: 2, autopilot: 3 }), Date.now());
+class FakeTransport extends BaseTransport {
+  readonly name = 'fake';
+  readonly sent: Uint8Array[] = [];
+  opened: () => void = () => {};
+
+  open(): Promise<void> {
+    return new Promise((resolve) => {
+      this.opened = () => {
+        this.change('open');
+        resolve();
+      };
+    });
+  }
+
+  close(): void {
+    this.change('closed');
+  }
+
+  send(packets: Uint8Array): void {
+    this.sent.push(packets);
+  }
+
+  receive(data: Uint8Array): void {
+    this.emit(data, Date.now());
+  }
 }
 
-beforeEach(async () => {
-  vi.useFakeTimers();
-  const transport = {
-    name: 'test', state: 'open', reason: null, open: () => Promise.resolve(), close: () => undefined, send: () => undefined,
-    onState: () => () => undefined,
-    onData: (listener: typeof receive) => {
-      receive = listener;
-      return () => undefined;
-    },
-  } as unknown as Transport;
-  await fleet.connect(transport, 'replay', (heartbeat, send) => new LinkVehicle(heartbeat, send));
-});
-
+beforeEach(() => void vi.useFakeTimers({ now: NOW }));
 afterEach(() => {
   fleet.disconnect();
   vi.useRealTimers();
+  vi.unstubAllGlobals();
 });
 
-it('selects the first vehicle of a link, in whichever order they are heard', () => {
-  hear(3);
-  hear(2);
-  expect(fleet.selectedSystem).toBe(2);
+it('sends nothing of a vehicle of the link that was left to the next one', () => {
+  const [first, second] = [new FakeTransport(), new FakeTransport()];
+  void fleet.connect(first, 'server', link);
+  first.receive(heartbeat(1));
+  const vehicle = fleet.vehicle(1)!;
+  vehicle.sendMessage('COMMAND_LONG', { command: 400, param1: 1 });
+  expect(first.sent).toHaveLength(1);
+  void fleet.connect(second, 'server', link);
+  second.receive(heartbeat(1));
+  vehicle.sendMessage('COMMAND_LONG', { command: 400, param1: 1 });
+  expect(second.sent).toEqual([]);
 });
 
-it('keeps the selection when a vehicle with a lower number is switched on later', () => {
-  hear(3);
-  vi.advanceTimersByTime(4000);
-  hear(1);
-  expect(fleet.vehicles.map(({ system }) => system)).toEqual([1, 3]);
-  expect(fleet.selectedSystem).toBe(3);
+it('shows the state of the present link, whatever becomes of the one before', async () => {
+  const [first, second] = [new FakeTransport(), new FakeTransport()];
+  const opening = fleet.connect(first, 'server', link);
+  const next = fleet.connect(second, 'server', link);
+  second.opened();
+  await next;
+  first.opened();
+  await opening;
+  expect(status.link).toBe('open');
 });
 
-it('keeps what the user selected', () => {
-  hear(3);
-  fleet.select(3);
-  hear(1);
-  expect(fleet.selectedSystem).toBe(3);
+it('shows a large fleet less often than each frame', () => {
+  const frames: ((time: number) => void)[] = [];
+  vi.stubGlobal('requestAnimationFrame', (callback: (time: number) => void) => frames.push(callback));
+  const transport = new FakeTransport();
+  void fleet.connect(transport, 'server', link);
+  const shown = (systems: number, from: number): number => {
+    let count = 0;
+    const published = vi.spyOn(fleet, 'publish').mockImplementation(() => void (count += 1));
+    for (let frame = 0; frame < 60; frame += 1) {
+      for (let system = 1; system <= systems; system += 1) transport.receive(heartbeat(system));
+      for (const run of frames.splice(0)) run(from + (frame * 1000) / 60);
+    }
+    published.mockRestore();
+    return count;
+  };
+  expect(shown(3, 1000)).toBe(60);
+  expect(shown(100, 10_000)).toBe(20);
+});
+
+it('takes the time of a recording for the present time', async () => {
+  const packets = [0, 1000, 2000].map((time) => ({ time: NOW - 3_600_000 + time, bytes: heartbeat(1) }));
+  await fleet.connect(new ReplayTransport(tlogOf(packets)), 'replay', link);
+  await vi.advanceTimersByTimeAsync(2500);
+  expect(fleet.now()).toBe(NOW - 3_600_000 + 2000);
+  expect(fleet.vehicle(1)?.state.alive).toBe(true);
+});
+
+describe('the selected vehicle', () => {
+  const transport = new FakeTransport();
+  const hear = (system: number): void => transport.receive(heartbeat(system));
+
+  beforeEach(() => void fleet.connect(transport, 'replay', link));
+
+  it('selects the first vehicle of a link, in whichever order they are heard', () => {
+    hear(3);
+    hear(2);
+    expect(fleet.selectedSystem).toBe(2);
+  });
+
+  it('keeps the selection when a vehicle with a lower number is switched on later', () => {
+    hear(3);
+    vi.advanceTimersByTime(4000);
+    hear(1);
+    expect(fleet.vehicles.map(({ system }) => system)).toEqual([1, 3]);
+    expect(fleet.selectedSystem).toBe(3);
+  });
+
+  it('keeps what the user selected', () => {
+    hear(3);
+    fleet.select(3);
+    hear(1);
+    expect(fleet.selectedSystem).toBe(3);
+  });
 });

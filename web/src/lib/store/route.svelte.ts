@@ -1,5 +1,14 @@
 /** The address of the page: `#/plan/mission` is the view `plan` with the rest `mission`. */
 
+/** Returns a part of an address; one that is not well encoded stays as it is. */
+function decoded(part: string): string {
+  try {
+    return decodeURIComponent(part);
+  } catch {
+    return part;
+  }
+}
+
 class Route {
   view = $state('');
   /** Rest of the address behind the view's name; each view has its own meaning for it. */
@@ -16,7 +25,7 @@ class Route {
   read(hash: string): void {
     const [view = '', ...rest] = hash.replace(/^#\/?/, '').split('/');
     this.view = view;
-    this.rest = rest.map(decodeURIComponent).join('/');
+    this.rest = rest.map(decoded).join('/');
   }
 
   /** Shows a view. */

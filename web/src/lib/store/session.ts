@@ -23,6 +23,7 @@ export const replay: { current: ReplayTransport | null } = { current: null };
 
 /** Connects to the station that served the page; asks for the password if it needs one. */
 export async function startServer(): Promise<void> {
+  leaveReplay();
   api.onUnauthorized = () => (status.needsLogin = true);
   const transport = new WebSocketTransport(undefined, { ticket });
   await fleet.connect(transport, 'server', (heartbeat, send) => new ServerVehicle(heartbeat, send));
@@ -51,6 +52,7 @@ async function ticket(): Promise<string | null> {
 
 /** Starts the fleet of seven in the page, or any number of vehicles. */
 export async function startDemo(count = 7): Promise<void> {
+  leaveReplay();
   status.role = 'administer';
   await fleet.connect(new MockTransport(count), 'demo', (heartbeat, send) => new LinkVehicle(heartbeat, send));
 }
@@ -58,12 +60,23 @@ export async function startDemo(count = 7): Promise<void> {
 /** Lets the user choose a serial port; must be called from a click. */
 export async function startSerial(baudRate?: number): Promise<void> {
   const transport = new WebSerialTransport(baudRate);
+  // First, so that a user who chooses no port stays where he is.
+  await transport.open();
+  leaveReplay();
+  status.role = 'administer';
   await fleet.connect(transport, 'serial', (heartbeat, send) => new LinkVehicle(heartbeat, send));
 }
 
 export async function startReplay(data: Uint8Array, name: string): Promise<void> {
-  replay.current = new ReplayTransport(data, name);
-  await fleet.connect(replay.current, 'replay', (heartbeat, send) => new LinkVehicle(heartbeat, send));
+  const transport = new ReplayTransport(data, name);
+  if (transport.packets === 0) throw new StationError('InvalidArgumentError', `replaying ${name} failed: the file has no packets`);
+  replay.current = transport;
+  await fleet.connect(transport, 'replay', (heartbeat, send) => new LinkVehicle(heartbeat, send));
+}
+
+/** Lets go of the recording, which may be large. */
+function leaveReplay(): void {
+  replay.current = null;
 }
 
 const MAX_DEMO_VEHICLES = 250;

@@ -5,10 +5,12 @@ export type UnitSystem = 'metric' | 'imperial' | 'nautical';
 
 const PREFIX = 'mavstack.';
 
-function stored<Value>(key: string, fallback: Value): Value {
+function stored<Value>(key: string, fallback: Value, choices?: readonly Value[]): Value {
   try {
     const text = localStorage.getItem(PREFIX + key);
-    return text === null ? fallback : (JSON.parse(text) as Value);
+    if (text === null) return fallback;
+    const value = JSON.parse(text) as Value;
+    return choices === undefined || choices.includes(value) ? value : fallback;
   } catch {
     // No storage (private windows, tests), or text of another version.
     return fallback;
@@ -28,10 +30,15 @@ export class Persisted<Value> {
   private readonly key: string;
   private current: Value = $state.raw() as Value;
 
-  /** Creates the value; `key` begins with the view's name, such as `inspect.columns`. */
-  constructor(key: string, fallback: Value) {
+  /**
+   * Creates the value.
+   *
+   * @param key - Begins with the view's name, such as `inspect.columns`.
+   * @param choices - All values that are possible; another one that the browser kept is ignored.
+   */
+  constructor(key: string, fallback: Value, choices?: readonly Value[]) {
     this.key = key;
-    this.current = stored(key, fallback);
+    this.current = stored(key, fallback, choices);
   }
 
   get value(): Value {
@@ -46,8 +53,8 @@ export class Persisted<Value> {
 
 /** Settings of the whole station. */
 export const settings = {
-  theme: new Persisted<Theme>('theme', 'auto'),
-  units: new Persisted<UnitSystem>('units', 'metric'),
+  theme: new Persisted<Theme>('theme', 'auto', ['auto', 'dark', 'light']),
+  units: new Persisted<UnitSystem>('units', 'metric', ['metric', 'imperial', 'nautical']),
   /** URL of raster tiles with {z}/{x}/{y}, of a PMTiles archive, or empty: the generated base layer. */
   tiles: new Persisted<string>('tiles', ''),
   attribution: new Persisted<string>('attribution', ''),

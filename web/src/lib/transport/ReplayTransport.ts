@@ -18,7 +18,7 @@ export class ReplayTransport extends BaseTransport {
   private readonly records: readonly LogRecord[];
   private index = 0;
   private timer: ReturnType<typeof setInterval> | null = null;
-  private now = 0;
+  private at = 0;
   private last = 0;
   /** Seconds of the recording per second. */
   speed = 1;
@@ -28,7 +28,7 @@ export class ReplayTransport extends BaseTransport {
     this.name = name;
     this.data = data;
     this.records = recordsOf(data);
-    this.now = this.start;
+    this.at = this.start;
   }
 
   /** Time of the first packet in ms since 1970; 0 for an empty recording. */
@@ -40,9 +40,9 @@ export class ReplayTransport extends BaseTransport {
     return this.records.at(-1)?.time ?? 0;
   }
 
-  /** Time of the recording that is shown. */
-  get time(): number {
-    return this.now;
+  /** Returns the time of the recording that is shown. */
+  override now(): number {
+    return this.at;
   }
 
   get packets(): number {
@@ -88,15 +88,15 @@ export class ReplayTransport extends BaseTransport {
 
   /** Goes to a time of the recording; the packets of the minute before it give the state at that time. */
   seek(time: number): void {
-    this.now = Math.min(Math.max(time, this.start), this.end);
-    this.index = this.indexAt(this.now - 60_000);
+    this.at = Math.min(Math.max(time, this.start), this.end);
+    this.index = this.indexAt(this.at - 60_000);
     this.advance(0);
   }
 
   /** Emits the packets of the next ms of the recording. */
   advance(elapsed: number): void {
-    this.now = Math.min(this.now + elapsed, this.end);
-    while (this.index < this.records.length && this.records[this.index]!.time <= this.now) {
+    this.at = Math.min(this.at + elapsed, this.end);
+    while (this.index < this.records.length && this.records[this.index]!.time <= this.at) {
       const { start, end, time } = this.records[this.index]!;
       this.index += 1;
       this.emit(this.data.subarray(start, end), time);

@@ -20,6 +20,8 @@ export interface Transport {
   /** Registers a listener for received bytes and their time in ms since 1970; returns the function that removes it. */
   onData(listener: DataListener): () => void;
   onState(listener: StateListener): () => void;
+  /** Returns the present time of what is received, in ms since 1970: that of the recording in a replay. */
+  now(): number;
 }
 
 /** Listeners and state that all transports share. */
@@ -50,6 +52,10 @@ export abstract class BaseTransport implements Transport {
   onState(listener: StateListener): () => void {
     this.stateListeners.add(listener);
     return () => this.stateListeners.delete(listener);
+  }
+
+  now(): number {
+    return Date.now();
   }
 
   protected emit(data: Uint8Array, time: number = Date.now()): void {

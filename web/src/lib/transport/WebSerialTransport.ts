@@ -34,6 +34,7 @@ export class WebSerialTransport extends BaseTransport {
 
   /** Lets the user choose a port; must be called from a click. */
   async open(): Promise<void> {
+    if (this.state === 'open') return;
     this.change('connecting');
     try {
       const port = await (navigator as unknown as { serial: Serial }).serial.requestPort();

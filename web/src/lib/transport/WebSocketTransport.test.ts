@@ -6,6 +6,7 @@ class FakeSocket {
   static readonly made: FakeSocket[] = [];
   binaryType = '';
   readyState = 0;
+  bufferedAmount = 0;
   readonly sent: unknown[] = [];
   onopen: (() => void) | null = null;
   onmessage: ((event: { data: unknown }) => void) | null = null;
@@ -81,6 +82,29 @@ describe('WebSocketTransport', () => {
     FakeSocket.made[2]!.accept();
     expect(FakeSocket.made[2]!.protocols).toEqual(['ados-ws-ticket', 'ticket 3', 'mavstack.raw.1']);
     expect(states).toEqual(['connecting', 'open', 'failed', 'connecting', 'failed', 'connecting', 'open']);
+  });
+
+  it('drops what a stalled connection would deliver late', async () => {
+    const transport = new WebSocketTransport('ws://x/ws', { makeSocket });
+    void transport.open();
+    await vi.advanceTimersByTimeAsync(0);
+    const socket = FakeSocket.made[0]!;
+    socket.accept();
+    socket.bufferedAmount = 5000;
+    transport.send(Uint8Array.of(1));
+    expect(socket.sent).toEqual([]);
+    socket.bufferedAmount = 100;
+    transport.send(Uint8Array.of(2));
+    expect(socket.sent).toHaveLength(1);
+  });
+
+  it('ends the wait for a connection when it is closed', async () => {
+    const transport = new WebSocketTransport('ws://x/ws', { makeSocket });
+    const opening = transport.open();
+    await vi.advanceTimersByTimeAsync(0);
+    transport.close();
+    await expect(opening).resolves.toBeUndefined();
+    expect(transport.state).toBe('closed');
   });
 
   it('stays closed once it was closed', async () => {

@@ -5,6 +5,8 @@ import { BaseTransport } from './Transport';
 const RAW_PROTOCOL = 'mavstack.raw.1';
 /** Subprotocol that announces a ticket as the next one, so that the ticket is in no URL and no log. */
 const TICKET_PROTOCOL = 'ados-ws-ticket';
+/** Bytes that may wait to be sent. */
+const MAX_BACKLOG = 4096;
 const MIN_RETRY_INTERVAL = 500;
 const MAX_RETRY_INTERVAL = 4000;
 
@@ -44,7 +46,10 @@ export class WebSocketTransport extends BaseTransport {
   }
 
   send(packets: Uint8Array): void {
-    if (this.socket?.readyState === 1) this.socket.send(packets as Uint8Array<ArrayBuffer>);
+    const { socket } = this;
+    // A stalled connection takes nothing more: commands and sticks must not arrive late.
+    if (socket?.readyState !== 1 || socket.bufferedAmount > MAX_BACKLOG) return;
+    socket.send(packets as Uint8Array<ArrayBuffer>);
   }
 
   private async connect(): Promise<void> {
@@ -75,10 +80,10 @@ export class WebSocketTransport extends BaseTransport {
         if (typeof event.data !== 'string') this.emit(new Uint8Array(event.data));
       };
       socket.onclose = (event) => {
+        resolve();
         if (this.socket !== socket) return;
         this.socket = null;
         this.retry(event.reason || 'the station does not answer');
-        resolve();
       };
     });
   }

@@ -4,6 +4,7 @@ import { StationError } from '$lib/api/errors';
 import { Decoder, Encoder } from '$lib/decoder/Decoder';
 import { FLEET } from '$lib/transport/mock/profiles';
 
+import { capabilitiesFrom } from './capabilities';
 import { LinkVehicle } from './LinkVehicle';
 import { someLost, startFlight, type Flight } from './testing';
 import type { Plan } from './Vehicle';
@@ -79,11 +80,82 @@ describe('actions', () => {
     const before = flight.sent.length;
     const takeoff = await refusal(flight, flight.vehicle.takeoff(-5));
     expect(takeoff.message).toBe('takeoff altitude must be positive and finite, got -5');
+    const endless = await refusal(flight, flight.vehicle.takeoff(Infinity));
+    expect(endless.message).toBe('takeoff altitude must be positive and finite, got Infinity');
+    const orbit = await refusal(flight, flight.vehicle.orbit({ center: { latitude: 47, longitude: 8 } }));
+    expect(orbit.message).toBe('orbiting with 1/1 failed: the vehicle has no command for it');
     const mode = await refusal(flight, flight.vehicle.setMode('QRTL'));
     expect(mode.message).toBe('changing to QRTL 1/1 failed: the vehicle has no mode QRTL');
     const command = await refusal(flight, flight.vehicle.sendCommand('NAV_TAKEOF'));
     expect(command.message).toBe('no command is named NAV_TAKEOF');
     expect(flight.sent.length).toBe(before);
+  });
+});
+
+describe('an action that was replaced', () => {
+  it('is not sent again: a vehicle that was disarmed stays disarmed', async () => {
+    let isLost = false;
+    const flight = await startFlight([COPTER!], { losesSent: () => isLost });
+    await flight.until(flight.vehicle.setMode('GUIDED'));
+    isLost = true;
+    const arming = flight.vehicle.arm();
+    arming.catch(() => undefined);
+    await flight.pass(0.3);
+    isLost = false;
+    await flight.until(flight.vehicle.disarm());
+    await flight.pass(6);
+    expect(flight.transport.vehicles[0]?.autopilot.armed).toBe(false);
+    expect((await refusal(flight, arming)).message).toBe('a later command replaced this one');
+  });
+
+  it('does not go on with its next step', async () => {
+    const flight = await startFlight([COPTER!]);
+    await flight.until(flight.vehicle.setMode('GUIDED'));
+    await flight.until(flight.vehicle.arm());
+    const takeoff = flight.vehicle.takeoff(20);
+    takeoff.catch(() => undefined);
+    await flight.until(flight.vehicle.land());
+    await flight.pass(5);
+    expect(flight.vehicle.state.position?.relativeAltitude).toBeCloseTo(0, 0);
+    expect((await refusal(flight, takeoff)).kind).toBe('Cancelled');
+  });
+
+  it('may be a motor test that was stopped', async () => {
+    let isLost = true;
+    const flight = await startFlight([COPTER!], { losesSent: () => isLost });
+    const test = flight.vehicle.sendCommand('DO_MOTOR_TEST', [1, 0, 50, 2]);
+    test.catch(() => undefined);
+    isLost = false;
+    const stop = flight.vehicle.sendCommand('DO_MOTOR_TEST', [1, 0, 0, 0]);
+    stop.catch(() => undefined);
+    await flight.pass(5);
+    expect((await refusal(flight, test)).kind).toBe('Cancelled');
+  });
+
+  it('ends with the link', async () => {
+    const flight = await startFlight([COPTER!], { losesSent: () => true });
+    const arming = flight.vehicle.arm();
+    arming.catch(() => undefined);
+    flight.vehicle.dispose();
+    const before = flight.sent.length;
+    await flight.pass(6);
+    expect(flight.sent.length).toBe(before);
+    expect((await refusal(flight, arming)).message).toBe('the link to the vehicle was closed');
+  });
+});
+
+describe('a vehicle without a position', () => {
+  it.each([
+    ['goto', 'going to a position with 1/1 failed: its altitude is not known, enter one', (vehicle: LinkVehicle) => vehicle.goto({ latitude: 47, longitude: 8 })],
+    ['setAltitude', 'changing the altitude of 1/1 failed: no position yet', (vehicle: LinkVehicle) => vehicle.setAltitude(20)],
+    ['takeoff of PX4', 'taking off 1/1 failed: no position yet', (vehicle: LinkVehicle) => vehicle.takeoff(20)],
+  ])('is not sent to a guessed altitude: %s', async (_, text, act) => {
+    const sent: string[] = [];
+    const packet = new Encoder(1, 1).build('HEARTBEAT', { type: 2, autopilot: 12 });
+    const vehicle = new LinkVehicle(new Decoder().push(packet)[0]!, (name) => sent.push(name));
+    await expect(act(vehicle)).rejects.toThrow(text);
+    expect(sent).toEqual([]);
+    vehicle.dispose();
   });
 });
 
@@ -145,9 +217,25 @@ describe('plans', () => {
     await flight.pass(90);
     expect(flight.vehicle.state.statusTexts.map(({ text }) => text)).toContain('Mission complete');
   });
+
+  it('are paused where the vehicle is', async () => {
+    const flight = await startFlight([PLANE!]);
+    await flight.until(flight.vehicle.startMission());
+    await flight.pass(1);
+    expect(flight.vehicle.state.mode).toBe('AUTO');
+    await flight.until(flight.vehicle.pauseMission());
+    await flight.pass(1);
+    expect(flight.vehicle.state.mode).toBe('LOITER');
+  });
 });
 
 describe('capabilities', () => {
+  it('of MSP follow from flags and parameters: iNav has missions, not each board has a display', () => {
+    const inav = capabilitiesFrom('msp', 'copter', 1 << 2, { osd: false });
+    expect(inav).toMatchObject({ mission: true, osd: false, vtx: null });
+    expect(capabilitiesFrom('msp', 'copter', 0)).toMatchObject({ mission: false, osd: null });
+  });
+
   it('follow from firmware, type and flags', async () => {
     const copter = (await startFlight([COPTER!])).vehicle.capabilities;
     expect(copter).toMatchObject({ params: true, mission: true, fence: true, ftp: false, takeoff: true, vtol: false, msp: false });
@@ -161,7 +249,7 @@ describe('capabilities', () => {
     const flight = await startFlight([MSP!]);
     await flight.pass(5);
     expect(flight.vehicle.state).toMatchObject({ firmware: 'msp', mode: 'ANGLE', armed: true });
-    expect(flight.vehicle.capabilities).toMatchObject({ msp: true, mission: false, takeoff: false, osd: true });
+    expect(flight.vehicle.capabilities).toMatchObject({ msp: true, mission: false, takeoff: false, osd: true, vtx: true });
     const error = await refusal(flight, flight.vehicle.arm());
     expect(error.message).toBe('arming 7/1 failed: UNSUPPORTED');
   });

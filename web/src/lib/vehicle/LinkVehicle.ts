@@ -3,8 +3,9 @@
 import { StationError } from '$lib/api/errors';
 import type { DecodedMessage } from '$lib/decoder/Decoder';
 
-import { capabilitiesFrom } from './capabilities';
+import { EQUIPMENT_PARAMETERS, capabilitiesFrom, equipmentOf, type Equipment } from './capabilities';
 import { commandNumber, sendCommand, type CommandPlace } from './link/commands';
+import { PendingCommands } from './link/pending';
 import type { ParameterEncoding } from './link/parameterValue';
 import { readParameter, readParameters, writeParameter } from './link/parameters';
 import { PlanClient } from './link/plans';
@@ -40,7 +41,9 @@ const NOT_SELECTABLE: ReadonlySet<string> = new Set(['INITIALISING', 'INITIALIZI
 
 export class LinkVehicle extends ObservedVehicle implements Vehicle {
   private flags: number | null = null;
+  private equipment: Equipment = {};
   private readonly timer: ReturnType<typeof setTimeout>;
+  private readonly pending = new PendingCommands();
 
   constructor(heartbeat: DecodedMessage, send: Send) {
     super(heartbeat, send);
@@ -50,6 +53,7 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
 
   override dispose(): void {
     clearTimeout(this.timer);
+    this.pending.end();
     super.dispose();
   }
 
@@ -60,7 +64,15 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
       this.flags = Number(BigInt.asUintN(32, BigInt(message.fields.capabilities as number | bigint)));
       this.updateCapabilities();
     }
+    if (message.name === 'PARAM_VALUE') this.takeEquipment(message);
     return text;
+  }
+
+  private takeEquipment({ fields, component }: DecodedMessage): void {
+    const found = component === this.component ? equipmentOf(String(fields.param_id), Number(fields.param_value)) : null;
+    if (found === null) return;
+    this.equipment = { ...this.equipment, ...found };
+    this.updateCapabilities();
   }
 
   getParameter(name: string): Promise<Parameter> {
@@ -76,26 +88,25 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
   }
 
   async sendCommand(command: string | number, params: readonly (number | null)[] = []): Promise<CommandResult> {
-    return sendCommand(this, `command ${command}`, command, params);
+    return this.transmit(`command ${command}`, command, params);
   }
 
   arm(force = false): Promise<void> {
-    return this.command('arming', 'COMPONENT_ARM_DISARM', [1, force ? FORCE : 0]);
+    return this.act('arming', 'COMPONENT_ARM_DISARM', [1, force ? FORCE : 0]);
   }
 
   disarm(force = false): Promise<void> {
-    return this.command('disarming', 'COMPONENT_ARM_DISARM', [0, force ? FORCE : 0]);
+    return this.act('disarming', 'COMPONENT_ARM_DISARM', [0, force ? FORCE : 0]);
   }
 
   async takeoff(altitude: number): Promise<void> {
-    if (!(altitude > 0)) {
+    if (!(altitude > 0 && Number.isFinite(altitude))) {
       throw new StationError('InvalidArgumentError', `takeoff altitude must be positive and finite, got ${altitude}`);
     }
-    if (this.state.firmware === 'ardupilot') await this.enter('taking off', ['GUIDED']);
-    // PX4 takes altitudes above mean sea level.
-    const sea = this.state.position?.altitude ?? 0;
-    const height = this.state.firmware === 'px4' ? sea + altitude : altitude;
-    await this.command('taking off', 'NAV_TAKEOFF', [0, 0, 0, null, null, null, height]);
+    const signal = this.pending.startAction();
+    if (this.state.firmware === 'ardupilot') await this.enter('taking off', ['GUIDED'], signal);
+    const height = this.state.firmware === 'px4' ? this.aboveSea('taking off', altitude) : altitude;
+    await this.transmit('taking off', 'NAV_TAKEOFF', [0, 0, 0, null, null, null, height], undefined, signal);
   }
 
   land(): Promise<void> {
@@ -107,26 +118,27 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
   }
 
   hold(): Promise<void> {
-    return this.enter('holding', HOLD_MODES[this.state.type] ?? ['LOITER']);
+    return this.enter('holding', this.holdModes);
   }
 
   async goto(target: Target, altitude?: number): Promise<void> {
-    const place = { ...target, frame: GLOBAL_RELATIVE_ALT_INT, altitude: altitude ?? this.heldAltitude('going to a position with') };
-    await this.command('going to a position with', 'DO_REPOSITION', [-1, 1, 0, null], place);
+    const operation = 'going to a position with';
+    await this.act(operation, 'DO_REPOSITION', [-1, 1, 0, null], this.placeOf(operation, target, altitude));
   }
 
   async orbit({ center, altitude, radius = DEFAULT_RADIUS, speed }: OrbitOptions): Promise<void> {
-    const place = { ...center, frame: GLOBAL_RELATIVE_ALT_INT, altitude: altitude ?? this.heldAltitude('orbiting with') };
-    await this.command('orbiting with', 'DO_ORBIT', [radius, speed ?? null, 0, 0], place);
+    const operation = 'orbiting with';
+    if (this.capabilities.orbit === false) throw this.failure('ActionUnsupported', operation, 'the vehicle has no command for it');
+    await this.act(operation, 'DO_ORBIT', [radius, speed ?? null, 0, 0], this.placeOf(operation, center, altitude));
   }
 
-  setSpeed(speed: number): Promise<void> {
-    return this.command('changing the speed of', 'DO_CHANGE_SPEED', [1, speed, -1]);
+  async setSpeed(speed: number): Promise<void> {
+    await this.transmit('changing the speed of', 'DO_CHANGE_SPEED', [1, speed, -1]);
   }
 
   async setAltitude(altitude: number): Promise<void> {
     const position = this.state.position;
-    if (position === null) throw new StationError('InvalidStateError', 'changing the altitude failed: no position yet');
+    if (position === null) throw this.failure('InvalidStateError', 'changing the altitude of', 'no position yet');
     await this.goto(position, altitude);
   }
 
@@ -142,16 +154,21 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
   }
 
   async startMission(): Promise<void> {
-    await this.enter('starting the mission of', MISSION_MODES);
-    await this.command('starting the mission of', 'MISSION_START', []);
+    const signal = this.pending.startAction();
+    await this.enter('starting the mission of', MISSION_MODES, signal);
+    await this.transmit('starting the mission of', 'MISSION_START', [], undefined, signal);
   }
 
-  setMissionItem(seq: number): Promise<void> {
-    return this.command('choosing the mission item of', 'DO_SET_MISSION_CURRENT', [seq + (this.hasHomeItem ? 1 : 0)]);
+  pauseMission(): Promise<void> {
+    return this.enter('pausing the mission of', this.holdModes);
+  }
+
+  async setMissionItem(seq: number): Promise<void> {
+    await this.transmit('choosing the mission item of', 'DO_SET_MISSION_CURRENT', [seq + (this.hasHomeItem ? 1 : 0)]);
   }
 
   reboot(): Promise<void> {
-    return this.command('rebooting', 'PREFLIGHT_REBOOT_SHUTDOWN', [1]);
+    return this.act('rebooting', 'PREFLIGHT_REBOOT_SHUTDOWN', [1]);
   }
 
   downloadPlan(kind: PlanKind, onProgress?: ProgressListener): Promise<Plan> {
@@ -166,12 +183,8 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
     return new PlanClient(this, this.hasHomeItem).clear(kind);
   }
 
-  /** Returns the present altitude above home in m; a place at altitude 0 instead would be on the ground. */
-  private heldAltitude(operation: string): number {
-    const altitude = this.state.position?.relativeAltitude ?? null;
-    if (altitude !== null) return altitude;
-    const target = `${this.system}/${this.component}`;
-    throw new StationError('InvalidStateError', `${operation} ${target} failed: its altitude is not known, enter one`);
+  private get holdModes(): readonly string[] {
+    return HOLD_MODES[this.state.type] ?? ['LOITER'];
   }
 
   private get encoding(): ParameterEncoding {
@@ -189,33 +202,69 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
     }
   }
 
+  private requestEquipment(): void {
+    for (const name of Object.keys(EQUIPMENT_PARAMETERS)) {
+      this.sendMessage('PARAM_REQUEST_READ', { param_id: name, param_index: -1 });
+    }
+  }
+
   private updateCapabilities(): void {
     const { firmware, type } = this.state;
-    this.currentCapabilities = capabilitiesFrom(firmware, type, this.flags);
+    this.currentCapabilities = capabilitiesFrom(firmware, type, this.flags, this.equipment);
   }
 
   override publish(now: number): void {
     const before = this.state.firmware;
     super.publish(now);
-    if (this.state.firmware !== before) this.updateCapabilities();
+    if (this.state.firmware === before) return;
+    this.updateCapabilities();
+    if (this.state.firmware === 'msp') this.requestEquipment();
   }
 
-  private async command(
-    operation: string, name: string, params: readonly (number | null)[], place?: CommandPlace,
+  private failure(kind: string, operation: string, reason: string): StationError {
+    return new StationError(kind, `${operation} ${this.system}/${this.component} failed: ${reason}`);
+  }
+
+  /** Returns a place at an altitude above home, at the present one if it is left out. */
+  private placeOf(operation: string, target: Target, altitude?: number): CommandPlace {
+    const height = altitude ?? this.state.position?.relativeAltitude ?? null;
+    if (height === null) throw this.failure('InvalidStateError', operation, 'its altitude is not known, enter one');
+    return { ...target, frame: GLOBAL_RELATIVE_ALT_INT, altitude: height };
+  }
+
+  /** PX4 takes altitudes above mean sea level. */
+  private aboveSea(operation: string, altitude: number): number {
+    const sea = this.state.position?.altitude ?? null;
+    if (sea === null) throw this.failure('InvalidStateError', operation, 'no position yet');
+    return sea + altitude;
+  }
+
+  /** Sends the command of an action of the pilot, which replaces an earlier one. */
+  private async act(
+    operation: string, command: string, params: readonly (number | null)[], place?: CommandPlace,
   ): Promise<void> {
-    await sendCommand(this, operation, name, params, place);
+    await this.transmit(operation, command, params, place, this.pending.startAction());
   }
 
-  private enter(operation: string, names: readonly string[]): Promise<void> {
+  private transmit(
+    operation: string, command: string | number, params: readonly (number | null)[], place?: CommandPlace, action?: AbortSignal,
+  ): Promise<CommandResult> {
+    return this.pending.run(commandNumber(command), params, action, (signal) =>
+      sendCommand(this, operation, command, params, place, signal),
+    );
+  }
+
+  private async enter(
+    operation: string, names: readonly string[], action: AbortSignal = this.pending.startAction(),
+  ): Promise<void> {
     const modes = this.modeNumbers();
     const number = names.map((name) => modes[name]).find((value) => value !== undefined);
     if (number === undefined) {
-      const target = `${operation} ${this.system}/${this.component}`;
-      return Promise.reject(new StationError('ActionUnsupported', `${target} failed: the vehicle has no mode ${names.join(' or ')}`));
+      throw this.failure('ActionUnsupported', operation, `the vehicle has no mode ${names.join(' or ')}`);
     }
     const main = this.state.firmware === 'px4' ? (number >>> 16) & 0xff : number;
     const sub = this.state.firmware === 'px4' ? number >>> 24 : 0;
-    return this.command(operation, 'DO_SET_MODE', [CUSTOM_MODE_ENABLED, main, sub]);
+    await this.transmit(operation, 'DO_SET_MODE', [CUSTOM_MODE_ENABLED, main, sub], undefined, action);
   }
 
   private modeNumbers(): Readonly<Record<string, number>> {

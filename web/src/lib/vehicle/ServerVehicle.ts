@@ -27,15 +27,14 @@ interface ServerMode {
   readonly advanced: boolean;
 }
 
-/** Capabilities are read again until the vehicle has told its own. */
-const CAPABILITIES_INTERVAL = 5000;
-const MAX_CAPABILITIES_READS = 6;
+/** Capabilities are read again, since the vehicle tells its own by and by. */
+const CAPABILITIES_INTERVALS = [2000, 5000, 20_000];
 
 export class ServerVehicle extends ObservedVehicle implements Vehicle {
   private readonly api: ApiClient;
   private timer: ReturnType<typeof setTimeout> | null = null;
   private reads = 0;
-  private given: ServerCapabilities = {};
+  private given: ServerCapabilities | null = null;
 
   constructor(heartbeat: DecodedMessage, send: Send, api: ApiClient = stationApi) {
     super(heartbeat, send);
@@ -53,11 +52,11 @@ export class ServerVehicle extends ObservedVehicle implements Vehicle {
   override dispose(): void {
     super.dispose();
     if (this.timer !== null) clearTimeout(this.timer);
-    this.reads = MAX_CAPABILITIES_READS;
+    this.reads = CAPABILITIES_INTERVALS.length;
   }
 
   getParameter(name: string): Promise<Parameter> {
-    return this.api.get(this.path(`parameters/${name}`));
+    return this.api.get(this.path(`parameters/${encodeURIComponent(name)}`));
   }
 
   async getParameters(onProgress?: ProgressListener): Promise<Parameter[]> {
@@ -66,7 +65,7 @@ export class ServerVehicle extends ObservedVehicle implements Vehicle {
   }
 
   setParameter(name: string, value: number): Promise<Parameter> {
-    return this.api.put(this.path(`parameters/${name}`), { value });
+    return this.api.put(this.path(`parameters/${encodeURIComponent(name)}`), { value });
   }
 
   async sendCommand(command: string | number, params: readonly (number | null)[] = []): Promise<CommandResult> {
@@ -126,6 +125,10 @@ export class ServerVehicle extends ObservedVehicle implements Vehicle {
     return this.act('mission/start');
   }
 
+  pauseMission(): Promise<void> {
+    return this.act('mission/pause');
+  }
+
   setMissionItem(seq: number): Promise<void> {
     return this.act('mission/current', { seq });
   }
@@ -163,7 +166,6 @@ export class ServerVehicle extends ObservedVehicle implements Vehicle {
   }
 
   private async readCapabilities(): Promise<void> {
-    this.reads += 1;
     try {
       const answer = await this.api.get<{ capabilities: ServerCapabilities; home: Home | null }>(`vehicles/${this.system}`);
       this.given = answer.capabilities;
@@ -172,8 +174,9 @@ export class ServerVehicle extends ObservedVehicle implements Vehicle {
     } catch {
       // The server may know the vehicle a moment later than the page.
     }
-    if (this.reads >= MAX_CAPABILITIES_READS) return;
-    this.timer = setTimeout(() => void this.readCapabilities(), CAPABILITIES_INTERVAL);
+    const interval = CAPABILITIES_INTERVALS[this.reads];
+    this.reads += 1;
+    if (interval !== undefined) this.timer = setTimeout(() => void this.readCapabilities(), interval);
   }
 }
 
@@ -187,9 +190,10 @@ const SERVER_NAMES: Readonly<Partial<Record<keyof Capabilities, string>>> = {
   manualControl: 'manual_control',
 };
 
-/** The server's capabilities; those that it does not know follow from firmware and type. */
-function capabilitiesOf(given: ServerCapabilities, expected: Capabilities): Capabilities {
+/** The server's capabilities, also where it does not know them yet; before its answer those of firmware and type. */
+function capabilitiesOf(given: ServerCapabilities | null, expected: Capabilities): Capabilities {
+  if (given === null) return expected;
   const names = Object.keys(UNKNOWN_CAPABILITIES) as (keyof Capabilities)[];
-  const values = names.map((name) => [name, given[SERVER_NAMES[name] ?? name] ?? expected[name]]);
+  const values = names.map((name) => [name, given[SERVER_NAMES[name] ?? name] ?? UNKNOWN_CAPABILITIES[name]]);
   return Object.fromEntries(values) as Capabilities;
 }

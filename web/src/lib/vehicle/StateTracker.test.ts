@@ -98,6 +98,43 @@ describe('StateTracker', () => {
     expect(scene.state.alive).toBe(false);
   });
 
+  it('names a mode as the vehicle does, and not by the mode before', () => {
+    const scene = new Station({ type: 2, autopilot: 0, custom_mode: 5 });
+    expect(scene.state.mode).toBeNull();
+    scene.take('AVAILABLE_MODES', { custom_mode: 5, mode_name: 'ANGLE' });
+    scene.take('AVAILABLE_MODES', { custom_mode: 6, mode_name: 'HORIZON' });
+    expect(scene.state.mode).toBe('ANGLE');
+    scene.take('HEARTBEAT', { type: 2, autopilot: 0, custom_mode: 6 });
+    expect(scene.state.mode).toBe('HORIZON');
+    scene.take('HEARTBEAT', { type: 2, autopilot: 0, custom_mode: 7 });
+    expect(scene.state.mode).toBeNull();
+  });
+
+  it('keeps a bounded number of status texts whose end is missing', () => {
+    const scene = new Station();
+    const piece = 'x'.repeat(50);
+    for (let id = 1; id <= 40; id += 1) scene.take('STATUSTEXT', { severity: 6, text: piece, id, chunk_seq: 0 });
+    expect(scene.take('STATUSTEXT', { severity: 6, text: 'end', id: 40, chunk_seq: 1 })?.text).toBe(`${piece}end`);
+    expect(scene.take('STATUSTEXT', { severity: 6, text: 'end', id: 1, chunk_seq: 1 })?.text).toBe('…end');
+  });
+
+  it('measures rates again when a replay goes back', () => {
+    const scene = new Station();
+    const second = (): void => {
+      for (let count = 0; count < 20; count += 1) {
+        scene.time += 100;
+        scene.take('ATTITUDE', {});
+      }
+    };
+    second();
+    scene.time -= 60_000;
+    second();
+    expect(scene.state.rate).toBeCloseTo(10, 0);
+    scene.time += 10_000;
+    scene.take('ATTITUDE', {});
+    expect(scene.state.rate).toBeLessThan(2);
+  });
+
   it('names the modes of PX4', () => {
     const scene = new Station({ type: 2, autopilot: 12, custom_mode: (4 << 16) | (3 << 24) });
     expect(scene.state).toMatchObject({ firmware: 'px4', mode: 'LOITER' });

@@ -17,6 +17,8 @@ const NO_I16 = 0x7fff;
 const LANDED = 1;
 const PREARM_CHECK = 0x10000000;
 const MAX_STATUS_TEXTS = 200;
+/** Status texts whose last part is still missing; that of an older one was lost. */
+const MAX_OPEN_TEXTS = 16;
 /** Heartbeats come once a second. */
 const ALIVE_TIMEOUT = 5000;
 
@@ -36,6 +38,8 @@ export class StateTracker {
   private windowStart = 0;
   private windowCount = 0;
   private readonly textParts = new Map<string, string[]>();
+  /** Names of modes that the vehicle told, by number. */
+  private readonly modeNames = new Map<number, string>();
 
   constructor(heartbeat: DecodedMessage) {
     this.draft = emptyState(heartbeat);
@@ -49,6 +53,7 @@ export class StateTracker {
     // Cameras and gimbals have the system id of the vehicle, and heartbeats of their own.
     if (message.component === this.draft.component || !OWN_MESSAGES.has(message.name)) {
       READERS[message.name]?.(this.draft, message.fields, message);
+      if (MODE_MESSAGES.has(message.name)) this.nameMode(message);
     }
     return null;
   }
@@ -56,6 +61,12 @@ export class StateTracker {
   /** Takes a home that the vehicle told before the page listened; its own messages win. */
   learnHome(latitude: number, longitude: number, altitude: number): void {
     this.draft.home ??= { latitude, longitude, altitude, relativeAltitude: 0 };
+  }
+
+  private nameMode({ name, fields }: DecodedMessage): void {
+    const { draft, modeNames } = this;
+    if (name === 'AVAILABLE_MODES' && modeNames.size < MAX_MODES) modeNames.set(number(fields.custom_mode), String(fields.mode_name));
+    draft.mode = modeName(draft.firmware, draft.type, draft.customMode) ?? modeNames.get(draft.customMode) ?? null;
   }
 
   /** Returns a copy of the state at a time in ms since 1970. */
@@ -77,8 +88,10 @@ export class StateTracker {
     this.windowCount += 1;
     this.draft.lastHeard = time;
     if (message.name === 'HEARTBEAT' && component === this.draft.component) this.heartbeatTime = time;
-    if (time - this.windowStart < 1000) return;
-    if (this.windowStart > 0) this.draft.rate = (this.windowCount * 1000) / (time - this.windowStart);
+    const elapsed = time - this.windowStart;
+    // A replay may go back.
+    if (elapsed >= 0 && elapsed < 1000) return;
+    if (this.windowStart > 0 && elapsed > 0) this.draft.rate = (this.windowCount * 1000) / elapsed;
     this.draft.loss = this.lost / (this.lost + this.received);
     this.windowStart = time;
     this.windowCount = 0;
@@ -97,6 +110,7 @@ export class StateTracker {
       parts[part] = piece;
       if (piece.length === 50) {
         this.textParts.set(key, parts);
+        if (this.textParts.size > MAX_OPEN_TEXTS) this.textParts.delete(this.textParts.keys().next().value!);
         return null;
       }
       this.textParts.delete(key);
@@ -111,8 +125,12 @@ export class StateTracker {
 /** Messages that other components of the system send about themselves. */
 const OWN_MESSAGES: ReadonlySet<string> = new Set([
   'HEARTBEAT', 'SYS_STATUS', 'ATTITUDE', 'GLOBAL_POSITION_INT', 'GPS_RAW_INT', 'VFR_HUD', 'EXTENDED_SYS_STATE',
-  'BATTERY_STATUS', 'HOME_POSITION', 'RC_CHANNELS',
+  'BATTERY_STATUS', 'HOME_POSITION', 'RC_CHANNELS', 'CURRENT_MODE', 'AVAILABLE_MODES',
 ]);
+
+/** Messages that tell the mode, or the name of one. */
+const MODE_MESSAGES: ReadonlySet<string> = new Set(['HEARTBEAT', 'CURRENT_MODE', 'AVAILABLE_MODES', 'AUTOPILOT_VERSION']);
+const MAX_MODES = 256;
 
 function batteryOf(fields: Fields): Battery {
   const all = [...((fields.voltages as readonly number[]) ?? []), ...((fields.voltages_ext as readonly number[]) ?? [])];
@@ -136,7 +154,6 @@ const READERS: Readonly<Record<string, Reader>> = {
     draft.autopilot = number(fields.autopilot);
     if (draft.firmware !== 'msp') draft.firmware = firmwareOf(draft.autopilot);
     draft.customMode = number(fields.custom_mode);
-    draft.mode = modeName(draft.firmware, draft.type, draft.customMode) ?? draft.mode;
     draft.armed = (number(fields.base_mode) & ARMED) !== 0;
     draft.systemStatus = number(fields.system_status);
   },
@@ -236,12 +253,6 @@ const READERS: Readonly<Record<string, Reader>> = {
   },
   CURRENT_MODE(draft, fields) {
     if (draft.firmware === 'msp') draft.customMode = number(fields.custom_mode);
-  },
-  AVAILABLE_MODES(draft, fields) {
-    const isCurrent = number(fields.custom_mode) === draft.customMode;
-    if (modeName(draft.firmware, draft.type, draft.customMode) === null && isCurrent) {
-      draft.mode = String(fields.mode_name) || draft.mode;
-    }
   },
 };
 

@@ -187,6 +187,8 @@ export interface Vehicle {
   setMode(name: string): Promise<void>;
   modes(): Promise<Mode[]>;
   startMission(): Promise<void>;
+  /** Stays at the present position; `startMission` resumes the mission. */
+  pauseMission(): Promise<void>;
   setMissionItem(seq: number): Promise<void>;
   reboot(): Promise<void>;
 

@@ -64,6 +64,7 @@ export const UNKNOWN_CAPABILITIES: Capabilities = {
 };
 
 /** MAV_PROTOCOL_CAPABILITY, as far as it is needed. */
+const MISSION = 1 << 2;
 const FTP = 1 << 5;
 const SETPOINTS = 1 << 7;
 const TERMINATE = 1 << 11;
@@ -85,29 +86,31 @@ const FIRMWARE: Readonly<Record<VehicleState['firmware'], Partial<Capabilities>>
   px4: {
     params: true, mission: true, logs: true, motorTest: true, shell: true, manualControl: true, ekfSources: false, msp: false,
   },
-  // Betaflight and iNav: their pilot flies them by radio control.
+  // Betaflight and iNav: their pilot flies them by radio control. iNav has missions, which its flags tell.
   msp: {
-    params: true, mission: false, fence: false, rally: false, ftp: false, logs: false, shell: false, events: false,
+    params: true, fence: false, rally: false, ftp: false, logs: false, shell: false, events: false,
     setpoints: false, takeoff: false, goto: false, orbit: false, manualControl: false, motorTest: false,
-    terminate: false, vtol: false, ekfSources: false, gripper: false, winch: false, osd: true, vtx: true, msp: true,
+    terminate: false, vtol: false, ekfSources: false, gripper: false, winch: false, msp: true,
     calibration: ['accelerometer', 'compass'],
   },
   other: {},
 };
 
 /**
- * Returns the capabilities that follow from firmware, type and flags.
+ * Returns the capabilities that follow from firmware, type and flags, for a vehicle without a server that tells them.
  *
  * @param flags - MAV_PROTOCOL_CAPABILITY of AUTOPILOT_VERSION, or null if it was not received.
+ * @param equipment - What parameters of the vehicle told, such as `{ osd: true }`.
  */
 export function capabilitiesFrom(
-  firmware: VehicleState['firmware'], type: VehicleType, flags: number | null,
+  firmware: VehicleState['firmware'], type: VehicleType, flags: number | null, equipment: Equipment = {},
 ): Capabilities {
   const flag = (bit: number): Capability => (flags === null ? null : (flags & bit) !== 0);
   const isGround = GROUND_TYPES.has(type);
   const isKnown = firmware === 'ardupilot' || firmware === 'px4';
   return {
     ...UNKNOWN_CAPABILITIES,
+    mission: flag(MISSION),
     ftp: flag(FTP),
     fence: flag(FENCE),
     rally: flag(RALLY),
@@ -119,7 +122,19 @@ export function capabilitiesFrom(
     vtol: type === 'vtol',
     calibration: isKnown ? calibrationsOf(type) : [],
     ...FIRMWARE[firmware],
+    ...equipment,
   };
+}
+
+export type Equipment = Readonly<Partial<Record<'osd' | 'vtx', boolean>>>;
+
+/** Parameters by which a bridge of an MSP flight controller tells what the firmware has. */
+export const EQUIPMENT_PARAMETERS: Readonly<Record<string, keyof Equipment>> = { MSP_HAS_OSD: 'osd', MSP_HAS_VTX: 'vtx' };
+
+/** Returns the equipment that a parameter tells of, or null. */
+export function equipmentOf(parameter: string, value: number): Equipment | null {
+  const name = EQUIPMENT_PARAMETERS[parameter];
+  return name === undefined ? null : { [name]: value !== 0 };
 }
 
 function calibrationsOf(type: VehicleType): string[] {

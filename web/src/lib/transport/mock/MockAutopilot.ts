@@ -45,7 +45,6 @@ export class MockAutopilot {
   readonly reached: number[] = [];
   private readonly report: Report;
   private target: Point | null = null;
-  private circleRadius = 0;
   private itemTime = 0;
   private jumps = new Map<number, number>();
   private sticks = { x: 0, y: 0, z: 0, r: 0, age: Infinity };
@@ -97,7 +96,6 @@ export class MockAutopilot {
     this.mode = mode;
     const { north, east, up } = this.motion;
     this.target = { north, east, up };
-    this.circleRadius = 0;
     if (behaviourOf(mode) === 'mission') this.start(this.current);
   }
 
@@ -111,10 +109,9 @@ export class MockAutopilot {
     return null;
   }
 
-  goto(point: Point, radius = 0): boolean {
+  goto(point: Point): boolean {
     if (behaviourOf(this.mode) !== 'guided') return false;
     this.target = point;
-    this.circleRadius = radius;
     return true;
   }
 
@@ -198,7 +195,6 @@ export class MockAutopilot {
 
   private guided(): Demand {
     if (this.target === null) return { kind: 'stay' };
-    if (this.circleRadius !== 0) return this.around(this.target, this.circleRadius);
     return this.toward(this.target);
   }
 

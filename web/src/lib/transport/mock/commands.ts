@@ -92,16 +92,6 @@ const HANDLERS: Readonly<Record<number, Handler>> = {
     autopilot.goto(vehicle.pointOf(frame, params[4]!, params[5]!, params[6]!));
     return ACCEPTED;
   },
-  // DO_ORBIT
-  34(vehicle, params, { frame }) {
-    const { autopilot } = vehicle;
-    if (autopilot.isGround || autopilot.type === 'sub') return UNSUPPORTED;
-    if (!autopilot.armed) return refuse(vehicle, 'Orbit: vehicle is not armed', TEMPORARILY_REJECTED);
-    enter(vehicle, 'GUIDED');
-    if (params[1]! > 0) autopilot.setSpeed(params[1]!);
-    autopilot.goto(vehicle.pointOf(frame, params[4]!, params[5]!, params[6]!), params[0] || 20);
-    return ACCEPTED;
-  },
   // DO_CHANGE_SPEED
   178(vehicle, params) {
     if (!(params[1]! > 0)) return DENIED;

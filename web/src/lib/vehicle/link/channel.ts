@@ -27,6 +27,8 @@ export interface Request<Answer> {
   readonly read: (message: DecodedMessage) => Answer | undefined;
   /** Tells whether a message says that the work goes on, so that the answer may come later. */
   readonly continues?: (message: DecodedMessage) => boolean;
+  /** Ends the request: it is not sent again, and rejects with the reason of the signal. */
+  readonly signal?: AbortSignal | undefined;
   readonly timeout?: number;
   readonly attempts?: number;
 }
@@ -38,7 +40,7 @@ export const PROGRESS_TIMEOUT = 10_000;
 
 /** Sends a request until it is answered; rejects if the answer is a refusal, or none comes. */
 export function request<Answer>(channel: Channel, wanted: Request<Answer>): Promise<Answer> {
-  const { timeout = DEFAULT_TIMEOUT, attempts = DEFAULT_ATTEMPTS } = wanted;
+  const { timeout = DEFAULT_TIMEOUT, attempts = DEFAULT_ATTEMPTS, signal } = wanted;
   return new Promise((resolve, reject) => {
     let attempt = 0;
     let timer: ReturnType<typeof setTimeout> | undefined;
@@ -71,6 +73,10 @@ export function request<Answer>(channel: Channel, wanted: Request<Answer>): Prom
       clearTimeout(timer);
       timer = setTimeout(() => fail(timeoutOf(wanted, attempt)), PROGRESS_TIMEOUT);
     };
+    const abort = (): void => fail(signal?.reason);
+    if (signal?.aborted === true) return abort();
+    signal?.addEventListener('abort', abort);
+    removes.push(() => signal?.removeEventListener('abort', abort));
     for (const name of wanted.answers) removes.push(channel.onMessage(name, take));
     send();
   });

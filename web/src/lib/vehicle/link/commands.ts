@@ -33,9 +33,11 @@ export function commandNumber(command: string | number): number {
  * @param operation - Words for errors, such as `arming`.
  * @param params - Up to seven values; null is NaN, missing ones are zero.
  * @param place - Makes it a COMMAND_INT, whose last three parameters are a place.
+ * @param signal - Ends it: it is not sent again.
  */
 export async function sendCommand(
   channel: Channel, operation: string, command: string | number, params: readonly (number | null)[], place?: CommandPlace,
+  signal?: AbortSignal,
 ): Promise<CommandResult> {
   const id = commandNumber(command);
   const target = `${operation} ${channel.system}/${channel.component}`;
@@ -45,6 +47,7 @@ export async function sendCommand(
   try {
     const answer = await request(channel, {
       operation: target,
+      signal,
       timeoutKind: 'CommandTimeout',
       answers: ['COMMAND_ACK'],
       send: (attempt) => {

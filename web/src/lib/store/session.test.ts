@@ -1,0 +1,35 @@
+import { afterEach, expect, it, vi } from 'vitest';
+
+import { tlogOf } from '$lib/series/export';
+import { Encoder } from '$lib/decoder/Decoder';
+
+import { fleet } from './fleet.svelte';
+import { replay, startDemo, startReplay, startSerial } from './session';
+import { status } from './status.svelte';
+
+afterEach(() => {
+  fleet.disconnect();
+  vi.unstubAllGlobals();
+});
+
+it('stays where it is when no port is chosen', async () => {
+  await startDemo(1);
+  vi.stubGlobal('navigator', { serial: { requestPort: () => Promise.reject(new Error('No port selected')) } });
+  await expect(startSerial()).rejects.toThrow('No port selected');
+  expect([status.source, status.link]).toEqual(['demo', 'open']);
+});
+
+it('stays where it is when a recording is empty', async () => {
+  await startDemo(1);
+  await expect(startReplay(new Uint8Array(100), 'empty.tlog')).rejects.toThrow('replaying empty.tlog failed: the file has no packets');
+  expect(status.source).toBe('demo');
+  expect(replay.current).toBeNull();
+});
+
+it('lets go of a recording when it is left', async () => {
+  const bytes = new Encoder(1, 1).build('HEARTBEAT', { type: 2, autopilot: 3 });
+  await startReplay(tlogOf([{ time: 1_790_000_000_000, bytes }]), 'flight.tlog');
+  expect(replay.current?.packets).toBe(1);
+  await startDemo(1);
+  expect(replay.current).toBeNull();
+});
