@@ -1,5 +1,6 @@
 /** The rows of sources that do not speak MAVLink, as the station sends them (`mavstack.rows.1`). */
 import type { Sample } from '$lib/series/fieldRef';
+import { stationSocket } from '$lib/transport/WebSocketTransport';
 
 export type RowSample = Sample;
 
@@ -27,11 +28,7 @@ export class RowsSocket {
   /** Opens the connection, and again when it was lost, until `close`. The cookie of the session is its ticket. */
   open(): void {
     if (this.socket !== null) return;
-    const url = new URL('ws', document.baseURI);
-    url.protocol = url.protocol.replace('http', 'ws');
-    url.hash = '';
-    url.search = '';
-    const socket = new WebSocket(url, SUBPROTOCOL);
+    const socket = new WebSocket(stationSocket(), SUBPROTOCOL);
     this.socket = socket;
     socket.onopen = () => this.onProblem(null);
     socket.onmessage = (event: MessageEvent<string>) => {

@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { runInNewContext } from 'node:vm';
 import { ScriptRunner, type ScriptWorker } from './ScriptRunner';
-import { problemOf, workerProgram, type ScriptAnswer, type ScriptRequest } from './sandbox';
+import { fieldsOf, problemOf, workerProgram, type ScriptAnswer, type ScriptRequest } from './sandbox';
 
 /** Runs a program in a context that has what a worker has, as far as the sandbox must take it away. */
 class ContextWorker implements ScriptWorker {
@@ -55,6 +55,15 @@ describe('scripts', () => {
     expect(compute('return null')).toEqual([{}]);
   });
 
+  it('return no more than the page can take', () => {
+    const replaced = 'Array.prototype.map = () => ["a"]; Array.prototype.filter = () => [["a", "<b>"]]; Object.keys = () => 5;';
+    expect(compute(`${replaced} return { a: "<b>", b: 2 }`)).toEqual([{ b: 2 }]);
+    const many = Object.fromEntries(Array.from({ length: 100 }, (_, index) => [`f${index}`, index]));
+    expect(Object.keys((compute(`return ${JSON.stringify(many)}`) as object[])[0]!)).toHaveLength(32);
+    expect(fieldsOf({ ok: 1, 'no name': 2, text: 'x', ['x'.repeat(40)]: 3 })).toEqual({ ok: 1 });
+    expect(fieldsOf(null)).toEqual({});
+  });
+
   it('end with their error', () => {
     expect(compute('return missing.value')).toContain('missing is not defined');
   });
@@ -101,6 +110,10 @@ describe('a script that hangs', () => {
     const worker: ScriptWorker = { postMessage: () => {}, terminate: vi.fn(), onmessage: null, onerror: null };
     const problems: string[] = [];
     const runner = new ScriptRunner('for (;;) {}', () => {}, (problem) => problems.push(problem), () => worker);
+    runner.call({ values: {}, time: 0 });
+    // The browser starts the worker.
+    vi.advanceTimersByTime(4000);
+    worker.onmessage!({ data: { id: 1, results: [{}] } });
     runner.call({ values: {}, time: 0 });
     vi.advanceTimersByTime(499);
     expect(problems).toEqual([]);

@@ -4,8 +4,9 @@
  * The script is part of the text of the worker, since the policy of the station forbids `eval`. Before it runs,
  * everything is removed from the global object that is not part of the language itself: no network, no storage,
  * no timers, no other workers. The removal uses only built-ins that it reaches through literals, so that a script
- * that redefines globals (function declarations are hoisted) cannot weaken it. `import` is syntax and cannot be
- * removed: scripts that contain the word are refused (`problemOf`).
+ * that redefines globals (function declarations are hoisted) cannot weaken it, and results are read without methods
+ * that a script can replace. `import` is syntax and cannot be removed: scripts that contain the word are refused
+ * (`problemOf`).
  */
 
 /** A request of the page: values by input name (latched), and the time in seconds since 1970. */
@@ -14,10 +15,11 @@ export interface ScriptRequest {
   readonly calls: readonly { readonly values: Readonly<Record<string, number | null>>; readonly time: number }[];
 }
 
-/** The answer of the worker: for each call the fields, or the first error. */
+/** The answer of the worker: a result for each call, or the first error. */
 export interface ScriptAnswer {
   readonly id: number;
-  readonly results?: readonly Readonly<Record<string, number>>[];
+  /** Objects of finite numbers. */
+  readonly results?: unknown;
   readonly error?: string;
 }
 
@@ -34,6 +36,8 @@ const KEPT = [
 ] as const;
 
 const MAX_FIELDS = 32;
+const MAX_NAME_LENGTH = 32;
+const FIELD_NAME = /^[A-Za-z]\w*$/;
 const MAX_SCRIPT = 20_000;
 
 /** Returns why a script cannot run, null if it can be tried. */
@@ -42,6 +46,17 @@ export function problemOf(script: string): string | null {
   if (script.length > MAX_SCRIPT) return `the script is longer than ${MAX_SCRIPT} characters`;
   if (/\bimport\b/.test(script)) return 'a script must not contain the word import';
   return null;
+}
+
+/**
+ * Returns the fields of a result: names of letters and digits, finite numbers.
+ *
+ * The worker sends numbers only; whether their names are good ones, the page decides.
+ */
+export function fieldsOf(result: unknown): Record<string, number> {
+  const entries = Object.entries(typeof result === 'object' && result !== null ? result : {});
+  const valid = entries.filter(([name, value]) => name.length <= MAX_NAME_LENGTH && FIELD_NAME.test(name) && Number.isFinite(value));
+  return Object.fromEntries(valid.slice(0, MAX_FIELDS)) as Record<string, number>;
 }
 
 /** Returns the program of a worker that runs the body of a function of `values`, `state` and `time`. */
@@ -53,10 +68,10 @@ export function workerProgram(script: string): string {
 function guard(): string {
   return `(function (scope) {
 "use strict";
-const { getOwnPropertyNames, getPrototypeOf, defineProperty, entries, fromEntries } = ({}).constructor;
+const { getOwnPropertyNames, getPrototypeOf, defineProperty, keys } = ({}).constructor;
+const isFiniteNumber = (0).constructor.isFinite;
 const kept = ${JSON.stringify(KEPT)};
 const post = scope.postMessage.bind(scope), listen = scope.addEventListener.bind(scope);
-const isFiniteNumber = (0).constructor.isFinite;
 for (let owner = scope; owner !== null && owner !== ({}).__proto__; owner = getPrototypeOf(owner)) {
   for (const name of getOwnPropertyNames(owner)) {
     if (kept.includes(name)) continue;
@@ -67,13 +82,28 @@ for (let owner = scope; owner !== null && owner !== ({}).__proto__; owner = getP
 for (const each of [function () {}, async function () {}, function* () {}, async function* () {}])
   defineProperty(getPrototypeOf(each), "constructor", { value: undefined, configurable: false });
 delete scope.Function;
-const numbers = (result) => fromEntries(entries(result === null || typeof result !== "object" ? {} : result)
-  .filter(([name, value]) => /^[A-Za-z]\\w{0,31}$/.test(name) && isFiniteNumber(value)).slice(0, ${MAX_FIELDS}));
+const numbers = (result) => {
+  const found = { __proto__: null }, names = typeof result === "object" && result !== null ? keys(result) : [];
+  for (let at = 0, count = 0; at < names.length && count < ${MAX_FIELDS}; at++) {
+    const name = names[at], value = result[name];
+    if (name.length > ${MAX_NAME_LENGTH} || typeof value !== "number" || !isFiniteNumber(value)) continue;
+    found[name] = value;
+    count++;
+  }
+  return found;
+};
 defineProperty(scope, "__run__", { configurable: true, value: (compute) => {
   delete scope.__run__;
   const state = {};
   listen("message", ({ data }) => {
-    try { post({ id: data.id, results: data.calls.map((call) => numbers(compute(call.values, state, call.time))) }); }
+    try {
+      const results = [];
+      for (let at = 0; at < data.calls.length; at++) {
+        const { values, time } = data.calls[at];
+        results[at] = numbers(compute(values, state, time));
+      }
+      post({ id: data.id, results });
+    }
     catch (error) { post({ id: data.id, error: \`\${error}\` }); }
   });
 } });

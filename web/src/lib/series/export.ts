@@ -36,15 +36,6 @@ export function tlogOf(packets: readonly TimedPacket[]): Uint8Array<ArrayBuffer>
   return log;
 }
 
-/** Lets the browser save a file. */
-export function saveFile(name: string, content: BlobPart, type = 'application/octet-stream'): void {
-  const url = URL.createObjectURL(new Blob([content], { type }));
-  const link = Object.assign(document.createElement('a'), { href: url, download: name });
-  link.click();
-  // The browser reads the content after the click.
-  setTimeout(() => URL.revokeObjectURL(url), 10_000);
-}
-
 /** Returns a name with the date and the time, such as `trends-20261123-101500.csv`. */
 export function datedName(word: string, suffix: string, date = new Date()): string {
   const [day, time] = date.toISOString().slice(0, 19).replaceAll(/[-:]/g, '').split('T');

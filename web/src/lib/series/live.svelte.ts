@@ -8,7 +8,6 @@ import { messageInfo, type DecodedMessage } from '$lib/decoder/Decoder';
 import { RowsSocket, type RowSample } from '$lib/rows/RowsSocket';
 import { Traffic } from '$lib/statistics/Traffic';
 import { fleet } from '$lib/store/fleet.svelte';
-import { replay } from '$lib/store/session';
 import { status } from '$lib/store/status.svelte';
 
 import { PacketHistory } from './PacketHistory';
@@ -22,6 +21,9 @@ export interface KnownField {
   /** Elements of an array; 0 for a single value. */
   readonly length: number;
 }
+
+/** More messages of one source come only from noise that looks like packets of unknown messages. */
+const MAX_NAMES = 500;
 
 class Live {
   readonly hub = new SeriesHub();
@@ -59,7 +61,7 @@ class Live {
 
   /** Time in ms since 1970 that plots show at their right edge. */
   now(): number {
-    return status.source === 'replay' ? (replay.current?.time ?? Date.now()) : Date.now();
+    return fleet.now();
   }
 
   clear(): void {
@@ -113,6 +115,7 @@ class Live {
     this.history.add(message.time, message.bytes);
     let messages = this.latest.get(source);
     if (messages === undefined) this.latest.set(source, (messages = new Map()));
+    if (messages.size >= MAX_NAMES && !messages.has(message.name)) messages.delete(messages.keys().next().value!);
     messages.set(message.name, message);
     if (!this.hub.wants(message.name)) return;
     this.hub.feed({ source, message: message.name, time: message.time, fields: message.fields });

@@ -54,6 +54,12 @@ describe('rates', () => {
   });
 });
 
+it('does not grow with the messages that noise makes', () => {
+  const traffic = new Traffic();
+  for (let id = 0; id < 5000; id += 1) traffic.add(packet(id & 255, 1000, id));
+  expect(traffic.list()[0]!.messages.size).toBe(500);
+});
+
 it('keeps sources and messages apart', () => {
   const traffic = new Traffic();
   traffic.add(packet(0, 1000, 30));

@@ -7,6 +7,8 @@
 const RATE_WINDOW = 5000;
 const SEQUENCES = 256;
 const MAX_GAP = 128;
+/** More messages of one source come only from noise that looks like packets of unknown messages. */
+const MAX_MESSAGES = 500;
 
 /** A packet as the statistics need it. */
 export interface TrafficPacket {
@@ -110,7 +112,10 @@ export class SourceTraffic {
     this.lastTime = packet.time;
     this.countLoss(packet.sequence);
     let message = this.messages.get(packet.id);
-    if (message === undefined) this.messages.set(packet.id, (message = new MessageTraffic(packet.id, packet.name)));
+    if (message === undefined) {
+      if (this.messages.size >= MAX_MESSAGES) this.messages.delete(this.messages.keys().next().value!);
+      this.messages.set(packet.id, (message = new MessageTraffic(packet.id, packet.name)));
+    }
     message.add(packet);
   }
 

@@ -1,10 +1,8 @@
-/** Lets the browser save a text as a file. */
-export function saveFile(name: string, text: string, type = 'text/plain'): void {
-  const url = URL.createObjectURL(new Blob([text], { type }));
-  const link = document.createElement('a');
-  link.href = url;
-  link.download = name;
+/** Lets the browser save a file. */
+export function saveFile(name: string, content: BlobPart, type = 'application/octet-stream'): void {
+  const url = URL.createObjectURL(new Blob([content], { type }));
+  const link = Object.assign(document.createElement('a'), { href: url, download: name });
   link.click();
-  // The browser reads the content after this turn.
-  setTimeout(() => URL.revokeObjectURL(url), 1000);
+  // The browser reads the content after the click.
+  setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }
