@@ -33,3 +33,8 @@ def test_one_number_means_another_mode_with_inav() -> None:
     inav = Boxes(is_inav=True, ids=(0, 28, 46), names=("ARM", "NAV WP", "MC BRAKING"))
     assert inav.custom_mode(frozenset({46})) == ACRO
     assert inav.modes()[1].standard_mode == common.MavStandardMode.MISSION
+
+
+def test_names_that_texts_of_mavlink_do_not_hold() -> None:
+    boxes = Boxes(is_inav=False, ids=(1, 2), names=("ANGLÉ\x1b[31m", "HORIZON"))
+    assert (boxes.name(1), boxes.name(2)) == ("ANGL??[31m", "HORIZON")

@@ -7,12 +7,16 @@ from math import degrees, isnan
 
 import pytest
 
+from mavstack.bridges.msp.bridge import MspBridge
 from mavstack.dialects import common
 from mavstack.errors import ActionUnsupported
-from mavstack.msp.messages.sensors import Attitude
+from mavstack.links.memory import MemoryNetwork
+from mavstack.msp.messages.sensors import Altitude, Attitude
+from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle.events import VehicleLost, VehicleReturned
 from mavstack.vehicle.firmware import Betaflight, Inav
-from tests.bridges.msp.fake_controller import run
+from tests.bridges.msp.fake_controller import FakeController, run
+from tests.waiting import wait_until
 
 
 @pytest.mark.parametrize(("variant", "firmware"), [("BTFL", Betaflight), ("INAV", Inav)])
@@ -177,3 +181,38 @@ def test_reasons_are_repeated():
         assert count == 3
 
     run(scenario)
+
+
+def test_an_altitude_that_the_messages_cannot_hold():
+    async def scenario(vehicle, controller, bridge):
+        controller.messages[Altitude] = Altitude(21_474_836.47, 1.5, 12.0)
+        await asyncio.sleep(2)
+        position = await vehicle.wait_for_message(common.GlobalPositionInt)
+        assert position.relative_alt == 0x7FFF_FFFF
+
+    run(scenario)
+
+
+def test_a_bridge_whose_part_failed_shows_the_vehicle_lost():
+    async def scenario(vehicle, controller, bridge):
+        reported = []
+        asyncio.get_running_loop().set_exception_handler(lambda _, context: reported.append(context))
+        async with vehicle.connection.events(VehicleLost) as events:
+            bridge._poller._intervals = lambda: 1 / 0
+            await anext(events)
+        assert [type(context["exception"]) for context in reported] == [ZeroDivisionError]
+
+    run(scenario)
+
+
+def test_a_bridge_whose_opening_is_cancelled_is_closed():
+    async def work():
+        controller, network = FakeController(variant="INAV"), MemoryNetwork()
+        bridge = MspBridge(controller, network.link())
+        bridge_opens = asyncio.create_task(bridge.__aenter__())
+        await wait_until(lambda: bridge.node.is_open, "the node is open", interval=0.001)
+        bridge_opens.cancel()
+        await asyncio.gather(bridge_opens, return_exceptions=True)
+        assert not bridge.node.is_open
+
+    run_virtually(work())

@@ -9,7 +9,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, RemoteCancelled
 from mavstack.msp.messages.modes import ModeRange, ModeRanges
-from mavstack.msp.messages.rc import SetRawRc
+from mavstack.msp.messages.rc import RxMap, SetRawRc
 from mavstack.node import Node
 from mavstack.services.manual_control import ChannelOverride, ManualInput
 from mavstack.sim.virtual import run_virtually
@@ -149,6 +149,18 @@ def test_taking_control_does_not_arm_by_a_switch_that_is_on_when_low():
         await vehicle.arm()
         await vehicle.disarm()
         assert controller.sent_of(SetRawRc)[-1].channels[ARM_SWITCH] == 1300
+
+    run(scenario)
+
+
+@pytest.mark.parametrize("positions", [(0, 1, 3, 3), (0, 1, 3, 200), (0, 1)])
+def test_a_channel_map_that_is_none_is_refused(positions):
+    async def scenario(vehicle, controller, bridge):
+        controller.messages[RxMap] = RxMap(positions)
+        await vehicle.reboot()
+        with pytest.raises(CommandDenied, match="its channel map is not known"):
+            await vehicle.arm()
+        assert controller.sent_of(SetRawRc) == []
 
     run(scenario)
 

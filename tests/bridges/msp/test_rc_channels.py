@@ -51,3 +51,11 @@ def test_one_is_in_control_until_it_is_silent() -> None:
     assert channels.aux(0) == 1000  # a later pilot does not find the vehicle armed
     assert channels.may_control(OTHER)
     assert not channels.check_pilot(100.0)
+
+
+def test_a_channel_map_that_moves_aux_channels() -> None:
+    channels = RcChannels()
+    channels.channel_map = (4, 5, 7, 6, 0, 1, 2, 3)
+    channels.set_aux(0, 1800)
+    assert channels.pulses()[:9] == [1800, 1000, 1000, 1000, 1500, 1500, 1000, 1500, 1000]
+    assert channels.to_receiver_order(range(9)) == [4, 5, 6, 7, 0, 1, 3, 2, 8]

@@ -91,7 +91,7 @@ class Boxes:
 
     def __init__(self, *, is_inav: bool, ids: Sequence[int], names: Sequence[str] = ()) -> None:
         self.ids = tuple(ids)
-        self._names = dict(zip(self.ids, names, strict=False))
+        self._names = {box: _printable(name) for box, name in zip(self.ids, names, strict=False)}
         self._flight_modes = _INAV if is_inav else _BETAFLIGHT
 
     def __contains__(self, permanent_id: object) -> bool:
@@ -122,3 +122,8 @@ class Boxes:
         """Return the permanent ids of the flight modes that a pilot can select."""
         modes = self._flight_modes.items()
         return frozenset(box for box, mode in modes if box in self.ids and not mode.properties & _HIDDEN)
+
+
+def _printable(name: str) -> str:
+    """Return a name that a line shows damaged, without characters that texts of MAVLink do not hold."""
+    return "".join(letter if letter.isascii() and letter.isprintable() else "?" for letter in name)

@@ -18,6 +18,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Final, Self
 
 from mavstack.bridges.msp.arming_reasons import reason_texts
+from mavstack.bridges.msp.async_resource import AsyncResource
 from mavstack.bridges.msp.commands import BridgedCommands
 from mavstack.bridges.msp.facts import read_facts
 from mavstack.bridges.msp.heartbeat import ControllerHeartbeat
@@ -55,7 +56,6 @@ from mavstack.services.version import ProtocolVersion
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from types import TracebackType
 
     from mavstack.bridges.msp.facts import ControllerFacts
     from mavstack.bridges.msp.flight_controller import FlightController
@@ -80,7 +80,7 @@ FAILURES: Final = (MspError, LinkError, RemoteCancelled, InvalidStateError)
 logger = logging.getLogger("mavstack.bridges.msp")
 
 
-class MspBridge:
+class MspBridge(AsyncResource):
     """A flight controller as a MAVLink vehicle; an async context manager.
 
     Args:
@@ -177,6 +177,7 @@ class MspBridge:
 
     def _on_task_ended(self, task: asyncio.Task[None]) -> None:
         if not task.cancelled() and (error := task.exception()) is not None:
+            self._on_silence()  # rather lost than shown as it was before
             context = {"message": "a part of the MSP bridge failed", "exception": error}
             asyncio.get_running_loop().call_exception_handler(context)
 
@@ -384,11 +385,3 @@ class MspBridge:
                         self._pilot.override(source, dict(channels))
                     case ManualInputLost(source) | OverrideLost(source):
                         self._pilot.end_manual(source)
-
-    async def __aenter__(self) -> Self:
-        return await self.open()
-
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        await self.close()

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final, TypeVar
 
 from mavstack.bridges.msp.boxes import Boxes
 from mavstack.bridges.msp.mode_switches import ModeSwitches, Switch
+from mavstack.bridges.msp.rc_channels import CHANNELS
 from mavstack.dialects import common
 from mavstack.errors import MspDecodeError, MspDenied
 from mavstack.msp.messages.config import Feature, FeatureConfig
@@ -47,6 +48,7 @@ _BOXES_PER_PAGE: Final = 32
 _MAX_PAGES: Final = 8
 _NO_VTX: Final = frozenset({VtxType.UNSUPPORTED, VtxType.UNKNOWN})
 _UID_BYTES: Final = 18
+_STICKS: Final = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +59,7 @@ class ControllerFacts:
         info: The identity of its firmware.
         boxes: Its boxes.
         switches: The channels that switch them.
-        channel_map: For roll, pitch, yaw and throttle: the index of its channel at the receiver.
+        channel_map: For roll, pitch, yaw, throttle, AUX 1 and so on: the index of its channel.
         receives_msp: True if its receiver takes the channels by MSP.
         mav_type: The MAV_TYPE of its frame.
         has_osd: True if it has an on-screen display.
@@ -72,6 +74,12 @@ class ControllerFacts:
     mav_type: int = _TYPE.QUADROTOR
     has_osd: bool = False
     has_vtx: bool = False
+
+    @property
+    def has_channel_map(self) -> bool:
+        """True if the channel map is one: each channel has its own place."""
+        places = self.channel_map
+        return _STICKS <= len(places) <= CHANNELS and sorted(places) == list(range(len(places)))
 
     def version(self) -> AutopilotVersion:
         """Return the content of AUTOPILOT_VERSION, with the identifiers of firmware and board."""

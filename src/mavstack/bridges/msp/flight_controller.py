@@ -16,6 +16,7 @@ import logging
 from contextlib import asynccontextmanager, suppress
 from typing import TYPE_CHECKING, Final, Self, TypeVar
 
+from mavstack.bridges.msp.async_resource import AsyncResource
 from mavstack.bridges.msp.cli_session import CliSession
 from mavstack.bridges.msp.connection import MspConnection
 from mavstack.bridges.msp.settings import ControllerSettings
@@ -33,7 +34,6 @@ from mavstack.msp.requests import DEFAULT_RETRIES, Priority
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
-    from types import TracebackType
 
     from mavstack.bridges.msp.connection import RawLine
     from mavstack.links import Link, LinkURL
@@ -61,7 +61,7 @@ SAVE_TIMEOUT: Final = 5.0
 PASSTHROUGH_SERIAL, PASSTHROUGH_ESC = 0xFD, 0xFF
 
 
-class FlightController:
+class FlightController(AsyncResource):
     """A client of one flight controller; an async context manager.
 
     Args:
@@ -357,14 +357,6 @@ class FlightController:
             if not any(line.reply):
                 raise MspDenied(f"connecting {where} of", self.name, answer="the controller has none")
             yield line
-
-    async def __aenter__(self) -> Self:
-        return await self.open()
-
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        await self.close()
 
     def _require_known_interface(self) -> None:
         info = self.info

@@ -12,7 +12,7 @@ import logging
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Final
 
-from mavstack.bridges.msp.telemetry import StreamedMessage
+from mavstack.bridges.msp.telemetry import StreamedMessage, millimeters
 from mavstack.bridges.msp.waypoints import ItemRefused, item_numbers, items_of, waypoints_of
 from mavstack.dialects import common
 from mavstack.errors import InvalidStateError, LinkError, MspError, RemoteCancelled
@@ -249,6 +249,6 @@ class BridgedMissions:
         return common.HomePosition(
             latitude=round(self._home.latitude * 1e7),
             longitude=round(self._home.longitude * 1e7),
-            altitude=round(above_sea * 1000),
+            altitude=millimeters(above_sea),
             q=(1.0, 0.0, 0.0, 0.0),
         )

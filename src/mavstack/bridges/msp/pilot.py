@@ -90,8 +90,8 @@ class Pilot:
         """Take the facts of the flight controller, new ones after a restart."""
         self._facts = facts
         self._channels.release_control()
-        if len(facts.channel_map) >= len(self._channels.channel_map):
-            self._channels.channel_map = tuple(facts.channel_map[: len(self._channels.channel_map)])
+        if facts.has_channel_map:
+            self._channels.channel_map = facts.channel_map
 
     # The transmitter
 
@@ -247,6 +247,8 @@ class Pilot:
     def _refusal(self, source: Address) -> str | None:
         if not self.is_possible:
             return "only its transmitter can (no MSP receiver)"
+        if self._facts is not None and not self._facts.has_channel_map:
+            return "its channel map is not known"
         if not self._channels.may_control(source):
             return f"component {self._channels.pilot} is in control"
         if self._facts is not None and self._facts.switches.off_pulses(ARM) is None:

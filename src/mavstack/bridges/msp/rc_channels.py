@@ -6,8 +6,8 @@ in control. The dead-man rule: without a sign of life of the component in contro
 bridge stops sending, and the failsafe of the flight controller takes over, as with a transmitter that is out
 of range. It never sends a neutral value instead, which would keep a vehicle in the air without a pilot.
 
-Channels are counted as the receiver counts them; the channel map says which of them is roll, pitch, yaw and
-throttle, and AUX 1 is channel 5.
+Channels are counted as the receiver counts them; the channel map says which of them is roll, pitch, yaw,
+throttle, AUX 1 and so on. Those that it does not name have their own place: AUX 1 is channel 5.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class RcChannels:
     """The channels of one flight controller, and who is in control."""
 
     def __init__(self) -> None:
-        #: For roll, pitch, yaw and throttle: the index of its channel.
+        #: For roll, pitch, yaw, throttle, and further on for AUX channels: the index of its channel.
         self.channel_map: tuple[int, ...] = (0, 1, 3, 2)
         self._sticks = [MIDDLE, MIDDLE, MIDDLE, LOW]
         self._aux = [LOW] * (CHANNELS - AUX)
@@ -103,10 +103,7 @@ class RcChannels:
 
     def pulses(self) -> list[int]:
         """Return all channels in microseconds, in the order of the receiver."""
-        pulses = [MIDDLE] * AUX + list(self._aux)
-        for stick, channel in enumerate(self.channel_map[:AUX]):
-            if channel < CHANNELS:
-                pulses[channel] = self._sticks[stick]
+        pulses = self.to_receiver_order([*self._sticks, *self._aux])
         for channel, pulse in self._overrides.items():
             pulses[channel] = pulse
         return pulses
@@ -118,9 +115,9 @@ class RcChannels:
     def to_receiver_order(self, channels: Sequence[int]) -> list[int]:
         """Return channels of MSP_RC (roll, pitch, yaw, throttle, AUX 1 …) as the receiver counts them."""
         pulses = list(channels)
-        for stick, channel in enumerate(self.channel_map[:AUX]):
-            if stick < len(channels) and channel < len(pulses):
-                pulses[channel] = channels[stick]
+        for pulse, channel in zip(channels, self.channel_map, strict=False):
+            if channel < len(pulses):
+                pulses[channel] = pulse
         return pulses
 
 

@@ -122,7 +122,7 @@ class TelemetryMessages:
             lat=round(gps.latitude * 1e7),
             lon=round(gps.longitude * 1e7),
             alt=gps.altitude * 1000,
-            relative_alt=0 if altitude is None else round(altitude.altitude * 1000),
+            relative_alt=0 if altitude is None else millimeters(altitude.altitude),
             vx=_int16(gps.ground_speed * cos(course) * 100),
             vy=_int16(gps.ground_speed * sin(course) * 100),
             vz=0 if altitude is None else _int16(-altitude.climb_rate * 100),
@@ -297,6 +297,11 @@ class Power:
 def _charge_state(alert: int) -> int:
     states = common.MavBatteryChargeState
     return {0: states.OK, 1: states.LOW, 2: states.CRITICAL}.get(alert, states.UNDEFINED)
+
+
+def millimeters(altitude: float) -> int:
+    """Return an altitude in meters as the integer of a message."""
+    return max(-0x8000_0000, min(0x7FFF_FFFF, round(altitude * 1000)))
 
 
 def _int16(value: float) -> int:
