@@ -32,7 +32,16 @@ def test_wrong_values_and_names_are_refused(peer):
     assert "OUTSIDE OF [0..3]" in peer.cli("profile 4")
     assert "INVALID RC MAP" in peer.cli("map AAAA")
     assert "INVALID NAME" in peer.cli("feature WINGS")
-    for line in ("aux 1 2", "aux 99 0 0 900 900", "aux 1 255 0 900 900", "aux 1 0 0 1 900"):
+    for line in (
+        "aux 1 2",
+        "aux 99 0 0 900 900",
+        "aux 1 255 0 900 900",
+        "aux 1 0 0 1 900",
+        "aux 1 0 9999 1700 2100",
+        "aux 1 0 -1 1700 2100",
+        "aux 1 0 0 1700 2100 2",
+        "aux 1 0 0 1700 2100 0 255",
+    ):
         assert "###ERROR IN aux" in peer.cli(line)
 
 
@@ -118,3 +127,10 @@ def test_the_text_of_a_diff_restores_another_controller(firmware):
         assert "###ERROR" not in second.cli(line), line
     assert second.cli("diff all") == text
     assert second.cli("save").endswith("Rebooting")
+
+
+def test_a_channel_map_that_the_firmware_cannot_hold():
+    peer = Peer("inav")
+    peer.enter_cli()
+    assert "INVALID RC MAP" in peer.cli("map 1234AETR")
+    assert "map AETR" in peer.cli("map")

@@ -51,3 +51,7 @@ def test_maps_and_letters(letters):
 def test_letters_that_are_no_map(letters):
     with pytest.raises(ValueError, match=letters):
         map_of(letters)
+
+
+def test_the_letters_of_positions_that_are_no_map():
+    assert letters_of((0, 1, 200, 2)) == "AET"

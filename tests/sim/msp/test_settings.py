@@ -2,6 +2,9 @@ from __future__ import annotations
 
 import dataclasses
 
+import pytest
+
+from mavstack.msp import Frame, FrameVersion
 from mavstack.msp.messages.navigation import LAST_WAYPOINT_FLAG, WaypointAction, Wp
 from mavstack.msp.messages.pid import Gains, Pid
 from mavstack.msp.messages.rc import FailsafeConfig, FailsafeProcedure, RcTuning, SetRcTuning
@@ -41,6 +44,14 @@ def test_damage_costs_what_is_damaged():
     restored.decode(bytes(content) + b"$X>\0 cut")
     assert restored.named["pwr_on_arm_grace"] == 5
     assert restored.get(FailsafeConfig).procedure is FailsafeProcedure.GPS_RESCUE
+
+
+@pytest.mark.parametrize("command", [0xFF00, 0xFF01, 35, 118, Pid.COMMAND])
+@pytest.mark.parametrize("payload", [b"", b"\xff\xff\xff", b"pwr_on_arm_grace=x", bytes(range(40))])
+def test_frames_of_the_eeprom_with_other_content_are_skipped(command, payload):
+    store, frame = SettingStore(betaflight_facts()), Frame(command, payload, version=FrameVersion.V2)
+    store.decode(frame.encode() + changed_store().encode())
+    assert store.mode_ranges == changed_store().mode_ranges
 
 
 def test_a_written_message_changes_the_fields_that_it_has():

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 from mavstack.sim.msp.boxes import FIRST_STEP, STEP, ModeRange
 from mavstack.sim.msp.cli_dump import Dump
 from mavstack.sim.msp.cli_lines import Features, aux_line, error, version_line
-from mavstack.sim.msp.receiver import letters_of, map_of
+from mavstack.sim.msp.receiver import AUX, CHANNELS, letters_of, map_of
 from mavstack.sim.msp.settings import PROFILES
 from mavstack.sim.msp.system import RefusedError
 
@@ -129,12 +129,17 @@ class CliCommands:
             return error("aux", "INVALID ARGUMENT COUNT")
         if not 0 <= index < len(ranges):
             return error("aux", f"INDEX NOT BETWEEN 0 AND {len(ranges) - 1}")
-        if box not in self._system.boxes or not all(
-            FIRST_STEP <= each <= _HIGHEST_PULSE for each in (start, end)
+        logic, linked_to = (*rest, 0, 0)[:2]
+        if not (
+            box in self._system.boxes
+            and linked_to in self._system.boxes
+            and channel in range(CHANNELS - AUX)
+            and all(FIRST_STEP <= each <= _HIGHEST_PULSE for each in (start, end))
+            and logic in (0, 1)
         ):
             return error("aux", "ARGUMENT OUT OF RANGE")
         steps = (start - FIRST_STEP) // STEP, (end - FIRST_STEP) // STEP
-        ranges[index] = ModeRange(box, channel, *steps, *rest[:2])
+        ranges[index] = ModeRange(box, channel, *steps, logic, linked_to)
         return aux_line(index, ranges[index])
 
     def _feature(self, text: str) -> str:
@@ -152,9 +157,13 @@ class CliCommands:
         system = self._system
         if text:
             try:
-                system.set_channel_map(map_of(text.upper()))
+                positions = map_of(text.upper())
             except ValueError:
                 return error("map", "INVALID RC MAP")
+            mapped = positions[: len(system.default_channel_map)]
+            if sorted(mapped) != list(range(len(mapped))):
+                return error("map", "INVALID RC MAP")
+            system.set_channel_map(positions)
         return f"map {letters_of(system.receiver.channel_map)}\n"
 
     # --- profiles, batches, dumps

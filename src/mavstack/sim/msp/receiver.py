@@ -102,7 +102,8 @@ def letters_of(channel_map: Sequence[int]) -> str:
     """Return the letters of a channel map."""
     letters = [""] * len(channel_map)
     for letter, place in zip(_LETTERS, channel_map, strict=False):
-        letters[place] = letter
+        if place < len(letters):  # a peer may have written another one
+            letters[place] = letter
     return "".join(letters)
 
 

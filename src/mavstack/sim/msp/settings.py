@@ -11,6 +11,7 @@ be read by any MSP parser, and a damaged part is noticed by its checksum.
 from __future__ import annotations
 
 import dataclasses
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
@@ -172,33 +173,33 @@ class SettingStore:
         self.reset()
         waypoints: list[Wp] = []
         for frame in FrameParser().feed(data):
-            if frame.command == _WAYPOINT:
-                waypoints.append(Wp.decode(frame.payload))
-            else:
-                self._load(frame)
+            with suppress(MspDecodeError, ValueError, IndexError):
+                if frame.command == _WAYPOINT:
+                    waypoints.append(Wp.decode(frame.payload))
+                else:
+                    self._load(frame)
         return waypoints
 
     def _load(self, frame: Frame) -> None:
         payload = frame.payload
         if frame.command == _SELECTED:
-            self.pid_profile, self.rate_profile = payload
+            pid_profile, rate_profile = payload
+            self.select(pid_profile, is_rate_profile=False)
+            self.select(rate_profile, is_rate_profile=True)
         elif frame.command == _NAMED:
             name, _, value = payload.decode().partition("=")
             if name in self.named:
                 self.named[name] = int(value)
         elif frame.command == _RANGE:
-            if payload[0] < len(self.mode_ranges):
-                self.mode_ranges[payload[0]] = ModeRange(*payload[1:])
+            index, box, channel, start, end, logic, linked_to = payload
+            self.mode_ranges[index] = ModeRange(box, channel, start, end, logic, linked_to)
         else:
             self._load_message(frame)
 
     def _load_message(self, frame: Frame) -> None:
         for kind in self._defaults:
             if frame.command == kind.COMMAND:
-                try:
-                    self._messages[kind, frame.flags] = kind.decode(frame.payload, self.facts.info)
-                except MspDecodeError:
-                    return
+                self._messages[kind, frame.flags] = kind.decode(frame.payload, self.facts.info)
 
 
 def _frame(command: int, payload: bytes, profile: int = 0) -> bytes:
