@@ -6,6 +6,7 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 import pytest
+from textual._xterm_parser import XTermParser
 from textual.widgets import HelpPanel, Input, Static
 
 from mavstack.cli.watch.inspector.detail_panel import DetailPanel
@@ -127,6 +128,16 @@ async def test_sources_side_by_side():
         assert "B 2/1" in text(window, "comparison").splitlines()[0]
         await press(pilot, "down", "t")
         assert len(watched.inspector.plot) == 4
+
+
+async def test_escape_and_a_digit_that_arrive_together():
+    watched = flying()
+    async with shown(watched) as (window, pilot):
+        for digit, view in (("3", "packets"), ("2", "comparison"), ("1", "fields")):
+            parser = XTermParser()
+            events = [*parser.feed(f"\x1b{digit}"), *parser.feed("")]  # the second says that no more comes
+            await press(pilot, *(event.key for event in events))
+            assert window.query_one(DetailPanel).view == view
 
 
 async def test_raw_packets():

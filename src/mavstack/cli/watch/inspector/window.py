@@ -73,9 +73,11 @@ class InspectorWindow(App[int]):
         Binding("q", "quit", "Quit"),
         Binding("ctrl+c,ctrl+q", "quit", "Quit", show=False, priority=True),
         Binding("escape", "back", "Back", show=False),
-        Binding("1", "view('fields')", "Fields", show=False),
-        Binding("2", "view('comparison')", "Compare", show=False),
-        Binding("3", "view('packets')", "Packets", show=False),
+        # Escape and a digit that arrive together, as over a slow connection, are Alt and the digit: textual takes
+        # them for the sign that some keyboards have there.
+        Binding("1,alt+1,inverted_exclamation_mark", "view('fields')", "Fields", show=False),
+        Binding("2,alt+2,trade_mark_sign", "view('comparison')", "Compare", show=False),
+        Binding("3,alt+3,pound_sign", "view('packets')", "Packets", show=False),
     ]
 
     def __init__(
