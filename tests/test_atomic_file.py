@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 
 import pytest
 
@@ -40,6 +41,17 @@ def test_links_and_permissions_are_kept(tmp_path) -> None:
     assert link.is_symlink()
     assert target.read_bytes() == b"new"
     assert target.stat().st_mode & 0o777 == 0o600
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="permissions of POSIX")
+def test_a_private_file_is_never_readable_by_others(tmp_path) -> None:
+    before = os.umask(0)
+    try:
+        write_file_atomically(tmp_path / "secret", "secret", private=True)
+        write_file_atomically(tmp_path / "other", "other")
+    finally:
+        os.umask(before)
+    assert [(tmp_path / name).stat().st_mode & 0o777 for name in ("secret", "other")] == [0o600, 0o666]
 
 
 def test_a_device_is_written_directly() -> None:

@@ -12,10 +12,13 @@ import stat
 from contextlib import suppress
 from pathlib import Path
 
+_PRIVATE = 0o600
 _NEW_FILE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
 
 
-def write_file_atomically(path: str | os.PathLike[str], content: bytes | str) -> None:
+def write_file_atomically(
+    path: str | os.PathLike[str], content: bytes | str, *, private: bool = False
+) -> None:
     """Write a file, or leave an existing one unchanged if that fails.
 
     A symbolic link is followed, and the permissions of an existing file are kept. A device or a pipe is
@@ -24,6 +27,7 @@ def write_file_atomically(path: str | os.PathLike[str], content: bytes | str) ->
     Args:
         path: The file.
         content: Its whole content; text is written as UTF-8 with its line ends unchanged.
+        private: A new file is readable by its owner only, also if the one that it replaces was just deleted.
 
     Raises:
         OSError: The file cannot be written; there is no temporary file left.
@@ -40,7 +44,10 @@ def write_file_atomically(path: str | os.PathLike[str], content: bytes | str) ->
         return
     temporary = target.with_name(f".mavstack-{os.urandom(6).hex()}.part")
     try:
-        _write_new(temporary, data, None if known is None else stat.S_IMODE(known.st_mode))
+        mode = (
+            _PRIVATE if private and known is None else None if known is None else stat.S_IMODE(known.st_mode)
+        )
+        _write_new(temporary, data, mode)
         temporary.replace(target)
     except OSError as error:  # names the file of the caller, not the temporary one
         if error.errno is None:
@@ -53,7 +60,7 @@ def write_file_atomically(path: str | os.PathLike[str], content: bytes | str) ->
 
 def _write_new(path: Path, data: bytes, mode: int | None) -> None:
     """Write a file that does not exist yet, and wait until it is on the disk."""
-    with os.fdopen(os.open(path, _NEW_FILE, 0o666), "wb") as file:
+    with os.fdopen(os.open(path, _NEW_FILE, 0o666 if mode is None else _PRIVATE), "wb") as file:
         if mode is not None and hasattr(os, "fchmod"):
             os.fchmod(file.fileno(), mode)
         file.write(data)

@@ -55,3 +55,12 @@ def test_the_directory_of_keys(monkeypatch, tmp_path):
     monkeypatch.delenv("XDG_CONFIG_HOME")
     monkeypatch.setenv("HOME", str(tmp_path))
     assert key_directory() == tmp_path / ".config" / "mavstack" / "keys"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="permissions of POSIX")
+def test_a_key_that_is_removed_while_it_is_replaced_is_written_for_its_owner_only(keys, monkeypatch):
+    path = key_store.store_key("fleet", SigningKey.generate())
+    path.unlink()
+    monkeypatch.setattr(key_store, "require_stored", lambda name: path)
+    key_store.replace_key("fleet", SigningKey.generate())
+    assert path.stat().st_mode & 0o077 == 0

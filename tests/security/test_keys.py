@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import errno
 import hashlib
 import logging
 import os
@@ -204,3 +205,17 @@ def test_a_key_file_that_others_can_read_is_reported(tmp_path, caplog):
     SigningKey.load(path)
     assert "mode 640" in caplog.text
     assert "chmod 600" in caplog.text
+
+
+def test_a_key_that_is_not_on_the_disk_is_no_file(tmp_path, monkeypatch):
+    def full(descriptor):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    path = tmp_path / "fleet.key"
+    with monkeypatch.context() as context:
+        context.setattr(os, "fsync", full)
+        with pytest.raises(SigningError, match="No space left"):
+            SigningKey(SECRET).save(path)
+    assert not path.exists()
+    SigningKey(SECRET).save(path)
+    assert SigningKey.load(path) == SigningKey(SECRET)

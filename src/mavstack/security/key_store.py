@@ -322,9 +322,9 @@ def _delete(path: Path) -> None:
 
 
 def _write(path: Path, text: str) -> None:
-    """Write a file; one that exists keeps its permissions."""
+    """Write a file; one that exists keeps its permissions, a new one is readable by its owner only."""
     try:
-        write_file_atomically(path, text)
+        write_file_atomically(path, text, private=True)
     except OSError as error:
         raise SigningError(f"cannot write {path}: {error.strerror or error}") from None
 

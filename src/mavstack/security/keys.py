@@ -124,8 +124,14 @@ class SigningKey:
             descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
         except OSError as error:
             raise SigningError(f"cannot write the key file {path}: {error.strerror or error}") from None
-        with os.fdopen(descriptor, "w", encoding="ascii") as file:
-            file.write(self._secret.hex() + "\n")
+        try:
+            with os.fdopen(descriptor, "w", encoding="ascii") as file:
+                file.write(self._secret.hex() + "\n")
+                file.flush()
+                os.fsync(descriptor)  # a vehicle that has the key is lost without it
+        except OSError as error:
+            Path(path).unlink(missing_ok=True)
+            raise SigningError(f"cannot write the key file {path}: {error.strerror or error}") from None
 
     @property
     def fingerprint(self) -> str:

@@ -35,6 +35,17 @@ def test_a_key_goes_from_one_station_to_another(mav, folder):
     assert (again.code, "not newer" in again.err) == (1, True)
 
 
+def test_an_offer_is_not_used_up_for_a_name_that_a_key_in_the_keyring_has(mav, folder):
+    public = json.loads(mav("key", "identity", "ann", "--json").out)["public"]
+    mav("key", "new", "fleet")
+    file = str(folder / "fleet.offer")
+    assert mav("key", "offer", "fleet", "--identity", "ann", "--to", public, "-o", file).code == 0
+    (folder / "keys" / "other.keyring").touch()
+    accept = ("--identity", "ann", "--from", public)
+    assert "already" in mav("key", "accept", file, "other", *accept).err
+    assert mav("key", "accept", file, "copy", *accept).code == 0
+
+
 def test_problems_are_reported_in_one_line(mav, folder):
     mav("key", "identity", "ann")
     assert "already" in mav("key", "identity", "ann").err

@@ -10,7 +10,7 @@ from mavstack.atomic_file import write_file_atomically
 from mavstack.bounded_file import read_file_bounded
 from mavstack.cli.common.errors import CommandError
 from mavstack.cli.common.output import echo, echo_json
-from mavstack.security.key_store import find_key, key_path, store_key, uses_keyring
+from mavstack.security.key_store import find_key, find_stored, store_key, uses_keyring
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -65,7 +65,7 @@ def accept(arguments: Namespace) -> int:
     """Run `mav key accept`."""
     from mavstack.security.identity_store import MAX_FILE_SIZE, accept_once, load_identity, load_public
 
-    if key_path(arguments.name).exists():
+    if find_stored(arguments.name) is not None:  # before the offer is used up
         raise CommandError(f"there is a signing key {arguments.name!r} already")
     try:
         data = read_file_bounded(Path(arguments.offer), MAX_FILE_SIZE)
