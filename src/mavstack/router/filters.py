@@ -9,8 +9,9 @@ would drop.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
+from mavstack.router.config.names import COMMAND_MESSAGES
 from mavstack.router.rules import Rule, RuleSet
 
 if TYPE_CHECKING:
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
 
     from mavstack.router.config import EndpointConfig, PacketFilter
     from mavstack.router.rules import Action
-
-COMMAND_MESSAGES: Final = frozenset({75, 76})  # COMMAND_INT and COMMAND_LONG
 
 
 def rules_of(

@@ -37,3 +37,8 @@ def test_others_are_refused(names, value):
 def test_systems_are_numbers(value):
     with pytest.raises(ValueError, match="1 to 255"):
         system(value)
+
+
+def test_a_dialect_without_commands_has_no_rules_for_commands():
+    with pytest.raises(ValueError, match="set another dialect"):
+        Names("minimal").command(400)

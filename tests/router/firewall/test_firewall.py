@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mavstack.dialects import common
+from mavstack.dialects import common, minimal
 from mavstack.errors import RouterConfigError
 from mavstack.router.config import Table
 from mavstack.router.config.names import Names
@@ -18,7 +20,10 @@ from mavstack.router.firewall.compiler import (
     peer_ranges,
     with_filter,
 )
+from mavstack.router.firewall.detector import Detector
 from mavstack.router.rules import Rule, RuleSet
+from mavstack.services import message_ids
+from mavstack.wire import Packet
 from tests.router.firewall.packets import Sender, command, ground_heartbeat, heartbeat
 
 ARM, TAKEOFF, PARAM_SET, HEARTBEAT = 400, 22, 23, 0
@@ -147,6 +152,47 @@ def test_a_refused_source_is_quarantined_and_released():
     made.handle_timeout(30.0)
     assert made.changed() == ["ground"]
     assert made.rules("ground")[0].action == "inspect"
+
+
+def test_an_endpoint_that_is_no_longer_admitted_does_not_get_its_rules_back():
+    made = firewall(with_options("quarantine = 30").replace('"COMMAND_LONG"', '"HIL_GPS"'))
+    assert not decide(made, common.HilGps())
+    closed = RuleSet(default_incoming="drop")
+    assert not made.open_endpoint("ground", Peer("10.1.2.3", 14550), own=closed)
+    made.handle_timeout(30.0)
+    assert made.changed() == []
+    assert not decide(made, ground_heartbeat(), now=31.0)
+
+
+class Broken(Detector):
+    name = "broken"
+    messages = message_ids(common.CommandLong)
+
+    def inspect(self, origin, packet, now):
+        raise KeyError(origin)
+
+    def measure(self, origin, traffic, now):
+        raise KeyError(origin)
+
+
+def test_a_detector_that_fails_passes_nothing_and_stops_nothing(caplog):
+    made = Firewall(replace(configured(PILOT), detectors=(Broken(),)))
+    made.open_endpoint("ground", Peer("10.1.2.3", 14550))
+    assert not decide(made, command(ARM, 1))
+    assert decide(made, ground_heartbeat())
+    made.measure("ground", Traffic(1, 0), 1.0)
+    (alert,) = made.alerts()
+    assert (alert.detector, alert.text) == ("broken", "the detector failed, see the log")
+    assert "KeyError" in caplog.text
+
+
+def test_a_command_that_the_dialect_lacks_is_a_message_like_any_other():
+    packet = Packet(Sender().packet(command(TAKEOFF)).raw, minimal)
+    rules = (
+        Rule("drop", commands=frozenset({TAKEOFF})),
+        Rule("pass", messages=frozenset({packet.message_id})),
+    )
+    assert deciding_rule(rules, packet) == (rules[1], [])
 
 
 def test_a_flooding_endpoint_is_quarantined():

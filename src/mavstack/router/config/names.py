@@ -13,6 +13,8 @@ from mavstack.dialects import Dialect
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+#: Ids of COMMAND_INT and COMMAND_LONG.
+COMMAND_MESSAGES: Final = frozenset({75, 76})
 MAX_MESSAGE: Final = 0xFFFFFF
 MAX_COMMAND: Final = 0xFFFF
 _MAX_ID: Final = 255
@@ -41,7 +43,14 @@ class Names:
         return _number(value, self._messages, "message", MAX_MESSAGE)
 
     def command(self, value: object) -> int:
-        """Return the number of a MAV_CMD; the name may lack `MAV_CMD_`."""
+        """Return the number of a MAV_CMD; the name may lack `MAV_CMD_`.
+
+        A dialect without both messages of commands is refused: a rule for commands would not see them.
+        """
+        if not all(message in self.dialect for message in COMMAND_MESSAGES):
+            raise ValueError(
+                "the dialect of the router has no COMMAND_INT or no COMMAND_LONG: set another dialect"
+            )
         return _number(value, self._entries("MAV_CMD"), "command", MAX_COMMAND)
 
     def component(self, value: object) -> int:

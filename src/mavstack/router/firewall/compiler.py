@@ -225,4 +225,7 @@ def _has_conditions(rule: Rule) -> bool:
 
 
 def _command(packet: Packet) -> int | None:
-    return int(packet.message.command) if packet.message_id in _COMMANDS else None
+    """Return the command of a packet; None if it has none, or its dialect lacks the message."""
+    if packet.message_id not in _COMMANDS or packet.message is None:
+        return None
+    return int(packet.message.command)

@@ -14,6 +14,7 @@ configuration says so.
 
 from __future__ import annotations
 
+import logging
 from collections import Counter, deque
 from dataclasses import dataclass, field
 from itertools import chain
@@ -36,11 +37,13 @@ from mavstack.router.rules import Rule, RuleSet
 from mavstack.services import Address
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
     from mavstack.router.firewall.config import FirewallConfig, Peer
-    from mavstack.router.firewall.detector import Traffic
+    from mavstack.router.firewall.detector import Detector, Traffic
     from mavstack.wire import Packet
+
+logger = logging.getLogger("mavstack.router.firewall")
 
 #: Alerts that wait for the driver; the oldest are lost.
 MAX_ALERTS: Final = 1000
@@ -106,20 +109,30 @@ class Firewall:
         rules = engine_rules(self.config, endpoint or name, peer, listening=listening)
         if own is not None:
             rules = with_filter(rules, own)
-        if not admits(rules):
-            place = f"a peer at {peer.host}:{peer.port}" if peer else "this endpoint"
-            self._raise(Alert("peers", name, None, f"no rule allows {place}"), 0.0)
-            return False
-        try:
-            if credential and self.config.pool:
-                self.ids.assign(credential)
-        except InvalidStateError as error:
-            self._raise(Alert("ids", name, None, str(error)), 0.0)
+        refusal = self._refusal_of(rules, peer, credential)
+        if refusal is not None:
+            self.close_endpoint(name)  # earlier rules of this endpoint hold no longer
+            detector, text = refusal
+            self._raise(Alert(detector, name, None, text), 0.0)
             return False
         known = self._endpoints.get(name)
         quarantine = {} if known is None else known.quarantine
         self._endpoints[name] = _Endpoint(group or name, credential, rules, quarantine=quarantine)
         return True
+
+    def _refusal_of(
+        self, rules: Sequence[Rule], peer: Peer | None, credential: str
+    ) -> tuple[str, str] | None:
+        """Return the detector and the reason for which an endpoint is not admitted; give it a system id."""
+        if not admits(rules):
+            place = f"a peer at {peer.host}:{peer.port}" if peer else "this endpoint"
+            return "peers", f"no rule allows {place}"
+        try:
+            if credential and self.config.pool:
+                self.ids.assign(credential)
+        except InvalidStateError as error:
+            return "ids", str(error)
+        return None
 
     def close_endpoint(self, name: str) -> None:
         """Remove an endpoint. Idempotent.
@@ -198,10 +211,18 @@ class Firewall:
         if name not in self._endpoints:
             return
         for detector in self.config.detectors:
-            for alert in detector.measure(name, traffic, now):
+            for alert in self._measured(detector, name, traffic, now):
                 self._raise(alert, now)
                 if self.config.quarantine and not self.config.dry_run:
                     self._cut_off(name, None, now)
+
+    @staticmethod
+    def _measured(detector: Detector, name: str, traffic: Traffic, now: float) -> list[Alert]:
+        try:
+            return list(detector.measure(name, traffic, now))
+        except Exception:  # as in `_detected`; counters refuse nothing
+            logger.exception("detector %s failed", detector.name)
+            return []
 
     def handle_timeout(self, now: float) -> None:
         """End the quarantines whose time is over.
@@ -259,8 +280,13 @@ class Firewall:
 
     def _detected(self, endpoint: _Endpoint, packet: Packet, now: float) -> Iterable[Alert]:
         for detector in self.config.detectors:
-            if detector.every_packet or packet.message_id in detector.messages:
+            if not (detector.every_packet or packet.message_id in detector.messages):
+                continue
+            try:
                 yield from detector.inspect(endpoint.origin, packet, now)
+            except Exception:  # a defect of a detector must neither pass the packet nor stop the router
+                logger.exception("detector %s failed", detector.name)
+                yield detector.alert(endpoint.origin, packet, "the detector failed, see the log")
 
     def _raise(self, alert: Alert, now: float) -> None:
         self.counts[alert.detector] += 1

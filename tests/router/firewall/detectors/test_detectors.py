@@ -11,7 +11,7 @@ from mavstack.router.firewall import Traffic, detector_names, make_detector
 from mavstack.security import SigningKey
 from tests.router.firewall.packets import Sender, command, ground_heartbeat, heartbeat, texts
 
-ARM, RTL = 400, 20
+ARM, RTL, FORCE = 400, 20, 21196
 
 
 def detector(name: str, **options):
@@ -37,6 +37,16 @@ def test_an_address_that_is_in_use_on_another_link_is_refused():
     assert feed(made, [vehicle.packet(heartbeat())], origin="radio", now=10.0) == []  # it moved
     two = feed(made, [attacker.packet(heartbeat(kind=common.MavType.SUBMARINE))], origin="radio", now=11.0)
     assert texts(two) == ["two senders of different type have this address"]
+
+
+@pytest.mark.parametrize("message", [command(ARM, 1), common.SetMode(), common.ParamSet()], ids=repr)
+def test_a_command_from_an_address_of_another_link_is_refused(message):
+    made, pilot, attacker = detector("spoofed-ids"), Sender(), Sender()
+    assert feed(made, [attacker.packet(message)], origin="radio") == []  # no link has the address yet
+    assert feed(made, [pilot.packet(ground_heartbeat()), pilot.packet(message)], origin="cable") == []
+    (alert,) = feed(made, [attacker.packet(message)], origin="radio", now=1.0)
+    assert (alert.refuse, alert.text) == (True, "the address is in use on cable")
+    assert feed(made, [pilot.packet(message)], origin="radio", now=10.0) == []  # it moved
 
 
 def test_positions_pass_only_from_named_senders():
@@ -132,11 +142,19 @@ def test_only_the_pilot_commands_a_flying_vehicle():
     assert (
         feed(made, [pilot.packet(command(RTL)), pilot.packet(upload), other.packet(command(512, 148))]) == []
     )
-    (forced,) = feed(made, [pilot.packet(command(ARM, 0, 21196))])
-    assert "by force" in forced.text
+    assert len(feed(made, [other.packet(command(ARM, 0, FORCE))])) == 1
+    assert feed(made, [pilot.packet(command(ARM, 0, FORCE))]) == []  # nothing keeps turning against its wish
     assert (
         feed(made, [vehicle.packet(heartbeat()), other.packet(command(ARM, 1))]) == []
     )  # on the ground again
+
+
+def test_a_pilot_may_be_kept_from_disarming_by_force():
+    made, pilot, vehicle = detector("behaviour", forced_disarm=False), Sender(255, 190), Sender(1, 1)
+    assert feed(made, [pilot.packet(command(ARM, 1)), vehicle.packet(heartbeat(armed=True))]) == []
+    (forced,) = feed(made, [pilot.packet(command(ARM, 0, FORCE))])
+    assert "by force" in forced.text
+    assert feed(made, [pilot.packet(command(ARM, 0))]) == []
 
 
 def test_operators_are_named():

@@ -115,7 +115,8 @@ def attacks(recorded):
         ("malformed", "ground", pilot.packet(common.TrajectoryRepresentationWaypoints(valid_points=200))),
         ("behaviour", "ground", other.packet(command(RTL))),
         ("behaviour", "ground", other.packet(command(ARM, 0))),
-        ("behaviour", "ground", pilot.packet(command(ARM, 0, FORCE))),
+        ("behaviour", "ground", other.packet(command(ARM, 0, FORCE))),
+        ("spoofed-ids", "vehicle", pilot.packet(command(RTL))),
         ("behaviour", "ground", Sender(253, 1).packet(common.MissionClearAll(target_system=1))),
         ("behaviour", "ground", Sender(252, 1).packet(common.SetMode(target_system=1))),
     ]

@@ -1,8 +1,9 @@
 """Behaviour limits: who may arm, change the mode or the mission of a vehicle that flies.
 
 While a vehicle is armed, one ground station commands it: one of `operators`, or without that option the first
-one that sent it a command. Commands of others are refused, and a forced disarm of any sender is refused
-unless `forced_disarm` is true. On the ground all may command, as far as the rules allow.
+one that sent it a command. Commands of others are refused. Its own pilot may stop the motors of a vehicle in
+flight by a forced disarm, unless `forced_disarm` is false. On the ground all may command, as far as the rules
+allow.
 """
 
 from __future__ import annotations
@@ -57,7 +58,7 @@ class _Vehicle:
 
 
 class FlightBehaviour(Detector):
-    """Refuses changes of a flying vehicle by others than its pilot, and forced disarming."""
+    """Refuses changes of a flying vehicle by others than its pilot."""
 
     name: ClassVar[str] = "behaviour"
     messages: ClassVar[frozenset[int]] = message_ids(
@@ -66,7 +67,7 @@ class FlightBehaviour(Detector):
 
     def __init__(self) -> None:
         self.operators: frozenset[Address] = frozenset()
-        self.forced_disarm = False
+        self.forced_disarm = True
         self._vehicles: dict[int, _Vehicle] = {}
 
     def configure(self, options: Table) -> None:

@@ -1,8 +1,9 @@
 """Spoofed ids: an address that is already in use on another link, or by another vehicle on this link.
 
-The link on which an address was heard first keeps it while its heartbeats arrive. Links of one group carry
-the same packets and count as one origin. A vehicle that really moves to another link is silent on the first
-one.
+The link on which an address was heard first keeps it while its heartbeats arrive: heartbeats, commands and
+changes of the mission, the mode or a parameter that come from it over another link are refused. Links of one
+group carry the same packets and count as one origin. A vehicle that really moves to another link is silent on
+the first one.
 """
 
 from __future__ import annotations
@@ -24,6 +25,17 @@ if TYPE_CHECKING:
 
 #: Seconds without a heartbeat after which another link may have an address: three heartbeats are lost.
 DEFAULT_TIMEOUT: Final = 4.0
+#: Messages that change something, which are rare.
+CHANGES: Final = (
+    common.CommandLong,
+    common.CommandInt,
+    common.SetMode,
+    common.MissionCount,
+    common.MissionClearAll,
+    common.MissionSetCurrent,
+    common.MissionWritePartialList,
+    common.ParamSet,
+)
 #: Addresses that are remembered.
 MAX_ADDRESSES: Final = 4096
 
@@ -36,10 +48,10 @@ class _Owner:
 
 
 class SpoofedIds(Detector):
-    """Refuses heartbeats of an address that another link uses at the same time."""
+    """Refuses heartbeats and commands of an address that another link uses at the same time."""
 
     name: ClassVar[str] = "spoofed-ids"
-    messages: ClassVar[frozenset[int]] = message_ids(common.Heartbeat)
+    messages: ClassVar[frozenset[int]] = message_ids(common.Heartbeat, *CHANGES)
 
     def __init__(self) -> None:
         self.timeout = DEFAULT_TIMEOUT
@@ -54,6 +66,10 @@ class SpoofedIds(Detector):
         match packet.message:
             case common.Heartbeat(type=vehicle_type, autopilot=autopilot):
                 yield from self._heard(origin, packet, (int(vehicle_type), int(autopilot)), now)
+            case _:
+                owner = self._owners.get(Address(packet.system, packet.component))
+                if owner is not None and owner.origin != origin and now - owner.heard <= self.timeout:
+                    yield self.alert(origin, packet, f"the address is in use on {owner.origin}")
 
     def _heard(self, origin: str, packet: Packet, vehicle: tuple[int, int], now: float) -> Iterator[Alert]:
         address = Address(packet.system, packet.component)
