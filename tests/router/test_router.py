@@ -9,6 +9,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError, InvalidStateError, LinkError, SigningError
 from mavstack.router.config import EndpointConfig, PacketFilter, RouterConfig
+from mavstack.router.engine import RouterEngine
 from mavstack.router.router import Router
 from mavstack.security import SigningKey
 from mavstack.wire import Encoder
@@ -173,6 +174,17 @@ async def test_closing_is_idempotent():
         pass
     await router.close()
     await asyncio.wait_for(router.serve_forever(), 1)
+
+
+async def test_an_engine_that_ended_by_itself_ends_the_router(monkeypatch):
+    def fail(engine):
+        raise InvalidStateError("the router engine ended")
+
+    monkeypatch.setattr("mavstack.router.router.TIMER_INTERVAL", 0.01)
+    async with routing(VEHICLE) as router:
+        monkeypatch.setattr(RouterEngine, "check_running", fail)
+        with pytest.raises(InvalidStateError, match="engine ended"):
+            await asyncio.wait_for(router.serve_forever(), 5)
 
 
 class WithoutReaders(asyncio.SelectorEventLoop):

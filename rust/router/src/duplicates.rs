@@ -67,6 +67,19 @@ impl Duplicates {
         }
         None
     }
+
+    /// Forgets a packet of a port that is not forwarded: a forged one that came first must not hide the true one.
+    #[cold]
+    pub fn forget(&mut self, raw: &[u8], port: u64) {
+        let hash = self.hasher.hash_one(raw);
+        let (tag, port) = ((hash >> 32) as u32, port as u32);
+        if let Some(set) = self.sets.get_mut(hash as usize % SETS) {
+            set.0
+                .iter_mut()
+                .filter(|entry| (entry.tag, entry.port) == (tag, port))
+                .for_each(|entry| *entry = Entry::default());
+        }
+    }
 }
 
 #[cfg(test)]

@@ -26,6 +26,10 @@ pub struct Held {
 }
 
 impl Held {
+    pub fn is_expired(&self, now: u64) -> bool {
+        self.at + MAX_HELD_TIME < now
+    }
+
     pub fn packet(&self, dialect: &Dialect) -> Option<Packet<'_>> {
         let header = Header::parse(&self.raw)?;
         let slot = dialect.entry(header.message_id).map(|entry| entry.slot);
@@ -49,7 +53,7 @@ impl HeldPackets {
         let mut expired = Vec::new();
         let mut is_full = self.packets.len() >= MAX_HELD;
         while let Some(first) = self.packets.first_entry()
-            && (is_full || first.get().at + MAX_HELD_TIME < now)
+            && (is_full || first.get().is_expired(now))
         {
             let first = first.remove();
             self.release(&first);

@@ -162,6 +162,7 @@ impl Router {
             let verified = passing.admission.verified;
             let learned = self.table.learn(summary.system, summary.component, from, verified, time.now);
             if learned == Learned::Spoofed {
+                self.duplicates.forget(passing.packet.raw, self.ports[from].serial);
                 return self.drop_received(from, Cause::Spoofed, Notice::Spoofed, summary, time);
             }
         }
@@ -297,7 +298,8 @@ impl Router {
         self.ports.get(port).is_some_and(|found| found.serial == serial).then_some(port)
     }
 
-    /// Passes or drops a held packet; a token that is not known has no effect.
+    /// Passes or drops a held packet; a token that is not known has no effect. A packet that waited for too long is
+    /// dropped: a command must not reach its vehicle long after it was given.
     pub fn decide(&mut self, token: u64, passed: bool, time: Time, sink: &mut impl Sink) {
         let Some(held) = self.held.remove(token) else {
             return;
@@ -305,8 +307,16 @@ impl Router {
         let (Some(from), Some(port)) = (self.port_with_serial(held.from), self.port_with_serial(held.port)) else {
             return;
         };
-        if !passed {
-            return self.endpoint_of(port).counters.drop_packet(Cause::Inspected);
+        let endpoint = self.endpoint_of(port);
+        let cause = if held.is_expired(time.now) {
+            Some(Cause::NotInspected)
+        } else if !passed {
+            Some(Cause::Inspected)
+        } else {
+            endpoint.paused.then_some(Cause::Paused)
+        };
+        if let Some(cause) = cause {
+            return endpoint.counters.drop_packet(cause);
         }
         let Some(packet) = held.packet(&self.dialect) else {
             return;

@@ -242,6 +242,27 @@ fn inspected_packets_wait_for_a_decision() {
 }
 
 #[test]
+fn a_decision_that_comes_too_late_or_while_paused_passes_nothing() {
+    let mut network = Network::new(2);
+    let dialect = Arc::clone(network.router.dialect());
+    let inspect = Rule { action: Action::Inspect, messages: COMMAND_IDS.to_vec(), ..Rule::default() };
+    network.endpoint(A).incoming = Rules::new(vec![inspect], Action::Pass, &dialect);
+    network.route(B, &heartbeat(VEHICLE));
+    let mut decide_after = |wait: u64, paused: bool, number: u8| {
+        assert!(network.route(A, &command((1, 1), (255, 190, number))).is_empty());
+        let Some(Event::Inspect { token, .. }) = network.router.events.take().pop_back() else { panic!("no event") };
+        network.time.now += wait;
+        network.endpoint(A).paused = paused;
+        network.router.decide(token, true, network.time, &mut network.sent);
+        network.endpoint(A).paused = false;
+        network.take_sent().len()
+    };
+    assert_eq!((decide_after(5_000_000, false, 1), decide_after(0, true, 2)), (1, 0));
+    assert_eq!(decide_after(5_000_001, false, 3), 0);
+    assert_eq!((network.dropped(A, Cause::Paused), network.dropped(A, Cause::NotInspected)), (1, 1));
+}
+
+#[test]
 fn a_byte_rate_keeps_a_reserve_for_addressed_packets() {
     let mut network = Network::new(2);
     network.endpoint(B).limit(Some(1000.0));
@@ -279,6 +300,13 @@ fn a_gateway_verifies_strips_and_signs() {
     assert!(network.route(D, &heartbeat((1, 1, 7))).is_empty(), "not signed, from a verified address");
     assert_eq!(network.dropped(D, Cause::Spoofed), 1);
     assert_eq!(network.route_changed(D, &command((1, 1), STATION)).len(), 1);
+    let mut later = Vec::new();
+    parsed(&heartbeat((1, 1, 8)), &mut |packet| {
+        assert!(rewrite(&mut later, packet, Some(&mut signing(1)), 1_000_100));
+    });
+    assert!(network.route(D, &later).is_empty(), "a copy that overtakes the packet");
+    assert_eq!(network.route_changed(A, &later).len(), 3, "does not hide it");
+    assert_eq!((network.dropped(D, Cause::Spoofed), network.dropped(A, Cause::Loop)), (2, 0));
 }
 
 #[test]

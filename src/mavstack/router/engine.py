@@ -320,10 +320,20 @@ class RouterEngine:
         """Return the counters of all endpoints and the learned routes.
 
         Raises:
-            InvalidStateError: The engine is closed.
+            InvalidStateError: The engine is closed, or ended by an internal error.
+        """
+        self.check_running()
+        return RouterStatistics.of(self._core.statistics(), self._names)
+
+    def check_running(self) -> None:
+        """Check that packets are forwarded.
+
+        Raises:
+            InvalidStateError: The engine is closed, or ended by an internal error.
         """
         self._check_open()
-        return RouterStatistics.of(self._core.statistics(), self._names)
+        if not self._core.is_running():
+            raise InvalidStateError("the router engine ended by an internal error: start the router again")
 
     def close(self) -> None:
         """Close all endpoints and end the thread. Idempotent."""

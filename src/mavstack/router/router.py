@@ -75,6 +75,7 @@ class Router:
         self._timer: asyncio.Task[None] | None = None
         self._poll: asyncio.Handle | None = None
         self._closed = asyncio.Event()
+        self._failure: InvalidStateError | None = None
         self._observers: list[Callable[[RouterEvent], None]] = []
         self._alert_observers: list[Callable[[Alert], None]] = []
         #: The newest alerts of the firewall with their Unix times, oldest first.
@@ -162,8 +163,14 @@ class Router:
             engine.close()
 
     async def serve_forever(self) -> None:
-        """Wait until the router is closed."""
+        """Wait until the router is closed.
+
+        Raises:
+            InvalidStateError: The engine ended by an internal error; nothing is forwarded any more.
+        """
         await self._closed.wait()
+        if self._failure is not None:
+            raise self._failure
 
     def statistics(self) -> RouterStatistics:
         """Return the counters of the engine and the learned routes."""
@@ -318,6 +325,12 @@ class Router:
     async def _run_timer(self, guard: Guard) -> None:
         while True:
             await asyncio.sleep(TIMER_INTERVAL)
+            try:
+                self.engine.check_running()
+            except InvalidStateError as error:
+                self._failure = error
+                self._closed.set()
+                return
             guard.handle_timer(time())
 
     def _take_alert(self, alert: Alert) -> None:

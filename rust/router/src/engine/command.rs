@@ -53,6 +53,16 @@ pub struct Shared {
     pub notifier: Notifier,
 }
 
+/// Closes the state when the thread ends, also by a panic: a program that waits for an answer learns it.
+#[derive(Debug)]
+pub struct CloseAtEnd(pub Arc<Shared>);
+
+impl Drop for CloseAtEnd {
+    fn drop(&mut self) {
+        self.0.close();
+    }
+}
+
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -85,6 +95,11 @@ impl Shared {
         let _ = self.waker.wake();
     }
 
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        lock(&self.commands).closed
+    }
+
     /// Returns the commands since the last call; `None`: the engine ends.
     pub fn take_commands(&self) -> Option<Vec<Command>> {
         let mut commands = lock(&self.commands);
@@ -112,5 +127,23 @@ impl Shared {
     /// Events that were dropped because the program did not take them.
     pub fn dropped_events(&self) -> u64 {
         lock(&self.events).dropped
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_waits_for_a_thread_that_ended_gets_an_error() {
+        let (shared, _poll) = Shared::new().expect("an event queue");
+        let shared = Arc::new(shared);
+        let end = CloseAtEnd(Arc::clone(&shared));
+        let (sender, receiver) = std::sync::mpsc::sync_channel(1);
+        shared.send(Command::Statistics(sender.clone()));
+        assert!(!shared.is_closed());
+        drop(end);
+        shared.send(Command::Statistics(sender));
+        assert!(shared.is_closed() && receiver.recv().is_err());
     }
 }

@@ -28,7 +28,7 @@ mod worker;
 use crate::event::{EndpointNumber, Event};
 use crate::gateway::Gateway;
 use crate::rules::{Action, Rule};
-use command::{Command, Shared};
+use command::{CloseAtEnd, Command, Shared};
 use mavstack_core::layout::Dialect;
 use queue::Queue;
 use snapshot::Snapshot;
@@ -71,7 +71,10 @@ impl Engine {
         let (shared, poll) = Shared::new()?;
         let shared = Arc::new(shared);
         let for_thread = Arc::clone(&shared);
-        let run = move || Worker::new(poll, for_thread, dialect, duplicate_window, system_clock()).run();
+        let run = move || {
+            let _end = CloseAtEnd(Arc::clone(&for_thread));
+            Worker::new(poll, for_thread, dialect, duplicate_window, system_clock()).run();
+        };
         let thread = std::thread::Builder::new().name("mavstack-router".into()).spawn(run)?;
         let (numbers, queues) = (AtomicU32::new(0), Mutex::default());
         Ok(Self { shared, numbers, queues, thread: Mutex::new(Some(thread)) })
@@ -188,6 +191,12 @@ impl Engine {
     #[must_use]
     pub fn event_descriptor(&self) -> i64 {
         self.shared.notifier.descriptor()
+    }
+
+    /// Returns whether the thread runs; one that ended before [`Engine::close`] had an internal error.
+    #[must_use]
+    pub fn is_running(&self) -> bool {
+        !self.shared.is_closed()
     }
 
     /// Ends the engine: closes all endpoints. Idempotent.

@@ -49,6 +49,7 @@ async def run_router(
         router = await stack.enter_async_context(Router(config))
         tasks = _Tasks(end)
         stack.push_async_callback(tasks.cancel)
+        tasks.start(router.serve_forever())
         file = ConfigFile(path, router, load) if path else None
         if config.control:
             await _serve_control(stack, router, file)
