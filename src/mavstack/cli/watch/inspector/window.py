@@ -73,8 +73,8 @@ class InspectorWindow(App[int]):
         Binding("q", "quit", "Quit"),
         Binding("ctrl+c,ctrl+q", "quit", "Quit", show=False, priority=True),
         Binding("escape", "back", "Back", show=False),
-        # Escape and a digit that arrive together, as over a slow connection, are Alt and the digit: textual takes
-        # them for the sign that some keyboards have there.
+        # Escape and a digit that arrive together, as over a slow connection, are Alt and the digit. Textual
+        # takes them for the sign that some keyboards have there.
         Binding("1,alt+1,inverted_exclamation_mark", "view('fields')", "Fields", show=False),
         Binding("2,alt+2,trade_mark_sign", "view('comparison')", "Compare", show=False),
         Binding("3,alt+3,pound_sign", "view('packets')", "Packets", show=False),
