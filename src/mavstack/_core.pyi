@@ -1009,9 +1009,6 @@ class RouterCore:
     """
 
     def __new__(cls, dialect: HasCoreDialect, duplicate_window: float) -> Self: ...
-    def is_running(self) -> bool:
-        """Return whether the engine runs."""
-
     def add_udp(self, descriptor: int, peer: tuple[str, int] | None, idle: float, max_peers: int) -> int:
         """Add a UDP socket, whose descriptor is duplicated; return the number of the endpoint."""
 

@@ -177,12 +177,10 @@ async def test_closing_is_idempotent():
 
 
 async def test_an_engine_that_ended_by_itself_ends_the_router(monkeypatch):
-    def fail(engine):
-        raise InvalidStateError("the router engine ended")
-
-    monkeypatch.setattr("mavstack.router.router.TIMER_INTERVAL", 0.01)
-    async with routing(VEHICLE) as router:
-        monkeypatch.setattr(RouterEngine, "check_running", fail)
+    async with routing(VEHICLE, GROUND) as router:
+        monkeypatch.setattr(RouterEngine, "events", lambda engine: [("ended",)])
+        with UdpPeer(port(router, "vehicle")) as vehicle:
+            vehicle.send(heartbeat())  # the engine has an event: a new peer
         with pytest.raises(InvalidStateError, match="engine ended"):
             await asyncio.wait_for(router.serve_forever(), 5)
 

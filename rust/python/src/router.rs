@@ -168,11 +168,6 @@ impl RouterCore {
         self.engine.event_descriptor()
     }
 
-    /// Return whether the engine runs.
-    fn is_running(&self) -> bool {
-        self.engine.is_running()
-    }
-
     /// End the engine, and close all endpoints.
     fn close(&self, py: Python<'_>) {
         py.detach(|| self.engine.close());

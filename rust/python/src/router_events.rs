@@ -12,6 +12,7 @@ fn host_and_port(address: &SocketAddr) -> (String, u16) {
 pub fn to_tuple<'py>(py: Python<'py>, event: &Event) -> PyResult<Bound<'py, PyTuple>> {
     match event {
         Event::Closed { endpoint, reason } => ("closed", *endpoint, reason).into_pyobject(py),
+        Event::Ended => ("ended",).into_pyobject(py),
         Event::Readable { endpoint } => ("readable", *endpoint).into_pyobject(py),
         Event::Inspect { token, endpoint, outgoing, packet } => {
             let kind = if *outgoing { "inspect_out" } else { "inspect" };

@@ -21,6 +21,8 @@ pub enum Event {
         endpoint: EndpointNumber,
         reason: String,
     },
+    /// The engine ended by an internal error: nothing is forwarded any more.
+    Ended,
     /// A queue endpoint has packets to pull.
     Readable {
         endpoint: EndpointNumber,
@@ -81,7 +83,7 @@ impl Events {
     pub fn push(&mut self, event: Event) {
         let limit = match event {
             Event::Readable { endpoint } if !self.readable.insert(endpoint) => return,
-            Event::Readable { .. } | Event::Closed { .. } => MAX_LINK_EVENTS,
+            Event::Readable { .. } | Event::Closed { .. } | Event::Ended => MAX_LINK_EVENTS,
             _ => MAX_EVENTS,
         };
         if self.queue.len() < limit {

@@ -52,6 +52,9 @@ DEFAULT_MAX_PEERS = 64
 DEFAULT_QUEUE_BYTES = 256 << 10
 DEFAULT_QUEUE_PACKETS = 4096
 
+#: The text of the error when the engine ended by itself.
+ENDED = "the router engine ended by an internal error: start the router again"
+
 #: Source system, source component and message id of the packet that an event is about.
 PacketKey: TypeAlias = tuple[int, int, int]
 
@@ -60,6 +63,7 @@ PacketKey: TypeAlias = tuple[int, int, int]
 #: | event | when |
 #: |---|---|
 #: | `("closed", endpoint, reason)` | the endpoint failed or its stream ended; it is removed |
+#: | `("ended",)` | the engine ended by an internal error: nothing is forwarded any more |
 #: | `("readable", endpoint)` | a queue endpoint, which had none, has packets to `pull` |
 #: | `("inspect", token, endpoint, packet)` | a packet from the endpoint waits for `decide(token, …)` |
 #: | `("inspect_out", token, endpoint, packet)` | a packet to the endpoint waits for `decide(token, …)` |
@@ -322,18 +326,11 @@ class RouterEngine:
         Raises:
             InvalidStateError: The engine is closed, or ended by an internal error.
         """
-        self.check_running()
-        return RouterStatistics.of(self._core.statistics(), self._names)
-
-    def check_running(self) -> None:
-        """Check that packets are forwarded.
-
-        Raises:
-            InvalidStateError: The engine is closed, or ended by an internal error.
-        """
         self._check_open()
-        if not self._core.is_running():
-            raise InvalidStateError("the router engine ended by an internal error: start the router again")
+        try:
+            return RouterStatistics.of(self._core.statistics(), self._names)
+        except RuntimeError:
+            raise InvalidStateError(ENDED) from None
 
     def close(self) -> None:
         """Close all endpoints and end the thread. Idempotent."""

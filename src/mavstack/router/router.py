@@ -24,7 +24,7 @@ from mavstack.router.attachments import Attachments
 from mavstack.router.changes import Add, NeedsRestart, Reconfigure, Remove, applicable, steps_between
 from mavstack.router.config.names import Names
 from mavstack.router.endpoints import make_endpoint
-from mavstack.router.engine import RouterEngine
+from mavstack.router.engine import ENDED, RouterEngine
 from mavstack.router.filters import rules_of
 from mavstack.router.firewall.id_store import IdStore, ids_path
 from mavstack.router.gateway import timestamps_path
@@ -325,12 +325,6 @@ class Router:
     async def _run_timer(self, guard: Guard) -> None:
         while True:
             await asyncio.sleep(TIMER_INTERVAL)
-            try:
-                self.engine.check_running()
-            except InvalidStateError as error:
-                self._failure = error
-                self._closed.set()
-                return
             guard.handle_timer(time())
 
     def _take_alert(self, alert: Alert) -> None:
@@ -358,6 +352,9 @@ class Router:
                     owner = self.attachments.owner(number)
                     if owner is not None:
                         owner.readable(number)
+                case ("ended",):
+                    self._failure = InvalidStateError(ENDED)
+                    self._closed.set()
                 case ("closed", number, reason):
                     owner = self.attachments.owner(number)
                     if owner is not None:

@@ -53,13 +53,17 @@ pub struct Shared {
     pub notifier: Notifier,
 }
 
-/// Closes the state when the thread ends, also by a panic: a program that waits for an answer learns it.
+/// Closes the state when the thread ends, also by a panic: a program that waits for an answer or for events learns it.
 #[derive(Debug)]
 pub struct CloseAtEnd(pub Arc<Shared>);
 
 impl Drop for CloseAtEnd {
     fn drop(&mut self) {
-        self.0.close();
+        let is_closed = lock(&self.0.commands).closed;
+        if !is_closed {
+            self.0.emit(VecDeque::from([Event::Ended]));
+            self.0.close();
+        }
     }
 }
 
@@ -93,11 +97,6 @@ impl Shared {
         commands.closed = true;
         commands.list.clear();
         let _ = self.waker.wake();
-    }
-
-    #[must_use]
-    pub fn is_closed(&self) -> bool {
-        lock(&self.commands).closed
     }
 
     /// Returns the commands since the last call; `None`: the engine ends.
@@ -141,9 +140,11 @@ mod tests {
         let end = CloseAtEnd(Arc::clone(&shared));
         let (sender, receiver) = std::sync::mpsc::sync_channel(1);
         shared.send(Command::Statistics(sender.clone()));
-        assert!(!shared.is_closed());
         drop(end);
         shared.send(Command::Statistics(sender));
-        assert!(shared.is_closed() && receiver.recv().is_err());
+        assert!(receiver.recv().is_err());
+        assert_eq!(shared.take_events(), [Event::Ended]);
+        drop(CloseAtEnd(Arc::clone(&shared)));
+        assert!(shared.take_events().is_empty(), "closed by the program");
     }
 }

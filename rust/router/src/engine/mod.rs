@@ -193,12 +193,6 @@ impl Engine {
         self.shared.notifier.descriptor()
     }
 
-    /// Returns whether the thread runs; one that ended before [`Engine::close`] had an internal error.
-    #[must_use]
-    pub fn is_running(&self) -> bool {
-        !self.shared.is_closed()
-    }
-
     /// Ends the engine: closes all endpoints. Idempotent.
     pub fn close(&self) {
         self.shared.close();
