@@ -1,8 +1,8 @@
 /**
  * The one store: transport → decoder → vehicles and latest messages.
  *
- * Messages are taken as they arrive, so that protocols answer at once; what components read changes once per
- * animation frame.
+ * Messages are taken as they arrive, so that protocols answer at once; what components read changes at most once per
+ * animation frame, and less often for large fleets.
  */
 
 import { Decoder, Encoder, type DecodedMessage, type SentFields } from '$lib/decoder/Decoder';
@@ -23,9 +23,9 @@ const HEARTBEAT_INTERVAL = 1000;
 const FINDING_TIME = 3000;
 /** Pages in the background have no animation frames. */
 const BACKGROUND_INTERVAL = 1000;
-/** Larger fleets are shown at most this often: their messages come at all times, and each frame would have some. */
+/** Each vehicle of a larger fleet adds a ms to the interval in which all are shown: each frame would have some news. */
 const MAX_SMALL_FLEET = 12;
-const LARGE_FLEET_INTERVAL = 50;
+const MAX_INTERVAL = 100;
 const MAV_TYPE_GCS = 6;
 const MAV_AUTOPILOT_INVALID = 8;
 const MAV_STATE_ACTIVE = 4;
@@ -160,11 +160,14 @@ class Fleet {
     if (this.frame !== null || typeof requestAnimationFrame === 'undefined') return;
     this.frame = requestAnimationFrame((time) => {
       this.frame = null;
-      const interval = this.known.size > MAX_SMALL_FLEET ? LARGE_FLEET_INTERVAL : 0;
-      if (time - this.published < interval) return this.schedule();
+      if (time - this.published < this.interval) return this.schedule();
       this.published = time;
       this.publish();
     });
+  }
+
+  private get interval(): number {
+    return this.known.size > MAX_SMALL_FLEET ? Math.min(this.known.size, MAX_INTERVAL) : 0;
   }
 
   /** Makes what arrived visible to components. */

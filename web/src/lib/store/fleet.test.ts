@@ -87,7 +87,8 @@ it('shows a large fleet less often than each frame', () => {
     return count;
   };
   expect(shown(3, 1000)).toBe(60);
-  expect(shown(100, 10_000)).toBe(20);
+  expect(shown(30, 10_000)).toBe(30);
+  expect(shown(200, 20_000)).toBe(10);
 });
 
 it('takes the time of a recording for the present time', async () => {

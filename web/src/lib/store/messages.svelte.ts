@@ -1,4 +1,4 @@
-/** The latest message of each name, sender by sender, with counts and rates. Changes once per animation frame. */
+/** The latest message of each name, sender by sender, with counts and rates. Changes at most once per animation frame. */
 
 import type { DecodedMessage } from '$lib/decoder/Decoder';
 
@@ -67,7 +67,7 @@ class Messages {
     this.changed = true;
   }
 
-  /** Makes changes visible; the store calls it once per animation frame. */
+  /** Makes changes visible; the store calls it at most once per animation frame. */
   publish(now: number): void {
     this.measure(now);
     if (this.changed) this.version += 1;
