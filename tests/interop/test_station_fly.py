@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
 
 import pytest
 
@@ -160,3 +162,65 @@ def test_motors_are_tested_after_a_confirmation_for_the_vehicle(browser: Any, tm
         shown.button("Choose a vehicle: Copter 1").wait_for(timeout=PATIENT)
         assert not propellers.is_checked()
         assert shown.button("Motor 1").is_disabled()
+
+
+def test_feet_are_typed_and_metres_are_sent(server: StationServer, browser: Any) -> None:
+    with station_page(browser, server.url, DESKTOP) as shown:
+        page = shown.page
+        page.evaluate("localStorage.setItem('mavstack.units', '\"imperial\"')")
+        page.reload()
+        sent: dict[str, Any] = {}
+
+        def keep(request: Any) -> None:
+            if request.method == "POST":
+                sent[urlsplit(request.url).path.rsplit("/", 1)[1]] = json.loads(request.post_data or "{}")
+
+        page.on("request", keep)
+        shown.wait_for("Ready to arm")
+        set_mode(shown, "GUIDED")
+        shown.wait_until(lambda: server.state()["mode"] == "GUIDED")
+        shown.hold("Arm")
+        shown.wait_until(lambda: server.state()["armed"])
+        shown.hold("Take off")
+        shown.wait_until(lambda: server.state()["in_air"])
+        page.get_by_placeholder("Altitude").first.fill("82")
+        page.keyboard.press("Enter")
+        page.mouse.click(720, 330)
+        page.get_by_role("dialog", name="Target").get_by_label("Altitude").fill("98.4")
+        shown.hold("Go here")
+        shown.wait_until(lambda: "goto" in sent)
+        heights = [sent[action]["altitude"] for action in ("takeoff", "altitude", "goto")]
+        assert heights == pytest.approx([33 * 0.3048, 82 * 0.3048, 98.4 * 0.3048])
+        shown.hold("Land")
+        shown.wait_until(lambda: not server.state()["armed"])
+
+
+GAMEPAD = """(() => {
+  const buttons = Array.from({ length: 16 }, () => ({ pressed: false, value: 0 }));
+  window.pad = { id: 'Test pad', index: 0, connected: true, axes: [0, 0, 0, 0], buttons };
+  navigator.getGamepads = () => [window.pad];
+})()"""
+
+
+def test_a_gamepad_steers_only_while_its_button_is_held(browser: Any, tmp_path: Path) -> None:
+    with web_server(tmp_path) as server, station_page(browser, server.url, DESKTOP) as shown:
+        page = shown.page
+        page.add_init_script(GAMEPAD)
+        page.goto(f"{server.url}?demo=1")
+        shown.button("Sticks").click(timeout=PATIENT)
+        page.evaluate("pad.buttons[4].pressed = true")
+        page.get_by_role("switch").check()
+        shown.wait_for("Let go of button 5 first")
+        for stop, reason in (
+            ("pad.connected = false", "No controller"),
+            ("window.dispatchEvent(new Event('blur'))", "Stopped: the page is hidden"),
+        ):
+            page.evaluate("pad.buttons[4].pressed = false")
+            shown.wait_for("Ready: hold button 5")
+            page.evaluate("pad.buttons[4].pressed = true")
+            shown.wait_for("Steering vehicle 1")
+            page.evaluate(stop)
+            shown.wait_for(reason)
+            page.evaluate("pad.connected = true")
+            page.wait_for_timeout(300)
+            assert page.get_by_text("Steering vehicle 1").count() == 0

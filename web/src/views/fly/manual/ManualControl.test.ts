@@ -74,6 +74,18 @@ describe('dead-man rule', () => {
     expect(sent).toHaveLength(1);
   });
 
+  it('needs the button released after the controller was away, however long', () => {
+    control.tick(0, HELD, GOOD);
+    for (let time = 20; time < 200; time += 20) control.tick(time, null, GOOD);
+    sent = [];
+    control.tick(200, HELD, GOOD);
+    control.tick(220, HELD, GOOD);
+    expect([sent, control.state]).toEqual([[], 'blocked']);
+    control.tick(240, LOOSE, GOOD);
+    control.tick(260, HELD, GOOD);
+    expect(control.state).toBe('active');
+  });
+
   it('does not go on with old sticks after the page was frozen', () => {
     control.tick(0, HELD, GOOD);
     control.tick(900, HELD, GOOD);

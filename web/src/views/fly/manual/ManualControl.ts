@@ -85,7 +85,8 @@ export class ManualControl {
   tick(now: number, sticks: Sticks | null, conditions: Conditions): void {
     const problem = this.problem(now, sticks, conditions);
     const wantsHand = sticks?.isHeld ?? false;
-    if (!wantsHand) this.mustRelease = false;
+    // A controller that is away does not tell that its button was released.
+    if (sticks !== null && !wantsHand) this.mustRelease = false;
     if (!conditions.isEnabled) {
       this.stop('released', conditions.isLinked);
       this.state = 'off';
