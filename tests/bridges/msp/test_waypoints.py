@@ -29,7 +29,6 @@ PLAN = [
     MissionItem(_CMD.DO_JUMP, 2, -1),
     MissionItem(_CMD.DO_CHANGE_SPEED, 1, -2, -1),
     located(_CMD.NAV_WAYPOINT),
-    located(_CMD.NAV_LOITER_UNLIM),
     located(_CMD.NAV_LAND),
     MissionItem(_CMD.NAV_RETURN_TO_LAUNCH),
 ]
@@ -37,12 +36,12 @@ PLAN = [
 
 def test_every_action_both_ways() -> None:
     waypoints = waypoints_of(PLAN)
-    assert [each.action for each in waypoints] == [1, 1, 3, 7, 5, 7, 6, 1, 2, 8, 4]
-    assert [each.index for each in waypoints] == list(range(1, 12))
-    assert [each.flag for each in waypoints] == [0] * 10 + [LAST_WAYPOINT_FLAG]
+    assert [each.action for each in waypoints] == [1, 1, 3, 7, 5, 7, 6, 1, 8, 4]
+    assert [each.index for each in waypoints] == list(range(1, 11))
+    assert [each.flag for each in waypoints] == [0] * 9 + [LAST_WAYPOINT_FLAG]
     items, numbers = items_of(waypoints)
     assert items == PLAN
-    assert numbers == item_numbers(PLAN) == [0, 2, 3, 4, 5, 6, 7, 9, 10, 11, 12]
+    assert numbers == item_numbers(PLAN) == [0, 2, 3, 4, 5, 6, 7, 9, 10, 11]
 
 
 def test_parameters() -> None:
@@ -54,7 +53,7 @@ def test_parameters() -> None:
     assert parameters[6] == (-1, 0, 0)
     assert parameters[7] == (2, -1, 0)  # the second waypoint, for ever
     assert parameters[8] == (0, 0, 0)
-    assert parameters[11] == (1, 0, 0)
+    assert parameters[10] == (1, 0, 0)
 
 
 def test_a_waypoint_with_a_hold_time_is_a_hold() -> None:
@@ -76,6 +75,7 @@ def test_a_jump_of_the_controller_to_a_missing_waypoint() -> None:
     ("item", "result", "reason"),
     [
         (MissionItem(_CMD.NAV_TAKEOFF), _RESULT.UNSUPPORTED, "iNav has no NAV_TAKEOFF"),
+        (located(_CMD.NAV_LOITER_UNLIM), _RESULT.UNSUPPORTED, "iNav has no NAV_LOITER_UNLIM"),
         (located(_CMD.NAV_WAYPOINT, frame=_FRAME.GLOBAL_TERRAIN_ALT), _RESULT.UNSUPPORTED_FRAME, "no frame"),
         (MissionItem(_CMD.NAV_WAYPOINT), _RESULT.INVALID_PARAM5_X, "needs a location"),
         (MissionItem(_CMD.NAV_WAYPOINT, 0, 0, 0, 0, 47, 8, float("nan")), _RESULT.INVALID_PARAM7, "altitude"),

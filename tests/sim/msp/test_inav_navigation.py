@@ -103,6 +103,14 @@ def test_a_saved_mission_outlives_a_reboot_and_is_loaded(pilot):
     assert pilot.get(WpInfo) == WpInfo(0, 120, True, 1)
 
 
+def test_an_action_that_inav_does_not_take_changes_nothing(pilot):
+    pilot.waypoint(1, WaypointAction.WAYPOINT, (10, 0, 5), last=True)
+    assert not pilot.write(
+        SetWp(1, WaypointAction.POSHOLD_UNLIMITED, 47.0, 8.0, 5.0, 0, 0, 0, LAST_WAYPOINT_FLAG)
+    )
+    assert pilot.get(Wp, GetWp(1).encode()).action == WaypointAction.WAYPOINT
+
+
 def test_a_mission_that_is_far_away_forbids_arming(pilot):
     pilot.transmit(1.5)
     pilot.waypoint(1, WaypointAction.WAYPOINT, (500, 0, 5), last=True)

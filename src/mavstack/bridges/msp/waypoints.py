@@ -4,7 +4,6 @@ iNav has up to 120 waypoints, each with an action; MAVLink has items with comman
 or above mean sea level where bit 0 of p3 is set; speeds are in cm/s, 0 for the default.
 
     WAYPOINT         NAV_WAYPOINT             p1 speed, that of the last DO_CHANGE_SPEED
-    POSHOLD_UNLIMITED NAV_LOITER_UNLIM
     POSHOLD_TIME     NAV_LOITER_TIME          p1 seconds, p2 speed; also NAV_WAYPOINT with a hold time
     RTH              NAV_RETURN_TO_LAUNCH     p1 1: land there, as MAVLink's command does
     SET_POI          DO_SET_ROI_LOCATION
@@ -123,10 +122,6 @@ class _Encoder:
         seconds = _integer(seq, item.param1, _RESULT.INVALID_PARAM1)
         return self._located(seq, item, WaypointAction.POSHOLD_TIME, p1=seconds, p2=self._speed)
 
-    def loiter(self, seq: int, item: MissionItem) -> SetWp:
-        """Convert NAV_LOITER_UNLIM."""
-        return self._located(seq, item, WaypointAction.POSHOLD_UNLIMITED)
-
     def land(self, seq: int, item: MissionItem) -> SetWp:
         """Convert NAV_LAND."""
         return self._located(seq, item, WaypointAction.LAND, p1=self._speed)
@@ -176,7 +171,6 @@ class _Encoder:
 
 _ENCODERS: Final[dict[int, Callable[[_Encoder, int, MissionItem], SetWp | None]]] = {
     _CMD.NAV_WAYPOINT: _Encoder.waypoint,
-    _CMD.NAV_LOITER_UNLIM: _Encoder.loiter,
     _CMD.NAV_LOITER_TIME: _Encoder.hold,
     _CMD.NAV_RETURN_TO_LAUNCH: _Encoder.return_home,
     _CMD.NAV_LAND: _Encoder.land,

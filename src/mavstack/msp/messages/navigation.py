@@ -58,7 +58,7 @@ class NavError(IntEnum):
 
 
 class WaypointAction(IntEnum):
-    """Action of the vehicle at a waypoint."""
+    """Action of the vehicle at a waypoint; iNav does not take POSHOLD_UNLIMITED."""
 
     NONE = 0
     WAYPOINT = 1

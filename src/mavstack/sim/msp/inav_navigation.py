@@ -324,9 +324,6 @@ class InavNavigation:
         if timed:
             self._enter(NavMode.NAV, NavState.HOLD_TIMED, NavError.TIME_WAIT)
             yield from scripts.wait(waypoint.parameter_1)
-        elif waypoint.action == WaypointAction.POSHOLD_UNLIMITED:
-            self._enter(NavMode.NAV, NavState.HOLD_INFINITE)
-            yield from scripts.wait(inf)
         elif waypoint.action == WaypointAction.LAND:
             yield from self._land(NavMode.NAV, self._place(waypoint)[:2])
 

@@ -19,6 +19,8 @@ MAX_WAYPOINTS: Final = 120
 ABOVE_SEA: Final = 1
 #: Actions without a position.
 WITHOUT_POSITION: Final = frozenset((WaypointAction.RTH, WaypointAction.JUMP, WaypointAction.SET_HEADING))
+#: Actions that iNav does not take.
+NOT_TAKEN: Final = frozenset((WaypointAction.NONE, WaypointAction.POSHOLD_UNLIMITED))
 
 
 class Mission:
@@ -39,6 +41,8 @@ class Mission:
         Returns:
             True if the waypoint was taken.
         """
+        if waypoint.action in NOT_TAKEN:
+            return False
         if waypoint.index == 1:
             self.waypoints = []
         if not 1 <= waypoint.index <= MAX_WAYPOINTS or waypoint.index != len(self.waypoints) + 1:
