@@ -138,6 +138,16 @@ def test_any_bytes_end_in_an_outcome(data, reply, size):
     assert session.mode is Mode.READY
 
 
+def test_a_list_ends_although_the_device_is_never_silent():
+    session, now = ready(), 10.0
+    session.start(AtCommand("ATI5", Reply.LINES), now)
+    while not session.done and now < 100.0:  # telemetry of a radio that is not in command mode any more
+        session.receive(b"\xfd\x09\x00\x0a", now)
+        session.handle_timeout(now)
+        now += 0.1
+    assert now < 40.0
+
+
 def test_memory_is_bounded():
     session = ready()
     session.start(AtCommand("ATI5", Reply.LINES), 10.0)

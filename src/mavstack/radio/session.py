@@ -214,7 +214,7 @@ class AtSession:
         if (
             command is not None
             and command.reply is Reply.LINES
-            and self._lines
+            and 0 < len(self._lines) < MAX_LINES  # a radio that passes packets again is never silent
             and self._deadline is not None
         ):
             self._deadline = now + command.pause
