@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import select
 from dataclasses import replace
+from functools import partial
 from time import monotonic
 
 import pytest
@@ -16,7 +17,9 @@ from mavstack.router.config import EndpointConfig, RouterConfig, parse_config
 from mavstack.router.firewall import Peer
 from mavstack.router.firewall.id_store import IdStore
 from mavstack.router.guard import Guard
+from mavstack.security import SigningKey
 from mavstack.wire import Encoder, Parser
+from tests.router.packets import unknown
 
 NOW = 1_790_000_000.0
 CONFIG = """
@@ -99,6 +102,44 @@ def test_commands_of_the_pilot_pass_and_those_of_a_stranger_do_not(setup):
     assert setup.names(setup.vehicle) == ["STATUSTEXT", "HEARTBEAT", "COMMAND_LONG"]
     assert setup.names(setup.stranger) == []  # it does not even hear the vehicle
     assert "HEARTBEAT" in setup.names(setup.pilot)
+
+
+NOT_ALLOWED = (
+    common.Tunnel(target_system=1, target_component=1, payload_length=1),
+    common.FileTransferProtocol(target_system=1, target_component=1),
+    common.CommandInt(target_system=1, target_component=1, command=400),
+    common.CommandInt(command=400),  # to all
+    common.SetMode(target_system=1),
+    common.SerialControl(),
+    common.ParamSet(target_system=1),
+)
+
+
+def forms(encoder_of, messages) -> list[bytes]:
+    """The packets of messages in all forms: both versions, signed, and one of an unknown message."""
+    key = SigningKey(bytes(32)).signing(timestamp=1)
+    encoders = (encoder_of(), encoder_of(version=1), encoder_of(signing=key))
+    known = [
+        encoder.encode(message, NOW)
+        for message in messages
+        for encoder in encoders
+        if encoder is not encoders[1] or type(message).definition.id < 256
+    ]
+    return [*known, unknown(encoder_of())]
+
+
+def test_what_no_rule_names_is_dropped_in_every_form(setup):
+    setup.names(setup.vehicle)
+    allowed = (common.Heartbeat(type=6), common.CommandLong(target_system=1, command=400))
+    packets = forms(partial(Encoder, 255, 190), NOT_ALLOWED)
+    packets += forms(partial(Encoder, 254, 190), (*NOT_ALLOWED, *allowed))
+    packets += forms(partial(Encoder, 0, 0), (*NOT_ALLOWED, *allowed))
+    setup.engine.push(setup.pilot, b"".join(packets))
+    setup.engine.push(setup.stranger, b"".join(forms(partial(Encoder, 255, 190), (*NOT_ALLOWED, *allowed))))
+    setup.settle()
+    counted = setup.engine.statistics().endpoints
+    assert counted[setup.pilot].received == len(packets)
+    assert set(setup.names(setup.vehicle)) == {"STATUSTEXT"}
 
 
 def test_an_injected_position_is_dropped_reported_and_its_sender_quarantined(setup, caplog):
