@@ -108,6 +108,18 @@ describe('an action that was replaced', () => {
     expect((await refusal(flight, arming)).message).toBe('a later command replaced this one');
   });
 
+  it('ends with any other action of the pilot', async () => {
+    let isLost = true;
+    const flight = await startFlight([COPTER!], { losesSent: () => isLost });
+    const arming = flight.vehicle.arm();
+    arming.catch(() => undefined);
+    isLost = false;
+    await flight.until(flight.vehicle.hold());
+    await flight.pass(6);
+    expect(flight.transport.vehicles[0]?.autopilot.armed).toBe(false);
+    expect((await refusal(flight, arming)).kind).toBe('Cancelled');
+  });
+
   it('does not go on with its next step', async () => {
     const flight = await startFlight([COPTER!]);
     await flight.until(flight.vehicle.setMode('GUIDED'));
