@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import gc
 import sys
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final
 
+from mavstack.cli.common.collection import no_collection
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.output import echo, echo_json
 from mavstack.dialects.lookup import find_dialect
@@ -14,7 +13,6 @@ from mavstack.errors import InvalidArgumentError, MissingExtraError
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
-    from collections.abc import Iterator
 
     from mavstack.codegen import GeneratedFile
 
@@ -65,7 +63,7 @@ def run(arguments: Namespace) -> int:
         raise UsageError("name a language, a dialect and a folder: mav gen c common -o include")
     from mavstack.codegen import outdated_files, write_files
 
-    with _no_collection():
+    with no_collection():
         files = _generate(arguments)
     if arguments.check:
         return _check(outdated_files(files, arguments.output), arguments)
@@ -80,19 +78,6 @@ def run(arguments: Namespace) -> int:
     else:
         echo(f"{arguments.output}: {len(files) - 1} files, {len(changed)} changed")
     return 0
-
-
-@contextmanager
-def _no_collection() -> Iterator[None]:
-    """Keep the garbage collector off, and from searching the definitions later: they all stay to the end."""
-    was_enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        gc.freeze()
-        if was_enabled:
-            gc.enable()
 
 
 def _generate(arguments: Namespace) -> list[GeneratedFile]:

@@ -7,6 +7,7 @@ import sys
 from socket import gethostname
 from typing import TYPE_CHECKING, Any, Final
 
+from mavstack.cli.common.collection import no_collection
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.exposure import announce_exposure
 from mavstack.cli.common.link_options import add_link_options, with_link_options
@@ -81,11 +82,12 @@ def run(arguments: Namespace) -> int:
 
 
 async def _serve(arguments: Namespace) -> int:
-    from mavstack.http.server import Certificate, serving
-    from mavstack.server.app import make_app
-    from mavstack.server.rows.urls import is_row_url
-    from mavstack.server.station import Station
-    from mavstack.vehicle import Connection
+    with no_collection():  # it would take a sixth of the time of these imports, and delay packets later
+        from mavstack.http.server import Certificate, serving
+        from mavstack.server.app import make_app
+        from mavstack.server.rows.urls import is_row_url
+        from mavstack.server.station import Station
+        from mavstack.vehicle import Connection
 
     access = _access(arguments)
     rows = [url for url in arguments.urls if is_row_url(url)]
