@@ -1,10 +1,21 @@
 from __future__ import annotations
 
+import asyncio
+from contextlib import suppress
+
 import pytest
 from starlette.applications import Starlette
+from starlette.responses import PlainTextResponse
+from starlette.routing import Route
 
 from mavstack.errors import LinkError
 from mavstack.http.server import Certificate, serving
+
+REQUEST = b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n"
+
+
+async def answer(request):
+    return PlainTextResponse("served")
 
 
 async def test_an_address_in_use_is_an_error():
@@ -20,3 +31,49 @@ async def test_a_missing_certificate_is_an_error():
     ):
         async with serving(Starlette(), "127.0.0.1:0", name="a service", tls=Certificate("missing.pem")):
             pass
+
+
+@pytest.mark.parametrize(("requests", "beginning"), [(0, b""), (0, REQUEST[:9]), (1, REQUEST[:9])])
+async def test_connections_whose_requests_do_not_arrive_are_closed(monkeypatch, requests, beginning):
+    monkeypatch.setattr("mavstack.http.server.HEAD_TIMEOUT", 0.05)
+    app = Starlette(routes=[Route("/", answer)])
+    async with asyncio.timeout(20), serving(app, "127.0.0.1:0", name="a service") as (host, port):
+        reader, writer = await asyncio.open_connection(host, port)
+        for _ in range(requests):
+            writer.write(REQUEST)
+            await reader.readuntil(b"served")
+        writer.write(beginning)
+        with suppress(ConnectionResetError):
+            assert await reader.read() == b""
+        writer.close()
+
+
+async def test_a_request_that_arrived_has_no_deadline(monkeypatch):
+    monkeypatch.setattr("mavstack.http.server.HEAD_TIMEOUT", 0.05)
+
+    async def answer_late(request):
+        await asyncio.sleep(0.2)
+        return PlainTextResponse("served")
+
+    app = Starlette(routes=[Route("/", answer_late)])
+    async with asyncio.timeout(20), serving(app, "127.0.0.1:0", name="a service") as (host, port):
+        reader, writer = await asyncio.open_connection(host, port)
+        writer.write(REQUEST)
+        assert (await reader.readuntil(b"served")).startswith(b"HTTP/1.1 200")
+        writer.close()
+
+
+async def test_connections_beyond_the_limit_are_closed(monkeypatch):
+    monkeypatch.setattr("mavstack.http.server.MAX_CONNECTIONS", 1)
+    app = Starlette(routes=[Route("/", answer)])
+    async with asyncio.timeout(20), serving(app, "127.0.0.1:0", name="a service") as (host, port):
+        first_reader, first = await asyncio.open_connection(host, port)
+        first.write(REQUEST)
+        await first_reader.readuntil(b"served")
+        reader, second = await asyncio.open_connection(host, port)
+        with suppress(ConnectionResetError):
+            assert await reader.read() == b""
+        first.write(REQUEST)
+        await first_reader.readuntil(b"served")
+        first.close()
+        second.close()

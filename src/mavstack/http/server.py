@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import os
 import socket
 from contextlib import asynccontextmanager, contextmanager
 from typing import TYPE_CHECKING, Final, NamedTuple
@@ -11,7 +12,9 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 from mavstack.errors import LinkError, MissingExtraError
 
 try:
+    import h11
     import uvicorn
+    from uvicorn.protocols.http.h11_impl import H11Protocol
 except ImportError as error:
     raise MissingExtraError("an HTTP server", "web") from error
 
@@ -23,6 +26,10 @@ if TYPE_CHECKING:
 
 #: Bytes of a message that a client of a WebSocket may send.
 MAX_WEBSOCKET_MESSAGE: Final = 1 << 20
+#: Open connections; further ones are closed, so that clients leave descriptors to the links of the program.
+MAX_CONNECTIONS: Final = 512
+#: Seconds for the head of a request.
+HEAD_TIMEOUT: Final = 20.0
 
 
 class Certificate(NamedTuple):
@@ -48,6 +55,39 @@ class _ClientFaults(logging.Filter):
 
 
 _CLIENT_FAULTS: Final = _ClientFaults()
+
+
+class _Protocol(H11Protocol):
+    """Closes connections that are too many, and those whose requests do not arrive."""
+
+    _deadline: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        super().connection_made(transport)
+        if len(self.connections) > MAX_CONNECTIONS:
+            transport.abort()
+        else:
+            self._watch_head()
+
+    def data_received(self, data: bytes) -> None:
+        super().data_received(data)
+        self._watch_head()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        super().connection_lost(exc)
+        self._stop_watching()
+
+    def _watch_head(self) -> None:
+        """Begin to wait for the head of a request, or end it."""
+        if self.conn.their_state is not h11.IDLE:
+            self._stop_watching()
+        elif self._deadline is None:
+            self._deadline = self.loop.call_later(HEAD_TIMEOUT, self.transport.abort)
+
+    def _stop_watching(self) -> None:
+        if self._deadline is not None:
+            self._deadline.cancel()
+            self._deadline = None
 
 
 class _Server(uvicorn.Server):
@@ -109,6 +149,7 @@ def _config(app: Starlette, tls: Certificate | None, *, websockets: bool) -> uvi
         access_log=False,
         lifespan="off",
         server_header=False,
+        http=_Protocol,
         ws="websockets-sansio" if websockets else "none",
         ws_max_size=MAX_WEBSOCKET_MESSAGE,
         ws_per_message_deflate=False,  # it would compress each message again for each client
@@ -130,7 +171,8 @@ async def _listen(address: str, name: str) -> socket.socket:
         )
         family, _, _, _, target = found[0]
         sock = socket.socket(family, socket.SOCK_STREAM)
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        if os.name == "posix":  # on Windows another program could then listen on the same port
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         sock.bind(target)
     except OSError as error:
         if sock is not None:

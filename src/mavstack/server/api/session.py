@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING, Any, Final
 
 from starlette.responses import JSONResponse, Response
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from mavstack.security.roles import Role
     from mavstack.server.access import Access
 
+#: Seconds for the body of the one request that needs no session.
+LOG_IN_TIMEOUT: Final = 20.0
 LOG_IN_FIELDS: Final = (
     Field(name="password", type="string", about="The password of a role.", example="correct horse battery"),
     Field(name="ticket", type="string", about="A ticket instead of a password."),
@@ -37,7 +40,11 @@ class Sessions:
     async def begin(self, request: Request) -> Response:
         """Begin a session; a station without a password answers with the highest role."""
         self._access.check_page(request.headers)
-        values = read_fields(LOG_IN_FIELDS, await read_json_object(request))
+        try:
+            async with asyncio.timeout(LOG_IN_TIMEOUT):
+                values = read_fields(LOG_IN_FIELDS, await read_json_object(request))
+        except TimeoutError:
+            raise RefusedError(408, f"the request did not arrive within {LOG_IN_TIMEOUT:g} s") from None
         if self._access.is_open:
             role = self._access.check_request(request).role
             return JSONResponse(self._values(role) | {"token": None}, 201)
