@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import asyncio
+
 import pytest
 
 from mavstack.http.bodies import MAX_BODY
@@ -7,6 +9,7 @@ from mavstack.security.roles import Role
 from mavstack.server.access import Access
 from mavstack.server.app import make_app
 from mavstack.server.station import Station
+from mavstack.sim.virtual import run_virtually
 from tests.server.asgi import ApiClient
 from tests.server.stations import Ground, serve
 
@@ -48,6 +51,28 @@ async def test_pages_of_other_sites_are_refused() -> None:
     for path in ("/", "/openapi.json", "/api/vehicles", "/api/session"):
         assert (await api.get(path, headers={"host": "evil.example"})).status == 403
         assert (await api.get(path, headers={"origin": "https://evil.example"})).status == 403
+
+
+async def test_requests_that_pages_of_other_sites_make_without_an_origin_are_refused() -> None:
+    """A page can request a picture from any address; a request could make the station ask a vehicle."""
+    api = ApiClient(make_app(Station(), Access(), static=None))
+    for site, status in (("cross-site", 403), ("same-site", 403), ("same-origin", 200), ("none", 200)):
+        assert (await api.get("/api/vehicles", headers={"sec-fetch-site": site})).status == status
+    assert (await api.get("/", headers={"sec-fetch-site": "cross-site"})).status == 503  # a link to the page
+
+
+async def test_pages_of_a_given_origin_use_the_api() -> None:
+    origin = "https://pages.example"
+    api = ApiClient(make_app(Station(), Access(origins=[f"{origin}/"]), static=None))
+    answer = await api.get("/api/vehicles", headers={"origin": origin, "sec-fetch-site": "cross-site"})
+    assert (answer.status, answer.headers["access-control-allow-origin"]) == (200, origin)
+    asked = {"origin": origin, "access-control-request-method": "POST"}
+    asked["access-control-request-headers"] = "content-type"
+    assert (await api.request("OPTIONS", "/api/sources", headers=asked)).status == 200
+    other = await api.request("OPTIONS", "/api/sources", headers=asked | {"origin": "https://evil.example"})
+    assert "access-control-allow-origin" not in other.headers
+    closed = ApiClient(make_app(Station(), Access(), static=None))
+    assert (await closed.request("OPTIONS", "/api/sources", headers=asked)).status == 405
 
 
 @pytest.mark.parametrize(
@@ -120,3 +145,24 @@ async def test_clients_that_leave_in_the_middle_of_a_request_are_no_defects(capl
         await app(scope, receive, send)
         assert answers[0]["status"] == 400
     assert not caplog.records  # a client cannot fill the log
+
+
+def test_a_log_in_that_does_not_arrive_is_ended() -> None:
+    """It needs no session, so that any client could hold connections with it."""
+
+    async def run() -> None:
+        app = make_app(Station(), Access(passwords=PASSWORDS, local=False), static=None)
+        headers = {"host": "station", "content-type": "application/json", "content-length": "9"}
+        scope = ApiClient(app)._scope("http", "POST", "/api/session", headers)
+        answers: list[dict[str, object]] = []
+
+        async def receive():
+            await asyncio.Event().wait()
+
+        async def send(message):
+            answers.append(message)
+
+        await app(scope, receive, send)
+        assert answers[0]["status"] == 408
+
+    run_virtually(run())

@@ -52,6 +52,8 @@ async def send(api: ApiClient, method: str, path: str, operation: dict[str, Any]
             path = path.replace(f"{{{each['name']}}}", str(each["example"]))
     if any(each["name"] == "accepted" for each in operation["parameters"]):
         path += "?accepted=true"
+    if path.endswith("/stream"):
+        path += "?count=1"
     answer = await api.request(method, path, body_of(operation))
     if answer.status not in (200, 201, 202, 404, 409, 504):
         return f"{method} {path}: {answer.status} {answer.data[:200]!r}"

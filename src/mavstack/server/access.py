@@ -50,6 +50,8 @@ MIN_PASSWORD: Final = 8
 #: Bits of an IPv6 address that name a network.
 _MACHINE_PREFIX: Final = 64
 _NONCE_SIZE: Final = 16
+#: Values of `Sec-Fetch-Site`, by which browsers tell where a request comes from.
+_OTHER_SITES: Final = ("cross-site", "same-site")
 
 
 class Client(NamedTuple):
@@ -91,7 +93,8 @@ class Access:
     ) -> None:
         self._passwords = dict(passwords or {})
         self._local = local
-        self._origins = frozenset(origins)
+        #: Origins of further pages, as browsers write them.
+        self.origins = frozenset(origin.rstrip("/").lower() for origin in origins)
         self._now = now
         self._sessions: dict[str, _Session] = {}
         self._failures: dict[str, list[float]] = {}
@@ -120,6 +123,7 @@ class Access:
             RefusedError: A page of another site sent it, or the client has no session.
         """
         self.check_page(request.headers)
+        self._check_site(request.headers)
         return self._client(request.headers, request.cookies.get(COOKIE, ""))
 
     def check_websocket(self, headers: Headers, cookies: Mapping[str, str]) -> Client:
@@ -148,7 +152,12 @@ class Access:
             raise RefusedError(
                 403, "the station serves this machine: use http://localhost or http://127.0.0.1"
             )
-        if origin is not None and origin not in self._origins and not is_own_origin(origin, host):
+        if origin is not None and origin not in self.origins and not is_own_origin(origin, host):
+            raise RefusedError(403, "requests of pages of other sites are refused")
+
+    def _check_site(self, headers: Headers) -> None:
+        """Refuse requests that a page of another site or port makes without an `Origin`, as for a picture."""
+        if "origin" not in headers and headers.get("sec-fetch-site") in _OTHER_SITES:
             raise RefusedError(403, "requests of pages of other sites are refused")
 
     def log_in(self, address: str, *, password: str | None = None, ticket: str | None = None) -> Client:

@@ -14,6 +14,7 @@ from mavstack.errors import MavstackError, MissingExtraError
 try:
     from starlette.applications import Starlette
     from starlette.exceptions import HTTPException
+    from starlette.middleware.cors import CORSMiddleware
     from starlette.requests import ClientDisconnect
     from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
     from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
@@ -63,12 +64,15 @@ NOT_BUILT: Final = (
 POLICY: Final = (
     "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' data: blob: https: http:; media-src 'self' blob: https: http:; "
-    "connect-src 'self' ws: wss: https: http:; worker-src 'self' blob:; frame-ancestors 'none'"
+    "connect-src 'self' ws: wss: https: http:; worker-src 'self' blob:; frame-ancestors 'none'; "
+    "object-src 'none'; base-uri 'none'; form-action 'self'"
 )
 _HEADERS: Final = {
     b"content-security-policy": POLICY.encode(),
     b"x-content-type-options": b"nosniff",
     b"referrer-policy": b"no-referrer",
+    b"cross-origin-resource-policy": b"same-origin",
+    b"cross-origin-opener-policy": b"same-origin",
 }
 
 #: All routes of the API that are checked and described by their table.
@@ -120,6 +124,13 @@ def make_app(
         *_page_routes(access, static),
     ]
     app = Starlette(routes=routes, exception_handlers={HTTPException: _unknown_route})
+    if access.origins:  # without it a browser hides the answers from their pages
+        app.add_middleware(
+            CORSMiddleware,
+            allow_origins=sorted(access.origins),
+            allow_methods=["GET", "POST", "PUT", "DELETE"],
+            allow_headers=["Authorization", "Content-Type"],
+        )
     app.add_middleware(_SecurityHeaders)
     return app
 

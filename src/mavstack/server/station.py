@@ -38,6 +38,8 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger("mavstack.server")
 
+#: WebSockets and streams of messages at a time.
+MAX_CLIENTS: Final = 256
 #: The rates of the messages that user interfaces show, in hertz.
 TELEMETRY_RATES: Final[Mapping[type[Message], float]] = MappingProxyType(
     {
@@ -92,6 +94,11 @@ class Station:
             known = ", ".join(map(str, self.connection.vehicles)) or "none"
             raise RefusedError(404, f"no vehicle with system id {system} was found; known: {known}")
         return vehicle
+
+    def check_room(self) -> None:
+        """Refuse a further client of packets or rows if there are too many; raises `RefusedError`."""
+        if len(self.packets.clients) + len(self.sources.rows.clients) >= MAX_CLIENTS:
+            raise RefusedError(429, f"{MAX_CLIENTS} WebSockets and streams are open already")
 
     async def open(self) -> Self:
         """Open the connection, and request telemetry from the vehicles that it finds."""

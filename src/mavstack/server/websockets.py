@@ -32,7 +32,6 @@ logger = logging.getLogger("mavstack.server")
 
 Client: TypeAlias = RawClient | JsonClient | RowClient
 
-MAX_CLIENTS: Final = 256
 _POLICY_VIOLATION: Final = 1008
 
 
@@ -43,8 +42,7 @@ def websocket_endpoint(station: Station, access: Access) -> Callable[[WebSocket]
         try:
             offered = websocket.scope.get("subprotocols", [])
             chosen = choose_subprotocol(offered)
-            if len(station.packets.clients) + len(station.sources.rows.clients) >= MAX_CLIENTS:
-                raise RefusedError(429, f"{MAX_CLIENTS} WebSockets are open already")
+            station.check_room()
             role = access.check_websocket(websocket.headers, websocket.cookies).role
         except RefusedError as error:
             await _deny(websocket, error)

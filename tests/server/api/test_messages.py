@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import asyncio
+import json
+
 from mavstack.dialects import common
 from mavstack.security.roles import Role
 from mavstack.server.access import Access
@@ -41,6 +44,48 @@ def test_a_message_is_sent_by_name() -> None:
         ]:
             answer = await ground.api.post("/api/messages", body)
             assert (answer.status, answer.kind) == (400, kind)
+
+    serve(COPTER, scenario)
+
+
+def test_messages_are_streamed_by_name() -> None:
+    async def scenario(ground: Ground) -> None:
+        clients = ground.station.packets.clients
+        path = "/api/vehicles/1/messages/heartbeat/stream"
+        answer = await ground.api.get(f"{path}?count=3&component=1")
+        assert answer.headers["content-type"].startswith("text/event-stream")
+        *events, rest = answer.data.decode().split("\n\n")
+        messages = [json.loads(each.removeprefix("data: ")) for each in events]
+        assert [(each["message"], each["system"]) for each in messages] == [("HEARTBEAT", 1)] * 3
+        assert (rest, clients) == ("", set())
+        slow = await ground.api.get(f"{path}?count=2&rate=0.2")
+        first, second, _ = slow.data.decode().split("\n\n")
+        times = [json.loads(each.removeprefix("data: "))["time"] for each in (first, second)]
+        assert 4.5 < times[1] - times[0] < 6.0
+        for wrong in (f"{path}?rate=0", path.replace("heartbeat", "NO_SUCH"), path.replace("/1/", "/9/")):
+            assert (await ground.api.get(wrong)).status in (400, 404)
+
+    serve(COPTER, scenario)
+
+
+def test_a_client_that_leaves_ends_its_stream() -> None:
+    async def scenario(ground: Ground) -> None:
+        clients = ground.station.packets.clients
+        path = "/api/vehicles/1/messages/HEARTBEAT/stream"
+        reading = asyncio.create_task(ground.api.get(path))
+        await ground.wait_until(lambda: clients)
+        reading.cancel()
+        await asyncio.wait([reading])
+        assert not clients
+
+    serve(COPTER, scenario)
+
+
+def test_streams_count_as_clients(monkeypatch) -> None:
+    monkeypatch.setattr("mavstack.server.station.MAX_CLIENTS", 0)
+
+    async def scenario(ground: Ground) -> None:
+        assert (await ground.api.get("/api/vehicles/1/messages/HEARTBEAT/stream")).status == 429
 
     serve(COPTER, scenario)
 

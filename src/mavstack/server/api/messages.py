@@ -1,13 +1,20 @@
-"""Messages by name: the latest ones of a vehicle, and messages to send."""
+"""Messages by name: the latest ones of a vehicle, a stream of them, and messages to send."""
 
 from __future__ import annotations
 
-from typing import Any, Final
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.http.bodies import RefusedError
+from mavstack.server.api.events import event_stream
 from mavstack.server.api_route import ApiRoute, Call
 from mavstack.server.fields import Field
 from mavstack.server.message_json import message_class, message_of, packet_json
+from mavstack.server.message_stream import MessageStream
+from mavstack.server.subscriptions import MAX_RATE, Subscriptions
+
+if TYPE_CHECKING:
+    from starlette.responses import StreamingResponse
 
 _COMPONENT: Final = Field(
     name="component",
@@ -43,6 +50,16 @@ async def _show(call: Call) -> dict[str, Any]:
         raise RefusedError(404, f"{call.path('name')[:60]} of system {vehicle.system} was not received")
     rate = round(found.rate(connection.now()), 3)
     return {**packet_json(found.packet, found.time), "count": found.count, "rate": rate}
+
+
+async def _stream(call: Call) -> StreamingResponse:
+    vehicle, station, query = call.vehicle, call.station, call.query
+    station.check_room()
+    number = int(message_class(station.connection.dialect, call.path("name")).__mavlink_row__[0])
+    subscriptions = Subscriptions()
+    subscriptions.add([number], rate=query["rate"], system=vehicle.system, component=query["component"])
+    stream = MessageStream(subscriptions, query["count"])
+    return event_stream(stream.events(station.packets))
 
 
 async def _send(call: Call) -> dict[str, Any]:
@@ -83,6 +100,25 @@ ROUTES: Final = (
         tag="messages",
         query=(_COMPONENT,),
         answer=_EXAMPLE,
+    ),
+    ApiRoute(
+        method="GET",
+        path="/api/vehicles/{system}/messages/{name}/stream",
+        handler=_stream,
+        summary="Stream the messages of a name by server-sent events, each one as JSON",
+        tag="messages",
+        query=(
+            replace(_COMPONENT, about="The component id of the sender; null: any."),
+            Field(name="rate", about="The highest rate, hertz; null: all.", minimum=0.001, maximum=MAX_RATE),
+            Field(
+                name="count",
+                type="integer",
+                about="Events after which the stream ends; null: it has no end.",
+                minimum=1,
+            ),
+        ),
+        media_type="text/event-stream",
+        answer='data: {"message": "ATTITUDE", …}',
     ),
     ApiRoute(
         method="POST",

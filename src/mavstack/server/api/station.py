@@ -6,11 +6,10 @@ import json
 from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import quote
 
-from starlette.responses import StreamingResponse
-
 from mavstack.http.bodies import RefusedError
 from mavstack.links import open_link
 from mavstack.security.roles import Role
+from mavstack.server.api.events import event_stream
 from mavstack.server.api_route import ApiRoute, Call
 from mavstack.server.fields import Field
 from mavstack.server.json_values import to_json
@@ -18,6 +17,8 @@ from mavstack.server.tasks import TaskState
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
+
+    from starlette.responses import StreamingResponse
 
     from mavstack.server.tasks import Task
 
@@ -55,8 +56,7 @@ async def _show_task(call: Call) -> dict[str, Any]:
 
 
 async def _follow_task(call: Call) -> StreamingResponse:
-    headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
-    return StreamingResponse(_events(_task(call)), media_type="text/event-stream", headers=headers)
+    return event_stream(_events(_task(call)))
 
 
 async def _task_result(call: Call) -> Any:  # noqa: ANN401 (the answer of the request)
