@@ -1,8 +1,9 @@
 """Betaflight's own SITL program, which speaks MSP on TCP port 5761.
 
-The environment variable MAVSTACK_BETAFLIGHT_SITL holds the path of the program, which `tools.betaflight_sitl`
-builds from Betaflight's source. Its port is fixed, so one runs at a time on a machine. The first run only
-writes the EEPROM, a file in the working folder; a restart by MSP ends the program.
+The environment variable MAVSTACK_BETAFLIGHT_SITL holds the path of the program: a SITL build with display,
+video transmitter and beeper (USE_OSD, USE_OSD_SD, USE_OSD_HD, USE_VTX, USE_BEEPER), which its target leaves
+out by default. Its port is fixed, so one runs at a time on a machine. The first run only writes the EEPROM,
+a file in the working folder; a restart by MSP ends the program.
 """
 
 from __future__ import annotations

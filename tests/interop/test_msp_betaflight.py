@@ -50,7 +50,7 @@ NOT_IN_SITL = {
     "MSP_LED_STRIP_MODECOLOR",
     "MSP2_GET_LED_STRIP_CONFIG_VALUES",
 }
-#: Equipment that the target leaves out and `tools.betaflight_sitl` switches on.
+#: Equipment that the target leaves out by default.
 SWITCHED_ON = {
     "MSP_BEEPER_CONFIG",
     "MSP_OSD_CONFIG",

@@ -1,4 +1,4 @@
-"""mavlink-router, to compare with: an installed one, or one built from the source in MAVLINK_ROUTER."""
+"""mavlink-router, to compare with: the program in MAVLINK_ROUTERD, or an installed one."""
 
 from __future__ import annotations
 
@@ -6,8 +6,6 @@ import os
 import shutil
 import subprocess
 from contextlib import contextmanager
-from functools import cache
-from pathlib import Path
 from time import sleep
 from typing import TYPE_CHECKING
 
@@ -15,34 +13,17 @@ import pytest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
+    from pathlib import Path
 
 PROGRAM = "mavlink-routerd"
-#: Folder of its source, with its submodule; or the program.
-VARIABLE = "MAVLINK_ROUTER"
+#: Environment variable with the path of the program.
+VARIABLE = "MAVLINK_ROUTERD"
 START_TIME = 0.5
 
 
-@cache
-def find_mavlink_router() -> Path | None:
-    """Return the program, which is built first if the variable names its source; None: there is none."""
-    given = os.environ.get(VARIABLE) or shutil.which(PROGRAM)
-    if not given:
-        return None
-    path = Path(given)
-    return _build(path) if path.is_dir() else path
-
-
-def _build(source: Path) -> Path | None:
-    if not (meson := shutil.which("meson")):
-        return None
-    folder = source / "build"
-    if not (folder / "build.ninja").exists():
-        units = f"-Dsystemdsystemunitdir={folder}"
-        subprocess.run(
-            [meson, "setup", "--buildtype=release", units, str(folder), str(source)], check=True, timeout=300
-        )
-    subprocess.run(["ninja", "-C", str(folder), "src/" + PROGRAM], check=True, timeout=900)
-    return folder / "src" / PROGRAM
+def find_mavlink_router() -> str | None:
+    """Return the path of the program; None if there is none."""
+    return os.environ.get(VARIABLE) or shutil.which(PROGRAM)
 
 
 @contextmanager
@@ -50,7 +31,7 @@ def running_mavlink_router(ports: Mapping[str, int], folder: Path) -> Iterator[N
     """Run mavlink-router with a listening UDP endpoint on each port; skip the test if there is none."""
     program = find_mavlink_router()
     if program is None:
-        pytest.skip(f"mavlink-router is not installed, and {VARIABLE} does not name its source")
+        pytest.skip(f"mavlink-router is not installed, and {VARIABLE} does not name it")
     configuration = folder / "main.conf"
     endpoints = [
         f"[UdpEndpoint {name}]\nMode = Server\nAddress = 127.0.0.1\nPort = {port}\n"
