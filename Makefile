@@ -19,7 +19,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 demo: $(VENV)/package ## Fly eight simulated vehicles and show their live picture; WEB=1: in the browser too
 	@$(if $(WEB),$(MAKE) --no-print-directory station)
-	@$(BIN)/mav demo $(if $(WEB),--web)
+	@trap : INT; $(BIN)/mav demo $(if $(WEB),--web) || [ $$? -eq 130 ]  # Ctrl-C is its usual end
 
 station: $(VENV)/package ## Build the browser ground station that `mav web` serves, if Node is installed
 	@$(BIN)/python backend/mavstack_station.py
