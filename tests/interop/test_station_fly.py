@@ -154,6 +154,7 @@ def test_motors_are_tested_after_a_confirmation_for_the_vehicle(browser: Any, tm
         propellers = page.get_by_label("propellers are off")
         propellers.check()
         let_go_by(shown, "Motor 1", lambda: propellers.evaluate("box => box.click()"))
+        assert page.get_by_text("Motor 1 ran").count() == 0
         propellers.check()
         page.evaluate("document.activeElement.blur()")
         page.keyboard.press("]")
