@@ -70,7 +70,7 @@ lint-rust: | rust
 	cargo clippy --quiet --all-targets --profile checks --locked -- -D warnings
 
 rust-tests: lint-rust
-	env -u MAKEFLAGS cargo test --quiet --profile checks --locked -p mavstack-core -p mavstack-logs -p mavstack-router
+	env -u MAKEFLAGS -u MFLAGS cargo test --quiet --profile checks --locked -p mavstack-core -p mavstack-logs -p mavstack-router
 
 docs: $(VENV)/installed ## Build the documentation site in site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet

@@ -1666,7 +1666,7 @@ class RemoteComponent:
         Raises:
             CommandDenied: The component answered with another result than ACCEPTED; `code` is the MAV_RESULT.
             CommandTimeout: The component does not answer.
-            RemoteCancelled: The node was closed.
+            RemoteCancelled: The node was closed, or a disarming superseded this arming.
         """
 
     def request_message(self, message: type[AnyMessage], *params: float, timeout: float | None=None) -> AnyMessage:
@@ -3794,7 +3794,7 @@ class Vehicle:
             CommandTimeout: The vehicle did not answer.
             ActionTimeout: The vehicle accepted, and its heartbeat did not confirm it in time.
             ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
+            RemoteCancelled: The connection was closed, or a disarming came before the vehicle armed.
         """
 
     def disarm(self, *, force: bool=False, timeout: float | None=None) -> None:
