@@ -11,6 +11,12 @@ import pytest
 from hypothesis import is_hypothesis_test, settings
 
 from tests.seeds import REPORT, Seeds, blocks_of
+from tests.time_limits import (  # noqa: F401 (hooks)
+    pytest_runtest_call,
+    pytest_runtest_setup,
+    pytest_runtest_teardown,
+    pytest_timeout_set_timer,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from mavstack.dialects import common
 from mavstack.links import MemoryNetwork
 from mavstack.server.access import Access
 from mavstack.server.app import make_app
@@ -72,7 +73,8 @@ def test_examples_are_requests_that_work(tmp_path: Path) -> None:
         network = MemoryNetwork()
         async with running(simulation, network.link()), Station(folder=tmp_path, telemetry=False) as station:
             await station.sources.add(network.link())
-            await station.connection.wait_for_vehicle()
+            vehicle = await station.connection.wait_for_vehicle()
+            await vehicle.component.set_message_rate(common.Attitude, 10)  # of the example of a stream
             api = ApiClient(make_app(station, Access(), static=None))
             document = (await api.get("/openapi.json")).json
             problems = [await send(api, *each) for each in requests(document)]

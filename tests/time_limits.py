@@ -1,0 +1,69 @@
+"""Time limits that also end tests with a running event loop.
+
+pytest-timeout raises its failure from a signal handler. An event loop whose callback is interrupted by it
+catches the failure, logs it and runs on: it lets only KeyboardInterrupt and SystemExit pass. Therefore the
+failure leaves the test as a KeyboardInterrupt, which becomes the failure again outside of the test.
+"""
+
+from __future__ import annotations
+
+import signal
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Generator
+    from types import FrameType
+    from typing import Any
+
+#: Seconds after which the exception is raised again, if something caught it.
+REPETITION_INTERVAL = 10.0
+
+
+class TimeLimitExpired(KeyboardInterrupt):
+    """The time limit of a test expired."""
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_timeout_set_timer(settings: Any) -> Generator[None, object, object]:
+    """Start the timer of pytest-timeout with the other exception."""
+    answer = yield
+    fail = signal.getsignal(signal.SIGALRM)
+    if settings.method == "signal" and callable(fail):
+
+        def expire(number: int, frame: FrameType | None) -> None:
+            try:
+                fail(number, frame)
+            except pytest.fail.Exception as failure:
+                raise TimeLimitExpired(str(failure)) from None
+
+        signal.signal(signal.SIGALRM, expire)
+        signal.setitimer(signal.ITIMER_REAL, settings.timeout, REPETITION_INTERVAL)
+    return answer
+
+
+def _failing() -> Generator[None, object, object]:
+    try:
+        return (yield)
+    except TimeLimitExpired as expired:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        pytest.fail(str(expired))
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtest_setup() -> Generator[None, object, object]:
+    """Fail a test whose set-up took too long."""
+    return (yield from _failing())
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtest_call() -> Generator[None, object, object]:
+    """Fail a test that took too long."""
+    return (yield from _failing())
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtest_teardown() -> Generator[None, object, object]:
+    """Fail a test whose tear-down took too long."""
+    return (yield from _failing())
