@@ -62,7 +62,7 @@ def test_a_test_fails_at_its_limit_and_the_next_one_runs(
 ) -> None:
     pytester.makeconftest(HOOKS)
     pytester.makepyfile(HEAD + program + "\ndef test_next():\n    pass\n")
-    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[1]), prepend=os.pathsep)
+    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[2]), prepend=os.pathsep)
     result = pytester.runpytest_subprocess("-p", "no:cacheprovider", "-p", "no:xdist", "-p", "no:asyncio")
     outcomes = result.parseoutcomes()
     assert outcomes.get("passed") == 1
