@@ -70,8 +70,11 @@ class MavproxyFlight(Flight):
         await self.wait_until(lambda: self.vehicle.autopilot.mode.name == name)
 
     async def arm(self) -> None:
+        """Arm as soon as the vehicle can be armed: a fast machine gets here before it has booted."""
+        autopilot = self.vehicle.autopilot
+        await self.wait_until(lambda: not list(autopilot.profile.arming_problems(autopilot)))
         await self.send_and_wait("arm throttle", "COMPONENT_ARM_DISARM: ACCEPTED", "ARMED")
-        assert self.vehicle.autopilot.armed
+        assert autopilot.armed
 
     async def wait_until_disarmed(self) -> None:
         """Wait until the vehicle disarms by itself."""
