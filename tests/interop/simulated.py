@@ -84,6 +84,12 @@ class Flight:
             f"east {here.east:.1f}, up {-here.down:.1f}; status texts {self.texts[-8:]}"
         )
 
+    @property
+    def can_arm(self) -> bool:
+        """True if nothing prevents arming; a fast machine gets that far before the vehicle has booted."""
+        autopilot = self.vehicle.autopilot
+        return not list(autopilot.profile.arming_problems(autopilot))
+
     # Position
 
     @property

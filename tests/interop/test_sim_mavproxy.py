@@ -65,16 +65,13 @@ class MavproxyFlight(Flight):
         await self.ground.wait_for_output(*expected)
 
     async def set_mode(self, name: str) -> None:
-        """Set a mode by name and wait until the vehicle is in it."""
         self.ground.send_line(f"mode {name.lower()}")
         await self.wait_until(lambda: self.vehicle.autopilot.mode.name == name)
 
     async def arm(self) -> None:
-        """Arm as soon as the vehicle can be armed: a fast machine gets here before it has booted."""
-        autopilot = self.vehicle.autopilot
-        await self.wait_until(lambda: not list(autopilot.profile.arming_problems(autopilot)))
+        await self.wait_until(lambda: self.can_arm)
         await self.send_and_wait("arm throttle", "COMPONENT_ARM_DISARM: ACCEPTED", "ARMED")
-        assert autopilot.armed
+        assert self.vehicle.autopilot.armed
 
     async def wait_until_disarmed(self) -> None:
         """Wait until the vehicle disarms by itself."""
