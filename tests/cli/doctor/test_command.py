@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 from importlib.metadata import PackageNotFoundError
+from pathlib import Path
 
 import pytest
 
@@ -15,7 +16,9 @@ def test_all_checks_pass(mav):
     assert mavstack.__version__ in result.out
     report = json.loads(mav("doctor", "--json").out)
     assert report["ok"] is True
-    assert {"core", "udp", "dialects", "numpy"} <= {check["name"] for check in report["checks"]}
+    details = {check["name"]: check["detail"] for check in report["checks"]}
+    assert {"core", "udp", "dialects", "numpy"} <= set(details)
+    assert details["mavstack"].endswith(f" in {Path(mavstack.__file__).parent}")
 
 
 def test_missing_extra_is_reported_and_is_no_failure(mav, monkeypatch):

@@ -63,7 +63,7 @@ def run_checks() -> list[Finding]:
 
 
 def _versions() -> Iterable[Finding]:
-    yield Finding("mavstack", Status.OK, f"{__version__} in {Path(__file__).parent.parent}")
+    yield Finding("mavstack", Status.OK, f"{__version__} in {Path(__file__).parents[2]}")
     yield Finding("python", Status.OK, f"{platform.python_implementation()} {platform.python_version()}")
     yield Finding("platform", Status.OK, f"{platform.system()} {platform.release()} on {platform.machine()}")
     if features := _cpu_features():
