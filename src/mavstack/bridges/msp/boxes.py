@@ -125,5 +125,5 @@ class Boxes:
 
 
 def _printable(name: str) -> str:
-    """Return a name that a line shows damaged, without characters that texts of MAVLink do not hold."""
+    """Return a name with a question mark for each character that is not printable ASCII."""
     return "".join(letter if letter.isascii() and letter.isprintable() else "?" for letter in name)

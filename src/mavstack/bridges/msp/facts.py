@@ -77,7 +77,7 @@ class ControllerFacts:
 
     @property
     def has_channel_map(self) -> bool:
-        """True if the channel map is one: each channel has its own place."""
+        """True if the channel map is valid: each channel has its own place."""
         places = self.channel_map
         return _STICKS <= len(places) <= CHANNELS and sorted(places) == list(range(len(places)))
 

@@ -11,6 +11,6 @@ if TYPE_CHECKING:
 
 
 def event_stream(events: AsyncIterator[str]) -> StreamingResponse:
-    """Return the answer whose body is a stream of events; no proxy keeps them back or stores them."""
+    """Return the answer whose body is a stream of events; proxies neither buffer nor store it."""
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
     return StreamingResponse(events, media_type="text/event-stream", headers=headers)

@@ -6,10 +6,19 @@ import struct
 from typing import TYPE_CHECKING, Final
 
 from mavstack.msp.commands import MspCommand as Command
-from mavstack.msp.messages.identification import ApiVersion, BuildInfo, FcVariant, FcVersion, Name, Uid
+from mavstack.msp.messages.identification import (
+    ApiVersion,
+    BoardInfo,
+    BuildInfo,
+    FcVariant,
+    FcVersion,
+    Name,
+    Uid,
+)
 from mavstack.msp.messages.modes import BoxIds, BoxNames
 from mavstack.msp.messages.motors import SetMotor
 from mavstack.msp.messages.rc import SetRawRc
+from mavstack.msp.messages.registry import all_messages
 from mavstack.sim.msp.boxes import ModeRange
 from mavstack.sim.msp.passthrough import start_passthrough
 from mavstack.sim.msp.receiver import CHANNELS
@@ -63,19 +72,20 @@ def common_handlers(system: System) -> dict[int, Handler]:
     }
 
 
-def setting_handlers(
-    system: System, replies: Iterable[type[MspMessage]], requests: Iterable[type[MspMessage]]
-) -> dict[int, Handler]:
-    """Return the handlers that read and write messages of the settings.
+def setting_handlers(system: System, variant: str) -> dict[int, Handler]:
+    """Return the handlers that read and write messages of the settings; MSP_SET_PID writes MSP_PID.
 
     Args:
         system: The firmware.
-        replies: The messages that read settings.
-        requests: The messages that write them; MSP_SET_PID writes MSP_PID.
+        variant: Its identifier in MSP_FC_VARIANT.
     """
+    messages = [each for each in all_messages() if variant in each.VARIANTS]
+    replies: list[type[MspMessage]] = [BoardInfo, *(each for each in messages if each.IS_REPLY)]
     stored = {kind.NAME: kind for kind in replies if kind in system.settings}
     handlers: dict[int, Handler] = {kind.COMMAND: system.reader(kind) for kind in stored.values()}
-    for written in requests:
+    for written in messages:
+        if written.IS_REPLY:
+            continue
         read = stored.get(written.NAME.replace("_SET_", "_", 1))
         if read is not None:
             handlers[written.COMMAND] = system.writer(read, written)

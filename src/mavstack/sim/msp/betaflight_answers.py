@@ -17,11 +17,10 @@ from mavstack.msp.messages.config import (
     SerialConfig,
     SerialFunction,
 )
-from mavstack.msp.messages.identification import BoardInfo, Name
+from mavstack.msp.messages.identification import Name
 from mavstack.msp.messages.motors import MotorTelemetry
 from mavstack.msp.messages.osd import GENERAL_SETTINGS, TIMER_SETTINGS, OsdConfig, SetOsdConfig
 from mavstack.msp.messages.pid import Pid, PidAdvanced
-from mavstack.msp.messages.registry import all_messages
 from mavstack.msp.messages.sensors import AttitudeQuaternion
 from mavstack.msp.messages.status import Status, StatusEx
 from mavstack.msp.messages.vtx import SetVtxConfig, VtxConfig, VtxTableBand, VtxTablePowerLevel
@@ -71,11 +70,7 @@ def make_handlers(system: System) -> Mapping[int, Handler]:
     """Return the handlers of Betaflight by command."""
     own = BetaflightAnswers(system)
     handlers = common_handlers(system)
-    messages = [each for each in all_messages() if "BTFL" in each.VARIANTS]
-    replies = [each for each in messages if each.IS_REPLY]
-    handlers |= setting_handlers(
-        system, [BoardInfo, *replies], [each for each in messages if not each.IS_REPLY]
-    )
+    handlers |= setting_handlers(system, "BTFL")
     for command, produce in own.producers():
         handlers[command] = system.producer(produce)
     for command, act in own.actions():

@@ -9,7 +9,6 @@ from mavstack.msp.commands import InavCommand
 from mavstack.msp.commands import MspCommand as Command
 from mavstack.msp.messages import config, pid, rc
 from mavstack.msp.messages.arming import InavArmingFlag, SensorFlag
-from mavstack.msp.messages.identification import BoardInfo
 from mavstack.msp.messages.navigation import (
     GetSafehome,
     GetWp,
@@ -23,7 +22,6 @@ from mavstack.msp.messages.navigation import (
 )
 from mavstack.msp.messages.pid import InavPid, Pid, PidNames
 from mavstack.msp.messages.rc import InavRateProfile, RcTuning
-from mavstack.msp.messages.registry import all_messages
 from mavstack.msp.messages.sensors import AirSpeed
 from mavstack.msp.messages.status import HardwareStatus, InavStatus, SensorStatus, Status, StatusEx
 from mavstack.sim.msp import telemetry
@@ -66,11 +64,7 @@ def make_handlers(system: System, navigator: InavNavigation) -> Mapping[int, Han
     """
     own = InavAnswers(system, navigator)
     handlers = common_handlers(system)
-    messages = [each for each in all_messages() if "INAV" in each.VARIANTS]
-    replies = [each for each in messages if each.IS_REPLY]
-    handlers |= setting_handlers(
-        system, [BoardInfo, *replies], [each for each in messages if not each.IS_REPLY]
-    )
+    handlers |= setting_handlers(system, "INAV")
     for message, produce in own.producers():
         handlers[message] = own.handler(produce)
     return handlers | own.waypoint_handlers() | setting_by_name_handlers(system)
