@@ -68,6 +68,16 @@ def test_messages_are_streamed_by_name() -> None:
     serve(COPTER, scenario)
 
 
+def test_a_stream_is_of_one_vehicle() -> None:
+    async def scenario(ground: Ground) -> None:
+        for system in (1, 2):
+            answer = await ground.api.get(f"/api/vehicles/{system}/messages/HEARTBEAT/stream?count=3")
+            events = answer.data.decode().split("\n\n")[:-1]
+            assert [json.loads(each.removeprefix("data: "))["system"] for each in events] == [system] * 3
+
+    serve((COPTER, COPTER), scenario)
+
+
 def test_a_client_that_leaves_ends_its_stream() -> None:
     async def scenario(ground: Ground) -> None:
         clients = ground.station.packets.clients
