@@ -207,6 +207,24 @@ def test_a_reload_replaces_the_rules_and_an_invalid_one_changes_nothing(setup):
     assert "ATTITUDE" in setup.names(setup.vehicle)
 
 
+@pytest.mark.parametrize(
+    ("quarantine", "released"),
+    [('quarantine = "1 min"', False), ("dry_run = true", True), ("", True)],
+)
+def test_a_reload_releases_nobody_from_quarantine(setup, quarantine, released):
+    pilot = Encoder(255, 190)
+    setup.send(setup.pilot, pilot, common.HilGps())
+    setup.settle()
+    setup.names(setup.vehicle)
+    setup.guard.reload(parse_config(CONFIG.replace('quarantine = "10 s"', quarantine)))
+    setup.guard.configure(setup.pilot, setup.config.endpoint("ground"))
+    setup.send(setup.pilot, pilot, common.Heartbeat(type=6, autopilot=8))
+    assert ("HEARTBEAT" in setup.names(setup.vehicle)) is released
+    setup.guard.handle_timer(NOW + 11)  # as long as the quarantine was when it began
+    setup.send(setup.pilot, pilot, common.Heartbeat(type=6, autopilot=8))
+    assert "HEARTBEAT" in setup.names(setup.vehicle)
+
+
 def test_a_reload_never_lets_all_peers_in_for_a_moment(setup, monkeypatch):
     given = []
     monkeypatch.setattr(type(setup.engine), "set_allowed_peers", lambda _, *call: given.append(call))

@@ -173,7 +173,7 @@ class Guard:
         return self.gateway.load_keys(keys for each in config.endpoints if (keys := each.keys))
 
     def reload(self, config: RouterConfig) -> None:
-        """Replace the firewall; the caller configures all links afterwards.
+        """Replace the firewall, whose quarantines stay; the caller configures all links afterwards.
 
         Args:
             config: The configuration.
@@ -185,7 +185,7 @@ class Guard:
         ids = {**self._known_ids(config), **self._assigned_ids()}
         replacement = _firewall(config, Names(config.dialect), ids)
         if self.firewall is not None and replacement is not None:
-            replacement.counts.update(self.firewall.counts)
+            replacement.inherit(self.firewall)
         self.firewall = replacement
         self._open_own()
 

@@ -79,6 +79,22 @@ class Firewall:
         self._limiter = AlertLimiter()
         self._alerts: deque[Alert] = deque(maxlen=MAX_ALERTS)
         self._changed: set[str] = set()
+        #: Quarantines of the firewall before a reload, by endpoint, until the endpoint is added again.
+        self._inherited: dict[str, dict[Address | None, float]] = {}
+
+    def inherit(self, previous: Firewall) -> None:
+        """Take over the counts and the quarantines of the firewall that this one replaces.
+
+        Without this, a reload would release every sender that is cut off. A firewall without `quarantine`,
+        or with `dry_run`, takes over the counts only.
+
+        Args:
+            previous: The firewall in use until now.
+        """
+        self.counts.update(previous.counts)
+        if self.config.quarantine and not self.config.dry_run:
+            known = {name: each.quarantine for name, each in previous._endpoints.items()}
+            self._inherited = previous._inherited | known
 
     def open_endpoint(
         self,
@@ -116,7 +132,7 @@ class Firewall:
             self._raise(Alert(detector, name, None, text), 0.0)
             return False
         known = self._endpoints.get(name)
-        quarantine = {} if known is None else known.quarantine
+        quarantine = self._inherited.pop(name, {}) if known is None else known.quarantine
         self._endpoints[name] = _Endpoint(group or name, credential, rules, quarantine=quarantine)
         return True
 
@@ -141,6 +157,7 @@ class Firewall:
             name: Its name.
         """
         self._endpoints.pop(name, None)
+        self._inherited.pop(name, None)
         self._changed.discard(name)
 
     def rules(self, name: str) -> tuple[Rule, ...]:
