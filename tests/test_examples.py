@@ -7,9 +7,10 @@ import re
 import runpy
 import shlex
 import shutil
+import socket
 import subprocess
 import sys
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -96,6 +97,17 @@ def test_examples_run(example):
     done = run(sys.executable, "-W", "error", str(example))
     assert done.returncode == 0, done.stderr
     assert done.stdout
+
+
+@pytest.mark.parametrize(("name", "port"), [("csv_sender", 5781), ("zermatt", 5760)])
+def test_a_sender_whose_port_is_in_use_ends_with_one_line(name, port):
+    with socket.socket() as sock:
+        with suppress(OSError):  # another program has it: as good
+            sock.bind(("127.0.0.1", port))
+            sock.listen()
+        done = run(sys.executable, str(ROOT / "examples" / "dashboards" / f"{name}.py"))
+    assert done.returncode == 1
+    assert re.fullmatch(rf"cannot [^\n]*{port}[^\n]* in use[^\n]*\n", done.stderr), done.stderr
 
 
 def test_the_drones_of_the_dashboard_circle():

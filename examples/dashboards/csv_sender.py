@@ -6,6 +6,7 @@ Choose a dashboard with CSV in `mav web`, and add its sources there. Ctrl-C ends
 
 import asyncio
 import math
+import os
 import time
 from collections.abc import Callable
 
@@ -90,7 +91,10 @@ async def send(values: Values, writer: asyncio.StreamWriter) -> None:
 
 async def serve(values: Values, port: int) -> asyncio.Server:
     """Serve the lines of a sender to each receiver on a TCP port."""
-    return await asyncio.start_server(lambda _, writer: send(values, writer), HOST, port)
+    try:
+        return await asyncio.start_server(lambda _, writer: send(values, writer), HOST, port)
+    except OSError as error:
+        raise SystemExit(f"cannot listen on port {port}: {os.strerror(error.errno or 0)}") from None
 
 
 async def main() -> None:

@@ -5,6 +5,7 @@ Each sends MAVLink on a TCP port of its own, 5760 and 5761. Ctrl-C ends the prog
 
 import asyncio
 
+from mavstack import LinkError
 from mavstack.sim import Home, Runner, Simulation
 from mavstack.sim.scenarios import take_off
 
@@ -29,7 +30,10 @@ async def main() -> None:
     simulation = simulate()
     async with Runner(simulation) as runner:
         for (port, _, _), drone in zip(DRONES, simulation.vehicles, strict=True):
-            await runner.connect(f"tcpin://{HOST}:{port}", [drone])
+            try:
+                await runner.connect(f"tcpin://{HOST}:{port}", [drone])
+            except LinkError as error:
+                raise SystemExit(str(error)) from None
         print("two drones fly on the ports", ", ".join(str(port) for port, _, _ in DRONES))
         await runner.run()
 

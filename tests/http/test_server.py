@@ -63,6 +63,26 @@ async def test_a_request_that_arrived_has_no_deadline(monkeypatch):
         writer.close()
 
 
+@pytest.mark.parametrize(
+    ("proxy", "seen"),
+    [("", b"127.0.0.1 http"), ("127.0.0.1", b"10.1.1.1 https"), ("10.9.9.9", b"127.0.0.1 http")],
+)
+async def test_the_address_of_a_client_is_that_of_its_connection_but_for_a_proxy(proxy, seen):
+    async def show(request):
+        return PlainTextResponse(f"{request.client.host} {request.url.scheme}")
+
+    app = Starlette(routes=[Route("/", show)])
+    async with (
+        asyncio.timeout(20),
+        serving(app, "127.0.0.1:0", name="a service", proxy=proxy) as (host, port),
+    ):
+        reader, writer = await asyncio.open_connection(host, port)
+        headers = b"X-Forwarded-For: 10.1.1.1\r\nX-Forwarded-Proto: https\r\nConnection: close\r\n\r\n"
+        writer.write(REQUEST[:-2] + headers)
+        assert (await reader.read()).endswith(seen)
+        writer.close()
+
+
 async def test_connections_beyond_the_limit_are_closed(monkeypatch):
     monkeypatch.setattr("mavstack.http.server.MAX_CONNECTIONS", 1)
     app = Starlette(routes=[Route("/", answer)])

@@ -108,14 +108,16 @@ def test_sessions_of_one_role_do_not_end_those_of_another(monkeypatch) -> None:
 
 def test_the_ticket_of_a_session_begins_no_other_session() -> None:
     access = Access(passwords=PASSWORDS, ticket_key="k" * 32, local=False, now=Clock())
-    assert status_of(lambda: access.log_in("10.0.0.1", ticket=access.make_ticket(Role.OPERATE))) == 401
+    token = access.log_in("10.0.0.1", password="may fly it").session
+    assert status_of(lambda: access.log_in("10.0.0.1", ticket=access.make_ticket(token))) == 401
 
 
 def test_a_ticket_opens_one_websocket() -> None:
     clock = Clock()
     access = Access(passwords=PASSWORDS, local=False, now=clock)
-    headers = ticket_headers(access.make_ticket(Role.OBSERVE))
-    assert access.check_websocket(headers, {}).role is Role.OBSERVE
+    session = access.log_in("10.0.0.1", password="watching only").session
+    headers = ticket_headers(access.make_ticket(session))
+    assert access.check_websocket(headers, {}) == (Role.OBSERVE, session)
     assert status_of(lambda: access.check_websocket(headers, {})) == 401
 
 

@@ -74,7 +74,7 @@ async def test_refused_handshakes_have_a_status() -> None:
         async with asyncio.timeout(20), listening as (host, port):
             with pytest.raises(InvalidStatus, match="401"):
                 await connect(f"ws://{host}:{port}/ws")
-            ticket = access.make_ticket(Role.OPERATE)
+            ticket = access.make_ticket(access.log_in("10.0.0.1", password="may fly it").session)
             offered = ["ados-ws-ticket", ticket, "mavstack.raw.1"]
             async with connect(f"ws://{host}:{port}/ws", subprotocols=offered) as socket:
                 assert socket.subprotocol == "mavstack.raw.1"

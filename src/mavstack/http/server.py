@@ -100,7 +100,13 @@ class _Server(uvicorn.Server):
 
 @asynccontextmanager
 async def serving(
-    app: Starlette, address: str, *, name: str, tls: Certificate | None = None, websockets: bool = False
+    app: Starlette,
+    address: str,
+    *,
+    name: str,
+    tls: Certificate | None = None,
+    websockets: bool = False,
+    proxy: str = "",
 ) -> AsyncIterator[tuple[str, int]]:
     """Serve an application while the block runs.
 
@@ -110,6 +116,8 @@ async def serving(
         name: The name of the service in errors, such as "the control API".
         tls: The certificate of an HTTPS server; None: HTTP.
         websockets: Serve WebSockets too.
+        proxy: The address of a proxy in front, whose headers X-Forwarded-For and X-Forwarded-Proto name the
+            client; empty: none, and these headers are not believed.
 
     Yields:
         Host and port on which it listens.
@@ -119,7 +127,7 @@ async def serving(
     """
     sock = await _listen(address, name)
     try:
-        config = _config(app, tls, websockets=websockets)
+        config = _config(app, tls, websockets=websockets, proxy=proxy)
     except OSError as error:
         sock.close()
         files = " or ".join(filter(None, tls or ()))
@@ -142,7 +150,7 @@ def _reason(error: OSError) -> str:
     return str(getattr(error, "reason", None) or error.strerror or error)
 
 
-def _config(app: Starlette, tls: Certificate | None, *, websockets: bool) -> uvicorn.Config:
+def _config(app: Starlette, tls: Certificate | None, *, websockets: bool, proxy: str) -> uvicorn.Config:
     config = uvicorn.Config(
         app,
         log_config=None,
@@ -153,6 +161,9 @@ def _config(app: Starlette, tls: Certificate | None, *, websockets: bool) -> uvi
         ws="websockets-sansio" if websockets else "none",
         ws_max_size=MAX_WEBSOCKET_MESSAGE,
         ws_per_message_deflate=False,  # it would compress each message again for each client
+        # By default it believes all clients of this machine, which could then guess passwords without limit.
+        proxy_headers=bool(proxy),
+        forwarded_allow_ips=proxy,
         ssl_certfile=None if tls is None else tls.certificate,
         ssl_keyfile=None if tls is None else tls.key,
         timeout_graceful_shutdown=1,

@@ -169,6 +169,18 @@ def scope_of(ticket: str) -> str:
     return ticket.split("|")[1]
 
 
+def nonce_of(ticket: str) -> bytes:
+    """Return the nonce of a ticket that was verified.
+
+    Args:
+        ticket: The ticket.
+
+    Returns:
+        The 16 bytes with which it was made.
+    """
+    return bytes.fromhex(ticket.split("|")[4])
+
+
 def _derive_key(api_key: str) -> bytes:
     return hmac_digest(api_key.encode(), _KEY_LABEL, sha256)
 

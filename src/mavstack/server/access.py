@@ -6,13 +6,15 @@ listens on loopback only. Two headers then keep pages of other sites out (see `m
 Otherwise a client shows a password or a ticket once (`POST /api/session`) and gets a session: a cookie for
 pages, and a token for programs (`Authorization: Bearer …`). The role of a session is that of its password or
 of the scope of its ticket. For a WebSocket, which cannot have headers in a browser, a session gets tickets
-of one use each; a client with the ticket key makes its own.
+of one use each; a client with the ticket key makes its own. What a session opened ends with it (see
+`mavstack.server.session_end`); a WebSocket opened with a client's own ticket has no session.
 """
 
 from __future__ import annotations
 
 import secrets
-from dataclasses import dataclass
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from hmac import compare_digest
 from ipaddress import ip_address, ip_network
 from time import time
@@ -27,12 +29,13 @@ from mavstack.security.tickets import (
     MAVLINK_SCOPE,
     TicketVerifier,
     make_ticket,
+    nonce_of,
     offered_ticket,
     scope_of,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
     from starlette.datastructures import Headers
     from starlette.requests import Request
@@ -49,7 +52,9 @@ MAX_FAILING_ADDRESSES: Final = 4096
 MIN_PASSWORD: Final = 8
 #: Bits of an IPv6 address that name a network.
 _MACHINE_PREFIX: Final = 64
-_NONCE_SIZE: Final = 16
+#: Bytes of the nonce of a ticket: the mark of its session, and random ones.
+_MARK_SIZE: Final = 8
+_RANDOM_SIZE: Final = 8
 #: Values of `Sec-Fetch-Site`, by which browsers tell where a request comes from.
 _OTHER_SITES: Final = ("cross-site", "same-site")
 
@@ -61,10 +66,14 @@ class Client(NamedTuple):
     session: str = ""
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class _Session:
     role: Role
     used_at: float
+    #: The first bytes of the nonces of its tickets; the token itself would be a secret in them.
+    mark: bytes = field(default_factory=lambda: secrets.token_bytes(_MARK_SIZE))
+    #: Called when the session ends.
+    listeners: set[Callable[[], None]] = field(default_factory=set)
 
 
 class Access:
@@ -142,7 +151,7 @@ class Access:
         self.check_page(headers)
         ticket = offered_ticket(headers.get("sec-websocket-protocol", ""))
         if ticket is not None and not self.is_open:
-            return Client(self._verify(ticket, self._verifiers))
+            return self._client_of_ticket(ticket)
         return self._client(headers, cookies.get(COOKIE, ""))
 
     def check_page(self, headers: Headers) -> None:
@@ -191,23 +200,47 @@ class Access:
         return self._begin(role, now)
 
     def log_out(self, token: str) -> None:
-        """End a session. Idempotent."""
-        self._sessions.pop(token, None)
+        """End a session, and what it opened. Idempotent."""
+        session = self._sessions.pop(token, None)
+        for listener in () if session is None else tuple(session.listeners):
+            listener()
 
-    def make_ticket(self, role: Role) -> str:
+    def make_ticket(self, token: str) -> str:
         """Return a ticket of one use with which a page of a session opens a WebSocket."""
-        nonce = secrets.token_bytes(_NONCE_SIZE)
-        return make_ticket(self._own_key, now=self._now(), nonce=nonce, scope=f"{MAVLINK_SCOPE}.{role.word}")
+        session = self._sessions[token]
+        nonce = session.mark + secrets.token_bytes(_RANDOM_SIZE)
+        scope = f"{MAVLINK_SCOPE}.{session.role.word}"
+        return make_ticket(self._own_key, now=self._now(), nonce=nonce, scope=scope)
 
     def role_of(self, token: str) -> Role | None:
         """Return the role of a session, and use it; None if there is none."""
-        session = self._sessions.get(token)
-        now = self._now()
-        if session is None or session.used_at < now - SESSION_LIFETIME:
-            self._sessions.pop(token, None)
+        if not self.seconds_left(token):
             return None
-        session.used_at = now
+        session = self._sessions[token]
+        session.used_at = self._now()
         return session.role
+
+    def seconds_left(self, token: str) -> float:
+        """Return the seconds until a session ends if it is not used; 0 if there is none."""
+        session = self._sessions.get(token)
+        left = 0.0 if session is None else session.used_at + SESSION_LIFETIME - self._now()
+        if left <= 0.0:
+            self.log_out(token)
+        return max(left, 0.0)
+
+    @contextmanager
+    def listening(self, token: str, listener: Callable[[], None]) -> Iterator[None]:
+        """Call a function when a session ends, while the context is open; at once if it has ended."""
+        session = self._sessions.get(token)
+        if session is None:
+            listener()
+            yield
+            return
+        session.listeners.add(listener)
+        try:
+            yield
+        finally:
+            session.listeners.discard(listener)
 
     def _client(self, headers: Headers, cookie: str) -> Client:
         if self.is_open:
@@ -218,6 +251,20 @@ class Access:
         if role is None:
             raise RefusedError(401, "a session is needed: POST /api/session with a password or a ticket")
         return Client(role, token)
+
+    def _client_of_ticket(self, ticket: str) -> Client:
+        """Return the client of a WebSocket, with the session from which it has its ticket."""
+        try:
+            role = self._verify(ticket, self._verifiers[:1])
+        except RefusedError:
+            if not self._has_ticket_key:
+                raise
+            return Client(self._verify(ticket, self._verifiers[1:]))
+        mark = nonce_of(ticket)[:_MARK_SIZE]
+        for token, session in self._sessions.items():
+            if session.mark == mark and self.seconds_left(token):
+                return Client(role, token)
+        raise RefusedError(401, "the session of the ticket has ended: log in again")
 
     def _role_of(self, password: str) -> Role:
         shown = password.encode()
@@ -239,7 +286,7 @@ class Access:
         # Sessions of lower roles must not end those of higher ones.
         of_role = [token for token, session in self._sessions.items() if session.role is role]
         if len(of_role) >= MAX_SESSIONS:
-            del self._sessions[min(of_role, key=lambda token: self._sessions[token].used_at)]
+            self.log_out(min(of_role, key=lambda token: self._sessions[token].used_at))
         token = secrets.token_urlsafe(32)
         self._sessions[token] = _Session(role, now)
         return Client(role, token)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from starlette.requests import ClientDisconnect
@@ -11,10 +12,12 @@ from starlette.responses import JSONResponse, Response
 
 from mavstack.errors import MavstackError
 from mavstack.http.bodies import RefusedError, read_bytes, read_json_object
+from mavstack.server.api.events import EventStream
 from mavstack.server.api_route import Call
 from mavstack.server.fields import read_fields, read_query
 from mavstack.server.json_values import to_json
 from mavstack.server.problems import problem_json, status_of
+from mavstack.server.session_end import ending_with_session
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -66,7 +69,10 @@ async def _answer(route: ApiRoute, station: Station, access: Access, request: Re
         call = replace(call, body=read_fields(route.body, await _json_body(route, request)))
     if route.is_long and not call.query["wait"]:
         return _start_task(route, call)
-    return _response(route, await route.handler(call))
+    response = _response(route, await route.handler(call))
+    if isinstance(response, EventStream):
+        response.limit = partial(ending_with_session, access, client.session)
+    return response
 
 
 async def _json_body(route: ApiRoute, request: Request) -> dict[str, Any]:

@@ -13,14 +13,15 @@ from typing import TYPE_CHECKING, Any
 
 from mavstack.dialects import Dialect
 from mavstack.http.bodies import RefusedError
-from mavstack.security.roles import Role, allows
 from mavstack.server.json_values import to_json
+from mavstack.server.sender_rules import may_send
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from mavstack._core import HasCoreDialect
     from mavstack.dialects import Message
+    from mavstack.security.roles import Role
     from mavstack.wire import Packet
 
 
@@ -67,7 +68,7 @@ def message_of(dialect: HasCoreDialect, name: str, fields: Mapping[str, Any], ro
     message = kind.from_dict({key: _value(key, value) for key, value in fields.items()})
     command = getattr(message, "command", None)
     number = int(kind.__mavlink_row__[0])
-    if not allows(role, number, command if isinstance(command, int) else None):
+    if not may_send(role, number, command if isinstance(command, int) else None):
         raise RefusedError(403, f"the role {role.word} may not send {name}")
     return message
 

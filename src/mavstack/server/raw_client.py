@@ -2,7 +2,8 @@
 
 Each binary message holds one or more complete packets. The server sends every packet that the station
 receives, and passes the client's packets to the vehicles unchanged, as far as the client's role allows: a
-browser is a MAVLink component of its own, with its own ids. SETUP_SIGNING is passed in no direction.
+browser is a MAVLink component of its own, with ids that `sender_rules` allows. SETUP_SIGNING is passed in no
+direction.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.security.roles import Role, RoleFilter
 from mavstack.server.client_queue import ClientQueue
+from mavstack.server.sender_rules import SenderRules
 from mavstack.wire import Parser
 
 if TYPE_CHECKING:
@@ -34,6 +36,7 @@ class RawClient:
         self.queue: ClientQueue[bytes] = ClientQueue(MAX_QUEUE)
         self._connection = station.connection
         self._websocket = websocket
+        self._rules = SenderRules(station.connection, role)
         # One parser decides where packets begin: a second one could find others in what the first allowed.
         self._packets: Callable[[bytes], Iterable[Packet]] = (
             Parser(station.connection.dialect).feed if role is Role.ADMINISTER else RoleFilter(role).packets
@@ -53,4 +56,5 @@ class RawClient:
         if isinstance(data, str):
             return
         for packet in self._packets(data):
-            self._connection.forward(packet)
+            if self._rules.allow(packet):
+                self._connection.forward(packet)

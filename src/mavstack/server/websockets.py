@@ -18,6 +18,7 @@ from mavstack.server.json_client import JsonClient
 from mavstack.server.raw_client import RawClient
 from mavstack.server.rows import client as row_client
 from mavstack.server.rows.client import RowClient
+from mavstack.server.session_end import ending_with_session
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator
@@ -43,14 +44,18 @@ def websocket_endpoint(station: Station, access: Access) -> Callable[[WebSocket]
             offered = websocket.scope.get("subprotocols", [])
             chosen = choose_subprotocol(offered)
             station.check_room()
-            role = access.check_websocket(websocket.headers, websocket.cookies).role
+            role, session = access.check_websocket(websocket.headers, websocket.cookies)
         except RefusedError as error:
             await _deny(websocket, error)
             return
         await websocket.accept(chosen)
+        client = _client(station, websocket, chosen, role)
         # The client may leave at any time, and the station may be closed.
         with suppress(WebSocketDisconnect, InvalidStateError):
-            await _serve(station, websocket, _client(station, websocket, chosen, role))
+            async with ending_with_session(access, session):
+                await _serve(station, websocket, client, used=lambda: access.role_of(session))
+                return
+            await websocket.close(_POLICY_VIOLATION, "the session has ended: log in again")
 
     return endpoint
 
@@ -97,8 +102,10 @@ def _joined(station: Station, client: Client) -> Iterator[None]:
             station.packets.clients.discard(client)
 
 
-async def _serve(station: Station, websocket: WebSocket, client: Client) -> None:
-    """Send and receive until the client leaves."""
+async def _serve(
+    station: Station, websocket: WebSocket, client: Client, *, used: Callable[[], object]
+) -> None:
+    """Send and receive until the client leaves; `used` is called for each message of the client."""
     sender = asyncio.get_running_loop().create_task(client.send())
     # A client whose messages cannot be sent any more has left; `receive` then ends too.
     sender.add_done_callback(lambda task: None if task.cancelled() else task.exception())
@@ -108,6 +115,7 @@ async def _serve(station: Station, websocket: WebSocket, client: Client) -> None
                 event = await websocket.receive()
                 if event["type"] == "websocket.disconnect":
                     return
+                used()
                 data: str | bytes | None = event.get("bytes")
                 await client.receive(event.get("text", "") if data is None else data)
     finally:

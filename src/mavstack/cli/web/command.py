@@ -69,6 +69,9 @@ def add_arguments(parser: ArgumentParser) -> None:
     access.add_argument(
         "--origin", action="append", default=[], metavar="URL", help="let pages of this site use the API"
     )
+    access.add_argument(
+        "--proxy", default="", metavar="ADDRESS", help="a proxy there names the clients (X-Forwarded-For)"
+    )
     add_link_options(parser.add_argument_group("links"))
 
 
@@ -105,7 +108,12 @@ async def _serve(arguments: Namespace) -> int:
         announce_exposure("web", connection.links)
         app = make_app(station, access, secure=tls is not None)
         listening = serving(
-            app, f"{host}:{arguments.port}", name="the ground station", tls=tls, websockets=True
+            app,
+            f"{host}:{arguments.port}",
+            name="the ground station",
+            tls=tls,
+            websockets=True,
+            proxy=arguments.proxy,
         )
         async with listening as (_, port):
             _announce(arguments, port, secure=tls is not None)

@@ -2,15 +2,38 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from contextlib import AbstractAsyncContextManager, nullcontext
+from typing import TYPE_CHECKING, Final
 
 from starlette.responses import StreamingResponse
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncIterator, Callable
+
+    from starlette.types import Receive, Scope, Send
+
+_END: Final = {"type": "http.response.body", "body": b"", "more_body": False}
 
 
-def event_stream(events: AsyncIterator[str]) -> StreamingResponse:
-    """Return the answer whose body is a stream of events; proxies neither buffer nor store it."""
-    headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
-    return StreamingResponse(events, media_type="text/event-stream", headers=headers)
+class EventStream(StreamingResponse):
+    """The answer whose body is a stream of events; proxies neither buffer nor store it.
+
+    Args:
+        events: The events.
+
+    Attributes:
+        limit: Returns the context in which the events are sent, which may end them early.
+    """
+
+    limit: Callable[[], AbstractAsyncContextManager[None]] = nullcontext
+
+    def __init__(self, events: AsyncIterator[str]) -> None:
+        headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+        super().__init__(events, media_type="text/event-stream", headers=headers)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Send the events, and the end of the answer if the limit ends them early."""
+        async with self.limit():
+            await super().__call__(scope, receive, send)
+            return
+        await send(_END)

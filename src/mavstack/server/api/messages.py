@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from mavstack.http.bodies import RefusedError
-from mavstack.server.api.events import event_stream
+from mavstack.server.api.events import EventStream
 from mavstack.server.api_route import ApiRoute, Call
 from mavstack.server.fields import Field
 from mavstack.server.message_json import message_class, message_of, packet_json
 from mavstack.server.message_stream import MessageStream
 from mavstack.server.subscriptions import MAX_RATE, Subscriptions
-
-if TYPE_CHECKING:
-    from starlette.responses import StreamingResponse
 
 _COMPONENT: Final = Field(
     name="component",
@@ -52,14 +49,14 @@ async def _show(call: Call) -> dict[str, Any]:
     return {**packet_json(found.packet, found.time), "count": found.count, "rate": rate}
 
 
-async def _stream(call: Call) -> StreamingResponse:
+async def _stream(call: Call) -> EventStream:
     vehicle, station, query = call.vehicle, call.station, call.query
     station.check_room()
     number = int(message_class(station.connection.dialect, call.path("name")).__mavlink_row__[0])
     subscriptions = Subscriptions()
     subscriptions.add([number], rate=query["rate"], system=vehicle.system, component=query["component"])
     stream = MessageStream(subscriptions, query["count"])
-    return event_stream(stream.events(station.packets))
+    return EventStream(stream.events(station.packets))
 
 
 async def _send(call: Call) -> dict[str, Any]:

@@ -14,8 +14,7 @@ from mavstack.server.fields import Field, read_fields
 if TYPE_CHECKING:
     from starlette.requests import Request
 
-    from mavstack.security.roles import Role
-    from mavstack.server.access import Access
+    from mavstack.server.access import Access, Client
 
 #: Seconds for the body of the one request that needs no session.
 LOG_IN_TIMEOUT: Final = 20.0
@@ -46,28 +45,25 @@ class Sessions:
         except TimeoutError:
             raise RefusedError(408, f"the request did not arrive within {LOG_IN_TIMEOUT:g} s") from None
         if self._access.is_open:
-            role = self._access.check_request(request).role
-            return JSONResponse(self._values(role) | {"token": None}, 201)
+            client = self._access.check_request(request)
+            return JSONResponse(self._values(client) | {"token": None}, 201)
         password, ticket = values["password"], values["ticket"]
         if (password is None) == (ticket is None):
             raise RefusedError(400, "either a password or a ticket is needed")
         address = request.client.host if request.client is not None else ""
-        role, token = self._access.log_in(address, password=password, ticket=ticket)
-        answer = JSONResponse(self._values(role) | {"token": token}, 201, {"Cache-Control": "no-store"})
-        answer.set_cookie(
-            COOKIE,
-            token,
-            max_age=int(SESSION_LIFETIME),
-            httponly=True,
-            samesite="strict",
-            secure=self._secure,
-        )
+        client = self._access.log_in(address, password=password, ticket=ticket)
+        values = self._values(client) | {"token": client.session}
+        answer = JSONResponse(values, 201, {"Cache-Control": "no-store"})
+        self._set_cookie(answer, client.session, request)
         return answer
 
     async def show(self, request: Request) -> Response:
-        """Show the role of a client, with a new ticket."""
+        """Show the role of a client, with a new ticket; a cookie lasts as long as its session again."""
         client = self._access.check_request(request)
-        return JSONResponse(self._values(client.role), headers={"Cache-Control": "no-store"})
+        answer = JSONResponse(self._values(client), headers={"Cache-Control": "no-store"})
+        if client.session and request.cookies.get(COOKIE) == client.session:
+            self._set_cookie(answer, client.session, request)
+        return answer
 
     async def end(self, request: Request) -> Response:
         """End the session of a client."""
@@ -77,7 +73,17 @@ class Sessions:
         answer.delete_cookie(COOKIE)
         return answer
 
-    def _values(self, role: Role) -> dict[str, Any]:
+    def _set_cookie(self, answer: Response, token: str, request: Request) -> None:
+        answer.set_cookie(
+            COOKIE,
+            token,
+            max_age=int(SESSION_LIFETIME),
+            httponly=True,
+            samesite="strict",
+            secure=self._secure or request.url.scheme == "https",  # of a proxy
+        )
+
+    def _values(self, client: Client) -> dict[str, Any]:
         is_open = self._access.is_open
-        ticket = None if is_open else self._access.make_ticket(role)
-        return {"role": role.word, "needs_password": not is_open, "ticket": ticket}
+        ticket = None if is_open else self._access.make_ticket(client.session)
+        return {"role": client.role.word, "needs_password": not is_open, "ticket": ticket}

@@ -9,7 +9,7 @@ from urllib.parse import quote
 from mavstack.http.bodies import RefusedError
 from mavstack.links import open_link
 from mavstack.security.roles import Role
-from mavstack.server.api.events import event_stream
+from mavstack.server.api.events import EventStream
 from mavstack.server.api_route import ApiRoute, Call
 from mavstack.server.fields import Field
 from mavstack.server.json_values import to_json
@@ -17,8 +17,6 @@ from mavstack.server.tasks import TaskState
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
-
-    from starlette.responses import StreamingResponse
 
     from mavstack.server.tasks import Task
 
@@ -55,8 +53,8 @@ async def _show_task(call: Call) -> dict[str, Any]:
     return _task(call).values()
 
 
-async def _follow_task(call: Call) -> StreamingResponse:
-    return event_stream(_events(_task(call)))
+async def _follow_task(call: Call) -> EventStream:
+    return EventStream(_events(_task(call)))
 
 
 async def _task_result(call: Call) -> Any:  # noqa: ANN401 (the answer of the request)
