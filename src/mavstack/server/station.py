@@ -16,7 +16,7 @@ from contextlib import AsyncExitStack
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
-from mavstack.dialects import common
+from mavstack.dialects import ardupilotmega, common
 from mavstack.errors import MavstackError
 from mavstack.http.bodies import RefusedError
 from mavstack.server.calibrations import Calibrations
@@ -25,6 +25,7 @@ from mavstack.server.recordings import Recordings
 from mavstack.server.sources import Sources
 from mavstack.server.tasks import Tasks
 from mavstack.vehicle import Connection, VehicleFound, VehicleRebooted
+from mavstack.vehicle.firmware.ardupilot import ArduPilot
 from mavstack.vehicle.firmware.msp import MspFirmware
 
 if TYPE_CHECKING:
@@ -52,8 +53,15 @@ TELEMETRY_RATES: Final[Mapping[type[Message], float]] = MappingProxyType(
         common.ExtendedSysState: 1.0,
         common.MissionCurrent: 1.0,
         common.RcChannels: 2.0,
+        common.Vibration: 1.0,
     }
 )
+#: The messages of ArduPilot that user interfaces show too, in hertz; PX4 sends its wind by itself.
+ARDUPILOT_RATES: Final[Mapping[type[Message], float]] = MappingProxyType(
+    {common.FenceStatus: 1.0, ardupilotmega.Wind: 1.0}
+)
+#: The rate of the message that tells the health of the estimator, in hertz.
+ESTIMATOR_RATE: Final = 1.0
 
 
 class Station:
@@ -151,6 +159,16 @@ async def _request_equipment(vehicle: Vehicle) -> None:
                 logger.info("%s", error)
 
 
+def telemetry_rates(vehicle: Vehicle) -> dict[type[Message], float]:
+    """Return the rates of the messages that user interfaces show of a vehicle, in hertz."""
+    rates = dict(TELEMETRY_RATES)
+    if isinstance(vehicle.firmware, ArduPilot):
+        rates |= ARDUPILOT_RATES
+    if not isinstance(vehicle.firmware, MspFirmware):
+        rates[vehicle.firmware.ESTIMATOR_MESSAGE] = ESTIMATOR_RATE
+    return rates
+
+
 async def _request_telemetry(vehicle: Vehicle) -> None:
     """Request what user interfaces show; a vehicle that does not answer goes on without it."""
     try:
@@ -159,7 +177,7 @@ async def _request_telemetry(vehicle: Vehicle) -> None:
         logger.info("%s", error)
     if isinstance(vehicle.firmware, MspFirmware):
         await _request_equipment(vehicle)
-    for message, rate in TELEMETRY_RATES.items():
+    for message, rate in telemetry_rates(vehicle).items():
         try:
             await vehicle.telemetry.ensure(message, rate)
         except MavstackError as error:

@@ -2,7 +2,7 @@ import { describe, expect, it } from 'vitest';
 
 import { describeFlight, flightLayout, METRIC } from './flight';
 import { pitchLadder } from './horizon';
-import { batteryLevel, fixName, gpsLevel, linkBars, linkLevel } from './status';
+import { batteryLevel, fixName, gpsLevel, linkBars, linkLevel, estimatorLevel, vibrationLevel } from './status';
 
 describe('levels', () => {
   it('judges a battery by its charge, or by its cells', () => {
@@ -55,4 +55,10 @@ describe('flight display', () => {
       'heading 087, altitude unknown m, speed 12 m/s, roll unknown°, pitch 2°',
     );
   });
+});
+
+it('warns of estimates that sensors contradict, and of vibrations', () => {
+  expect([0.2, 0.7, 1, null].map((ratio) => estimatorLevel(ratio))).toEqual(['good', 'warning', 'critical', 'unknown']);
+  expect(estimatorLevel(0, false)).toBe('critical');
+  expect([5, 31, 61, null].map(vibrationLevel)).toEqual(['good', 'warning', 'critical', 'unknown']);
 });

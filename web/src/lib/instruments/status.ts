@@ -39,3 +39,16 @@ export function linkBars(level: Level, loss: Reading): number {
   if (!isKnown(loss)) return 3;
   return loss > 0.3 ? 1 : loss > 0.1 ? 2 : loss > 0.02 ? 3 : 4;
 }
+
+/** Return the level of an estimate from its largest test ratio, of which 1 is the limit. */
+export function estimatorLevel(ratio: Reading, isInitialized = true): Level {
+  if (!isKnown(ratio)) return 'unknown';
+  if (!isInitialized || ratio >= 1) return 'critical';
+  return ratio > 0.6 ? 'warning' : 'good';
+}
+
+/** Return the level of vibrations in m/s²: above 30 altitudes suffer, above 60 positions do. */
+export function vibrationLevel(level: Reading): Level {
+  if (!isKnown(level)) return 'unknown';
+  return level > 60 ? 'critical' : level > 30 ? 'warning' : 'good';
+}

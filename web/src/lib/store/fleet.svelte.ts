@@ -45,6 +45,7 @@ class Fleet {
   private texts: StatusText[] = [];
   private frame: number | null = null;
   private counted = 0;
+  private bytes = 0;
   private chosen = false;
   /** When the first vehicle was found. */
   private firstFound = 0;
@@ -65,6 +66,7 @@ class Fleet {
     this.ends = [
       transport.onState(follow),
       transport.onData((data, time) => {
+        this.bytes += data.length;
         for (const message of this.decoder.push(data, time)) this.take(message, makeVehicle, transport);
       }),
       this.every(BACKGROUND_INTERVAL, () => this.publish()),
@@ -92,12 +94,12 @@ class Fleet {
     this.selectedSystem = null;
     this.chosen = false;
     this.texts = [];
-    this.counted = 0;
+    this.counted = this.bytes = 0;
     messages.clear();
     status.source = null;
     status.link = 'closed';
     status.texts = [];
-    status.rate = 0;
+    status.rate = status.byteRate = 0;
   }
 
   select(system: number): void {
@@ -178,7 +180,8 @@ class Fleet {
     const elapsed = Date.now() - this.countedSince;
     if (elapsed < 1000) return;
     status.rate = this.countedSince === 0 ? 0 : (this.counted * 1000) / elapsed;
-    this.counted = 0;
+    status.byteRate = this.countedSince === 0 ? 0 : (this.bytes * 1000) / elapsed;
+    this.counted = this.bytes = 0;
     this.countedSince = Date.now();
   }
 

@@ -19,6 +19,27 @@ it('stays where it is when no port is chosen', async () => {
   expect([status.source, status.link]).toEqual(['demo', 'open']);
 });
 
+it('opens the port of the present link again, at another baud rate', async () => {
+  const rates: number[] = [];
+  let isOpen = false;
+  const port = {
+    readable: null,
+    writable: { getWriter: () => ({ write: () => Promise.resolve(), abort: () => Promise.resolve(), releaseLock: () => undefined }) },
+    getInfo: () => ({}),
+    open: async ({ baudRate }: { baudRate: number }) => {
+      if (isOpen) throw new Error('The port is already open.');
+      isOpen = true;
+      rates.push(baudRate);
+    },
+    close: async () => void (isOpen = false),
+  };
+  Object.defineProperty(port, 'readable', { get: () => (isOpen ? new ReadableStream() : null) });
+  vi.stubGlobal('navigator', { serial: { requestPort: async () => port, getPorts: async () => [port] } });
+  await startSerial(57_600);
+  await startSerial(115_200);
+  expect([rates, status.source, status.link]).toEqual([[57_600, 115_200], 'serial', 'open']);
+});
+
 it('stays where it is when a recording is empty', async () => {
   await startDemo(1);
   await expect(startReplay(new Uint8Array(100), 'empty.tlog')).rejects.toThrow('replaying empty.tlog failed: the file has no packets');

@@ -18,6 +18,9 @@ interface Session {
   readonly ticket?: string;
 }
 
+/** The serial port that was opened last; null without one. */
+const serial: { current: WebSerialTransport | null } = { current: null };
+
 /** The recording that is replayed, for the time bar; null without one. */
 export const replay: { current: ReplayTransport | null } = { current: null };
 
@@ -60,9 +63,16 @@ export async function startDemo(count = 7): Promise<void> {
 /** Lets the user choose a serial port; must be called from a click. */
 export async function startSerial(baudRate?: number): Promise<void> {
   const transport = new WebSerialTransport(baudRate);
-  // First, so that a user who chooses no port stays where he is.
+  // First, so that a user who chooses no port, or one that is in use, stays where he is.
+  await transport.choose();
+  const { current } = serial;
+  if (current !== null && current.shares(transport)) {
+    current.close();
+    await current.closed;
+  }
   await transport.open();
   leaveReplay();
+  serial.current = transport;
   status.role = 'administer';
   await fleet.connect(transport, 'serial', (heartbeat, send) => new LinkVehicle(heartbeat, send));
 }

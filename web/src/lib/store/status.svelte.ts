@@ -21,6 +21,8 @@ class Status {
   needsLogin = $state(false);
   /** Messages a second, of all vehicles. */
   rate = $state(0);
+  /** Bytes a second, of messages or not. */
+  byteRate = $state(0);
   /** Status texts of all vehicles, the newest last. */
   texts: readonly StatusText[] = $state.raw([]);
 

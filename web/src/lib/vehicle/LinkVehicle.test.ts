@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 
 import { StationError } from '$lib/api/errors';
-import { Decoder, Encoder } from '$lib/decoder/Decoder';
+import { Decoder, Encoder, type DecodedMessage } from '$lib/decoder/Decoder';
 import { FLEET } from '$lib/transport/mock/profiles';
 
 import { capabilitiesFrom } from './capabilities';
@@ -38,6 +38,58 @@ describe('actions', () => {
     await flight.until(vehicle.land());
     await flight.pass(40);
     expect(vehicle.state).toMatchObject({ armed: false, inAir: false });
+  });
+
+  it('let a plane take off in TAKEOFF: ArduPlane refuses NAV_TAKEOFF', async () => {
+    const flight = await startFlight([{ ...PLANE!, activity: 'parked' }]);
+    await flight.until(flight.vehicle.arm());
+    await flight.until(flight.vehicle.takeoff(35));
+    expect(flight.vehicle.state.mode).toBe('TAKEOFF');
+    expect(flight.transport.vehicles[0]?.parameters.find(({ name }) => name === 'TKOFF_ALT')?.value).toBe(35);
+    await flight.pass(30);
+    expect(flight.vehicle.state.position?.relativeAltitude).toBeGreaterThan(30);
+    const direct = await refusal(flight, flight.vehicle.sendCommand('NAV_TAKEOFF', [0, 0, 0, 0, 0, 0, 35]));
+    expect(direct.message).toContain('FAILED');
+  });
+
+  it('land a plane by its mission, or else in AUTOLAND', async () => {
+    const flight = await startFlight([PLANE!]);
+    await flight.until(flight.vehicle.land());
+    await flight.pass(1);
+    expect(flight.vehicle.state.mode).toBe('AUTOLAND');
+  });
+
+  it('take off and land a quadplane that calls itself a plane as one that hovers', async () => {
+    const flight = await startFlight([{ ...PLANE!, activity: 'parked' }]);
+    flight.transport.vehicles[0]!.parameters.find(({ name }) => name === 'Q_ENABLE')!.value = 1;
+    await flight.until(flight.vehicle.land());
+    await flight.pass(1);
+    expect(flight.vehicle.state.mode).toBe('QLAND');
+    const takeoff = await refusal(flight, flight.vehicle.takeoff(20));
+    expect(takeoff.message).toContain('taking off 3/1 failed');
+    await flight.pass(1);
+    expect(flight.vehicle.state.mode).toBe('GUIDED');
+  });
+
+  it.each([
+    ['copter', COPTER!, 'BRAKE'],
+    ['rover', ROVER!, 'HOLD'],
+    ['sub', SUB!, 'POSHOLD'],
+  ])('hold a %s in a mode that needs no throttle stick', async (_, profile, mode) => {
+    const flight = await startFlight([profile]);
+    await flight.until(flight.vehicle.hold());
+    await flight.pass(1);
+    expect(flight.vehicle.state.mode).toBe(mode);
+  });
+
+  it('hold a rover of PX4, which has no mode HOLD', async () => {
+    const sent: number[] = [];
+    const packet = new Encoder(1, 1).build('HEARTBEAT', { type: 10, autopilot: 12 });
+    const vehicle = new LinkVehicle(new Decoder().push(packet)[0]!, (_, fields) => sent.push(Number(fields.param3)));
+    vehicle.hold().catch(() => undefined);
+    await vi.advanceTimersByTimeAsync(0);
+    expect(sent).toEqual([3]);
+    vehicle.dispose();
   });
 
   it('go to no place at an altitude that is not known', async () => {
@@ -186,6 +238,29 @@ describe('parameters', () => {
     expect(await flight.until(flight.vehicle.getParameter('CRUISE_SPEED'))).toMatchObject({ text: '2.5' });
   });
 
+  it('are not refused by a late answer to the question for their type', async () => {
+    const flight = await startFlight([ROVER!]);
+    let old: DecodedMessage | null = null;
+    const end = flight.vehicle.onMessage('PARAM_VALUE', (message) => (old = message));
+    await flight.until(flight.vehicle.getParameter('CRUISE_SPEED'));
+    end();
+    const send = flight.vehicle.sendMessage.bind(flight.vehicle);
+    vi.spyOn(flight.vehicle, 'sendMessage').mockImplementation((name, fields) => {
+      send(name, fields);
+      if (name === 'PARAM_SET') flight.vehicle.take(old!);
+    });
+    expect(await flight.until(flight.vehicle.setParameter('CRUISE_SPEED', 2.25))).toMatchObject({ value: 2.25 });
+  });
+
+  it('that the vehicle keeps are refused', async () => {
+    const flight = await startFlight([ROVER!]);
+    const { parameters } = flight.transport.vehicles[0]!;
+    const kept = parameters.find(({ name }) => name === 'CRUISE_SPEED')!;
+    Object.defineProperty(kept, 'value', { get: () => 3, set: () => undefined });
+    const error = await refusal(flight, flight.vehicle.setParameter('CRUISE_SPEED', 2.5));
+    expect(error).toMatchObject({ kind: 'ParameterDenied', message: 'setting CRUISE_SPEED of 4/1 failed: the vehicle keeps 3' });
+  });
+
   it('that do not exist end in one error', async () => {
     const flight = await startFlight([ROVER!]);
     const error = await refusal(flight, flight.vehicle.getParameter('NO_SUCH'));
@@ -238,6 +313,34 @@ describe('plans', () => {
     await flight.until(flight.vehicle.pauseMission());
     await flight.pass(1);
     expect(flight.vehicle.state.mode).toBe('LOITER');
+  });
+});
+
+describe('telemetry', () => {
+  it('is requested from a vehicle that sends heartbeats only, ever more rarely, and again when it stops', async () => {
+    const sent: number[] = [];
+    const encoder = new Encoder(1, 1);
+    const decoder = new Decoder();
+    const vehicle = new LinkVehicle(
+      decoder.push(encoder.build('HEARTBEAT', { type: 2, autopilot: 3 }))[0]!,
+      (_, fields) => fields.command === 511 && sent.push(Number(fields.param1)),
+    );
+    await vi.advanceTimersByTimeAsync(3000);
+    expect(sent).toEqual([30, 33, 74, 24, 65, 1, 147, 245, 42, 241, 162, 193, 168]);
+    await vi.advanceTimersByTimeAsync(9000);
+    expect(sent.filter((id) => id === 30)).toHaveLength(2);
+    sent.length = 0;
+    for (let count = 0; count < 300; count += 1) {
+      for (const message of decoder.push(encoder.build('ATTITUDE', {}))) vehicle.take(message);
+      await vi.advanceTimersByTimeAsync(100);
+    }
+    expect(sent.filter((id) => id === 30)).toEqual([]);
+    await vi.advanceTimersByTimeAsync(6000);
+    expect(sent).toContain(30);
+    vehicle.dispose();
+    sent.length = 0;
+    await vi.advanceTimersByTimeAsync(60_000);
+    expect(sent).toEqual([]);
   });
 });
 

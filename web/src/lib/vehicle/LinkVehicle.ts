@@ -5,10 +5,12 @@ import type { DecodedMessage } from '$lib/decoder/Decoder';
 
 import { EQUIPMENT_PARAMETERS, capabilitiesFrom, equipmentOf, type Equipment } from './capabilities';
 import { commandNumber, sendCommand, type CommandPlace } from './link/commands';
+import { holdMode, landMode, MISSION_MODES, NOT_SELECTABLE, RETURN_MODES } from './link/modes';
 import { PendingCommands } from './link/pending';
 import type { ParameterEncoding } from './link/parameterValue';
 import { readParameter, readParameters, writeParameter } from './link/parameters';
 import { PlanClient } from './link/plans';
+import { TelemetryRequests } from './link/telemetry';
 import { ObservedVehicle, type Send } from './ObservedVehicle.svelte';
 import type {
   CommandResult, Mode, OrbitOptions, Parameter, Plan, PlanKind, ProgressListener, StatusText, Target, Vehicle,
@@ -25,40 +27,37 @@ const HOME_POSITION_ID = 242;
 const BYTEWISE = 1 << 4;
 const DEFAULT_RADIUS = 20;
 const VERSION_DELAY = 500;
+const NO_LANDING = 'its mission has no landing sequence and it has no AUTOLAND mode: let it return home';
 
-/** Modes for the actions that ArduPilot and PX4 name differently; the first that the vehicle has is used. */
-const RETURN_MODES = ['RTL', 'SURFACE'];
-const LAND_MODES = ['LAND', 'QLAND', 'HOLD', 'SURFACE'];
-const HOLD_MODES: Readonly<Record<string, readonly string[]>> = {
-  vtol: ['QLOITER', 'LOITER'],
-  rover: ['HOLD'],
-  boat: ['LOITER', 'HOLD'],
-  sub: ['POSHOLD'],
-};
-const MISSION_MODES = ['AUTO', 'MISSION'];
-/** Modes that no user enters. */
-const NOT_SELECTABLE: ReadonlySet<string> = new Set(['INITIALISING', 'INITIALIZING', 'READY', 'RATTITUDE', 'SIMPLE', 'TERMINATION']);
+/** Parameter by which ArduPilot tells a quadplane, which calls itself a plane. */
+const QUADPLANE_PARAMETER = 'Q_ENABLE';
 
 export class LinkVehicle extends ObservedVehicle implements Vehicle {
   private flags: number | null = null;
   private equipment: Equipment = {};
   private readonly timer: ReturnType<typeof setTimeout>;
   private readonly pending = new PendingCommands();
+  private readonly telemetry = new TelemetryRequests(this);
+  /** Whether an ArduPilot plane is a quadplane; null: not known. */
+  private quadplane: boolean | null = null;
 
   constructor(heartbeat: DecodedMessage, send: Send) {
     super(heartbeat, send);
     this.timer = setTimeout(() => this.requestFacts(), VERSION_DELAY);
+    this.telemetry.start();
     this.updateCapabilities();
   }
 
   override dispose(): void {
     clearTimeout(this.timer);
+    this.telemetry.end();
     this.pending.end();
     super.dispose();
   }
 
   override take(message: DecodedMessage): StatusText | null {
     const text = super.take(message);
+    if (message.component === this.component) this.telemetry.take(message.name);
     if (message.name === 'AUTOPILOT_VERSION' && message.component === this.component) {
       // Bits beyond 2^32 are none that matter here.
       this.flags = Number(BigInt.asUintN(32, BigInt(message.fields.capabilities as number | bigint)));
@@ -69,7 +68,9 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
   }
 
   private takeEquipment({ fields, component }: DecodedMessage): void {
-    const found = component === this.component ? equipmentOf(String(fields.param_id), Number(fields.param_value)) : null;
+    if (component !== this.component) return;
+    if (fields.param_id === QUADPLANE_PARAMETER) this.quadplane = Number(fields.param_value) !== 0;
+    const found = equipmentOf(String(fields.param_id), Number(fields.param_value));
     if (found === null) return;
     this.equipment = { ...this.equipment, ...found };
     this.updateCapabilities();
@@ -104,13 +105,23 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
       throw new StationError('InvalidArgumentError', `takeoff altitude must be positive and finite, got ${altitude}`);
     }
     const signal = this.pending.startAction();
+    if (await this.isFixedWing()) {
+      // ArduPlane takes NAV_TAKEOFF in missions only.
+      signal.throwIfAborted();
+      await this.setParameter('TKOFF_ALT', altitude);
+      return this.enter('taking off', ['TAKEOFF'], signal);
+    }
     if (this.state.firmware === 'ardupilot') await this.enter('taking off', ['GUIDED'], signal);
     const height = this.state.firmware === 'px4' ? this.aboveSea('taking off', altitude) : altitude;
     await this.transmit('taking off', 'NAV_TAKEOFF', [0, 0, 0, null, null, null, height], undefined, signal);
   }
 
-  land(): Promise<void> {
-    return this.enter('landing', LAND_MODES);
+  async land(): Promise<void> {
+    const signal = this.pending.startAction();
+    const { firmware, type } = this.state;
+    if (await this.isFixedWing()) return this.landByMission(signal);
+    const kind = firmware === 'ardupilot' && type === 'plane' ? 'vtol' : type;
+    await this.enter('landing', [landMode(firmware, kind)], signal);
   }
 
   rtl(): Promise<void> {
@@ -118,7 +129,7 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
   }
 
   hold(): Promise<void> {
-    return this.enter('holding', this.holdModes);
+    return this.enter('holding', [this.holdMode]);
   }
 
   async goto(target: Target, altitude?: number): Promise<void> {
@@ -160,7 +171,7 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
   }
 
   pauseMission(): Promise<void> {
-    return this.enter('pausing the mission of', this.holdModes);
+    return this.enter('pausing the mission of', [this.holdMode]);
   }
 
   async setMissionItem(seq: number): Promise<void> {
@@ -183,8 +194,30 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
     return new PlanClient(this, this.hasHomeItem).clear(kind);
   }
 
-  private get holdModes(): readonly string[] {
-    return HOLD_MODES[this.state.type] ?? ['LOITER'];
+  private get holdMode(): string {
+    return holdMode(this.state.firmware, this.state.type);
+  }
+
+  /** Whether it is a plane of ArduPilot that cannot hover. */
+  private async isFixedWing(): Promise<boolean> {
+    const { firmware, type, vtolState } = this.state;
+    if (firmware !== 'ardupilot' || type !== 'plane') return false;
+    if (vtolState === null && this.quadplane === null) {
+      await this.getParameter(QUADPLANE_PARAMETER).catch(() => (this.quadplane = false));
+    }
+    return vtolState === null && this.quadplane !== true;
+  }
+
+  /** Starts the landing sequence of the mission; a plane without one lands in AUTOLAND, which Plane 4.7 has. */
+  private async landByMission(signal: AbortSignal): Promise<void> {
+    try {
+      await this.transmit('landing', 'DO_LAND_START', [], undefined, signal);
+    } catch (error) {
+      if (!(error instanceof StationError) || error.kind !== 'CommandDenied') throw error;
+      await this.enter('landing', ['AUTOLAND'], signal).catch((reason: unknown) => {
+        throw signal.aborted ? reason : this.failure('CommandDenied', 'landing', NO_LANDING);
+      });
+    }
   }
 
   private get encoding(): ParameterEncoding {

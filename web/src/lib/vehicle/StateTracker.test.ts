@@ -46,6 +46,24 @@ describe('StateTracker', () => {
     expect(scene.state.position).toEqual({ latitude: 47.397742, longitude: 8.545594, altitude: 488, relativeAltitude: 12.5 });
   });
 
+  it('reads the health of the estimate, vibrations, the fence and the charge, of the autopilot only', () => {
+    const scene = new Station();
+    expect(scene.state).toMatchObject({ estimator: null, vibration: null, fenceBreached: null });
+    scene.take('EKF_STATUS_REPORT', { flags: 0x33f, velocity_variance: 0.1, pos_horiz_variance: 0.4, compass_variance: 0.2 });
+    expect(scene.state.estimator).toMatchObject({ worst: 'position', isInitialized: true });
+    expect(scene.state.estimator?.ratio).toBeCloseTo(0.5);
+    scene.take('EKF_STATUS_REPORT', { flags: 1024 });
+    expect(scene.state.estimator?.isInitialized).toBe(false);
+    scene.take('ESTIMATOR_STATUS', { vel_ratio: 0.1, mag_ratio: 1.5, tas_ratio: NaN });
+    expect(scene.state.estimator).toEqual({ worst: 'compass', ratio: 1.5, isInitialized: true });
+    scene.take('VIBRATION', { vibration_x: 3, vibration_y: 31, vibration_z: 20, clipping_0: 1, clipping_2: 2 });
+    scene.take('VIBRATION', { vibration_x: 90 }, true);
+    expect(scene.state.vibration).toEqual({ level: 31, clipping: 3 });
+    scene.take('FENCE_STATUS', { breach_status: 1 });
+    scene.take('BATTERY_STATUS', { battery_remaining: 20, charge_state: 2 });
+    expect(scene.state).toMatchObject({ fenceBreached: true, battery: { remaining: 0.2, chargeState: 2 } });
+  });
+
   it('keeps values that the sender marks as unknown null', () => {
     const scene = new Station();
     scene.take('SYS_STATUS', { voltage_battery: 65_535, current_battery: -1, battery_remaining: -1 });

@@ -2,7 +2,7 @@
 
 import type { DecodedMessage, FieldValue } from '$lib/decoder/Decoder';
 
-import type { Battery, StatusText, VehicleState } from './Vehicle';
+import type { Battery, Estimator, StatusText, VehicleState } from './Vehicle';
 import { firmwareOf, modeName, vehicleTypeOf } from './vehicleType';
 
 type Draft = { -readonly [Key in keyof VehicleState]: VehicleState[Key] };
@@ -125,7 +125,7 @@ export class StateTracker {
 /** Messages that other components of the system send about themselves. */
 const OWN_MESSAGES: ReadonlySet<string> = new Set([
   'HEARTBEAT', 'SYS_STATUS', 'ATTITUDE', 'GLOBAL_POSITION_INT', 'GPS_RAW_INT', 'VFR_HUD', 'EXTENDED_SYS_STATE',
-  'BATTERY_STATUS', 'HOME_POSITION', 'RC_CHANNELS', 'CURRENT_MODE', 'AVAILABLE_MODES',
+  'BATTERY_STATUS', 'HOME_POSITION', 'EKF_STATUS_REPORT', 'ESTIMATOR_STATUS', 'VIBRATION', 'FENCE_STATUS', 'RC_CHANNELS', 'CURRENT_MODE', 'AVAILABLE_MODES',
 ]);
 
 /** Messages that tell the mode, or the name of one. */
@@ -144,7 +144,21 @@ function batteryOf(fields: Fields): Battery {
     consumed: known(fields.current_consumed, -1),
     cells: cells.length > 1 ? cells : [],
     temperature,
+    chargeState: number(fields.charge_state) || null,
   };
+}
+
+const UNINITIALIZED = 1 << 10;
+/** ArduPilot trusts its estimate up to this variance unless FS_EKF_THRESH says otherwise; PX4 up to a ratio of 1. */
+const MAX_VARIANCE = 0.8;
+
+function estimatorOf(
+  fields: Fields, names: Readonly<Record<Estimator['worst'], string>>, limit: number, isInitialized: boolean,
+): Estimator {
+  const ratios = Object.entries(names).map(([worst, name]) => {
+    return { worst: worst as Estimator['worst'], ratio: (known(fields[name]) ?? 0) / limit };
+  });
+  return { ...ratios.reduce((one, other) => (other.ratio > one.ratio ? other : one)), isInitialized };
 }
 
 const READERS: Readonly<Record<string, Reader>> = {
@@ -204,6 +218,7 @@ const READERS: Readonly<Record<string, Reader>> = {
         consumed: null,
         cells: [],
         temperature: null,
+        chargeState: null,
       };
     }
     const present = number(fields.onboard_control_sensors_present);
@@ -239,6 +254,22 @@ const READERS: Readonly<Record<string, Reader>> = {
   WIND_COV(draft, fields) {
     const [north, east] = [number(fields.wind_x), number(fields.wind_y)];
     draft.wind = { direction: (Math.atan2(-east, -north) * DEGREES + 360) % 360, speed: Math.hypot(north, east) };
+  },
+  EKF_STATUS_REPORT(draft, fields) {
+    const names = { velocity: 'velocity_variance', position: 'pos_horiz_variance', height: 'pos_vert_variance', compass: 'compass_variance' };
+    draft.estimator = estimatorOf(fields, names, MAX_VARIANCE, (number(fields.flags) & UNINITIALIZED) === 0);
+  },
+  ESTIMATOR_STATUS(draft, fields) {
+    const names = { velocity: 'vel_ratio', position: 'pos_horiz_ratio', height: 'pos_vert_ratio', compass: 'mag_ratio' };
+    draft.estimator = estimatorOf(fields, names, 1, true);
+  },
+  VIBRATION(draft, fields) {
+    const levels = [fields.vibration_x, fields.vibration_y, fields.vibration_z].map((level) => known(level) ?? 0);
+    const clips = [fields.clipping_0, fields.clipping_1, fields.clipping_2].map(number);
+    draft.vibration = { level: Math.max(...levels), clipping: clips.reduce((sum, count) => sum + count, 0) };
+  },
+  FENCE_STATUS(draft, fields) {
+    draft.fenceBreached = number(fields.breach_status) !== 0;
   },
   MISSION_CURRENT(draft, fields) {
     draft.mission = {
@@ -301,6 +332,9 @@ function emptyState(heartbeat: DecodedMessage): Draft {
     rc: null,
     radio: null,
     wind: null,
+    estimator: null,
+    vibration: null,
+    fenceBreached: null,
     mission: null,
     loss: 0,
     rate: 0,

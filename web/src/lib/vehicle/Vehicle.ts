@@ -26,6 +26,24 @@ export interface Battery {
   readonly consumed: number | null;
   readonly cells: readonly number[];
   readonly temperature: number | null;
+  /** MAV_BATTERY_CHARGE_STATE; null: not known. */
+  readonly chargeState: number | null;
+}
+
+/** Trust of the vehicle in its own estimate of position and attitude. */
+export interface Estimator {
+  /** The largest test ratio of its sensors; 1 is the limit of the firmware. */
+  readonly ratio: number;
+  /** Word for what has that ratio: `velocity`, `position`, `height` or `compass`. */
+  readonly worst: 'velocity' | 'position' | 'height' | 'compass';
+  readonly isInitialized: boolean;
+}
+
+export interface Vibration {
+  /** The largest of the three axes in m/s². */
+  readonly level: number;
+  /** Times that an accelerometer was at its limit. */
+  readonly clipping: number;
 }
 
 export interface Gps {
@@ -91,6 +109,10 @@ export interface VehicleState {
   readonly rc: { readonly channels: readonly (number | null)[]; readonly rssi: number | null } | null;
   /** Signal of the telemetry radio, 0 … 1. */
   readonly radio: { readonly local: number | null; readonly remote: number | null } | null;
+  readonly estimator: Estimator | null;
+  readonly vibration: Vibration | null;
+  /** The vehicle is beyond its fence; null: not known, or it has none. */
+  readonly fenceBreached: boolean | null;
   readonly wind: { readonly direction: number; readonly speed: number } | null;
   readonly mission: { readonly current: number; readonly total: number | null; readonly state: number | null } | null;
   /** Share of messages that were lost on the way, 0 … 1. */

@@ -3,7 +3,7 @@ import { expect, it } from 'vitest';
 import { StationError } from '$lib/api/errors';
 import { fleet } from '$lib/store/fleet.svelte';
 
-import { refusalsOf } from './actions.svelte';
+import { actions, refusalsOf } from './actions.svelte';
 import { fly } from './fly.svelte';
 import { course, flightReading, IS_FOR, isUnderWay } from './reading';
 
@@ -22,7 +22,33 @@ it('tells which vehicles refused, with their reasons once', () => {
       { status: 'rejected', reason: error },
     ],
   );
-  expect(refusals).toEqual([{ system: 2, action: 'Arm', text: error.message, reasons: ['PreArm: RC'] }]);
+  expect(refusals).toEqual([{ system: 2, action: 'Arm', text: error.message, reasons: ['PreArm: RC'], run: 0 }]);
+});
+
+it('keeps the refusal of a later action when an earlier one is answered late', async () => {
+  const vehicle = { system: 1 } as never;
+  let answer = (): void => undefined;
+  const slow = actions.run('Go here', [vehicle], () => new Promise<void>((resolve) => (answer = resolve)));
+  await actions.run('Land', [vehicle], () => Promise.reject(new StationError('CommandDenied', 'landing failed')));
+  answer();
+  await slow;
+  expect(actions.refusals.map(({ action }) => action)).toEqual(['Land']);
+  await actions.run('Hold', [vehicle], () => Promise.resolve());
+  expect(actions.refusals).toEqual([]);
+});
+
+it('does not call an action refused that the pilot replaced', () => {
+  const replaced = { status: 'rejected' as const, reason: new StationError('Cancelled', 'a later command replaced it') };
+  expect(refusalsOf('Arm', [{ system: 1 }], [replaced])).toEqual([]);
+});
+
+it('shows a target until the vehicle gets something else to do', () => {
+  const spot = (system: number) => ({ system, place: { latitude: 47, longitude: 8 }, altitude: undefined });
+  fly.target = { spots: [spot(1), spot(2)], radius: null };
+  fly.dropTargets([2, 3]);
+  expect(fly.target?.spots.map(({ system }) => system)).toEqual([1]);
+  fly.dropTargets([1]);
+  expect(fly.target).toBeNull();
 });
 
 it('shows dashes without a vehicle, and no direction of travel for one that stands', () => {

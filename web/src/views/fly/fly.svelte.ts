@@ -10,6 +10,8 @@ import { Persisted } from '$lib/store/settings.svelte';
 import { status } from '$lib/store/status.svelte';
 import type { PlanItem, PlanKind, Vehicle } from '$lib/vehicle/Vehicle';
 
+import type { Spot } from './formation';
+
 const TRACK_INTERVAL = 200;
 const SLOW_TICKS = 5;
 /** The map draws all tracks again when one has changed; in between the newest places are drawn with the vehicle. */
@@ -26,10 +28,11 @@ export interface VehiclePlans {
   readonly rally: readonly Place[];
 }
 
+/** Where vehicles were sent. */
 export interface FlightTarget {
-  readonly place: Place;
+  readonly spots: readonly Spot[];
+  /** Of the circle that they fly there, in m. */
   readonly radius: number | null;
-  readonly systems: readonly number[];
 }
 
 const NO_PLANS: VehiclePlans = { mission: [], fence: [], rally: [] };
@@ -101,6 +104,13 @@ class FlyState {
   toggle(system: number): void {
     const has = this.chosen.includes(system);
     this.chosen = has ? this.chosen.filter((each) => each !== system) : [...this.chosen, system];
+  }
+
+  /** Shows no more where vehicles were sent: they have got something else to do. */
+  dropTargets(systems: readonly number[]): void {
+    if (this.target === null) return;
+    const spots = this.target.spots.filter(({ system }) => !systems.includes(system));
+    this.target = spots.length === 0 ? null : { ...this.target, spots };
   }
 
   clearTracks(): void {

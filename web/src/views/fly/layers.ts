@@ -8,6 +8,7 @@ import { format } from '$lib/units/units';
 import type { Vehicle } from '$lib/vehicle/Vehicle';
 
 import { fly } from './fly.svelte';
+import type { Spot } from './formation';
 
 /** Homes and missions of so many vehicles are shown; of larger fleets only those of the selected vehicle. */
 const MAX_WITH_PLANS = 12;
@@ -70,7 +71,15 @@ const traffic: Layer = (drawing) => {
 
 const target: Layer = (drawing) => {
   if (fly.target === null) return;
-  paintTarget(drawing, fly.target.place, fly.target.systems.join(', '), fly.target.radius);
+  const { spots, radius } = fly.target;
+  const places = new Map<string, Spot[]>();
+  for (const spot of spots) {
+    const key = `${spot.place.latitude},${spot.place.longitude}`;
+    places.set(key, [...(places.get(key) ?? []), spot]);
+  }
+  for (const at of places.values()) {
+    paintTarget(drawing, at[0]!.place, at.map(({ system }) => system).join(', '), radius);
+  }
 };
 
 const vehicles: Layer = (drawing) => paintVehicles(drawing, mapVehicles());

@@ -83,7 +83,9 @@ export class MockVehicle {
   setMode(customMode: number): void {
     const { modes } = this.autopilot;
     const name = Object.keys(modes).find((key) => modes[key] === customMode);
-    if (name !== undefined) this.autopilot.enter(name);
+    if (name === undefined) return;
+    this.autopilot.enter(name);
+    if (name === 'TAKEOFF') this.autopilot.takeoff(this.parameterOf('TKOFF_ALT') ?? 50);
   }
 
   /** Sends a message that was requested by its id; returns whether it can. */
@@ -133,6 +135,10 @@ export class MockVehicle {
     const { name, value, type } = this.parameters[index]!;
     const count = this.parameters.length;
     this.send('PARAM_VALUE', { param_id: name, param_value: value, param_type: type, param_count: count, param_index: index });
+  }
+
+  private parameterOf(name: string): number | undefined {
+    return this.parameters.find((parameter) => parameter.name === name)?.value;
   }
 
   private readParameter(name: string, index: number): void {

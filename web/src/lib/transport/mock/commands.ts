@@ -72,7 +72,9 @@ const HANDLERS: Readonly<Record<number, Handler>> = {
     return refuse(vehicle, arm === 1 ? autopilot.arm(isForced) : autopilot.disarm(isForced));
   },
   // NAV_TAKEOFF and NAV_VTOL_TAKEOFF
-  22: (vehicle, params) => refuse(vehicle, vehicle.autopilot.takeoff(params[6] ?? 10)),
+  22: (vehicle, params) =>
+    // As ArduPlane, which takes it in missions only: its pilots take off in the mode TAKEOFF.
+    vehicle.autopilot.type === 'plane' ? FAILED : refuse(vehicle, vehicle.autopilot.takeoff(params[6] ?? 10)),
   84: (vehicle, params) => refuse(vehicle, vehicle.autopilot.takeoff(params[6] ?? 10)),
   // DO_SET_MODE
   176(vehicle, params) {

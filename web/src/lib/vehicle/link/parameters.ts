@@ -38,6 +38,9 @@ function readMessage(channel: Channel, name: string): Promise<DecodedMessage> {
   });
 }
 
+/** Answers with another value than the one that was set, until the vehicle is believed to keep it. */
+const MAX_OTHER_VALUES = 2;
+
 /** Sets a parameter and returns the value that the vehicle has then; rejects if it is another one. */
 export async function writeParameter(
   channel: Channel, name: string, value: number, encoding: ParameterEncoding,
@@ -45,18 +48,23 @@ export async function writeParameter(
   const operation = `setting ${name} of ${channel.system}/${channel.component}`;
   const type = Number((await readMessage(channel, name)).fields.param_type);
   const wire = encodeValue(value, type, encoding);
-  const answer = await request(channel, {
+  let others = 0;
+  const read = (message: DecodedMessage): Parameter | undefined => {
+    if (message.fields.param_id !== name) return undefined;
+    const parameter = parameterOf(message, encoding);
+    if (Math.fround(parameter.value) === Math.fround(value)) return parameter;
+    others += 1;
+    // The first may be a late answer to the request above, which was repeated.
+    if (others < MAX_OTHER_VALUES) return undefined;
+    throw new StationError('ParameterDenied', `${operation} failed: the vehicle keeps ${parameter.text}`);
+  };
+  return request(channel, {
     operation,
     timeoutKind: 'ParameterTimeout',
     answers: ['PARAM_VALUE'],
     send: () => channel.sendMessage('PARAM_SET', { param_id: name, param_value: wire, param_type: type }),
-    read: (message) => (message.fields.param_id === name ? message : undefined),
+    read,
   });
-  const parameter = parameterOf(answer, encoding);
-  if (Math.fround(parameter.value) !== Math.fround(value)) {
-    throw new StationError('ParameterDenied', `${operation} failed: the vehicle keeps ${parameter.text}`);
-  }
-  return parameter;
 }
 
 /** Reads all parameters, sorted by name. */

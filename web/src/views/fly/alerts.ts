@@ -1,0 +1,143 @@
+/** What a pilot must not miss: problems of all vehicles, the gravest first. */
+import type { TextKey, TextValues } from '$lib/i18n';
+import { batteryLevel, estimatorLevel, type Level, vibrationLevel } from '$lib/instruments/status';
+import { distance } from '$lib/map/geometry';
+import type { Aircraft } from '$lib/map/traffic';
+import type { StatusText, VehicleState } from '$lib/vehicle/Vehicle';
+
+export interface Alert {
+  readonly system: number;
+  readonly isCritical: boolean;
+  readonly text: TextKey;
+  readonly values: TextValues;
+  /** Metres that the text shows, by name. */
+  readonly lengths?: Readonly<Record<string, number>>;
+}
+
+interface Surroundings {
+  /** In ms since 1970. */
+  readonly now: number;
+  readonly aircraft: readonly Aircraft[];
+}
+
+type Finder = (state: VehicleState, surroundings: Surroundings) => Alert | null;
+
+/** MAV_STATE. */
+const CRITICAL = 5;
+const EMERGENCY = 6;
+const TERMINATION = 8;
+/** MAV_BATTERY_CHARGE_STATE. */
+const CHARGE_LOW = 2;
+const CHARGE_CRITICAL = 3;
+const CHARGE_UNHEALTHY = 6;
+const FIX_3D = 3;
+/** Status texts of this severity and graver ones are shown for a while. */
+const MAX_SEVERITY = 2;
+const TEXT_TIME = 15_000;
+/** Aircraft within these distances in m, both horizontally and vertically. */
+const NEAR = { horizontal: 2000, vertical: 300 };
+const VERY_NEAR = { horizontal: 600, vertical: 120 };
+/** Reports of aircraft that are older are no news. */
+const TRAFFIC_TIME = 15_000;
+const CHECKS = ['PreArm: ', 'Arm: ', 'Preflight Fail: ', 'Arming denied: '];
+/** Failed checks of one run arrive within this time, and are told again at least this often. */
+const CHECKS_RUN = 3000;
+const CHECKS_LIFETIME = 40_000;
+
+const isGraver = (one: Alert, other: Alert): number => Number(other.isCritical) - Number(one.isCritical);
+
+/** Returns the alerts of vehicles; of equal ones those of the selected vehicle come first. */
+export function alertsOf(states: readonly VehicleState[], surroundings: Surroundings, selected: number | null): Alert[] {
+  const found = states.flatMap((state) =>
+    FINDERS.map((find) => find(state, surroundings)).filter((alert): alert is Alert => alert !== null),
+  );
+  const isOther = ({ system }: Alert): number => Number(system !== selected);
+  return found.sort((one, other) => isGraver(one, other) || isOther(one) - isOther(other) || one.system - other.system);
+}
+
+/** Returns the reasons why a vehicle does not arm, as it told them last. */
+export function armingProblems(texts: readonly StatusText[], now: number): string[] {
+  const checks = texts.filter(({ text }) => CHECKS.some((prefix) => text.startsWith(prefix)));
+  const last = checks.at(-1)?.time ?? 0;
+  if (now - last > CHECKS_LIFETIME) return [];
+  const run = checks.filter(({ time }) => time >= last - CHECKS_RUN);
+  return [...new Set(run.map(({ text }) => text.slice(text.indexOf(': ') + 2)))];
+}
+
+function alert({ system }: VehicleState, level: Level | boolean, text: TextKey, values: TextValues = {}): Alert {
+  return { system, isCritical: level === true || level === 'critical', text, values };
+}
+
+const isFlying = (state: VehicleState): boolean => state.armed === true && state.inAir !== false;
+
+const FINDERS: readonly Finder[] = [
+  function lost(state) {
+    return state.alive ? null : alert(state, state.armed === true, 'fly.alertLost');
+  },
+  function terminated(state) {
+    return state.systemStatus === TERMINATION ? alert(state, true, 'fly.alertTermination') : null;
+  },
+  function failsafe(state) {
+    const isOn = state.systemStatus === CRITICAL || state.systemStatus === EMERGENCY;
+    return isOn && state.armed ? alert(state, true, 'fly.alertFailsafe', { mode: state.mode ?? '–' }) : null;
+  },
+  function battery(state) {
+    const { remaining = null, voltage = null, cells = [], chargeState = null } = state.battery ?? {};
+    const charge = chargeState ?? 0;
+    const byVolts = cells.length > 0 ? Math.min(...cells) : null;
+    const isCritical = charge >= CHARGE_CRITICAL && charge <= CHARGE_UNHEALTHY;
+    const level = isCritical ? 'critical' : batteryLevel(remaining, byVolts);
+    const isLow = charge === CHARGE_LOW || level === 'critical' || (level === 'warning' && isFlying(state));
+    if (!isLow) return null;
+    const left = remaining === null ? '' : `${Math.round(remaining * 100)}%`;
+    const volts = voltage === null ? '' : `${voltage.toFixed(1)} V`;
+    const values = { value: [left, volts].filter((part) => part !== '').join(' · ') };
+    return alert(state, level, level === 'critical' ? 'fly.alertBatteryCritical' : 'fly.alertBatteryLow', values);
+  },
+  function fence(state) {
+    return state.fenceBreached ? alert(state, true, 'fly.alertFence') : null;
+  },
+  function gps(state) {
+    if (!isFlying(state) || state.gps === null || state.gps.fix >= FIX_3D) return null;
+    return alert(state, true, 'fly.alertGps');
+  },
+  function estimator(state) {
+    const { estimator: estimate } = state;
+    if (estimate === null || !state.armed) return null;
+    const level = estimatorLevel(estimate.ratio, estimate.isInitialized);
+    if (level !== 'critical') return null;
+    return alert(state, level, 'fly.alertEstimator', { ratio: estimate.ratio.toFixed(1) });
+  },
+  function vibration(state) {
+    const level = vibrationLevel(state.vibration?.level ?? null);
+    if (!isFlying(state) || (level !== 'warning' && level !== 'critical')) return null;
+    return alert(state, level, 'fly.alertVibration', { level: Math.round(state.vibration!.level) });
+  },
+  traffic,
+  function told(state, { now }) {
+    const text = state.statusTexts.filter(({ severity }) => severity <= MAX_SEVERITY).at(-1);
+    if (text === undefined || now - text.time > TEXT_TIME) return null;
+    if (CHECKS.some((prefix) => text.text.startsWith(prefix))) return null;
+    return alert(state, true, 'fly.alertText', { text: text.text });
+  },
+];
+
+function traffic(state: VehicleState, { aircraft, now }: Surroundings): Alert | null {
+  const { position } = state;
+  if (position === null || !isFlying(state)) return null;
+  const near = aircraft
+    .filter(({ time }) => now - time < TRAFFIC_TIME)
+    .map((each) => ({
+      callsign: each.callsign,
+      horizontal: distance(position, each),
+      // Without an altitude it may be at that of the vehicle.
+      vertical: each.altitude === null || position.altitude === null ? 0 : each.altitude - position.altitude,
+    }))
+    .filter(({ horizontal, vertical }) => horizontal < NEAR.horizontal && Math.abs(vertical) < NEAR.vertical)
+    .sort((one, other) => one.horizontal - other.horizontal)[0];
+  if (near === undefined) return null;
+  const isVeryNear = near.horizontal < VERY_NEAR.horizontal && Math.abs(near.vertical) < VERY_NEAR.vertical;
+  const key = near.vertical >= 0 ? 'fly.alertTrafficAbove' : 'fly.alertTrafficBelow';
+  const lengths = { horizontal: near.horizontal, vertical: Math.abs(near.vertical) };
+  return { ...alert(state, isVeryNear, key, { callsign: near.callsign }), lengths };
+}
