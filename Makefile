@@ -21,11 +21,11 @@ demo: $(VENV)/package ## Fly eight simulated vehicles and show their live pictur
 	@$(if $(WEB),$(MAKE) --no-print-directory station)
 	@trap : INT; $(BIN)/mav demo $(if $(WEB),--web) || [ $$? -eq 130 ]  # Ctrl-C is its usual end
 
-station: $(VENV)/package ## Build the browser ground station that `mav web` serves, if Node is installed
-	@$(BIN)/python backend/mavstack_station.py
+station: $(VENV)/package ## Build the browser ground station that `mav web` serves
+	@$(BIN)/python backend/mavstack_station.py --install
 
 station-tests: $(VENV)/package
-	@$(BIN)/python backend/mavstack_station.py --test
+	@$(BIN)/python backend/mavstack_station.py --install --test
 
 # One core is busy with the link of the package or with downloads, the other one checks the Rust code.
 test: ## Run the fast tier: lint, types, unit and property tests, one smoke test per peer

