@@ -16,7 +16,10 @@ from tests.cli.conftest import flight, stamped
 
 def test_the_window_needs_a_terminal(mav, tlog):
     result = mav("watch", tlog, "--tui")
-    assert (result.code, result.err) == (2, "mav watch: --tui needs a terminal\n")
+    assert (result.code, result.err) == (
+        2,
+        "mav watch: --tui needs a terminal; in a pipe use --once, --json or no option\n",
+    )
 
 
 @pytest.mark.parametrize("option", ["--once", "--json"])

@@ -204,6 +204,11 @@ async def test_orders_keys_and_the_end():
         assert "by rate" in str(window.query_one("#messages").border_title)
         await press(pilot, "question_mark")
         assert window.screen.query(HelpPanel)
+        shown_keys = {
+            binding.key for _, binding, _, _ in window.screen.active_bindings.values() if not binding.system
+        }
+        assert {"1", "2", "3"} <= shown_keys
+        assert not {"inverted_exclamation_mark", "trade_mark_sign", "pound_sign"} & shown_keys
         await press(pilot, "question_mark")
         await press(pilot, "q")
     assert window.return_code == 0

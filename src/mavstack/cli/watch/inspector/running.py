@@ -45,7 +45,7 @@ async def inspect_sources(
         LogError: The recording cannot be written.
     """
     if not all(stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):  # textual draws on stderr
-        raise UsageError("--tui needs a terminal")
+        raise UsageError("--tui needs a terminal; in a pipe use --once, --json or no option")
     following = Following(sources, arguments)
     inspector = Inspector(sources, arguments.sort, patterns, lambda: following.activity)
     for source in sources:

@@ -75,9 +75,13 @@ class InspectorWindow(App[int]):
         Binding("escape", "back", "Back", show=False),
         # Escape and a digit that arrive together, as over a slow connection, are Alt and the digit. Textual
         # takes them for the sign that some keyboards have there.
-        Binding("1,alt+1,inverted_exclamation_mark", "view('fields')", "Fields", show=False),
-        Binding("2,alt+2,trade_mark_sign", "view('comparison')", "Compare", show=False),
-        Binding("3,alt+3,pound_sign", "view('packets')", "Packets", show=False),
+        Binding("1,alt+1", "view('fields')", "Fields", show=False),
+        Binding("2,alt+2", "view('comparison')", "Compare", show=False),
+        Binding("3,alt+3", "view('packets')", "Packets", show=False),
+        # The panel of keys leaves bindings of the system out.
+        Binding("inverted_exclamation_mark", "view('fields')", show=False, system=True),
+        Binding("trade_mark_sign", "view('comparison')", show=False, system=True),
+        Binding("pound_sign", "view('packets')", show=False, system=True),
     ]
 
     def __init__(
