@@ -17,7 +17,10 @@ pytest.importorskip("schemathesis")
 pytestmark = pytest.mark.interop
 
 #: Requests that are valid by their schema may still be refused, such as a plan that is no plan.
-CHECKS = "not_a_server_error,status_code_conformance,content_type_conformance,response_schema_conformance"
+CHECKS = (
+    "not_a_server_error,status_code_conformance,content_type_conformance,response_schema_conformance,"
+    "negative_data_rejection"
+)
 TIME_LIMIT = 120.0
 
 

@@ -11,18 +11,19 @@ FIELDS = (
     Field(name="force", type="boolean", about="Force it.", default=False),
     Field(name="kind", type="string", about="A kind.", choices=("a", "b")),
     Field(name="mode", type="value", about="A name or a number."),
+    Field(name="file", type="string", about="A file.", max_length=8, pattern="[a-z]+"),
 )
 
 
 def test_values_and_defaults() -> None:
     found = read_fields(FIELDS, {"speed": 5, "kind": None, "mode": 4})
-    assert found == {"speed": 5.0, "count": 3, "force": False, "kind": None, "mode": 4}
+    assert found == {"speed": 5.0, "count": 3, "force": False, "kind": None, "mode": 4, "file": None}
     assert isinstance(found["speed"], float)
 
 
 def test_a_query_has_texts() -> None:
     found = read_query(FIELDS, {"speed": "2.5", "count": "7", "force": "TRUE", "kind": "b"})
-    assert found == {"speed": 2.5, "count": 7, "force": True, "kind": "b", "mode": None}
+    assert found == {"speed": 2.5, "count": 7, "force": True, "kind": "b", "mode": None, "file": None}
 
 
 @pytest.mark.parametrize(
@@ -37,9 +38,11 @@ def test_a_query_has_texts() -> None:
         ({"speed": 1, "count": 1.5}, "count must be an integer, got 1.5"),
         ({"speed": 1, "kind": "c"}, "kind must be one of a, b, got 'c'"),
         ({"speed": 1, "mode": "x" * (MAX_TEXT + 1)}, "mode is longer than 4096 characters"),
+        ({"speed": 1, "file": "abcdefghi"}, "file is longer than 8 characters"),
+        ({"speed": 1, "file": "ab\n"}, "file must fit [a-z]+, got 'ab\\n'"),
         ({"speed": 1, "mode": []}, "mode must be a number or a string, got []"),
         ({"speed": 1, "sped": 2}, "there is no field 'sped': did you mean speed?"),
-        ({"speed": 1, "x" * 5000: 2}, "…: there are speed, count, force, kind, mode"),
+        ({"speed": 1, "x" * 5000: 2}, "…: there are speed, count, force, kind, mode, file"),
     ],
 )
 def test_wrong_values_are_refused_with_a_reason(values, problem) -> None:

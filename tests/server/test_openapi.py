@@ -19,6 +19,17 @@ async def test_the_description_has_every_route() -> None:
     assert ("POST", "/api/session") in described
 
 
+async def test_methods_that_a_path_does_not_have_are_refused_with_those_that_it_has(tmp_path) -> None:
+    """Pages are below the root, so that a path that no route takes would be one of a page."""
+    api = ApiClient(make_app(Station(), Access(), static=tmp_path))
+    document = (await api.get("/openapi.json")).json
+    for path, methods in document["paths"].items():
+        for method in {"get", "put", "post", "delete", "patch", "options"} - set(methods):
+            answer = await api.request(method.upper(), path)
+            allowed = set(answer.headers.get("allow", "").lower().split(", "))
+            assert (answer.status, allowed) == (405, set(methods)), f"{method} {path}"
+
+
 def test_operations_have_ids_of_their_own_and_describe_their_parameters() -> None:
     document = describe(ROUTES, "1.0")
     operations = [each for methods in document["paths"].values() for each in methods.values()]

@@ -91,6 +91,7 @@ class ApiRoute:
         body: The members of the JSON body; None: no body.
         query: The fields of the query.
         takes_bytes: True if the body is not JSON but any bytes, up to `max_body`.
+        has_body: False: a request with `takes_bytes` may have no body.
         max_body: The largest body in bytes.
         is_long: True if the work may run on as a task, with `wait=false`.
         status: The status of the answer.
@@ -108,6 +109,7 @@ class ApiRoute:
     body: tuple[Field, ...] | None = None
     query: tuple[Field, ...] = ()
     takes_bytes: bool = False
+    has_body: bool = True
     max_body: int = MAX_BODY
     is_long: bool = False
     status: int = 200

@@ -15,7 +15,7 @@ try:
     from starlette.applications import Starlette
     from starlette.exceptions import HTTPException
     from starlette.middleware.cors import CORSMiddleware
-    from starlette.requests import ClientDisconnect
+    from starlette.requests import ClientDisconnect, Request
     from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
     from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
     from starlette.staticfiles import StaticFiles
@@ -45,9 +45,8 @@ from mavstack.server.openapi import describe
 from mavstack.server.websockets import websocket_endpoint
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, MutableMapping
+    from collections.abc import Awaitable, Callable, Iterable, Mapping, MutableMapping
 
-    from starlette.requests import Request
     from starlette.types import ASGIApp, Receive, Scope, Send
 
     from mavstack.server.access import Access
@@ -121,6 +120,7 @@ def make_app(
         Route("/api/session", _guarded(sessions.end), methods=["DELETE"]),
         Route("/openapi.json", _guarded(openapi), methods=["GET"]),
         WebSocketRoute("/ws", websocket_endpoint(ground, access)),
+        *_other_methods(description["paths"]),
         *_page_routes(access, static),
     ]
     app = Starlette(routes=routes, exception_handlers={HTTPException: _unknown_route})
@@ -185,6 +185,28 @@ async def _unknown_route(request: Request, error: Exception) -> Response:
     response = problem_response(RefusedError(status, f"{request.url.path[:200]} {reason}"))
     response.headers.update(headers or {})
     return response
+
+
+class _OtherMethods:
+    """Refuses the methods that a path does not take; without it the pages would answer that it is unknown.
+
+    Starlette would name the methods of one route of the path only.
+    """
+
+    def __init__(self, methods: Iterable[str]) -> None:
+        self._headers = {"Allow": ", ".join(sorted(methods))}
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        response = await _unknown_route(Request(scope), HTTPException(405, headers=self._headers))
+        await response(scope, receive, send)
+
+
+def _other_methods(paths: Mapping[str, Mapping[str, object]]) -> list[BaseRoute]:
+    """Return the routes of all methods that a description does not have."""
+    return [
+        Route(path.replace("{path}", "{path:path}"), _OtherMethods(map(str.upper, methods)))
+        for path, methods in paths.items()
+    ]
 
 
 async def _not_called(_: object) -> None:

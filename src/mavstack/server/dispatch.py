@@ -85,6 +85,9 @@ async def _json_body(route: ApiRoute, request: Request) -> dict[str, Any]:
 
 
 def _start_task(route: ApiRoute, call: Call) -> Response:
+    if "system" in call.request.path_params:
+        _ = call.vehicle  # an unknown vehicle is refused at once
+
     async def work(task: Task) -> Response:
         return _response(route, await route.handler(replace(call, task=task)))
 

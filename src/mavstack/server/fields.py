@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from difflib import get_close_matches
 from math import isfinite
@@ -46,6 +47,8 @@ class Field:
         minimum: The smallest number.
         maximum: The largest number.
         choices: The allowed texts; empty: any.
+        max_length: The most characters of a text.
+        pattern: A regular expression for the whole text; empty: any.
         example: A value for the documentation.
     """
 
@@ -57,6 +60,8 @@ class Field:
     minimum: float | None = None
     maximum: float | None = None
     choices: tuple[str, ...] = ()
+    max_length: int = MAX_TEXT
+    pattern: str = ""
     example: Any = None
 
     def read(self, value: object) -> Any:  # noqa: ANN401 (its type is that of the field)
@@ -104,8 +109,10 @@ class Field:
             raise RefusedError(
                 400, f"{self.name} must be one of {', '.join(self.choices)}, got {_shown(value)}"
             )
-        if len(value) > MAX_TEXT:
-            raise RefusedError(400, f"{self.name} is longer than {MAX_TEXT} characters")
+        if len(value) > self.max_length:
+            raise RefusedError(400, f"{self.name} is longer than {self.max_length} characters")
+        if self.pattern and not re.fullmatch(self.pattern, value):
+            raise RefusedError(400, f"{self.name} must fit {self.pattern}, got {_shown(value)}")
 
     def schema(self) -> dict[str, Any]:
         """Return the JSON Schema of the value."""
@@ -119,7 +126,9 @@ class Field:
         if self.choices:
             found["enum"] = [*self.choices] if self.required else [*self.choices, None]
         if self.type == "string":
-            found["maxLength"] = MAX_TEXT
+            found["maxLength"] = self.max_length
+        if self.pattern:
+            found["pattern"] = f"^{self.pattern}$"
         if self.example is not None:
             found["examples"] = [self.example]
         return found

@@ -112,7 +112,7 @@ def _operation(route: ApiRoute) -> dict[str, Any]:
     }
     if route.takes_bytes:
         content = {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}}
-        found["requestBody"] = {"required": True, "content": content}
+        found["requestBody"] = {"required": route.has_body, "content": content}
     elif route.body is not None:
         required = any(each.required for each in route.body)
         content = {"application/json": {"schema": _body_schema(route.body)}}

@@ -1,7 +1,8 @@
 """The hub that hands the received packets to the clients of WebSockets.
 
-Packets are collected for a moment and handed on as one batch, whose bytes are joined once for all clients, so
-that many clients cost little more than one.
+A packet after a pause is handed on at once. Those that follow closely are collected for a moment and handed
+on as one batch, whose bytes are joined once for all clients, so that many clients cost little more than one.
+The moment is longer for more clients, each of which costs a message per batch.
 """
 
 from __future__ import annotations
@@ -22,8 +23,10 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Connection
     from mavstack.wire import Packet
 
-#: Seconds for which packets are collected.
-BATCH_INTERVAL: Final = 0.02
+#: Shortest and longest time in seconds between batches, and the time that each client adds.
+MIN_INTERVAL: Final = 0.005
+MAX_INTERVAL: Final = 0.02
+CLIENT_INTERVAL: Final = 0.001
 
 
 class Batch:
@@ -65,6 +68,8 @@ class PacketHub:
         self._listener: Listener | None = None
         self._pending: list[tuple[Packet, float]] = []
         self._timer: asyncio.TimerHandle | None = None
+        #: The time of the event loop of the last batch.
+        self._flushed_at = 0.0
 
     def open(self) -> None:
         """Receive the packets of the connection."""
@@ -85,10 +90,12 @@ class PacketHub:
             return
         self._pending.append((packet, now))
         if self._timer is None:
-            self._timer = asyncio.get_running_loop().call_later(BATCH_INTERVAL, self._flush)
+            loop = asyncio.get_running_loop()
+            interval = min(max(len(self.clients) * CLIENT_INTERVAL, MIN_INTERVAL), MAX_INTERVAL)
+            self._timer = loop.call_at(max(self._flushed_at + interval, loop.time()), self._flush)
 
     def _flush(self) -> None:
-        self._timer = None
+        self._timer, self._flushed_at = None, asyncio.get_running_loop().time()
         batch, self._pending = Batch(self._pending), []
         for client in tuple(self.clients):
             client.put(batch)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Connection
 
 #: The names that files may have: no folders, nothing hidden.
-_NAME: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9 _.+-]{0,126}")
+NAME_PATTERN: Final = r"[A-Za-z0-9_][A-Za-z0-9 _.+-]{0,126}"
 #: The suffixes of the files that are listed and read.
 SUFFIXES: Final = frozenset({".tlog", ".pcap", ".pcapng", ".bin", ".ulg", ".log", ".bbl", ".bfl"})
 MAX_LISTED: Final = 10_000
@@ -117,7 +117,7 @@ class Recordings:
         }
 
     def _path(self, name: str) -> Path:
-        if not _NAME.fullmatch(name):
+        if not re.fullmatch(NAME_PATTERN, name):
             raise RefusedError(400, f"{name[:60]!r} is not a file name: letters, digits, space and _.+- only")
         return self._require_folder() / name
 

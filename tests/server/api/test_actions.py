@@ -35,6 +35,16 @@ def test_a_flight() -> None:
     serve(COPTER, scenario)
 
 
+def test_a_task_for_an_unknown_vehicle_is_not_begun() -> None:
+    async def scenario(ground: Ground) -> None:
+        for system, status in (("7", 404), ("none", 404), ("1", 202)):
+            answer = await ground.api.post(f"/api/vehicles/{system}/mission/pause?wait=false", {})
+            assert answer.status == status
+        assert len(ground.station.tasks.list()) == 1
+
+    serve(COPTER, scenario)
+
+
 def test_a_refusal_has_the_vehicles_reasons() -> None:
     async def scenario(ground: Ground) -> None:
         answer = await ground.api.post("/api/vehicles/1/arm", {})

@@ -7,18 +7,27 @@ from typing import TYPE_CHECKING, Any, Final
 from mavstack.security.roles import Role
 from mavstack.server.api.action_route import action_route
 from mavstack.server.fields import Field
-from mavstack.vehicle.actuators import DEFAULT_TUNE
+from mavstack.vehicle.actuators import DEFAULT_TUNE, MAX_TUNE
 
 if TYPE_CHECKING:
     from mavstack.server.api.action_route import Action
     from mavstack.vehicle import Vehicle
 
+MAX_NUMBER: Final = 255
 
-def _number(name: str, about: str, default: int | None = None) -> Field:
-    required = default is None
-    example = 1 if required else None
+
+def _number(
+    name: str, about: str, default: int | None = None, *, minimum: int = 1, maximum: int = MAX_NUMBER
+) -> Field:
     return Field(
-        name=name, type="integer", about=about, required=required, default=default, minimum=0, example=example
+        name=name,
+        type="integer",
+        about=about,
+        required=default is None,
+        default=default,
+        minimum=minimum,
+        maximum=maximum,
+        example=1 if default is None else None,
     )
 
 
@@ -96,7 +105,7 @@ ACTIONS: Final[dict[str, tuple[Action, str, tuple[Field, ...], Role]]] = {
         _relay,
         "Switch a relay (ArduPilot)",
         (
-            _number("relay", "The number of the relay, from 0."),
+            _number("relay", "The number of the relay, from 0.", minimum=0),
             Field(name="on", type="boolean", about="True switches it on.", required=True, example=True),
         ),
         Role.OPERATE,
@@ -132,13 +141,21 @@ ACTIONS: Final[dict[str, tuple[Action, str, tuple[Field, ...], Role]]] = {
     "beep": (
         _beep,
         "Sound the beeper",
-        (Field(name="tune", type="string", about="The notes, as QBasic's PLAY.", default=DEFAULT_TUNE),),
+        (
+            Field(
+                name="tune",
+                type="string",
+                about="The notes, as QBasic's PLAY.",
+                default=DEFAULT_TUNE,
+                max_length=MAX_TUNE,
+            ),
+        ),
         Role.OPERATE,
     ),
     "ekf-source": (
         _ekf_source,
         "Select a set of sources of the estimator (ArduPilot)",
-        (_number("set", "The number of the set, 1 to 3."),),
+        (_number("set", "The number of the set, 1 to 3.", maximum=3),),
         Role.ADMINISTER,
     ),
     "roi": (

@@ -11,6 +11,7 @@ from mavstack.security.roles import Role
 from mavstack.server.api_route import ApiRoute, Call
 from mavstack.server.fields import Field
 from mavstack.server.json_values import to_json
+from mavstack.services.ftp.payload import MAX_DATA
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -89,7 +90,7 @@ ROUTES: Final = (
         summary="List a directory on a vehicle",
         tag="files",
         role=Role.ADMINISTER,
-        query=(Field(name="path", type="string", about="The directory.", default="/"),),
+        query=(Field(name="path", type="string", about="The directory.", default="/", max_length=MAX_DATA),),
         answer={
             "path": "/",
             "entries": [{"name": "APM", "is_directory": True, "size": 0, "modified": 0}],

@@ -10,6 +10,7 @@ from starlette.responses import FileResponse, HTMLResponse, Response, StreamingR
 from mavstack.security.roles import Role
 from mavstack.server.api_route import ApiRoute, Call
 from mavstack.server.fields import Field
+from mavstack.server.recordings import NAME_PATTERN
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -102,6 +103,7 @@ ROUTES: Final = (
                 name="name",
                 type="string",
                 about="The name of the file; null: one with the time of day.",
+                pattern=NAME_PATTERN,
                 example="flight.tlog",
             ),
         ),
