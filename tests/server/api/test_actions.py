@@ -70,6 +70,15 @@ def test_any_command_by_name_and_number() -> None:
     serve(COPTER, scenario)
 
 
+def test_commands_of_ardupilot_have_names() -> None:
+    async def scenario(ground: Ground) -> None:
+        body = {"command": "SET_EKF_SOURCE_SET", "params": [2]}
+        answer = (await ground.api.post("/api/vehicles/1/command", body)).json
+        assert (answer["command"], answer["result"]["result"]) == (42007, "ACCEPTED")
+
+    serve(COPTER, scenario)
+
+
 @pytest.mark.parametrize(
     ("path", "body", "problem"),
     [

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
-from mavstack.dialects import common
+from mavstack.dialects import ardupilotmega, common
 from mavstack.http.bodies import RefusedError
 from mavstack.security.roles import Role, allows
 from mavstack.server.api.action_route import TIMEOUT, action_route
@@ -260,10 +260,14 @@ async def _command(call: Call) -> dict[str, Any]:
 
 
 def command_number(vehicle: Vehicle, command: str | float) -> int:
-    """Return the number of a MAV_CMD from its name or number; raises `RefusedError`."""
+    """Return the number of a MAV_CMD, also one of ArduPilot's own, from its name or number.
+
+    Raises:
+        RefusedError: There is no such command.
+    """
     if isinstance(command, str):
         name = command.upper().removeprefix("MAV_CMD_")
-        found = common.MavCmd.__members__.get(name)
+        found = ardupilotmega.MavCmd.__members__.get(name)
         if found is None:
             raise RefusedError(400, f"there is no command {command[:60]!r}")
         return int(found)
