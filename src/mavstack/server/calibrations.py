@@ -64,13 +64,13 @@ class Calibrations:
             )
         session = vehicle.calibration.start(kind, timeout=timeout)
         task = asyncio.get_running_loop().create_task(_follow(session, on_step))
-        self._running[vehicle.system] = _Running(session, task)
+        running = self._running[vehicle.system] = _Running(session, task)
         try:
             await asyncio.wait([task])
         finally:
             task.cancel()  # where this request is cancelled
             await asyncio.gather(task, return_exceptions=True)
-            del self._running[vehicle.system]
+            self._remove(vehicle.system, running)
         if task.cancelled():
             raise RefusedError(409, f"the {kind} calibration of vehicle {vehicle.system} was cancelled")
         return task.result()
@@ -85,9 +85,15 @@ class Calibrations:
         if self.session(vehicle.system, kind) is None:
             await vehicle.calibration.cancel(kind)
             return
-        task = self._running[vehicle.system].task
-        task.cancel()
-        await asyncio.wait([task])
+        running = self._running[vehicle.system]
+        running.task.cancel()
+        await asyncio.wait([running.task])
+        # A client that starts the next one right after the answer is not told that this one runs.
+        self._remove(vehicle.system, running)
+
+    def _remove(self, system: int, running: _Running) -> None:
+        if self._running.get(system) is running:
+            del self._running[system]
 
 
 def step_json(session: CalibrationSession) -> dict[str, Any] | None:

@@ -14,6 +14,7 @@ def test_the_calibrations_of_a_vehicle_are_listed() -> None:
         assert listed["accelerometer"] == {
             "kind": "accelerometer",
             "needs_confirmation": True,
+            "can_cancel": False,
             "running": False,
             "step": None,
         }
@@ -54,13 +55,23 @@ def test_a_calibration_is_cancelled() -> None:
         api = ground.api
         started = (await api.post(f"{ALL}/compass?wait=false")).json
         await ground.wait_until(lambda: ground.station.calibrations.session(1, "compass"))
-        assert (await api.delete(f"{ALL}/compass")).status == 200
+        assert (await api.delete(f"{ALL}/compass")).json["cancelled"] is True
         await ground.wait_until(lambda: "error" in ground.station.tasks.find("1").values())
         answer = await api.get(started["result"])
         assert answer.problem == "the compass calibration of vehicle 1 was cancelled"
         again = (await api.post(f"{ALL}/compass?wait=false")).json["task"]
         await ground.wait_until(lambda: ground.station.calibrations.session(1))
         assert (await api.delete(f"/api/tasks/{again}")).json["state"] == "cancelled"
+        assert ground.station.calibrations.session(1) is None
+
+    serve(COPTER, scenario)
+
+
+def test_a_calibration_that_the_vehicle_cannot_cancel_is_followed_no_more() -> None:
+    async def scenario(ground: Ground) -> None:
+        await ground.api.post(f"{ALL}/accelerometer?wait=false")
+        await ground.wait_until(lambda: ground.station.calibrations.session(1))
+        assert (await ground.api.delete(f"{ALL}/accelerometer")).json["cancelled"] is False
         assert ground.station.calibrations.session(1) is None
 
     serve(COPTER, scenario)

@@ -132,6 +132,30 @@ def test_compass_and_motors_without_throttle():
     fly(COPTER, scenario)
 
 
+def test_compass_and_motors_are_refused_with_an_open_throttle():
+    async def scenario(world, vehicle):
+        world.simulated.autopilot.radio.move(3, 1200)
+        with pytest.raises(CommandDenied, match="Throttle not zero"):
+            await calibrate(vehicle, "compass-motor")
+        world.simulated.autopilot.radio.move(3, 1000)
+        world.simulated.parameters.set("COMPASS_ENABLE", 0)
+        with pytest.raises(CommandDenied, match="Compass disabled"):
+            await calibrate(vehicle, "compass-motor")
+
+    fly(COPTER, scenario)
+
+
+def test_what_the_vehicle_can_cancel():
+    async def scenario(world, vehicle):
+        calibration = vehicle.calibration
+        cancellable = {str(kind) for kind in calibration.kinds if calibration.can_cancel(kind)}
+        assert cancellable == {"compass", "compass-motor", "esc", "radio"}
+        with pytest.raises(InvalidArgumentError):
+            calibration.can_cancel("clock")
+
+    fly(COPTER, scenario)
+
+
 def test_the_escs_are_calibrated_at_power_up():
     async def scenario(world, vehicle):
         steps, result = await calibrate(vehicle, "esc")

@@ -1,7 +1,8 @@
 """The calibrations of a vehicle.
 
 A calibration is long work: with `wait=false` it is a task, whose progress has the step at which it is. A step
-with `needs_confirmation` waits for a request that confirms it.
+with `needs_confirmation` waits for a request that confirms it. One that the vehicle cannot cancel is followed
+no more: `cancelled` is false then.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ async def _list(call: Call) -> list[dict[str, Any]]:
         {
             "kind": str(kind),
             "needs_confirmation": vehicle.calibration.needs_confirmation(kind),
+            "can_cancel": vehicle.calibration.can_cancel(kind),
             "running": running is not None and running.kind == kind,
             "step": step_json(running) if running is not None and running.kind == kind else None,
         }
@@ -56,8 +58,10 @@ async def _confirm(call: Call) -> dict[str, Any]:
 
 
 async def _cancel(call: Call) -> dict[str, Any]:
-    await call.station.calibrations.cancel(call.vehicle, _kind(call))
-    return {"system": call.vehicle.system, "kind": _kind(call)}
+    kind = _kind(call)
+    await call.station.calibrations.cancel(call.vehicle, kind)
+    cancelled = call.vehicle.calibration.can_cancel(kind)
+    return {"system": call.vehicle.system, "kind": kind, "cancelled": cancelled}
 
 
 def _kind(call: Call) -> str:
@@ -91,7 +95,15 @@ ROUTES: Final = (
         handler=_list,
         summary="List the calibrations that a vehicle has",
         tag="calibrations",
-        answer=[{"kind": "accelerometer", "needs_confirmation": True, "running": True, "step": _STEP}],
+        answer=[
+            {
+                "kind": "accelerometer",
+                "needs_confirmation": True,
+                "can_cancel": False,
+                "running": True,
+                "step": _STEP,
+            }
+        ],
     ),
     ApiRoute(
         method="POST",
@@ -121,6 +133,6 @@ ROUTES: Final = (
         summary="Cancel a calibration",
         tag="calibrations",
         role=Role.ADMINISTER,
-        answer={"system": 1, "kind": "accelerometer"},
+        answer={"system": 1, "kind": "compass", "cancelled": True},
     ),
 )

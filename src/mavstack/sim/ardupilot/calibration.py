@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import ardupilotmega, common
-from mavstack.sim.ardupilot.motor_calibration import compass_motor_of
+from mavstack.sim.ardupilot.motor_calibration import CompassMotorCalibration, compass_motor_of
 from mavstack.sim.ardupilot.sensor_calibration import calibrations_of
 from mavstack.sim.autopilot.commands import (
     CommandRefusedError,
@@ -66,8 +66,22 @@ class ArdupilotMaintenance(MaintenanceCommands):
             return _RESULT.ACCEPTED
         compass_motor = compass_motor_of(self.autopilot)
         if compass_motor is not None and whole(request.command.param6) == 1 and not self.autopilot.armed:
-            return _RESULT.ACCEPTED if compass_motor.begin() else _RESULT.TEMPORARILY_REJECTED
+            return self.begin_compass_motor(compass_motor)
         return super().calibrate(request)
+
+    def begin_compass_motor(self, calibration: CompassMotorCalibration) -> common.MavResult:
+        """Start the calibration of compass and motors, or refuse it with the reason."""
+        if calibration.started is not None:
+            return _RESULT.TEMPORARILY_REJECTED
+        for refused, reason in (
+            (not self.vehicle.parameters.get("COMPASS_ENABLE", 1), "Compass disabled"),
+            (self.autopilot.radio.sticks.throttle > 0, "Throttle not zero"),
+            (not self.autopilot.landed, "Not landed"),
+        ):
+            if refused:
+                raise CommandRefusedError(_RESULT.TEMPORARILY_REJECTED, reason)
+        calibration.begin()
+        return _RESULT.ACCEPTED
 
     def confirm_position(self, request: CommandRequest) -> common.MavResult:
         """Answer ACCELCAL_VEHICLE_POS: the vehicle is in the requested position."""

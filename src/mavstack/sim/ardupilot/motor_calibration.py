@@ -39,15 +39,12 @@ class CompassMotorCalibration:
         self._throttle = 0.0
         self._due = 0.0
 
-    def begin(self) -> bool:
-        """Start; return False if it runs already."""
-        if self.started is not None:
-            return False
+    def begin(self) -> None:
+        """Start."""
         self.started = self._due = self._autopilot.now
         self._throttle = 0.0
         for text in ("Starting calibration", "Current"):
             self._autopilot.vehicle.send_statustext(text, _INFO)
-        return True
 
     def end(self) -> None:
         """Stop the motors, and report whether the throttle was raised."""

@@ -280,12 +280,14 @@ async def _cancel_nothing(vehicle: VehicleState) -> None:
 #: The procedure of each kind.
 PROCEDURES: Final[Mapping[CalibrationKind, Procedure]] = MappingProxyType(
     {
-        CalibrationKind.ACCELEROMETER: Procedure(_accelerometer, _cancel_nothing, needs_confirmation=True),
-        CalibrationKind.GYROSCOPE: Procedure(_simple, _cancel_nothing),
+        CalibrationKind.ACCELEROMETER: Procedure(
+            _accelerometer, _cancel_nothing, needs_confirmation=True, can_cancel=False
+        ),
+        CalibrationKind.GYROSCOPE: Procedure(_simple, _cancel_nothing, can_cancel=False),
         CalibrationKind.COMPASS: Procedure(_compass, _cancel_compass),
-        CalibrationKind.LEVEL: Procedure(_simple, _cancel_nothing),
-        CalibrationKind.AIRSPEED: Procedure(_airspeed, _cancel_nothing),
-        CalibrationKind.BAROMETER: Procedure(_simple, _cancel_nothing),
+        CalibrationKind.LEVEL: Procedure(_simple, _cancel_nothing, can_cancel=False),
+        CalibrationKind.AIRSPEED: Procedure(_airspeed, _cancel_nothing, can_cancel=False),
+        CalibrationKind.BAROMETER: Procedure(_simple, _cancel_nothing, can_cancel=False),
         CalibrationKind.RADIO: Procedure(_radio, _cancel_radio, needs_confirmation=True),
         CalibrationKind.ESC: Procedure(_esc, _cancel_esc),
         CalibrationKind.COMPASS_MOTOR: Procedure(

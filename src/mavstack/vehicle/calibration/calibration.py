@@ -59,6 +59,25 @@ class Calibration(ReadOnly):
         """
         return self._procedure(kind)[1].needs_confirmation
 
+    def can_cancel(self, kind: CalibrationKind | str) -> bool:
+        """Return whether the vehicle can cancel a calibration that runs.
+
+        PX4 cancels all of them. ArduPilot cancels those of compasses, motors and the radio control; the
+        others end by themselves, and its accelerometer calibration goes on at its next start. Betaflight
+        and iNav cancel none.
+
+        Args:
+            kind: The kind, or its name such as "accelerometer".
+
+        Returns:
+            True if `cancel`, or leaving the block of `start`, ends it on the vehicle.
+
+        Raises:
+            InvalidArgumentError: There is no such kind.
+            ActionUnsupported: The firmware or the vehicle type lacks it.
+        """
+        return self._procedure(kind)[1].can_cancel
+
     def start(self, kind: CalibrationKind | str, *, timeout: float | None = None) -> CalibrationSession:
         """Return a context manager during which a calibration runs, and an async iterator of its steps.
 

@@ -41,7 +41,7 @@ async def _cancel(vehicle: VehicleState) -> None:
 
 PROCEDURES: Final[Mapping[CalibrationKind, Procedure]] = MappingProxyType(
     {
-        CalibrationKind.ACCELEROMETER: Procedure(_calibrate_accelerometer, _cancel),
-        CalibrationKind.COMPASS: Procedure(_calibrate_compass, _cancel),
+        CalibrationKind.ACCELEROMETER: Procedure(_calibrate_accelerometer, _cancel, can_cancel=False),
+        CalibrationKind.COMPASS: Procedure(_calibrate_compass, _cancel, can_cancel=False),
     }
 )

@@ -21,8 +21,10 @@ class Procedure:
         run: Holds the conversation to its end.
         cancel: Tells the vehicle to cancel the calibration.
         needs_confirmation: True if steps of it wait for the program's confirmation.
+        can_cancel: False if the vehicle cannot cancel it: it ends by itself, or waits for its next start.
     """
 
     run: Callable[[Conversation], Awaitable[None]]
     cancel: Callable[[VehicleState], Coroutine[Any, Any, None]]
     needs_confirmation: bool = False
+    can_cancel: bool = True
