@@ -9,6 +9,13 @@ import { toast, toastError } from '$lib/ui/toasts.svelte';
 
 import { EMPTY_METADATA, rowsOf, type MetadataTable, type ParameterTable, type Row } from './logic/parameters';
 
+/** Values that were not written, of which vehicle. */
+export interface Refusals {
+  readonly vehicle: Vehicle;
+  /** The name of each parameter with the reason. */
+  readonly lines: readonly string[];
+}
+
 class ParameterSet {
   vehicle: Vehicle | null = $state.raw(null);
   parameters: ParameterTable = $state.raw({});
@@ -16,50 +23,59 @@ class ParameterSet {
   /** Why the vehicle gave no metadata; empty: it did. */
   metadataProblem = $state('');
   isLoading = $state(false);
+  isWriting = $state(false);
   done = $state(0);
   total: number | null = $state(null);
   problem: string | null = $state(null);
   /** The values before they were changed on this page. */
   before: Readonly<Record<string, number>> = $state.raw({});
-  /** A parameter was changed that takes effect after a reboot. */
-  needsReboot = $state(false);
+  /** The values of the last file that the vehicle refused. */
+  refused: Refusals | null = $state.raw(null);
+  /** Vehicles of which a change takes effect after a reboot. */
+  private rebooting: readonly Vehicle[] = $state.raw([]);
+  /** Changes of one parameter are made one after the other. */
+  private readonly changes = new Map<string, Promise<boolean>>();
+  /** Grows with each download: the answer to an earlier one is stale. */
+  private loads = 0;
 
   readonly rows: Row[] = $derived(rowsOf(this.parameters, this.metadata));
   readonly isEmpty: boolean = $derived(Object.keys(this.parameters).length === 0);
+  readonly needsReboot: boolean = $derived(this.vehicle !== null && this.rebooting.includes(this.vehicle));
 
   /** Shows the parameters of a vehicle: those that are known, or a download. */
   use(vehicle: Vehicle): void {
     if (this.vehicle === vehicle) return;
     this.vehicle = vehicle;
-    this.parameters = {};
-    this.metadata = {};
-    this.before = {};
-    this.needsReboot = false;
-    [this.problem, this.isLoading] = [null, false];
+    this.loads += 1;
+    [this.parameters, this.metadata, this.before] = [{}, {}, {}];
+    [this.problem, this.metadataProblem, this.isLoading, this.isWriting] = [null, '', false, false];
+    this.changes.clear();
     if (vehicle.capabilities.params !== false) void this.load(vehicle);
   }
 
   async load(vehicle: Vehicle | null = this.vehicle): Promise<void> {
     if (!vehicle) return;
+    this.loads += 1;
+    const load = this.loads;
     this.isLoading = true;
     this.problem = null;
     [this.done, this.total] = [0, null];
     try {
       const found = await vehicle.getParameters((done, total) => {
-        if (vehicle === this.vehicle) [this.done, this.total] = [done, total];
+        if (load === this.loads) [this.done, this.total] = [done, total];
       });
-      if (vehicle !== this.vehicle) return;
+      if (load !== this.loads) return;
       this.parameters = Object.fromEntries(found.map((each) => [each.name, each]));
-      await this.loadMetadata(vehicle);
+      await this.loadMetadata(vehicle, load);
     } catch (error) {
-      if (vehicle === this.vehicle) this.problem = textOf(error);
+      if (load === this.loads) this.problem = textOf(error);
     } finally {
-      if (vehicle === this.vehicle) this.isLoading = false;
+      if (load === this.loads) this.isLoading = false;
     }
   }
 
   /** Only the station's server reads the component information of the vehicle. */
-  private async loadMetadata(vehicle: Vehicle): Promise<void> {
+  private async loadMetadata(vehicle: Vehicle, load: number): Promise<void> {
     if (status.source !== 'server') return;
     interface Answer {
       readonly metadata: Readonly<Record<string, object>>;
@@ -67,22 +83,37 @@ class ParameterSet {
     }
     try {
       const answer = await api.longJson<Answer>('GET', `vehicles/${vehicle.system}/parameter-metadata`);
-      if (vehicle !== this.vehicle) return;
+      if (load !== this.loads) return;
       const whole = Object.entries(answer.metadata).map(([name, facts]) => [name, { ...EMPTY_METADATA, ...facts }]);
-      this.metadata = Object.fromEntries(whole) as MetadataTable;
+      // A file that was opened before is kept where the vehicle gives none.
+      if (whole.length > 0) this.metadata = Object.fromEntries(whole) as MetadataTable;
       this.metadataProblem = answer.problem ?? '';
     } catch (error) {
-      this.metadataProblem = textOf(error);
+      if (load === this.loads) this.metadataProblem = textOf(error);
     }
   }
 
-  /** Sets a parameter; the value that the vehicle holds then is shown. Resolves to its success. */
-  async set(name: string, value: number): Promise<boolean> {
+  /**
+   * Sets a parameter; the value that the vehicle holds then is shown. Resolves to its success.
+   *
+   * @param value - The value, or a function of the value that is held when earlier changes are made.
+   */
+  set(name: string, value: number | ((held: number) => number)): Promise<boolean> {
     const { vehicle } = this;
-    if (!vehicle) return false;
+    const earlier = this.changes.get(name) ?? Promise.resolve(true);
+    const change = earlier.then(() => (vehicle ? this.change(vehicle, name, value) : false));
+    this.changes.set(name, change);
+    return change;
+  }
+
+  private async change(vehicle: Vehicle, name: string, value: number | ((held: number) => number)): Promise<boolean> {
+    // Another vehicle was selected while an earlier change was made.
+    if (vehicle !== this.vehicle) return false;
+    const held = this.parameters[name]?.value ?? NaN;
+    const { metadata } = this;
     try {
-      this.take(await vehicle.setParameter(name, value));
-      if (this.metadata[name]?.reboot_required) this.needsReboot = true;
+      this.take(vehicle, await vehicle.setParameter(name, typeof value === 'number' ? value : value(held)));
+      if (metadata[name]?.reboot_required) this.requireReboot(vehicle);
       return true;
     } catch (error) {
       toastError(error);
@@ -90,29 +121,40 @@ class ParameterSet {
     }
   }
 
-  /** Sets several parameters one after the other; tells those that the vehicle refused. */
+  /** Sets several parameters one after the other, also while another vehicle is shown; tells what was refused. */
   async setAll(values: ReadonlyMap<string, number>): Promise<void> {
-    const { vehicle } = this;
-    const failed: string[] = [];
+    const { vehicle, metadata } = this;
+    if (!vehicle) return;
+    const lines: string[] = [];
     let done = 0;
-    this.isLoading = true;
+    this.refused = null;
     for (const [name, value] of values) {
-      [this.done, this.total] = [done, values.size];
+      if (vehicle === this.vehicle) [this.isWriting, this.done, this.total] = [true, done, values.size];
       try {
-        if (vehicle) this.take(await vehicle.setParameter(name, value));
-        if (this.metadata[name]?.reboot_required) this.needsReboot = true;
+        this.take(vehicle, await vehicle.setParameter(name, value));
+        if (metadata[name]?.reboot_required) this.requireReboot(vehicle);
       } catch (error) {
-        failed.push(`${name}: ${textOf(error)}`);
+        lines.push(`${name}: ${textOf(error)}`);
       }
       done += 1;
     }
-    this.isLoading = false;
-    const written = t('setup.written', { count: values.size - failed.length });
-    if (failed.length) toast('error', t('setup.notWritten', { count: failed.length }), failed.slice(0, 8));
-    else toast('ok', written);
+    if (vehicle === this.vehicle) this.isWriting = false;
+    if (lines.length) this.refused = { vehicle, lines };
+    if (lines.length < values.size) toast('ok', t('setup.written', { count: values.size - lines.length }));
   }
 
-  private take(held: Parameter): void {
+  requireReboot(vehicle: Vehicle): void {
+    if (!this.rebooting.includes(vehicle)) this.rebooting = [...this.rebooting, vehicle];
+  }
+
+  /** The vehicle was rebooted. */
+  rebooted(vehicle: Vehicle): void {
+    this.rebooting = this.rebooting.filter((each) => each !== vehicle);
+  }
+
+  /** Shows the value that a vehicle holds, unless another vehicle was selected while it was written. */
+  private take(vehicle: Vehicle, held: Parameter): void {
+    if (vehicle !== this.vehicle) return;
     const before = this.parameters[held.name];
     if (before && !(held.name in this.before)) this.before = { ...this.before, [held.name]: before.value };
     if (this.before[held.name] === held.value) {

@@ -35,7 +35,6 @@ const ARDUPILOT: Readonly<Record<string, Params>> = {
   airspeed: [0, 0, 1],
   accelerometer: [0, 0, 0, 0, 1],
   level: [0, 0, 0, 0, 2],
-  'compass-motor': [0, 0, 0, 0, 0, 1],
 };
 const PX4: Readonly<Record<string, Params>> = {
   gyroscope: [1],
@@ -67,16 +66,34 @@ export function startCommand(firmware: Firmware, kind: string): { command: strin
   return params ? { command: PREFLIGHT, params } : null;
 }
 
-export function cancelCommand(firmware: Firmware, kind: string): { command: string; params: Params } {
-  return firmware === 'ardupilot' && kind === 'compass'
-    ? { command: 'DO_CANCEL_MAG_CAL', params: [0] }
-    : { command: PREFLIGHT, params: [0, 0, 0, 0, 0, 0, 0] };
+/** Returns the command that cancels a calibration; null if the firmware has none. */
+export function cancelCommand(firmware: Firmware, kind: string): { command: string; params: Params } | null {
+  if (firmware === 'px4') return { command: PREFLIGHT, params: [0, 0, 0, 0, 0, 0, 0] };
+  return firmware === 'ardupilot' && kind === 'compass' ? { command: 'DO_CANCEL_MAG_CAL', params: [0] } : null;
 }
 
 /** Returns the kinds that the page can run itself. */
 export function kindsOf(firmware: Firmware): string[] {
   if (firmware === 'px4') return Object.keys(PX4);
-  return firmware === 'ardupilot' ? ['accelerometer', 'gyroscope', 'compass', 'level', 'barometer', 'airspeed'] : [];
+  return firmware === 'ardupilot' ? ['compass', ...Object.keys(ARDUPILOT)] : [];
+}
+
+/** The order in which a vehicle is set up. */
+const ORDER = ['accelerometer', 'level', 'gyroscope', 'compass', 'radio', 'airspeed', 'barometer', 'esc', 'compass-motor'];
+
+/** Returns kinds in the order in which a vehicle is set up, for every firmware. */
+export function inOrder(kinds: readonly string[]): string[] {
+  const place = (kind: string): number => (ORDER.indexOf(kind) + ORDER.length + 1) % (ORDER.length + 1);
+  return [...kinds].sort((one, other) => place(one) - place(other));
+}
+
+export type PoseState = 'now' | 'pending' | 'done';
+
+/** Returns how far a pose is; ArduPilot asks for the poses in their order, PX4 names those that are left. */
+export function stateOfPose(step: CalibrationStep, pose: string, order: readonly string[]): PoseState {
+  if (step.pose === pose) return 'now';
+  if (step.pending.length) return step.pending.includes(pose) ? 'pending' : 'done';
+  return step.pose !== null && order.indexOf(pose) < order.indexOf(step.pose) ? 'done' : 'pending';
 }
 
 export class CalibrationMachine {
@@ -95,7 +112,7 @@ export class CalibrationMachine {
 
   /** The vehicle has acknowledged the command: simple calibrations of ArduPilot are done then. */
   accepted(): void {
-    const continues = this.firmware !== 'ardupilot' || ['accelerometer', 'compass', 'compass-motor'].includes(this.kind);
+    const continues = this.firmware !== 'ardupilot' || ['accelerometer', 'compass'].includes(this.kind);
     if (!continues) this.end('done');
   }
 

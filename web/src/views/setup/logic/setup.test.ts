@@ -2,9 +2,11 @@ import { describe, expect, it } from 'vitest';
 
 import type { Parameter } from '$lib/vehicle/Vehicle';
 
-import { CalibrationMachine, startCommand } from './calibration';
+import { CalibrationMachine, cancelCommand, inOrder, kindsOf, startCommand, stateOfPose } from './calibration';
+import { readCompassMotor, withPoint } from './compassMotor';
 import { readMetadata } from './metadataFiles';
-import { motorCommand, motorCount } from './motors';
+import { channelOf, positionOf, slotOf } from './modeSwitch';
+import { motorCommand, motorCount, motorMessage } from './motors';
 import { osdItems, readItem, writeItem } from './osd';
 import { compare, FORMATS, readParameters, writeParameters, type ParameterFormat } from './parameterFiles';
 import { EMPTY_METADATA, groupsOf, hasBit, hasOnlyNamed, problemOf, rowsOf, search, toggleBit } from './parameters';
@@ -115,6 +117,26 @@ describe('calibration', () => {
     expect(machine.state.state).toBe('done');
   });
 
+  it('of every firmware has the same order, and only what it has is cancelled', () => {
+    expect([inOrder(kindsOf('px4')).slice(0, 3), inOrder(kindsOf('ardupilot')).slice(0, 3)]).toEqual([
+      ['accelerometer', 'level', 'gyroscope'], ['accelerometer', 'level', 'gyroscope'],
+    ]);
+    expect(inOrder(['new', 'esc'])).toEqual(['esc', 'new']);
+    expect(cancelCommand('ardupilot', 'compass')?.command).toBe('DO_CANCEL_MAG_CAL');
+    expect([cancelCommand('ardupilot', 'accelerometer'), cancelCommand('msp', 'compass')]).toEqual([null, null]);
+    expect(cancelCommand('px4', 'accelerometer')?.command).toBe('PREFLIGHT_CALIBRATION');
+  });
+
+  it('shows which poses are done', () => {
+    const step = { task: 'place', text: '', progress: null, needs_confirmation: true };
+    const order = ['level', 'nose up', 'nose down'];
+    const states = (pose: string | null, pending: readonly string[]) => order.map((each) => stateOfPose({ ...step, pose, pending }, each, order));
+    expect(states('nose up', [])).toEqual(['done', 'now', 'pending']);
+    expect(states(null, ['level'])).toEqual(['pending', 'done', 'done']);
+    expect(states('nose down', ['level'])).toEqual(['pending', 'done', 'now']);
+    expect(states(null, [])).toEqual(['pending', 'pending', 'pending']);
+  });
+
   it('of the compass follows the slowest compass', () => {
     const machine = new CalibrationMachine('ardupilot', 'compass');
     machine.accepted();
@@ -147,9 +169,31 @@ describe('calibration', () => {
 
 describe('equipment', () => {
   it('motors are run by the command of the firmware', () => {
-    expect(motorCommand('ardupilot', 2, 8)).toEqual({ command: 'DO_MOTOR_TEST', params: [2, 0, 8, 2, 1] });
-    expect(motorCommand('px4', 1, 8).params).toEqual([0.08, 2, 0, 0, 1]);
+    expect(motorCommand('ardupilot', 2, 8, 1)).toEqual({ command: 'DO_MOTOR_TEST', params: [2, 0, 8, 1, 1] });
+    expect(motorCommand('px4', 1, 8, 1).params).toEqual([0.08, 1, 0, 0, 1]);
+    expect(motorMessage(motorCommand('px4', 2, 0, 0))).toEqual({ command: 310, param1: 0, param2: 0, param3: 0, param4: 0, param5: 2 });
     expect([motorCount(2, undefined), motorCount(13, undefined), motorCount(2, 8)]).toEqual([4, 6, 8]);
+  });
+
+  it('the switch of the modes has the positions of the firmware', () => {
+    const ardupilot = table(parameter('FLTMODE_CH', 5), parameter('FLTMODE1', 0));
+    const px4 = table(parameter('RC_MAP_FLTMODE', 6), parameter('COM_FLTMODE1', 0));
+    const reversed = { ...px4, ...table(parameter('RC6_REV', -1)) };
+    expect([channelOf('ardupilot', ardupilot), channelOf('px4', px4), channelOf('px4', ardupilot)]).toEqual([5, 6, 0]);
+    expect([slotOf('ardupilot', 1, ardupilot), slotOf('px4', 1, px4), slotOf('px4', 1, ardupilot)]).toEqual(['FLTMODE1', 'COM_FLTMODE1', null]);
+    const pulses = [1000, 1230, 1231, 1490, 1749, 1750, 2000];
+    expect(pulses.map((pulse) => positionOf('ardupilot', pulse, ardupilot))).toEqual([1, 1, 2, 3, 5, 6, 6]);
+    expect([null, 0, 2300].map((pulse) => positionOf('ardupilot', pulse, ardupilot))).toEqual([null, null, null]);
+    const edges = [1100, 1115, 1275, 1290, 1450, 1465, 1625, 1640, 1800, 1815, 2000];
+    expect(edges.map((pulse) => positionOf('px4', pulse, px4))).toEqual([1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6]);
+    expect(positionOf('px4', 2000, reversed)).toBe(1);
+  });
+
+  it('the effect of motors on the compass is kept by the throttle', () => {
+    const point = readCompassMotor({ throttle: 125, current: 5, interference: 3 });
+    expect(point).toEqual({ throttle: 12.5, current: 5, interference: 3 });
+    const later = { ...point, throttle: 12.8, interference: 4 };
+    expect(withPoint(withPoint(withPoint([], point), { ...point, throttle: 2 }), later).map((each) => [each.throttle, each.interference])).toEqual([[2, 3], [12.8, 4]]);
   });
 
   it('items of the display keep their form and profiles', () => {

@@ -21,7 +21,7 @@ function message(data: readonly number[], flags = RESPOND | EXCLUSIVE | MULTI): 
   return { device: SHELL_DEVICE, flags, timeout: 0, baudrate: 0, count: data.length, data: padded };
 }
 
-/** Returns the messages that carry a text, of at most 70 bytes each; an empty text opens the shell. */
+/** Returns the messages that carry a text, of at most 70 bytes each. */
 export function shellMessages(text: string): ShellMessage[] {
   const bytes = [...new TextEncoder().encode(text)];
   const count = Math.max(1, Math.ceil(bytes.length / DATA_SIZE));
