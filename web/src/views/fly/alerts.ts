@@ -1,4 +1,4 @@
-/** What a pilot must not miss: problems of all vehicles, the gravest first. */
+/** Problems of all vehicles that a pilot must not miss, the gravest first. */
 import type { TextKey, TextValues } from '$lib/i18n';
 import { batteryLevel, estimatorLevel, type Level, vibrationLevel } from '$lib/instruments/status';
 import { distance } from '$lib/map/geometry';
@@ -114,7 +114,7 @@ const FINDERS: readonly Finder[] = [
     return alert(state, level, 'fly.alertVibration', { level: Math.round(state.vibration!.level) });
   },
   traffic,
-  function told(state, { now }) {
+  function message(state, { now }) {
     const text = state.statusTexts.filter(({ severity }) => severity <= MAX_SEVERITY).at(-1);
     if (text === undefined || now - text.time > TEXT_TIME) return null;
     if (CHECKS.some((prefix) => text.text.startsWith(prefix))) return null;

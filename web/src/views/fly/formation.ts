@@ -62,11 +62,11 @@ export function conflictsOf(members: readonly Member[], spots: readonly Spot[]):
 
 function conflictOf([one, spot]: readonly [Member, Spot], [other, otherSpot]: readonly [Member, Spot]): Conflict | null {
   const hasWing = isWing(one) || isWing(other);
-  const least = hasWing ? WING_SEPARATION : { horizontal: MIN_SEPARATION, vertical: MIN_SEPARATION };
+  const minimum = hasWing ? WING_SEPARATION : { horizontal: MIN_SEPARATION, vertical: MIN_SEPARATION };
   const horizontal = distance(spot.place, otherSpot.place);
   const [height, otherHeight] = [heightOf(one, spot), heightOf(other, otherSpot)];
   const vertical = height === null || otherHeight === null ? null : Math.abs(height - otherHeight);
-  if (horizontal >= least.horizontal || (vertical !== null && vertical >= least.vertical)) return null;
+  if (horizontal >= minimum.horizontal || (vertical !== null && vertical >= minimum.vertical)) return null;
   return { systems: [one.system, other.system], horizontal, vertical };
 }
 

@@ -1,6 +1,7 @@
 import { expect, it } from 'vitest';
 
 import { DEFAULT_GATEWAY, gatewayConfiguration, playerFor, streamFrom } from './streams';
+import { requestOf, resourceOf } from './whep';
 
 const FIELDS = {
   stream_id: 1,
@@ -33,6 +34,37 @@ it('needs a gateway for RTSP and RTP, and uses it', () => {
   );
   expect(playerFor('5600', 1, DEFAULT_GATEWAY)).toEqual({ kind: 'gateway', url: '5600' });
   expect(playerFor('not a url', 0, DEFAULT_GATEWAY).kind).toBe('gateway');
+});
+
+it('opens nothing but video: no scripts, no files, no pictures with a password', () => {
+  for (const uri of ['javascript:alert(1)', 'javascript://cam/%0aalert(1)', 'file:///etc/passwd', 'data:text/html,x', 'blob:x', 'http://']) {
+    expect(playerFor(uri, 0, DEFAULT_GATEWAY)).toMatchObject({ kind: 'unusable', reason: 'scheme' });
+  }
+  expect(playerFor('http://user:word@cam/live.mp4')).toMatchObject({ kind: 'unusable', reason: 'password' });
+  expect(playerFor('http://user:word@cam/front/whep').kind).toBe('whep');
+  expect(playerFor('rtsp://cam/front', 0, 'javascript:alert("{path}")')).toMatchObject({ kind: 'unusable' });
+});
+
+it('keeps a camera inside of the paths of the gateway', () => {
+  const gateway = 'http://localhost:8889/{path}/whep';
+  expect(playerFor('rtsp://cam/../%2e%2E/admin', 0, gateway).url).toBe('http://localhost:8889/admin/whep');
+  expect(playerFor('rtsp://cam/a b/"c', 0, gateway).url).toBe('http://localhost:8889/a%20b/%22c/whep');
+});
+
+it('sends a password of a gateway as a header, and ends its sessions at the gateway only', () => {
+  expect(requestOf('http://gateway/front/whep')).toEqual({ url: 'http://gateway/front/whep', headers: {} });
+  expect(requestOf('http://me:p%40ss@gateway/front/whep')).toEqual({
+    url: 'http://gateway/front/whep',
+    headers: { Authorization: `Basic ${btoa('me:p@ss')}` },
+  });
+  expect(resourceOf('/front/whep/1', 'http://gateway/front/whep')).toBe('http://gateway/front/whep/1');
+  expect(resourceOf('http://other/1', 'http://gateway/front/whep')).toBeNull();
+  expect(resourceOf(null, 'http://gateway/front/whep')).toBeNull();
+});
+
+it('tells a thermal picture', () => {
+  expect(streamFrom(1, 100, { ...FIELDS, flags: 3 })?.isThermal).toBe(true);
+  expect(streamFrom(1, 100, { ...FIELDS, flags: 1 })?.isThermal).toBe(false);
 });
 
 it('writes the configuration of the gateway', () => {

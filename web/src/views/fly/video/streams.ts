@@ -11,9 +11,14 @@ export interface VideoStream {
   readonly width: number;
   readonly height: number;
   readonly frameRate: number;
+  readonly isThermal: boolean;
 }
 
 const RTP_UDP = 1;
+/** VIDEO_STREAM_STATUS_FLAGS. */
+const THERMAL = 2;
+/** Schemes that a gateway may understand; addresses of others, such as `file:`, are never opened. */
+const STREAM_SCHEME = /^(?:rtspu?s?|rtmps?|srt|udp|rtp|tcp|mpegts)(?:\+[a-z]+)?:\/\//i;
 
 /** Return the stream of the fields of VIDEO_STREAM_INFORMATION; null if it has no address. */
 export function streamFrom(
@@ -34,6 +39,7 @@ export function streamFrom(
     width: Number(fields['resolution_h'] ?? 0),
     height: Number(fields['resolution_v'] ?? 0),
     frameRate: Number(fields['framerate'] ?? 0),
+    isThermal: (Number(fields['flags'] ?? 0) & THERMAL) !== 0,
   };
 }
 
@@ -45,15 +51,30 @@ export type Player =
   | { readonly kind: 'video'; readonly url: string }
   | { readonly kind: 'image'; readonly url: string }
   /** No browser plays it: it needs a gateway. */
-  | { readonly kind: 'gateway'; readonly url: string };
+  | { readonly kind: 'gateway'; readonly url: string }
+  /** Nothing plays it: an unknown scheme, or a password in an address that browsers open without one. */
+  | { readonly kind: 'unusable'; readonly url: string; readonly reason: 'scheme' | 'password' };
 
 /** Return how a stream can be played. With a gateway, streams that browsers do not play go by WebRTC (WHEP). */
 export function playerFor(uri: string, type = 0, gateway = ''): Player {
   const url = uri.trim();
-  if (/^wheps?:/i.test(url)) return { kind: 'whep', url: url.replace(/^whep/i, 'http') };
-  if (/^https?:/i.test(url)) return { kind: httpKind(url), url };
+  if (/^wheps?:/i.test(url)) return httpPlayer(url.replace(/^whep/i, 'http'), 'whep');
+  if (/^https?:/i.test(url)) return httpPlayer(url, httpKind(url));
+  if (/^[a-z][a-z0-9+.-]*:/i.test(url) && !STREAM_SCHEME.test(url)) return { kind: 'unusable', url, reason: 'scheme' };
   const viaGateway = gatewayUrl(url, type, gateway);
-  return viaGateway === null ? { kind: 'gateway', url } : { kind: 'whep', url: viaGateway };
+  return viaGateway === null ? { kind: 'gateway', url } : httpPlayer(viaGateway, 'whep');
+}
+
+function httpPlayer(url: string, kind: 'whep' | 'video' | 'image'): Player {
+  try {
+    const { protocol, username, password } = new URL(url);
+    if (!/^https?:$/.test(protocol)) return { kind: 'unusable', url, reason: 'scheme' };
+    // WebRTC sends them as a header; browsers load no pictures with them.
+    const hasPassword = username !== '' || password !== '';
+    return hasPassword && kind !== 'whep' ? { kind: 'unusable', url, reason: 'password' } : { kind, url };
+  } catch {
+    return { kind: 'unusable', url, reason: 'scheme' };
+  }
 }
 
 function httpKind(url: string): 'whep' | 'video' | 'image' {
@@ -68,8 +89,14 @@ export function gatewayUrl(uri: string, type: number, gateway: string): string |
   if (template === '' || type === RTP_UDP) return null;
   const parts = /^[a-z][a-z0-9+.-]*:\/\/(?:[^/@]*@)?(\[[^\]]+\]|[^:/?#]+)(?::\d+)?\/?([^?#]*)/i.exec(uri);
   if (parts === null) return null;
-  const path = parts[2]!.replace(/\/$/, '') || 'video';
+  const path = pathOf(parts[2]!);
   return template.replaceAll('{host}', parts[1]!).replaceAll('{path}', path);
+}
+
+/** Return the path of a stream at the gateway; a camera cannot leave it by `..`. */
+function pathOf(path: string): string {
+  const parts = path.split('/').filter((part) => part !== '' && !/^(?:\.|%2e){1,2}$/i.test(part));
+  return parts.map((part) => part.replace(/[^\w.~%-]/g, encodeURIComponent)).join('/') || 'video';
 }
 
 /** Return the configuration of the gateway MediaMTX for a stream. */
