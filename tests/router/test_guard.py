@@ -211,7 +211,7 @@ def test_a_reload_replaces_the_rules_and_an_invalid_one_changes_nothing(setup):
     ("quarantine", "released"),
     [('quarantine = "1 min"', False), ("dry_run = true", True), ("", True)],
 )
-def test_a_reload_releases_nobody_from_quarantine(setup, quarantine, released):
+def test_a_reload_keeps_quarantines(setup, quarantine, released):
     pilot = Encoder(255, 190)
     setup.send(setup.pilot, pilot, common.HilGps())
     setup.settle()
