@@ -39,6 +39,14 @@ def check_appearances(page: Any, problems: dict[str, list[str]], view: str) -> N
     page.set_viewport_size({"width": DESKTOP[0], "height": DESKTOP[1]})
 
 
+def change_parameter(page: Any) -> None:
+    """Change the first parameter, so that it has an undo."""
+    value = page.locator(".parameter input[type=number]").first
+    value.fill(str(float(value.input_value(timeout=PATIENT)) + 1))
+    value.press("Enter")
+    page.get_by_role("button", name="Undo").wait_for(timeout=PATIENT)
+
+
 def test_views_have_no_serious_violations(tmp_path: Path) -> None:
     if not AXE.is_file():
         pytest.skip("axe-core is not installed: npm ci in web")
@@ -57,6 +65,9 @@ def test_views_have_no_serious_violations(tmp_path: Path) -> None:
             page.locator(f"nav a[href='#/{view}'][aria-current=page]").first.wait_for(timeout=PATIENT)
             page.wait_for_load_state("networkidle")
             check_appearances(page, problems, view)
+            if view == "setup":
+                change_parameter(page)
+                problems["a changed parameter"] = page.evaluate(VIOLATIONS)
             for section in SECTIONS if view == "setup" else ():
                 page.get_by_role("button", name=section, exact=True).click()
                 problems[section] = page.evaluate(VIOLATIONS)

@@ -53,7 +53,7 @@ def check_values(view: SetupPage) -> None:
     choice.select_option("2")
     view.page.get_by_text("before 0").wait_for(timeout=PATIENT)
     assert view.value("BATT_FS_LOW_ACT") == 2
-    view.shown.button("Set BATT_FS_LOW_ACT back to 0").click()
+    view.shown.button("Undo: set BATT_FS_LOW_ACT back to 0").click()
     view.page.get_by_text("before 0").wait_for(state="detached", timeout=PATIENT)
     assert (view.value("BATT_FS_LOW_ACT"), choice.input_value()) == (0, "0")
     view.page.route("**/parameters/BATT_FS_LOW_ACT", lambda route: route.fulfill(status=409, json=REFUSAL))

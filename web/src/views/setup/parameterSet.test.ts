@@ -49,8 +49,10 @@ describe('the parameters', () => {
 
   it('that one vehicle answers are not shown for another', async () => {
     const answer = settled<Parameter>();
-    await shown(parametrised(1, [parameter('RTL_ALT', 1)], { setParameter: () => answer.promise }));
+    const setParameter = vi.fn(() => answer.promise);
+    await shown(parametrised(1, [parameter('RTL_ALT', 1)], { setParameter }));
     const writing = parameterSet.set('RTL_ALT', 5);
+    await vi.waitFor(() => expect(setParameter).toHaveBeenCalled());
     await shown(parametrised(2, [parameter('RTL_ALT', 9)]));
     answer.resolve(parameter('RTL_ALT', 5));
     await writing;
@@ -59,9 +61,11 @@ describe('the parameters', () => {
 
   it('of one vehicle are not written to another that was selected meanwhile', async () => {
     const answer = settled<Parameter>();
-    await shown(parametrised(1, [parameter('RTL_ALT', 1)], { setParameter: () => answer.promise }));
+    const setParameter = vi.fn(() => answer.promise);
+    await shown(parametrised(1, [parameter('RTL_ALT', 1)], { setParameter }));
     void parameterSet.set('RTL_ALT', 5);
     const second = parameterSet.set('RTL_ALT', 6);
+    await vi.waitFor(() => expect(setParameter).toHaveBeenCalled());
     const other = parametrised(2, [parameter('RTL_ALT', 9)]);
     await shown(other);
     answer.resolve(parameter('RTL_ALT', 5));

@@ -40,7 +40,7 @@ export const setup = {
   written: '{count} parameters written',
   notWritten: '{count} parameters of {vehicle} could not be written',
   writing: 'Writing parameters',
-  undo: 'Set {name} back to {value}',
+  undo: 'Undo: set {name} back to {value}',
   undoShort: 'Undo',
   mayLook: 'You may look at the set-up, not change it: that needs the role administer.',
   differences: 'Differences to {name}',
