@@ -1,19 +1,17 @@
-"""The page of the ground station with many vehicles: frames a second, work per frame, and memory over time.
+"""The page of the ground station with many vehicles: frames a second, and work per frame.
 
-    python -m benchmarks.station.page [--vehicles 100] [--seconds 10] [--turns 3] [--minutes 0]
+    python -m benchmarks.station.page [--vehicles 100] [--seconds 10] [--turns 3]
 
 `flights.py` sends the packets of the vehicles to `mav web`; Chromium without a screen shows the page at
 1440 x 900 and draws WebGL by software, on the processor that all programs share. Frames are those in which
-the page could draw; the work per frame is that of the page's main thread. `--minutes` shows the demo fleet
-instead, which flies in the page, and prints the memory after a garbage collection every minute.
+the page could draw; the work per frame is that of the page's main thread. `growth.py` measures the memory.
 """
 
 from __future__ import annotations
 
 import argparse
-import json
 from contextlib import contextmanager
-from statistics import linear_regression, median
+from statistics import median
 from typing import TYPE_CHECKING, NamedTuple
 
 from benchmarks.station.__main__ import HOST, process, station
@@ -69,12 +67,14 @@ class Page:
         """Make the page's processor slower by a factor."""
         self.tools.send("Emulation.setCPUThrottlingRate", {"rate": factor})
 
-    def memory(self) -> float:
-        """Return the memory that the page's objects and buffers use after a garbage collection, in MB."""
+    def counts(self) -> dict[str, float]:
+        """Return memory (objects and buffers, MB), nodes and listeners after a garbage collection."""
         for _ in range(2):
             self.tools.send("HeapProfiler.collectGarbage")
         usage = self.tools.send("Runtime.getHeapUsage")
-        return float(usage["usedSize"] + usage.get("backingStorageSize", 0)) / MEGABYTE
+        metrics, _ = self._state()
+        memory = float(usage["usedSize"] + usage.get("backingStorageSize", 0)) / MEGABYTE
+        return {"page MB": memory, "nodes": metrics["Nodes"], "listeners": metrics["JSEventListeners"]}
 
     def _state(self) -> tuple[dict[str, float], int]:
         metrics = self.tools.send("Performance.getMetrics")["metrics"]
@@ -122,32 +122,13 @@ def measure(vehicles: int, seconds: float) -> dict[str, Figures]:
         return found
 
 
-def watch_memory(vehicles: int, minutes: int) -> None:
-    """Print the memory every minute, and by how much it grows in the second half."""
-    used: list[float] = []
-    with station() as (_, port, _), shown(f"http://{HOST}:{port}/?demo={vehicles}#/fly") as page:
-        for minute in range(minutes + 1):
-            if minute:
-                page.page.wait_for_timeout(60_000)
-            used.append(page.memory())
-            print(f"{minute:3} min  {used[-1]:7.2f} MB", flush=True)
-    half = used[len(used) // 2 :]
-    slope = linear_regression(range(len(half)), half).slope if len(half) > 1 else 0.0
-    figures = {"memory_mb": [round(each, 2) for each in used], "growth_kb_per_minute": round(slope * 1e3, 1)}
-    print(json.dumps(figures))
-
-
 def main() -> None:
-    """Measure frames in turns, or memory over minutes."""
+    """Measure frames in turns."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.station.page")
     parser.add_argument("--vehicles", type=int, default=100)
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--turns", type=int, default=3)
-    parser.add_argument("--minutes", type=int, default=0, help="watch the memory for so long instead")
     options = parser.parse_args()
-    if options.minutes:
-        watch_memory(options.vehicles, options.minutes)
-        return
     turns = [measure(options.vehicles, options.seconds) for _ in range(options.turns)]
     print(
         f"{options.vehicles} vehicles at 10 Hz: frames a second, milliseconds of the main thread per frame\n"

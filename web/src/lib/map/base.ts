@@ -45,9 +45,8 @@ export function mapStyle(base: BaseMap, palette: MapPalette, archive: ArchiveInf
   const sources: Record<string, SourceSpecification> = {
     [TRACK_SOURCE]: { type: 'geojson', data: { type: 'FeatureCollection', features: [] } },
   };
-  const layers: LayerSpecification[] = [
-    { id: 'background', type: 'background', paint: { 'background-color': palette.background } },
-  ];
+  // The background is that of the element behind the map: a layer of it would be computed for each pixel of each frame.
+  const layers: LayerSpecification[] = [];
   const kind = baseProblem(base.url) === null ? baseKind(base.url) : 'none';
   const address = base.url.trim().replace(/^pmtiles:\/\//i, '');
   if (kind === 'raster') {

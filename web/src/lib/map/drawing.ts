@@ -1,7 +1,7 @@
 /** Layers of the map and the canvas above the tiles on which they paint, at most once per animation frame. */
 import type { MapPalette } from './palette';
 import type { Point, Projection } from './projection';
-import { spriteOf, stamp } from './sprites';
+import { type Sprite, spriteOf, stamp } from './sprites';
 
 export interface Drawing {
   readonly context: CanvasRenderingContext2D;
@@ -23,15 +23,38 @@ export interface LabelStyle {
   readonly align?: CanvasTextAlign;
 }
 
-/** Write text with a halo, readable on every background. */
-export function label({ context, palette }: Drawing, text: string, { x, y }: Point, style: LabelStyle = {}): void {
-  const { size = 12, weight = 600, colour = palette.text, align = 'center' } = style;
+/**
+ * Write text with a halo, readable on every background.
+ *
+ * @param text - A text, or its parts from left to right. A part is painted once and copied from then on: what changes
+ *   often is a part of its own.
+ */
+export function label(
+  drawing: Drawing,
+  text: string | readonly string[],
+  { x, y }: Point,
+  style: LabelStyle = {},
+): void {
+  const { align = 'center' } = style;
+  const sprites = (typeof text === 'string' ? [text] : text).map((part) => textSprite(drawing, part, style));
+  const width = sprites.reduce((sum, sprite) => sum + sprite.width - MARGIN, 0);
+  let left = x - (align === 'center' ? width / 2 : align === 'left' || align === 'start' ? 0 : width);
+  for (const sprite of sprites) {
+    const own = sprite.width - MARGIN;
+    // Whole pixels keep texts sharp.
+    stamp(drawing.context, sprite, Math.round(left + own / 2), Math.round(y));
+    left += own;
+  }
+}
+
+function textSprite({ context, palette }: Drawing, text: string, style: LabelStyle): Sprite {
+  const { size = 12, weight = 600, colour = palette.text } = style;
   const font = `${weight} ${size}px ${FONT}`;
   const measure = (): [number, number] => {
     context.font = font;
     return [context.measureText(text).width + MARGIN, size + MARGIN];
   };
-  const sprite = spriteOf(`${text}|${font}|${colour}|${palette.halo}`, measure, (target) => {
+  return spriteOf(`${text}|${font}|${colour}|${palette.halo}`, measure, (target) => {
     target.font = font;
     target.textAlign = 'center';
     target.textBaseline = 'middle';
@@ -42,13 +65,6 @@ export function label({ context, palette }: Drawing, text: string, { x, y }: Poi
     target.fillStyle = colour;
     target.fillText(text, 0, 0);
   });
-  const half = (sprite.width - MARGIN) / 2;
-  const shift = align === 'center' ? 0 : align === 'left' || align === 'start' ? half : -half;
-  context.save();
-  // Whole pixels keep texts sharp.
-  context.translate(Math.round(x + shift), Math.round(y));
-  stamp(context, sprite);
-  context.restore();
 }
 
 export interface LineStyle {

@@ -30,7 +30,7 @@ async function setUp(): Promise<Engine> {
 /** Create a map that is never tilted and has no controls of its own. */
 export async function createMap(options: MapOptions): Promise<MapLibreMap> {
   const engine = await loadEngine();
-  return new engine.Map({
+  const map = new engine.Map({
     attributionControl: false,
     maxPitch: 0,
     pitchWithRotate: false,
@@ -40,6 +40,14 @@ export async function createMap(options: MapOptions): Promise<MapLibreMap> {
     minZoom: 1,
     ...options,
   });
+  leaveOutSky(map);
+  map.on('webglcontextrestored', () => leaveOutSky(map));
+  return map;
+}
+
+/** MapLibre computes the sky for each pixel of each frame; a map that is never tilted shows none of it. */
+function leaveOutSky({ painter }: MapLibreMap): void {
+  painter.drawFunctions = { ...painter.drawFunctions, sky: () => undefined };
 }
 
 /** Return what the PMTiles archive of a base map holds, or null if the base map is something else. */

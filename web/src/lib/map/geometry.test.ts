@@ -161,11 +161,10 @@ describe('base map', () => {
 
   it('draws tiles below the tracks, vector archives by the layers they have', () => {
     const raster = mapStyle({ url: 'https://t/{z}/{x}/{y}.png', attribution: 'T' }, DARK);
-    expect(raster.layers.map((layer) => layer.id)).toEqual(['background', 'base', 'tracks-halo', 'tracks']);
+    expect(raster.layers.map((layer) => layer.id)).toEqual(['base', 'tracks-halo', 'tracks']);
     const archive = { isVector: true, maxZoom: 14, layers: ['water', 'roads', 'places'] };
     const vector = mapStyle({ url: 'https://t/a.pmtiles', attribution: 'T' }, DARK, archive);
     expect(vector.layers.map((layer) => layer.id)).toEqual([
-      'background',
       'base-water',
       'base-roads',
       'tracks-halo',

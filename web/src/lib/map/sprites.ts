@@ -33,9 +33,9 @@ export function spriteOf(key: string, size: () => readonly [width: number, heigh
   return sprite;
 }
 
-/** Copies a picture with its middle at the origin of the present transformation. */
-export function stamp(context: CanvasRenderingContext2D, { picture, width, height }: Sprite): void {
-  context.drawImage(picture, -width / 2, -height / 2, width, height);
+/** Copies a picture with its middle at a place of the present transformation. */
+export function stamp(context: CanvasRenderingContext2D, { picture, width, height }: Sprite, x = 0, y = 0): void {
+  context.drawImage(picture, x - width / 2, y - height / 2, width, height);
 }
 
 function dropOldest(): void {
@@ -45,7 +45,9 @@ function dropOldest(): void {
 }
 
 function painted(width: number, height: number, scale: number, paint: Paint): Sprite {
-  const canvas = new OffscreenCanvas(Math.ceil(width * scale), Math.ceil(height * scale));
+  // With an even number of pixels the middle is between two of them: a copy at whole pixels is sharp, and fast.
+  const even = (length: number): number => 2 * Math.ceil((length * scale) / 2);
+  const canvas = new OffscreenCanvas(even(width), even(height));
   const context = canvas.getContext('2d');
   const size = { width: canvas.width / scale, height: canvas.height / scale };
   if (context === null) return { picture: canvas, ...size };

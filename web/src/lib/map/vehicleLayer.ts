@@ -15,8 +15,8 @@ export interface MapVehicle extends Place {
   readonly isArmed: boolean;
   readonly isAlive: boolean;
   readonly isSelected: boolean;
-  /** The short text below the symbol. */
-  readonly caption: string;
+  /** The parts of the short text below the symbol. */
+  readonly caption: readonly string[];
   /** The newest places of the vehicle's track, which the layer of tracks does not show yet; null without a track. */
   readonly trackEnd: readonly Place[] | null;
 }
@@ -25,7 +25,8 @@ export interface MapVehicle extends Place {
 const AHEAD = 8;
 const HIT_RADIUS = 22;
 const CAPTION_HEIGHT = 15;
-const SYMBOL_SIZE = [48, 48] as const;
+/** Room for the symbols with their outlines; turned copies cost time for each pixel. */
+const SYMBOL_SIZE = [34, 34] as const;
 
 /** Paint all vehicles, the selected ones above the others, and captions where there is room for them. */
 export function paintVehicles(drawing: Drawing, vehicles: readonly MapVehicle[]): void {
@@ -37,8 +38,8 @@ export function paintVehicles(drawing: Drawing, vehicles: readonly MapVehicle[])
     shown.push([vehicle, pixel]);
     paintVehicle(drawing, vehicle, pixel);
   }
-  const captions = shown.reverse().map(([{ caption }, { x, y }]) => ({ text: caption, x, y: y + 27 }));
-  for (const index of roomFor(captions)) label(drawing, captions[index]!.text, captions[index]!, { size: 11.5 });
+  const captions = shown.reverse().map(([{ caption }, { x, y }]) => ({ text: caption.join(''), x, y: y + 27 }));
+  for (const index of roomFor(captions)) label(drawing, shown[index]![0].caption, captions[index]!, { size: 11.5 });
 }
 
 /** Return which captions can be written without covering an earlier one. */

@@ -26,6 +26,8 @@ const BACKGROUND_INTERVAL = 1000;
 /** Each vehicle of a larger fleet adds a ms to the interval in which all are shown: each frame would have some news. */
 const MAX_SMALL_FLEET = 12;
 const MAX_INTERVAL = 100;
+/** The time of a frame in ms. */
+const FRAME = 1000 / 60;
 const MAV_TYPE_GCS = 6;
 const MAV_AUTOPILOT_INVALID = 8;
 const MAV_STATE_ACTIVE = 4;
@@ -43,7 +45,7 @@ class Fleet {
   private transport: Transport | null = null;
   private ends: (() => void)[] = [];
   private texts: StatusText[] = [];
-  private frame: number | null = null;
+  private isScheduled = false;
   private counted = 0;
   private bytes = 0;
   private chosen = false;
@@ -158,11 +160,20 @@ class Fleet {
     if (!this.chosen && now - this.firstFound < FINDING_TIME) this.selectedSystem = this.vehicles[0]!.system;
   }
 
+  /** Publishes in the next frame of which the last publication is an interval ago. */
   private schedule(): void {
-    if (this.frame !== null || typeof requestAnimationFrame === 'undefined') return;
-    this.frame = requestAnimationFrame((time) => {
-      this.frame = null;
-      if (time - this.published < this.interval) return this.schedule();
+    if (this.isScheduled || typeof requestAnimationFrame === 'undefined') return;
+    this.isScheduled = true;
+    // Frames that are asked for cost time even if they show nothing new.
+    const wait = this.published + this.interval - performance.now() - FRAME;
+    if (wait > 0) setTimeout(() => this.publishInFrame(), wait);
+    else this.publishInFrame();
+  }
+
+  private publishInFrame(): void {
+    requestAnimationFrame((time) => {
+      if (time - this.published < this.interval) return this.publishInFrame();
+      this.isScheduled = false;
       this.published = time;
       this.publish();
     });

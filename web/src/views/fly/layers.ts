@@ -5,6 +5,7 @@ import { paintTraffic } from '$lib/map/traffic';
 import { type MapVehicle, paintVehicles } from '$lib/map/vehicleLayer';
 import { fleet } from '$lib/store/fleet.svelte';
 import { format } from '$lib/units/units';
+import { currentItemNumber } from '$lib/vehicle/missionItem';
 import type { Vehicle } from '$lib/vehicle/Vehicle';
 
 import { fly } from './fly.svelte';
@@ -28,7 +29,7 @@ export function mapVehicle(vehicle: Vehicle, isSelected: boolean): MapVehicle | 
     isSelected,
     latitude: position.latitude,
     longitude: position.longitude,
-    caption: altitude === null ? String(system) : `${system} · ${format(altitude, 'altitude', 0)}`,
+    caption: altitude === null ? [String(system)] : [`${system} · `, format(altitude, 'altitude', 0)],
     trackEnd: fly.trackEnd(system),
   };
 }
@@ -52,7 +53,7 @@ const plans: Layer = (drawing) => {
     if (mission.length === 0) continue;
     paintMission(drawing, fly.pathOf(vehicle), {
       isFaint: !isSelected,
-      current: vehicle.state.mission?.current ?? null,
+      current: currentItemNumber(vehicle.state),
     });
   }
 };
