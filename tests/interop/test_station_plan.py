@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from urllib.request import urlopen
+from urllib.request import Request, urlopen
 
 import pytest
 
+from mavstack.files.plans import PlanFile, format_plan, parse_plan, plan_json
 from tests.interop.station import (
     DESKTOP,
     PHONE,
@@ -51,12 +52,28 @@ def held_plan(server: StationServer) -> dict[str, list[Any]]:
     return held
 
 
+def saved_text(shown: StationPage, format_name: str) -> str:
+    """Return the file that the page saves."""
+    with shown.page.expect_download() as waiting:
+        shown.page.get_by_label("Save as").select_option(format_name)
+    return Path(waiting.value.path()).read_text("utf-8")
+
+
 def saved_plan(shown: StationPage) -> dict[str, list[Any]]:
     """Return the plans that the page saves as a file."""
-    with shown.page.expect_download() as waiting:
-        shown.page.get_by_label("Save as").select_option("json")
-    plan = json.loads(Path(waiting.value.path()).read_text("utf-8"))
+    plan = json.loads(saved_text(shown, "json"))
     return {kind: rounded(plan[kind]) for kind in KINDS}
+
+
+def items_of(plan: PlanFile, kind: str) -> list[Any]:
+    """Return the items of a plan that Python has read, as `saved_plan` does."""
+    return rounded(plan_json(plan)[kind])
+
+
+def opened(shown: StationPage, name: str, text: str) -> None:
+    """Open a file in the page."""
+    file = {"name": name, "mimeType": "text/plain", "buffer": text.encode()}
+    shown.page.locator("input[type=file]").first.set_input_files(file)
 
 
 def rounded(items: list[dict[str, Any]]) -> list[Any]:
@@ -111,6 +128,105 @@ def test_a_plan_is_drawn_uploaded_and_downloaded(server: StationServer, browser:
         assert saved_plan(shown) == drawn
         shown.page.keyboard.press("Control+z")
         shown.wait_for("The mission is empty")
+
+
+def draw_all(shown: StationPage, url: str) -> None:
+    """Draw waypoints, a circle to stay in, a polygon to stay in and a rally point."""
+    shown.page.goto(f"{url}#/plan")
+    shown.page.get_by_label("Map of the plan").first.wait_for()
+    shown.wait_until(lambda: near(map_picture(shown), VEHICLE) > 40)
+    draw(shown, "w", (0, -150), (150, -90), (120, 90))
+    draw(shown, "o", (40, 0))
+    draw(shown, "p", (-250, -200), (250, -200), (250, 200), (-250, 200))
+    shown.button("Finish").click()
+    draw(shown, "r", (-60, 60))
+    shown.page.keyboard.press("Escape")
+
+
+def test_files_of_the_page_and_of_python_are_the_same(
+    server: StationServer, browser: Any, tmp_path: Path
+) -> None:
+    mavwp = pytest.importorskip("pymavlink.mavwp")
+    with station_page(browser, server.url, DESKTOP) as shown:
+        draw_all(shown, server.url)
+        drawn = saved_plan(shown)
+        for name in ("plan", "json"):
+            read = parse_plan(saved_text(shown, name))
+            assert {kind: items_of(read, kind) for kind in KINDS} == drawn
+        waypoints = saved_text(shown, "waypoints")
+        assert items_of(parse_plan(waypoints), "mission") == drawn["mission"]
+        (tmp_path / "drawn.waypoints").write_text(waypoints, "utf-8")
+        loader = mavwp.MAVWPLoader()
+        # The home is its item 0.
+        assert loader.load(str(tmp_path / "drawn.waypoints")) == len(drawn["mission"]) + 1
+        assert [loader.wp(index).command for index in range(1, loader.count())] == [
+            command for command, _, _ in drawn["mission"]
+        ]
+        whole = parse_plan(saved_text(shown, "json"))
+        for name in ("plan", "json", "waypoints"):
+            opened(shown, f"by-python-{name}.txt", format_plan(whole, name).text)
+            shown.wait_for(f"by-python-{name}.txt opened")
+            found = saved_plan(shown)
+            assert found["mission"] == drawn["mission"]
+            assert name == "waypoints" or found == drawn
+
+
+def test_work_is_not_lost(server: StationServer, browser: Any) -> None:
+    with station_page(browser, server.url, DESKTOP) as shown:
+        draw_all(shown, server.url)
+        draw(shown, "s", (-90, -60), (90, -60), (90, 60))
+        shown.wait_for("lanes,")
+        # The last corner is taken back, not the last edit.
+        shown.page.keyboard.press("Control+z")
+        shown.page.get_by_text("lanes,").wait_for(state="detached")
+        shown.page.keyboard.press("Escape")
+        for name in ("Download", "New plan"):
+            shown.button(name).click()
+            shown.wait_for("neither in a file nor on the vehicle")
+            shown.button("Cancel").click()
+        opened(shown, "other.waypoints", "QGC WPL 110\n")
+        shown.wait_for("neither in a file nor on the vehicle")
+        shown.button("Cancel").click()
+        shown.page.reload()
+        shown.page.locator("#plan-item-3").wait_for()
+        drawn = saved_plan(shown)
+        assert [len(drawn[kind]) for kind in KINDS] == [4, 5, 1]
+        # The file has the plan now: nothing is asked.
+        shown.button("New plan").click()
+        shown.wait_for("The mission is empty")
+        shown.page.keyboard.press("Control+z")
+        shown.page.locator("#plan-item-3").wait_for()
+
+
+def test_wrong_files_are_reported_in_one_line(server: StationServer, browser: Any) -> None:
+    with station_page(browser, server.url, DESKTOP) as shown:
+        shown.page.goto(f"{server.url}#/plan")
+        for name, text, reason in (
+            ("map.kmz", "PK\x03\x04…", "the file is an archive"),
+            ("notes.txt", "latitude;longitude", "the file is no plan"),
+            ("short.waypoints", "QGC WPL 110\n\n0 1", "line 3: has 2 columns instead of 12"),
+            ("half.plan", '{"mission": {"items": [{}]}}', "mission.items[0]: has no"),
+        ):
+            opened(shown, name, text)
+            shown.wait_for(reason)
+
+
+def test_the_current_item_is_marked(browser: Any, tmp_path: Path) -> None:
+    with station_server(tmp_path) as flown, station_page(browser, flown.url, DESKTOP) as shown:
+        draw_all(shown, flown.url)
+        shown.button("Upload").click()
+        shown.wait_for("Rally: on the vehicle (1)")
+        body = json.dumps({"seq": 2}).encode()
+        headers = {"Content-Type": "application/json"}
+        address = f"{flown.url}api/vehicles/1/mission/current"
+        with urlopen(Request(address, body, headers, method="POST"), timeout=20) as answer:
+            assert answer.status == 200
+        # ArduPilot counts its home as item 0: its 2 is the second item of the plan.
+        shown.page.locator("#plan-item-1 .current").wait_for()
+        shown.page.locator("#plan-item-3").click()
+        shown.page.keyboard.press("Delete")
+        # The plan is not the one of the vehicle any more.
+        shown.page.locator("#plan-item-1 .current").wait_for(state="detached")
 
 
 def test_a_parameter_and_a_sensor_are_set_up(server: StationServer, browser: Any) -> None:

@@ -17,6 +17,8 @@ describe('missionPath', () => {
     const { line, stops } = missionPath([item(0, 22), item(1, 16, 46.1, 7.1), item(2, 20)], HOME);
     expect(line).toEqual([HOME, HOME, { latitude: 46.1, longitude: 7.1 }, HOME]);
     expect(stops.map((stop) => stop.kind)).toEqual(['takeoff', 'waypoint', 'rtl']);
+    // Numbered as people count.
+    expect(stops.map((stop) => stop.seq)).toEqual([1, 2, 3]);
   });
 
   it('does not fly to a region of interest, and has no place for commands', () => {

@@ -73,7 +73,7 @@ export function missionPath(items: readonly MapItem[], home: Place | null): Miss
     const place = kind === 'rtl' ? home : (placeOf(item) ?? here);
     if (place === null) continue;
     const radius = item.params[RADIUS_PARAMETER[item.command] ?? -1] ?? null;
-    stops.push({ ...pick(place), seq: item.seq, kind, altitude: item.params[6] ?? null, radius });
+    stops.push({ ...pick(place), seq: item.seq + 1, kind, altitude: item.params[6] ?? null, radius });
     places.set(item.seq, place);
     if (kind === 'interest') continue;
     if (line.length === 0 && kind === 'takeoff' && home !== null) line.push(pick(home));

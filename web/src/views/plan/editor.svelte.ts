@@ -2,26 +2,28 @@
 
 import { fleet } from '$lib/store/fleet.svelte';
 import { Persisted } from '$lib/store/settings.svelte';
+import { currentItemNumber } from '$lib/vehicle/missionItem';
 
 import { check, type Problem } from './logic/checks';
 import { commandInfo, itemPosition, newItem } from './logic/commands';
 import { corridorLanes } from './logic/corridor';
 import { hgtSource, tileSource, type ElevationSource, type HgtFile, type TileEncoding } from './logic/elevation';
 import { area, destination, pathLength, type Point } from './logic/geo';
+import { draftPlan, draftText } from './logic/draft';
+import { has, moved, removed, type Selection } from './logic/edits';
 import { begin, commit, redo, undo, type History } from './logic/history';
 import {
-  changedAt, CMD, EMPTY_PLAN, FRAME, insertItems, moveItem, moveVertex, placedAt, removeItems, replaceItem, waypoint, without,
+  changedAt, CMD, FRAME, insertItems, isEmpty, moveItem, replaceItem, waypoint,
   type Item, type Place, type Plan, type PlanKind,
 } from './logic/model';
 import { altitudeFor, CAMERAS, laneItems, pictureCount, spacingOf, type Camera, type Lane } from './logic/pattern';
-import { isWing, statisticsOf } from './logic/statistics';
+import { isWing } from './logic/path';
+import { statisticsOf } from './logic/statistics';
 import { maxEdgeAngle, surveyLanes } from './logic/survey';
 import type { Profile } from './logic/terrain';
 
 export type Tool = 'select' | 'waypoint' | 'survey' | 'corridor' | 'polygon' | 'circle' | 'rally' | 'home' | 'return';
-export type Selection =
-  | { readonly kind: 'item' | 'polygon' | 'circle' | 'rally'; readonly index: number }
-  | { readonly kind: 'home' | 'return' };
+export type { Selection } from './logic/edits';
 
 export interface PatternSettings {
   /** Name of the camera; empty: the distance of lanes is given by hand. */
@@ -49,10 +51,17 @@ const PATTERN: PatternSettings = {
 /** Tools that draw a line or an area, and how many points they need. */
 const DRAWN: Readonly<Partial<Record<Tool, number>>> = { survey: 3, corridor: 2, polygon: 3 };
 const NEW_RADIUS = 100;
+/** Milliseconds without an edit after which the browser keeps the plan. */
+const STORE_DELAY = 300;
+export const KINDS: readonly PlanKind[] = ['mission', 'fence', 'rally'];
 const ENDS: ReadonlySet<number> = new Set([CMD.NAV_RETURN_TO_LAUNCH, CMD.NAV_LAND, CMD.NAV_VTOL_LAND]);
 
 export class Editor {
-  private history: History<Plan> = $state.raw(begin(EMPTY_PLAN));
+  private readonly stored = new Persisted('plan.draft', '');
+  private storing: ReturnType<typeof setTimeout> | undefined;
+  private history: History<Plan> = $state.raw(begin(draftPlan(this.stored.value)));
+  /** The plan that a file or a vehicle has too; null: none. */
+  private kept: Plan | null = $state.raw(null);
   selection: Selection | null = $state.raw(null);
   tool: Tool = $state('select');
   /** The points of the line or the area that is drawn. */
@@ -90,7 +99,10 @@ export class Editor {
     ...this.limits.value,
     vehicle: this.vehiclePlace,
     wing: isWing(this.plan),
+    firmware: fleet.selected?.state.autopilot ?? this.plan.firmware,
   }));
+  /** Whether the plan has work that is in no file and on no vehicle. */
+  readonly hasUnsavedWork: boolean = $derived(this.plan !== this.kept && KINDS.some((kind) => !isEmpty(this.plan, kind)));
 
   get vehiclePlace(): Point | null {
     const at = fleet.selected?.state.position ?? null;
@@ -100,7 +112,19 @@ export class Editor {
 
   /** Changes the plan; edits with the same key, such as those of one drag, are undone together. */
   change(plan: Plan, key: string | null = null): void {
-    this.history = commit(this.history, plan, key);
+    this.turn(commit(this.history, plan, key));
+  }
+
+  private turn(history: History<Plan>): void {
+    this.history = history;
+    clearTimeout(this.storing);
+    this.storing = setTimeout(() => this.store(), STORE_DELAY);
+  }
+
+  /** Keeps the plan in the browser at once. */
+  store(): void {
+    clearTimeout(this.storing);
+    this.stored.value = draftText(this.plan);
   }
 
   /** Ends a gesture: the next edit is undone alone. */
@@ -108,19 +132,27 @@ export class Editor {
     this.history = { ...this.history, key: null };
   }
 
+  /** Takes back the last point of the drawing, or the last edit. */
   undo(): void {
-    this.history = undo(this.history);
+    if (this.draft.length > 0) this.draft = this.draft.slice(0, -1);
+    else this.turn(undo(this.history));
     this.clampSelection();
   }
 
   redo(): void {
-    this.history = redo(this.history);
+    this.turn(redo(this.history));
     this.clampSelection();
   }
 
-  /** Replaces the whole plan, as by a file or a download. */
+  /** Remembers that a file or a vehicle has a plan. */
+  keep(plan: Plan): void {
+    this.kept = plan;
+  }
+
+  /** Replaces the whole plan by one of a file or a vehicle. */
   load(plan: Plan): void {
     this.change(plan);
+    this.keep(plan);
     this.selection = null;
     this.setTool('select');
   }
@@ -147,15 +179,20 @@ export class Editor {
     this.change({ ...this.plan, ...(isWing(this.plan) ? { cruiseSpeed: speed } : { hoverSpeed: speed }) });
   }
 
+  /** The number of the item that the vehicle flies to, from 1; null if its mission is not the one that is shown. */
+  get currentItem(): number | null {
+    const vehicle = fleet.selected;
+    const held = vehicle && this.held[`${vehicle.system} mission`];
+    const isShown = held && (held === this.plan.mission || JSON.stringify(held) === JSON.stringify(this.plan.mission));
+    return isShown ? currentItemNumber(vehicle.state) : null;
+  }
+
   get selectedItem(): number | null {
     return this.selection?.kind === 'item' ? this.selection.index : null;
   }
 
   private clampSelection(): void {
-    const [chosen, plan] = [this.selection, this.plan];
-    if (!chosen || !('index' in chosen)) return;
-    const counts = { item: plan.mission, polygon: plan.polygons, circle: plan.circles, rally: plan.rally };
-    if (chosen.index >= counts[chosen.kind].length) this.selection = null;
+    if (this.selection && !has(this.plan, this.selection)) this.selection = null;
   }
 
   // Editing
@@ -271,39 +308,21 @@ export class Editor {
 
   /** Moves something on the map; `handle` is a corner of a polygon or a point of the drawing. */
   place(target: Selection | { kind: 'draft' }, at: Point, handle = 0): void {
-    const { plan } = this;
-    const point = { latitude: at.latitude, longitude: at.longitude };
     if (target.kind === 'draft') {
-      this.draft = changedAt(this.draft, handle, point);
+      this.draft = changedAt(this.draft, handle, { latitude: at.latitude, longitude: at.longitude });
       return;
     }
     const index = 'index' in target ? target.index : 0;
-    const edits: Record<Selection['kind'], () => Plan> = {
-      item: () => replaceItem(plan, index, placedAt(plan.mission[index]!, point)),
-      polygon: () => moveVertex(plan, index, handle, point),
-      circle: () => ({ ...plan, circles: changedAt(plan.circles, index, { ...plan.circles[index]!, center: point }) }),
-      rally: () => ({ ...plan, rally: changedAt(plan.rally, index, { ...plan.rally[index]!, ...point }) }),
-      home: () => ({ ...plan, home: { altitude: 0, ...plan.home, ...point } }),
-      return: () => ({ ...plan, returnPoint: { altitude: 0, ...plan.returnPoint, ...point } }),
-    };
-    this.change(edits[target.kind](), `place ${target.kind} ${index} ${handle}`);
+    this.change(moved(this.plan, target, at, handle), `place ${target.kind} ${index} ${handle}`);
   }
 
   removeSelected(): void {
     const { plan, selection } = this;
-    if (!selection) return;
-    const index = 'index' in selection ? selection.index : 0;
-    const edits: Record<Selection['kind'], () => Plan> = {
-      item: () => removeItems(plan, new Set([index])),
-      polygon: () => ({ ...plan, polygons: without(plan.polygons, index) }),
-      circle: () => ({ ...plan, circles: without(plan.circles, index) }),
-      rally: () => ({ ...plan, rally: without(plan.rally, index) }),
-      home: () => ({ ...plan, home: null }),
-      return: () => ({ ...plan, returnPoint: null }),
-    };
-    this.change(edits[selection.kind]());
+    if (!selection || !has(plan, selection)) return;
+    this.change(removed(plan, selection));
     const left = this.plan.mission.length;
-    this.selection = selection.kind === 'item' && left > 0 ? { kind: 'item', index: Math.min(index, left - 1) } : null;
+    const next = 'index' in selection ? Math.min(selection.index, left - 1) : 0;
+    this.selection = selection.kind === 'item' && left > 0 ? { kind: 'item', index: next } : null;
   }
 
   // Patterns
@@ -377,10 +396,8 @@ export function radiusHandle(center: Point, radius: number): Point {
 }
 
 export function itemLabel(each: Item): string {
-  return commandInfo(each.command).label;
+  return each.kept ? each.kept.kind : commandInfo(each.command).label;
 }
-
-export const KINDS: readonly PlanKind[] = ['mission', 'fence', 'rally'];
 
 /** The plan stays while other views are shown. */
 export const editor = new Editor();

@@ -10,7 +10,7 @@ import { itemPosition, isOnPath } from './logic/commands';
 import { corridorOutline } from './logic/corridor';
 import { between, type Point } from './logic/geo';
 import { CMD, FRAME, type Item, type Plan } from './logic/model';
-import { pathOf } from './logic/statistics';
+import { pathOf } from './logic/path';
 
 /** Something that can be dragged or chosen. */
 export interface Handle {
@@ -121,7 +121,7 @@ export function paintPlan(drawing: Drawing, editor: Editor): void {
   const selected = editor.selectedItem === null ? [] : [editor.selectedItem + 1];
   paintFence(drawing, shapesOf(plan));
   paintDraft(drawing, editor);
-  paintMission(drawing, missionPathOf(plan), { selected });
+  paintMission(drawing, missionPathOf(plan), { selected, current: editor.currentItem });
   paintRally(drawing, plan.rally);
   if (plan.home) paintHome(drawing, plan.home);
   if (editor.selection) paintShapeHandles(drawing, shapeHandles(plan, editor.selection));

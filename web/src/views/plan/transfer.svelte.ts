@@ -7,7 +7,7 @@ import { toast, toastError } from '$lib/ui/toasts.svelte';
 import { editor, KINDS } from './editor.svelte';
 import { apiItems, fromApi } from './formats/mavstack';
 import { fenceAreas, fenceItems, rallyItems, rallyPoints } from './logic/fence';
-import { isEmpty, type Item, type Plan, type PlanKind } from './logic/model';
+import { isEmpty, withoutKept, type Item, type Plan, type PlanKind } from './logic/model';
 
 class Transfer {
   kind: PlanKind | null = $state(null);
@@ -21,9 +21,10 @@ class Transfer {
 
   /** Uploads each kind of plan that has items, and clears those that the plan has lost. */
   async upload(vehicle: Vehicle): Promise<boolean> {
-    return this.run(true, vehicle, async (kind) => {
-      const { plan } = editor;
-      const items = itemsOf(plan, kind);
+    // Edits made meanwhile are not sent: the vehicle gets one plan.
+    const { plan } = editor;
+    const ok = await this.run(true, vehicle, async (kind) => {
+      const items = itemsOf(withoutKept(plan), kind);
       if (items.length === 0) {
         if (!held(vehicle, kind)?.length) return;
         await vehicle.clearPlan(kind);
@@ -31,6 +32,9 @@ class Transfer {
       remember(vehicle, kind, items);
       toast('ok', t('plan.uploaded', { kind: t(`plan.${kind}`), count: items.length }));
     });
+    const isWhole = KINDS.every((kind) => vehicle.capabilities[kind] !== false || isEmpty(plan, kind));
+    if (ok && isWhole) editor.keep(plan);
+    return ok;
   }
 
   /** Downloads all kinds of plans that the vehicle has. */

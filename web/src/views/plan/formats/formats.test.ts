@@ -2,7 +2,10 @@ import { describe, expect, it } from 'vitest';
 
 import { newItem } from '../logic/commands';
 import { CMD, EMPTY_PLAN, item, waypoint, type Plan } from '../logic/model';
-import { readPlan, writePlan } from '.';
+import { check } from '../logic/checks';
+import { draftPlan, draftText } from '../logic/draft';
+import { statisticsOf } from '../logic/statistics';
+import { holdsAll, readPlan, writePlan } from '.';
 import { writeWaypoints } from './waypoints';
 
 const HOME = { latitude: 47.397, longitude: 8.545, altitude: 488 };
@@ -22,6 +25,8 @@ const whole: Plan = {
   firmware: 3,
   hoverSpeed: 7,
 };
+
+const INPUT = { profile: null, clearance: 20, endurance: null, ceiling: null, vehicle: null, wing: false, firmware: 0 };
 
 describe('plan files', () => {
   for (const format of ['plan', 'json'] as const) {
@@ -43,8 +48,32 @@ describe('plan files', () => {
     const survey = { type: 'ComplexItem', complexItemType: 'survey', TransectStyleComplexItem: { Items: rest } };
     file.mission.items = [takeoff, survey, { type: 'ComplexItem', complexItemType: 'new kind' }];
     const read = readPlan(JSON.stringify(file));
-    expect(read.plan.mission).toEqual(whole.mission);
+    const [kept, ...others] = [...read.plan.mission].reverse();
+    expect(others.reverse()).toEqual(whole.mission);
+    expect(kept!.kept!.kind).toBe('new kind');
     expect(read.notes).toEqual(['mission.items[2]: the new kind was not read, since the file holds no items of it']);
+  });
+
+  it('of QGroundControl are saved with the patterns that only it can compute', () => {
+    const scan = { type: 'ComplexItem', complexItemType: 'StructureScan', Layers: 3, polygon: [[1, 2]] };
+    const file = JSON.parse(writePlan(whole, 'plan', '')) as { mission: { items: unknown[] } };
+    file.mission.items.splice(1, 0, scan);
+    const { plan } = readPlan(JSON.stringify(file));
+    const written = JSON.parse(writePlan(plan, 'plan', '')) as { mission: { items: unknown[] } };
+    expect(written.mission.items[1]).toEqual(scan);
+    // The jump names the same item: with the scan it is the third one.
+    expect(readPlan(JSON.stringify(written)).plan.mission).toEqual(plan.mission);
+    for (const format of ['json', 'waypoints'] as const) {
+      expect(readPlan(writePlan(plan, format, '')).plan.mission).toEqual(whole.mission);
+      expect(holdsAll(plan, format)).toBe(false);
+    }
+    expect(draftPlan(draftText(plan))).toEqual(plan);
+    expect(check({ ...INPUT, plan, statistics: statisticsOf(plan) }).map((each) => each.key)).toContain('checkKept');
+  });
+
+  it('are kept by the browser, and nothing else is', () => {
+    expect(draftPlan(draftText(whole))).toEqual(whole);
+    for (const text of ['', '{', '{}', '{"plan": 1}', null, 5]) expect(draftPlan(text)).toEqual(EMPTY_PLAN);
   });
 
   it('that are wrong are told with the place', () => {
@@ -56,6 +85,10 @@ describe('plan files', () => {
       ['QGC WPL 110\n0 1 2', 'line 2: has 3 columns instead of 12'],
       ['QGC WPL 7', 'QGC WPL 7 is not supported'],
       ['<kml></kml>', 'the file has no path, polygon or point'],
+      ['# by hand\n\nQGC WPL 110\n\n0 1 2', 'line 5: has 3 columns'],
+      ['PK\u0003\u0004 doc.kml', 'the file is an archive'],
+      ['latitude;longitude', 'neither JSON, QGC WPL nor KML'],
+      ['<kml><Point><coordinates>47.1,-122,0</coordinates></Point></kml>', '47.1,-122,0 is not a longitude and a latitude'],
     ];
     for (const [text, reason] of wrong) expect(() => readPlan(text)).toThrow(reason);
   });

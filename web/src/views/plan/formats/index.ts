@@ -1,8 +1,8 @@
 /** Plan files: detection, reading and writing. */
 
-import { CMD, EMPTY_PLAN, waypoint, type Plan } from '../logic/model';
+import { CMD, EMPTY_PLAN, isEmpty, waypoint, type Plan } from '../logic/model';
 import { newItem } from '../logic/commands';
-import { Tree } from './json';
+import { PlanFileError, Tree } from './json';
 import { isKml, readKml, writeKml } from './kml';
 import { readMavstack, writeMavstack } from './mavstack';
 import { readQgc, writeQgc, type ReadPlan } from './qgc';
@@ -25,11 +25,34 @@ export const SUFFIXES = '.plan,.waypoints,.txt,.mission,.kml,.json';
 /** Metres above home of waypoints from a drawn path without altitudes. */
 export const DEFAULT_ALTITUDE = 30;
 
+/** A larger file is no plan. */
+const MAX_BYTES = 64 * 1024 * 1024;
+/** The first bytes of a ZIP archive, such as a .kmz. */
+const ZIP = 'PK\u0003\u0004';
+
+/** Reads the plan of a file; throws `PlanFileError` with what is wrong. */
+export async function readFile(file: File, altitude: number): Promise<ReadPlan> {
+  if (file.size > MAX_BYTES) throw new PlanFileError(`${file.size} bytes are too many for a plan`);
+  return readPlan(await file.text(), altitude);
+}
+
+/** Returns whether a format holds all that a plan has. */
+export function holdsAll(plan: Plan, format: PlanFormat): boolean {
+  if (format === 'plan') return true;
+  const hasKept = plan.mission.some((each) => each.kept);
+  if (format === 'json') return !hasKept;
+  return format === 'waypoints' && !hasKept && isEmpty(plan, 'fence') && isEmpty(plan, 'rally');
+}
+
 /** Reads a plan file of any format; throws `PlanFileError` with the place of what is wrong. */
-export function readPlan(text: string, altitude: number = DEFAULT_ALTITUDE): ReadPlan {
+export function readPlan(given: string, altitude: number = DEFAULT_ALTITUDE): ReadPlan {
+  const text = given.replace(/^\uFEFF/, '').replace(/\r\n?/g, '\n');
+  if (text.startsWith(ZIP)) throw new PlanFileError('the file is an archive: unpack it first, and open the .kml or .plan inside');
   if (isWaypoints(text)) return readWaypoints(text);
   if (isKml(text)) return { plan: fromKml(text, altitude), notes: [] };
+  if (!/^\s*[{[]/.test(text)) throw new PlanFileError('the file is no plan: neither JSON, QGC WPL nor KML');
   const root = Tree.parse(text);
+  if (root.value === null || typeof root.value !== 'object' || Array.isArray(root.value)) throw root.wrong('is not a plan');
   return root.get('fileType').text() === 'MavstackPlan' ? readMavstack(root) : readQgc(root);
 }
 

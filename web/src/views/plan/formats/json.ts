@@ -33,6 +33,13 @@ export class Tree {
     return new Tree(found, this.path ? `${this.path}.${key}` : key);
   }
 
+  /** Returns the value of a key that must be there. */
+  need(key: string): Tree {
+    const found = this.get(key);
+    if (found.value === undefined) throw this.wrong(`has no "${key}"`);
+    return found;
+  }
+
   get exists(): boolean {
     return this.value !== undefined && this.value !== null;
   }
@@ -49,6 +56,26 @@ export class Tree {
     return this.value;
   }
 
+  /** Returns a number; null, which stands for NaN, as it is. */
+  numberOrNull(): number | null {
+    return this.value === null ? null : this.number();
+  }
+
+  integer(minimum: number, maximum: number): number {
+    const value = this.number();
+    if (!Number.isInteger(value) || value < minimum || value > maximum) {
+      throw this.wrong(`is ${value}, not a whole number between ${minimum} and ${maximum}`);
+    }
+    return value;
+  }
+
+  /** Returns a list of so many numbers, none of them null. */
+  finite(count: number): number[] {
+    const found = this.list().map((each) => each.number());
+    if (found.length !== count) throw this.wrong(`has ${found.length} numbers instead of ${count}`);
+    return found;
+  }
+
   /** Returns a number, or a value if it is missing or null. */
   numberOr<T>(missing: T): number | T {
     return this.exists ? this.number() : missing;
@@ -56,13 +83,16 @@ export class Tree {
 
   /** Returns a list of so many numbers; null stands for NaN. */
   numbers(count: number): (number | null)[] {
-    const found = this.list().map((each) => each.numberOr(null));
-    if (found.length < count) throw this.wrong(`has ${found.length} numbers instead of ${count}`);
-    return found.slice(0, count);
+    const found = this.list().map((each) => each.numberOrNull());
+    if (found.length !== count) throw this.wrong(`has ${found.length} numbers instead of ${count}`);
+    return found;
   }
 
+  /** Returns a yes or no; some programs write 0 and 1. */
   flag(missing: boolean): boolean {
-    return typeof this.value === 'boolean' ? this.value : missing;
+    if (this.value === undefined) return missing;
+    if (typeof this.value === 'boolean' || this.value === 0 || this.value === 1) return Boolean(this.value);
+    throw this.wrong('is not true or false');
   }
 
   text(): string {

@@ -1,9 +1,9 @@
 /** KML: a plan as Google Earth shows it, and drawn paths and areas as it saves them. */
 
-import { FRAME, type Place, type Plan } from '../logic/model';
+import { FRAME, withoutKept, type Place, type Plan } from '../logic/model';
 import { destination, type Point } from '../logic/geo';
 import { itemPosition, commandInfo } from '../logic/commands';
-import { pathOf } from '../logic/statistics';
+import { pathOf } from '../logic/path';
 import { PlanFileError } from './json';
 
 /** The shapes of a file; altitudes are those of the file, 0 where it has none. */
@@ -21,7 +21,8 @@ export function isKml(text: string): boolean {
 }
 
 /** Returns a plan as KML: its path, items, fence and rally points. */
-export function writeKml(plan: Plan, name: string): string {
+export function writeKml(whole: Plan, name: string): string {
+  const plan = withoutKept(whole);
   const path = pathOf(plan);
   const line = path.map((each) => [each.longitude, each.latitude, each.altitude].join(',')).join(' ');
   const mode = modeOf(path.at(-1)?.frame);
@@ -85,7 +86,8 @@ function all(text: string, element: string): Place[][] {
 function coordinates(text: string): Place[] {
   return text.trim().split(/\s+/).filter(Boolean).map((word) => {
     const [longitude, latitude, altitude] = word.split(',').map(Number);
-    if (!Number.isFinite(longitude) || !Number.isFinite(latitude)) {
+    // NaN is no place of the earth either.
+    if (!(Math.abs(longitude ?? NaN) <= 180) || !(Math.abs(latitude ?? NaN) <= 90)) {
       throw new PlanFileError(`${word.slice(0, 60)} is not a longitude and a latitude`);
     }
     return { latitude: latitude!, longitude: longitude!, altitude: Number.isFinite(altitude) ? altitude! : 0 };

@@ -1,7 +1,7 @@
 /** The JSON of the server's API and of `mav mission show --json`, which holds every plan without loss. */
 
 import { fenceAreas, fenceItems, rallyItems, rallyPoints } from '../logic/fence';
-import { EMPTY_PLAN, item, type Item, type Plan } from '../logic/model';
+import { EMPTY_PLAN, item, withoutKept, type Item, type Plan } from '../logic/model';
 import { commandInfo } from '../logic/commands';
 import type { Tree } from './json';
 import type { ReadPlan } from './qgc';
@@ -17,7 +17,9 @@ export interface ApiItem {
 }
 
 export function apiItems(items: readonly Item[]): ApiItem[] {
-  return items.map((each, seq) => ({ seq, name: commandInfo(each.command).name, ...each }));
+  return items.map(({ command, frame, params, autocontinue }, seq) => ({
+    seq, name: commandInfo(command).name, command, frame, params, autocontinue,
+  }));
 }
 
 /** Returns items that were downloaded; frames with `_INT` become those without. */
@@ -25,8 +27,9 @@ export function fromApi(items: readonly Omit<ApiItem, 'seq' | 'name'>[]): Item[]
   return items.map((each) => ({ ...item(each.command, each.params, each.frame), autocontinue: each.autocontinue }));
 }
 
-export function writeMavstack(plan: Plan): string {
-  const whole = {
+export function writeMavstack(whole: Plan): string {
+  const plan = withoutKept(whole);
+  const file = {
     fileType: 'MavstackPlan',
     version: 1,
     home: plan.home,
@@ -40,13 +43,13 @@ export function writeMavstack(plan: Plan): string {
     fence: apiItems(fenceItems(plan)),
     rally: apiItems(rallyItems(plan.rally)),
   };
-  return `${JSON.stringify(whole, null, 2)}\n`;
+  return `${JSON.stringify(file, null, 2)}\n`;
 }
 
 export function readMavstack(root: Tree): ReadPlan {
   const items = (key: string): Item[] =>
     root.get(key).list().map((each) => {
-      const read = item(each.get('command').number(), each.get('params').numbers(7), each.get('frame').number());
+      const read = item(each.need('command').integer(0, 0xffff), each.need('params').numbers(7), each.need('frame').integer(0, 0xff));
       return { ...read, autocontinue: each.get('autocontinue').flag(true) };
     });
   const { problems, ...areas } = fenceAreas(items('fence'));

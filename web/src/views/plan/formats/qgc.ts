@@ -1,8 +1,9 @@
 /** QGroundControl's `.plan` files. */
 
-import { CMD, EMPTY_PLAN, FRAME, item, withParam, type Circle, type Item, type Place, type Plan, type Polygon } from '../logic/model';
+import { EMPTY_PLAN, type Circle, type Place, type Plan, type Polygon } from '../logic/model';
 import type { Point } from '../logic/geo';
 import { Tree } from './json';
+import { itemsJson, readItems } from './qgcItems';
 
 export interface ReadPlan {
   readonly plan: Plan;
@@ -37,14 +38,7 @@ export function writeQgc(plan: Plan): string {
       firmwareType: plan.firmware,
       globalPlanAltitudeMode: 0,
       hoverSpeed: plan.hoverSpeed,
-      items: plan.mission.map((each, index) => ({
-        autoContinue: each.autocontinue,
-        command: each.command,
-        doJumpId: index + 1,
-        frame: each.frame,
-        params: each.command === CMD.DO_JUMP ? withParam(each, 1, (each.params[0] ?? 0) + 1).params : each.params,
-        type: 'SimpleItem',
-      })),
+      items: itemsJson(plan.mission),
       plannedHomePosition: triple(home),
       vehicleType: plan.vehicleType,
       version: 2,
@@ -60,25 +54,50 @@ function firstPlace(plan: Plan): Place {
   return { latitude: first?.params[4] ?? 0, longitude: first?.params[5] ?? 0, altitude: 0 };
 }
 
-/** Reads a `.plan`; throws `PlanFileError` with the place of what is wrong. */
+/** Reads a `.plan`, or a file of an older version; throws `PlanFileError` with the place of what is wrong. */
 export function readQgc(root: Tree): ReadPlan {
   const notes: string[] = [];
-  const mission = root.get('mission');
-  if (!mission.exists && !root.get('geoFence').exists && !root.get('rallyPoints').exists) {
-    throw root.wrong('has none of mission, geoFence and rallyPoints, so it is not a plan');
-  }
+  const [mission, fence, rally] = partsOf(root);
+  const version = versionOf(mission);
+  versionOf(rally);
+  const firmware = mission.get('firmwareType').exists ? mission.get('firmwareType') : mission.get('MAV_AUTOPILOT');
   const plan: Plan = {
     ...EMPTY_PLAN,
     home: readHome(mission.get('plannedHomePosition')),
-    mission: readItems(mission.get('items'), notes),
-    ...readFence(root.get('geoFence'), notes),
-    rally: root.get('rallyPoints').get('points').list().map(readPlace),
+    mission: mission.exists ? readItems(mission, version, notes) : [],
+    ...readFence(fence, notes),
+    rally: rally.get('points').list().map(readPlace),
     cruiseSpeed: mission.get('cruiseSpeed').numberOr(EMPTY_PLAN.cruiseSpeed),
     hoverSpeed: mission.get('hoverSpeed').numberOr(EMPTY_PLAN.hoverSpeed),
-    firmware: mission.get('firmwareType').numberOr(EMPTY_PLAN.firmware),
-    vehicleType: mission.get('vehicleType').numberOr(EMPTY_PLAN.vehicleType),
+    firmware: firmware.exists ? firmware.integer(0, 255) : EMPTY_PLAN.firmware,
+    vehicleType: mission.get('vehicleType').exists ? mission.get('vehicleType').integer(0, 255) : EMPTY_PLAN.vehicleType,
   };
   return { plan, notes };
+}
+
+/** Returns mission, fence and rally points: parts of a plan, or the whole of an older file. */
+function partsOf(root: Tree): [Tree, Tree, Tree] {
+  const none = new Tree(undefined);
+  const kind = root.get('fileType').text().toLowerCase();
+  if (kind === 'mission') return [root, none, none];
+  if (kind === 'geofence') return [none, root, none];
+  if (kind === 'rallypoints') return [none, none, root];
+  const parts: [Tree, Tree, Tree] = [root.get('mission'), root.get('geoFence'), root.get('rallyPoints')];
+  if (parts.some((each) => each.exists)) {
+    versionOf(root, 1);
+    return parts;
+  }
+  if (root.get('items').exists) return [root, none, none];
+  throw root.wrong('has none of mission, geoFence and rallyPoints, so it is not a plan');
+}
+
+/** Returns the version of a part; older files hold version 1 as a text, or leave it out. */
+function versionOf(tree: Tree, newest = 2): number {
+  const found = tree.get('version');
+  if (!found.exists || found.value === '1.0' || found.value === '1') return 1;
+  const version = found.number();
+  if (version !== 1 && version !== newest) throw found.wrong(`version ${version} is not supported`);
+  return version;
 }
 
 function readPlace(tree: Tree): Place {
@@ -94,11 +113,14 @@ function readPoint(tree: Tree): Point {
 
 function readHome(tree: Tree): Place | null {
   if (!tree.exists) return null;
-  const home = readPlace(tree);
+  const home = readPlace(Array.isArray(tree.value) ? tree : tree.need('coordinate'));
   return home.latitude === 0 && home.longitude === 0 ? null : home;
 }
 
 function readFence(tree: Tree, notes: string[]): Pick<Plan, 'polygons' | 'circles' | 'returnPoint'> {
+  const old = versionOf(tree) === 1 ? tree.get('polygon').list().map(readPoint) : [];
+  if (old.length > 0 && old.length < 3) throw tree.wrong(`a polygon needs at least 3 vertices, got ${old.length}`);
+  const first: Polygon[] = old.length ? [{ inclusion: true, vertices: old }] : [];
   const polygons = tree.get('polygons').list().map((each): Polygon => {
     const vertices = each.get('polygon').list().map(readPoint);
     if (vertices.length < 3) throw each.wrong(`a polygon needs at least 3 vertices, got ${vertices.length}`);
@@ -113,35 +135,5 @@ function readFence(tree: Tree, notes: string[]): Pick<Plan, 'polygons' | 'circle
     return { inclusion: each.get('inclusion').flag(true), center: readPoint(circle.get('center')), radius };
   });
   const breach = tree.get('breachReturn');
-  return { polygons, circles, returnPoint: breach.list().length ? readPlace(breach) : null };
-}
-
-/** Reads items; those of patterns are the ones that QGroundControl has stored with them. */
-function readItems(tree: Tree, notes: string[]): Item[] {
-  const ids = new Map<number, number>();
-  const items: Item[] = [];
-  const add = (each: Tree): void => {
-    ids.set(each.get('doJumpId').numberOr(items.length + 1), items.length);
-    items.push(readItem(each));
-  };
-  for (const each of tree.list()) {
-    if (each.get('type').text() !== 'ComplexItem') add(each);
-    else {
-      const inner = each.get('TransectStyleComplexItem').get('Items').list();
-      inner.forEach(add);
-      const kind = each.get('complexItemType').text() || 'pattern';
-      if (!inner.length) notes.push(`${each.path}: the ${kind} was not read, since the file holds no items of it`);
-    }
-  }
-  return items.map((each) =>
-    each.command === CMD.DO_JUMP ? withParam(each, 1, ids.get(each.params[0] ?? -1) ?? -1) : each,
-  );
-}
-
-function readItem(tree: Tree): Item {
-  const params = tree.get('params').list().map((each) => each.numberOr(null));
-  if (params.length === 4) params.push(...tree.get('coordinate').numbers(3));
-  if (params.length !== 7) throw tree.get('params').wrong(`has ${params.length} numbers instead of 7`);
-  const read = item(tree.get('command').number(), params, tree.get('frame').numberOr(FRAME.MISSION));
-  return { ...read, autocontinue: tree.get('autoContinue').flag(true) };
+  return { polygons: [...first, ...polygons], circles, returnPoint: breach.list().length ? readPlace(breach) : null };
 }

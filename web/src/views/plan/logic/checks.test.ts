@@ -5,7 +5,8 @@ import { newItem } from './commands';
 import { hgtHeight, hgtSource, heightOfColour, readHgt, tilePlace, tileSource } from './elevation';
 import { destination } from './geo';
 import { CMD, EMPTY_PLAN, FRAME, item, waypoint, withParam, type Plan } from './model';
-import { batteryUse, executionOrder, statisticsOf } from './statistics';
+import { executionOrder, pathOf } from './path';
+import { batteryUse, statisticsOf } from './statistics';
 import { profileOf } from './terrain';
 
 const HOME = { latitude: 47.397, longitude: 8.545, altitude: 488 };
@@ -20,10 +21,11 @@ const good: Plan = {
     newItem(CMD.NAV_RETURN_TO_LAUNCH, HOME),
   ],
 };
+const away2 = (north: number, east: number) => destination(away(0, north), 90, east);
 const flat = async (points: readonly unknown[]) => points.map(() => 488);
 
 async function keys(plan: Plan, changed: Partial<CheckInput> = {}): Promise<string[]> {
-  const input = { clearance: 15, endurance: 20, ceiling: 120, vehicle: HOME, wing: false, ...changed };
+  const input = { clearance: 15, endurance: 20, ceiling: 120, vehicle: HOME, wing: false, firmware: 3, ...changed };
   const profile = changed.profile === undefined ? await profileOf(plan, flat) : changed.profile;
   return check({ ...input, plan, statistics: statisticsOf(plan), profile }).map((each) => each.key);
 }
@@ -37,7 +39,7 @@ describe('statistics', () => {
   it('measure distance and time with climbs', () => {
     const found = statisticsOf(good, { horizontal: 5, up: 2, down: 1 });
     expect(found.distance).toBeCloseTo(300 + 300 * Math.SQRT2 + 300, 0);
-    expect(found.duration).toBeCloseTo(20 / 2 + 60 + 60 * Math.SQRT2 + 60, 0);
+    expect(found.duration).toBeCloseTo(20 / 2 + 60 + 60 * Math.SQRT2 + 60 + 50, 0);
     expect(found.maxAltitude).toBe(50);
     expect(found.farthest).toBeCloseTo(300, 3);
     expect(batteryUse(found, 10)).toBeCloseTo(found.duration! / 600, 6);
@@ -52,6 +54,72 @@ describe('statistics', () => {
     const jump = [good.mission[1]!, good.mission[2]!, item(CMD.DO_JUMP, [0, 2])];
     expect(executionOrder(jump).order).toEqual([0, 1, 0, 1, 0, 1]);
     expect(executionOrder([jump[0]!, item(CMD.DO_JUMP, [0, -1])]).ends).toBe(false);
+  });
+});
+
+describe('the time of a flight', () => {
+  const speeds = { horizontal: 5, up: 2, down: 1 };
+  const durationOf = (mission: Plan['mission'], plan: Partial<Plan> = {}): number =>
+    statisticsOf({ ...good, mission, ...plan }, speeds).duration!;
+  const speed = (type: number, metres: number) => item(CMD.DO_CHANGE_SPEED, [type, metres, -1], FRAME.MISSION);
+  const east = waypoint(away(90, 300), 30);
+  const up = newItem(CMD.NAV_TAKEOFF, { ...HOME, altitude: 30 });
+
+  it('follows the kind of a changed speed', () => {
+    expect(durationOf([up, east])).toBeCloseTo(15 + 60, 1);
+    expect(durationOf([up, speed(1, 10), east])).toBeCloseTo(15 + 30, 1);
+    expect(durationOf([up, speed(1, 10), speed(1, -2), east])).toBeCloseTo(15 + 60, 1);
+    expect(durationOf([up, speed(1, -1), east])).toBeCloseTo(15 + 60, 1);
+    expect(durationOf([speed(2, 10), up, east])).toBeCloseTo(3 + 60, 1);
+    expect(durationOf([speed(3, 10), up, east, newItem(CMD.NAV_RETURN_TO_LAUNCH, HOME)])).toBeCloseTo(15 + 120 + 3, 1);
+  });
+
+  it('knows that a VTOL hovers and flies', () => {
+    const transition = (state: number) => item(CMD.DO_VTOL_TRANSITION, [state], FRAME.MISSION);
+    const vtol = { vehicleType: 22, cruiseSpeed: 20, hoverSpeed: 3 };
+    expect(durationOf([up, transition(4), east], vtol)).toBeCloseTo(15 + 15, 1);
+    expect(durationOf([up, transition(3), east], vtol)).toBeCloseTo(15 + 100, 1);
+  });
+
+  it('has a descent where a copter lands, and none on the way of a wing', () => {
+    const land = newItem(CMD.NAV_LAND, { ...away(90, 300), altitude: 0 });
+    expect(durationOf([up, land])).toBeCloseTo(15 + 60 + 30, 1);
+    expect(durationOf([up, land], { vehicleType: 1 })).toBeCloseTo(15 + 60, 1);
+  });
+
+  it('ends for jumps that name one another for ever', () => {
+    const jumps = [item(CMD.DO_JUMP, [1, 1e12]), item(CMD.DO_JUMP, [0, 1e12]), east];
+    expect(executionOrder(jumps).ends).toBe(false);
+  });
+
+  it('counts a picture at the begin of a lane and after each interval, also around bends', () => {
+    const trigger = (metres: number) => item(CMD.DO_SET_CAM_TRIGG_DIST, [metres], FRAME.MISSION);
+    const lane = [waypoint(HOME, 30), trigger(100), waypoint(away(90, 150), 30), waypoint(away(90, 310), 30), trigger(0), east];
+    expect(statisticsOf({ ...good, mission: lane }).pictures).toBe(4);
+  });
+});
+
+describe('the clearance of legs', () => {
+  const clearances = async (plan: Plan, ground: number[] = []) =>
+    (await profileOf(plan, async (points) => points.map((_, index) => ground[index] ?? 488))).lowest?.clearance;
+  const to = (altitude: number, frame: number = FRAME.GLOBAL_RELATIVE_ALT) => waypoint(away(90, 300), altitude, frame);
+  const begin = waypoint(HOME, 40);
+
+  it('counts from the right reference in every frame', async () => {
+    const plan = (...mission: Plan['mission']): Plan => ({ ...good, mission });
+    expect(await clearances(plan(begin, to(60)))).toBeCloseTo(42, 0);
+    expect(await clearances(plan(begin, to(488 + 60, FRAME.GLOBAL)))).toBeCloseTo(42, 0);
+    expect(await clearances(plan(begin, to(488 + 10, FRAME.GLOBAL)))).toBeCloseTo(10, 0);
+    const hills = Array.from({ length: 13 }, (_, index) => 488 + 10 * index);
+    const follow = plan(waypoint(HOME, 40, FRAME.GLOBAL_TERRAIN_ALT), to(40, FRAME.GLOBAL_TERRAIN_ALT));
+    expect(await clearances(follow, hills)).toBeCloseTo(40, 6);
+  });
+
+  it('is not asked of a landing, and of all of the way to it', async () => {
+    const land = newItem(CMD.NAV_LAND, { ...away(90, 300), altitude: 0 });
+    expect(await clearances({ ...good, mission: [begin, land] })).toBeCloseTo(40, 6);
+    expect(pathOf({ ...good, mission: [begin, land] }).map((each) => each.altitude)).toEqual([0, 40, 40, 0]);
+    expect(await keys({ ...good, mission: [good.mission[0]!, good.mission[1]!, land] })).toEqual([]);
   });
 });
 
@@ -88,6 +156,27 @@ describe('checks', () => {
     expect(await keys(far)).toEqual(['checkRallyOutside']);
     const corners = [45, 225, 135, 315].map((heading) => away(heading, 900));
     expect(await keys({ ...good, polygons: [{ inclusion: true, vertices: corners }] })).toContain('checkCrossesItself');
+  });
+
+  it('know what each firmware makes of several areas to stay in', async () => {
+    const areas = [away(0, 150), away(90, 150)].map((center) => ({ inclusion: true, center, radius: 260 }));
+    // Two circles, one around each waypoint: home and the way between them are in one or the other.
+    expect(await keys({ ...good, circles: areas }, { firmware: 12 })).toEqual([]);
+    expect(await keys({ ...good, circles: areas }, { firmware: 3 })).toEqual(['checkOutsideFence']);
+    const apart = [HOME, away(0, 300), away(90, 300)].map((center) => ({ inclusion: true, center, radius: 50 }));
+    expect(await keys({ ...good, circles: apart }, { firmware: 12 })).toEqual(['checkLegLeavesFence']);
+  });
+
+  it('tell a leg that leaves through a corner, and a return point that is outside', async () => {
+    const box = [[-100, -400], [400, -400], [400, 400], [-100, 400]].map(([north, east]) => away2(north!, east!));
+    expect(await keys({ ...good, polygons: [{ inclusion: true, vertices: box }] })).toEqual([]);
+    // A tree whose corner lies on the straight way from the first to the second waypoint.
+    const tree = [away2(150, 150), away2(190, 190), away2(150, 190)];
+    expect(await keys({ ...good, polygons: [{ inclusion: false, vertices: tree }] })).toEqual([]);
+    const edge = [away2(100, 100), away2(200, 200), away2(200, 100)];
+    expect(await keys({ ...good, polygons: [{ inclusion: false, vertices: edge }] })).toEqual(['checkLegLeavesFence']);
+    const outside = { ...good, polygons: [{ inclusion: true, vertices: box }], returnPoint: { ...away(180, 300), altitude: 30 } };
+    expect(await keys(outside)).toEqual(['checkReturnOutside']);
   });
 
   it('tell the clearance above the terrain, or that it is not known', async () => {

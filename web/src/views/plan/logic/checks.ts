@@ -3,9 +3,11 @@
 import type { plan as texts } from '$lib/i18n/en/plan';
 
 import { commandInfo, isOnPath, itemPosition } from './commands';
-import { contains, crosses, crossesItself, distance, toLocal, centre, type Point } from './geo';
+import { isAllowed, legLeaves } from './fenceCheck';
+import { crossesItself, distance, type Point } from './geo';
 import { CMD, FRAME, isEmpty, type Item, type Plan, type PlanKind } from './model';
-import { batteryUse, pathOf, type PathPoint, type Statistics } from './statistics';
+import { pathOf } from './path';
+import { batteryUse, type Statistics } from './statistics';
 import type { Profile } from './terrain';
 
 export type CheckKey = Extract<keyof typeof texts, `check${string}`>;
@@ -34,6 +36,8 @@ export interface CheckInput {
   /** The vehicle's position; null: not known. */
   readonly vehicle: Point | null;
   readonly wing: boolean;
+  /** MAV_AUTOPILOT of the vehicle that will fly. */
+  readonly firmware: number;
 }
 
 /** The part of a battery that a mission may need. */
@@ -60,7 +64,7 @@ export function check(input: CheckInput): Problem[] {
     ...plan.mission.flatMap((each, index) => itemProblems(plan, each, index)),
     ...missionProblems(input),
     ...areaProblems(plan),
-    ...fenceProblems(plan),
+    ...fenceProblems(plan, input.firmware),
     ...terrainProblems(input),
   ];
   return found.sort((a, b) => RANK[a.severity] - RANK[b.severity]);
@@ -68,6 +72,7 @@ export function check(input: CheckInput): Problem[] {
 
 function itemProblems(plan: Plan, each: Item, index: number): Problem[] {
   const error = (key: CheckKey, values: Values = {}): Problem => problem('error', 'mission', key, index, values);
+  if (each.kept) return [error('checkKept', { kind: each.kept.kind })];
   const found: Problem[] = [];
   const info = commandInfo(each.command);
   const [latitude, longitude, altitude] = each.params.slice(4);
@@ -132,49 +137,25 @@ function areaProblems(plan: Plan): Problem[] {
   return [...polygons, ...circles];
 }
 
-/** Returns whether a point may be flown to: in all circles and polygons to stay in, and in none to stay out of. */
-export function isAllowed(plan: Plan, point: Point): boolean {
-  const polygons = plan.polygons.every((each) => contains(each.vertices, point) === each.inclusion);
-  const circles = plan.circles.every((each) => distance(each.center, point) <= each.radius === each.inclusion);
-  return polygons && circles;
-}
-
-function fenceProblems(plan: Plan): Problem[] {
+/** Returns the problems of home, path, rally points and return point with the fence. */
+function fenceProblems(plan: Plan, firmware: number): Problem[] {
   if (plan.polygons.length + plan.circles.length === 0) return [];
+  const allowed = (point: Point): boolean => isAllowed(plan, point, firmware);
   const path = pathOf(plan);
-  const outside = path.find((point) => !isAllowed(plan, point));
+  const outside = path.find((point) => !allowed(point));
   const found: Problem[] = [];
   if (outside) {
     const key = outside.item < 0 ? 'checkHomeOutside' : 'checkOutsideFence';
     found.push(problem('error', 'mission', key, outside.item < 0 ? null : outside.item));
   } else {
-    const leg = path.findIndex((to, index) => index > 0 && legLeaves(plan, path[index - 1]!, to));
+    const leg = path.findIndex((to, index) => index > 0 && legLeaves(plan, path[index - 1]!, to, allowed));
     if (leg > 0) found.push(problem('warning', 'mission', 'checkLegLeavesFence', path[leg]!.item));
   }
   plan.rally.forEach((point, index) => {
-    if (!isAllowed(plan, point)) found.push(problem('error', 'rally', 'checkRallyOutside', index));
+    if (!allowed(point)) found.push(problem('error', 'rally', 'checkRallyOutside', index));
   });
+  if (plan.returnPoint && !allowed(plan.returnPoint)) found.push(problem('error', 'fence', 'checkReturnOutside'));
   return found;
-}
-
-/** Returns whether the leg between two allowed points crosses the border of an area. */
-function legLeaves(plan: Plan, from: PathPoint, to: PathPoint): boolean {
-  const polygons = plan.polygons.some(({ vertices }) => {
-    const origin = centre(vertices);
-    const places = vertices.map((each) => toLocal(origin, each));
-    const [a, b] = [toLocal(origin, from), toLocal(origin, to)];
-    return places.some((place, index) => crosses(a, b, place, places[(index + 1) % places.length]!));
-  });
-  // Both ends are inside of circles to stay in, and so is the line between them.
-  return polygons || plan.circles.some((circle) => !circle.inclusion && lineDistance(circle.center, from, to) < circle.radius);
-}
-
-/** Returns the distance in metres of a point to a line between two points. */
-function lineDistance(point: Point, from: Point, to: Point): number {
-  const [a, b] = [toLocal(point, from), toLocal(point, to)];
-  const [x, y] = [b.x - a.x, b.y - a.y];
-  const part = Math.max(0, Math.min(1, -(a.x * x + a.y * y) / (x * x + y * y || 1)));
-  return Math.hypot(a.x + x * part, a.y + y * part);
 }
 
 function terrainProblems({ plan, profile, clearance }: CheckInput): Problem[] {

@@ -14,9 +14,9 @@ export interface CorridorOptions {
 
 /** Returns the lanes in the order of flight; each one is a path of as many points as the line has. */
 export function corridorLanes(line: readonly Point[], options: CorridorOptions): Lane[] {
-  if (line.length < 2 || !(options.spacing > 0) || !(options.width >= 0)) return [];
   const origin = centre(line);
-  const path = (options.reverse ? [...line].reverse() : line).map((each) => toLocal(origin, each));
+  const path = placesOf(origin, options.reverse ? [...line].reverse() : line);
+  if (path.length < 2 || !(options.spacing > 0) || !(options.width >= 0)) return [];
   const count = Math.max(1, Math.ceil(options.width / options.spacing - TOLERANCE));
   if (count > MAX_LANES) return [];
   return Array.from({ length: count }, (_, index) => {
@@ -27,15 +27,26 @@ export function corridorLanes(line: readonly Point[], options: CorridorOptions):
 
 /** Returns the outline of a corridor. */
 export function corridorOutline(line: readonly Point[], width: number): Point[] {
-  if (line.length < 2) return [];
   const origin = centre(line);
-  const path = line.map((each) => toLocal(origin, each));
+  const path = placesOf(origin, line);
+  if (path.length < 2) return [];
   const sides = [...shifted(path, width / 2), ...shifted(path, -width / 2).reverse()];
   return sides.map((place) => fromLocal(origin, place));
 }
 
 /** The factor by which a sharp corner may lie farther from the line than the lane. */
 const MAX_MITRE = 3;
+
+/** Metres below which two points of a line are one, as those of a double click are. */
+const MIN_SEGMENT = 0.01;
+
+function placesOf(origin: Point, line: readonly Point[]): Local[] {
+  const places = line.map((each) => toLocal(origin, each));
+  return places.filter((place, index) => {
+    const before = places[index - 1];
+    return before === undefined || Math.hypot(place.x - before.x, place.y - before.y) >= MIN_SEGMENT;
+  });
+}
 
 /** Returns a path shifted to its right by some metres; corners are mitred. */
 function shifted(path: readonly Local[], metres: number): Local[] {
@@ -46,9 +57,20 @@ function shifted(path: readonly Local[], metres: number): Local[] {
     const length = Math.hypot(sum.x, sum.y);
     const middle = length < 1e-9 ? before : { x: sum.x / length, y: sum.y / length };
     const cosine = middle.x * before.x + middle.y * before.y;
-    const out = metres * Math.min(MAX_MITRE, 1 / Math.max(cosine, 1e-9));
+    const out = Math.sign(metres) * Math.min(
+      Math.abs(metres) * Math.min(MAX_MITRE, 1 / Math.max(cosine, 1e-9)),
+      innerLimit(path, index, metres * (before.x * after.y - before.y * after.x) < 0, cosine),
+    );
     return { x: place.x + middle.y * out, y: place.y - middle.x * out };
   });
+}
+
+/** Returns how far the inner side of a corner may move: not beyond the other ends of its segments. */
+function innerLimit(path: readonly Local[], index: number, isInner: boolean, cosine: number): number {
+  const [before, at, after] = [path[index - 1], path[index]!, path[index + 1]];
+  if (!isInner || !before || !after) return Infinity;
+  const shortest = Math.min(Math.hypot(at.x - before.x, at.y - before.y), Math.hypot(after.x - at.x, after.y - at.y));
+  return shortest / Math.max(Math.sqrt(1 - Math.min(1, cosine ** 2)), 1e-9);
 }
 
 function direction(from: Local, to: Local): Local {

@@ -26,15 +26,15 @@ export function fenceItems(areas: Omit<FenceAreas, 'problems'>): Item[] {
       ? CMD.NAV_FENCE_POLYGON_VERTEX_INCLUSION
       : CMD.NAV_FENCE_POLYGON_VERTEX_EXCLUSION;
     const count = polygon.vertices.length;
-    return polygon.vertices.map((at) => fenceItem(command, [count, 0, 0, 0, at.latitude, at.longitude, 0]));
+    return polygon.vertices.map((at) => fenceItem(command, [count, polygon.group ?? 0, 0, 0, at.latitude, at.longitude, 0]));
   });
-  const circles = areas.circles.map(({ inclusion, center, radius }) => {
+  const circles = areas.circles.map(({ inclusion, center, radius, group }) => {
     const command = inclusion ? CMD.NAV_FENCE_CIRCLE_INCLUSION : CMD.NAV_FENCE_CIRCLE_EXCLUSION;
-    return fenceItem(command, [radius, 0, 0, 0, center.latitude, center.longitude, 0]);
+    return fenceItem(command, [radius, group ?? 0, 0, 0, center.latitude, center.longitude, 0]);
   });
   const home = areas.returnPoint;
   const params = home && [0, 0, 0, 0, home.latitude, home.longitude, home.altitude];
-  const last = params ? [fenceItem(CMD.NAV_FENCE_RETURN_POINT, params, FRAME.GLOBAL_RELATIVE_ALT)] : [];
+  const last = params ? [fenceItem(CMD.NAV_FENCE_RETURN_POINT, params, home!.frame ?? FRAME.GLOBAL_RELATIVE_ALT)] : [];
   return [...polygons, ...circles, ...last];
 }
 
@@ -48,13 +48,13 @@ export function fenceAreas(items: readonly Item[]): FenceAreas {
     const at = items.slice(index, index + count).map(place);
     if (first.command in VERTICES) {
       if (count >= 3 && count === first.params[0]) {
-        areas.polygons.push({ inclusion: VERTICES[first.command]!, vertices: at });
+        areas.polygons.push({ inclusion: VERTICES[first.command]!, vertices: at, ...groupOf(first) });
       } else problems.push(`fence item ${index}: ${count} vertices, but param 1 says ${first.params[0]}`);
     } else if (first.command in CIRCLES) {
       const radius = first.params[0] ?? 0;
-      areas.circles.push({ inclusion: CIRCLES[first.command]!, center: at[0]!, radius });
+      areas.circles.push({ inclusion: CIRCLES[first.command]!, center: at[0]!, radius, ...groupOf(first) });
     } else if (first.command === CMD.NAV_FENCE_RETURN_POINT) {
-      areas.returnPoint = { ...at[0]!, altitude: first.params[6] ?? 0 };
+      areas.returnPoint = placeOf(first);
     } else problems.push(`fence item ${index}: command ${first.command} is not a fence item`);
     index += count;
   }
@@ -67,7 +67,7 @@ function vertexCount(items: readonly Item[], from: number): number {
   let count = 1;
   while (count < (first.params[0] ?? 1)) {
     const next = items[from + count];
-    if (next?.command !== first.command || next.params[0] !== first.params[0]) break;
+    if (next?.command !== first.command || next.params[0] !== first.params[0] || next.params[1] !== first.params[1]) break;
     count += 1;
   }
   return count;
@@ -77,6 +77,16 @@ function place(each: Item): { latitude: number; longitude: number } {
   return { latitude: each.params[4] ?? 0, longitude: each.params[5] ?? 0 };
 }
 
+/** Returns the point of an item with its altitude, and its frame if that is not relative to home. */
+function placeOf(each: Item): Place {
+  const found = { ...place(each), altitude: each.params[6] ?? 0 };
+  return each.frame === FRAME.GLOBAL_RELATIVE_ALT ? found : { ...found, frame: each.frame };
+}
+
+function groupOf(each: Item): { group?: number } {
+  return each.params[1] ? { group: each.params[1] } : {};
+}
+
 function fenceItem(command: number, params: (number | null)[], frame: number = FRAME.GLOBAL): Item {
   return { ...item(command, params, frame), autocontinue: false };
 }
@@ -84,10 +94,10 @@ function fenceItem(command: number, params: (number | null)[], frame: number = F
 export function rallyItems(points: readonly Place[]): Item[] {
   return points.map((at) => {
     const params = [0, 0, 0, 0, at.latitude, at.longitude, at.altitude];
-    return fenceItem(CMD.NAV_RALLY_POINT, params, FRAME.GLOBAL_RELATIVE_ALT);
+    return fenceItem(CMD.NAV_RALLY_POINT, params, at.frame ?? FRAME.GLOBAL_RELATIVE_ALT);
   });
 }
 
 export function rallyPoints(items: readonly Item[]): Place[] {
-  return items.map((each) => ({ ...place(each), altitude: each.params[6] ?? 0 }));
+  return items.map(placeOf);
 }

@@ -5,6 +5,7 @@
  * All functions return new plans, so that a history of plans is a history of the edits.
  */
 
+import type { Json } from '../formats/json';
 import type { Point } from './geo';
 
 export const CMD = {
@@ -24,7 +25,11 @@ export const CMD = {
   DO_JUMP: 177,
   DO_CHANGE_SPEED: 178,
   DO_SET_ROI_LOCATION: 195,
+  DO_LAND_START: 189,
   DO_SET_CAM_TRIGG_DIST: 206,
+  IMAGE_STOP_CAPTURE: 2001,
+  VIDEO_STOP_CAPTURE: 2501,
+  DO_VTOL_TRANSITION: 3000,
   NAV_FENCE_RETURN_POINT: 5000,
   NAV_FENCE_POLYGON_VERTEX_INCLUSION: 5001,
   NAV_FENCE_POLYGON_VERTEX_EXCLUSION: 5002,
@@ -46,22 +51,35 @@ export interface Item {
   readonly frame: number;
   readonly params: Params;
   readonly autocontinue: boolean;
+  /** A pattern of another program that has no items: it is kept for files, and no vehicle can take it. */
+  readonly kept?: KeptPattern;
+}
+
+export interface KeptPattern {
+  /** The name of its kind, such as `StructureScan`. */
+  readonly kind: string;
+  readonly json: Json;
 }
 
 export interface Polygon {
   readonly inclusion: boolean;
   readonly vertices: readonly Point[];
+  /** The inclusion group, if it is not 0. */
+  readonly group?: number;
 }
 
 export interface Circle {
   readonly inclusion: boolean;
   readonly center: Point;
   readonly radius: number;
+  readonly group?: number;
 }
 
-/** A point with an altitude in metres; that of rally points is relative to home. */
+/** A point with an altitude in metres. */
 export interface Place extends Point {
   readonly altitude: number;
+  /** The reference of a rally point or return point that is not relative to home. */
+  readonly frame?: number;
 }
 
 export interface Plan {
@@ -102,6 +120,17 @@ export function plainFrame(frame: number): number {
 export function item(command: number, params: Params, frame: number = FRAME.GLOBAL_RELATIVE_ALT): Item {
   const seven = Array.from({ length: 7 }, (_, index) => (index < params.length ? params[index]! : 0));
   return { command, frame: plainFrame(frame), params: seven, autocontinue: true };
+}
+
+/** Returns an item that stands for a pattern of another program. */
+export function keptItem(kind: string, json: Json): Item {
+  return { ...item(0, [], FRAME.MISSION), kept: { kind, json } };
+}
+
+/** Returns a plan without the patterns of other programs, as vehicles and other formats take it. */
+export function withoutKept(plan: Plan): Plan {
+  const kept = plan.mission.flatMap((each, index) => (each.kept ? [index] : []));
+  return kept.length ? removeItems(plan, new Set(kept)) : plan;
 }
 
 /** Returns a waypoint; its altitude in metres in the frame. */

@@ -43,6 +43,10 @@ describe('survey', () => {
     const starts = [0, 1, 2, 3].map((start) => surveyLanes(field, { spacing: 25, angle: 0, start })[0]![0]!);
     expect(new Set(starts.map((each) => `${each.latitude.toFixed(6)} ${each.longitude.toFixed(6)}`)).size).toBe(4);
     expect(once[0]![0]).toEqual(starts[0]);
+    const across = [corner(0, 0), corner(2, 0), corner(2, 30_000), corner(0, 30_000)];
+    expect(surveyLanes(across, { spacing: 25, angle: 0 })).toHaveLength(1);
+    // A pass across with too many lanes: neither half is what was asked for.
+    expect(surveyLanes(across, { spacing: 25, angle: 0, crosshatch: true })).toEqual([]);
     for (const spacing of [0, -1, NaN, 0.01]) expect(surveyLanes(field, { spacing, angle: 0 })).toEqual([]);
   });
 });
@@ -57,6 +61,43 @@ describe('corridor', () => {
     const lengths = lanes.map((lane) => pathLength(lane)).sort((a, b) => a - b);
     expect(lengths[1]! - lengths[0]!).toBeCloseTo(60, 0);
     expect(area(corridorOutline(line, 60))).toBeCloseTo(600 * 60, -2);
+  });
+});
+
+describe('lanes that are difficult', () => {
+  it('cross the antimeridian', () => {
+    const at = (east: number, north: number) => destination(destination({ latitude: 10, longitude: 179.9995 }, 90, east), 0, north);
+    const lanes = surveyLanes([at(0, 0), at(200, 0), at(200, 100), at(0, 100)], { spacing: 25, angle: 90 });
+    expect(lanes).toHaveLength(4);
+    for (const [from, to] of lanes) {
+      expect(distance(from!, to!)).toBeCloseTo(200, 0);
+      expect(Math.sign(from!.longitude)).toBe(-Math.sign(to!.longitude));
+    }
+  });
+
+  it('have a length: a corner that a lane only touches gives none', () => {
+    const notch = [corner(0, 0), corner(200, 0), corner(200, 100), corner(100, 50), corner(0, 100)];
+    const lanes = [1, 3, 5, 7, 9].flatMap((spacing) => surveyLanes(notch, { spacing, angle: 90 }));
+    for (const lane of lanes) expect(pathLength(lane)).toBeGreaterThan(0.005);
+    expect(surveyLanes([corner(0, 0), corner(50, 0), corner(100, 0)], { spacing: 5, angle: 0 }).flat()).toEqual([]);
+  });
+
+  it('of a corridor do not depend on points that were clicked twice', () => {
+    const bend = [corner(0, 0), corner(300, 0), corner(300, 300)];
+    const doubled = bend.flatMap((each) => [each, each]);
+    expect(corridorLanes(doubled, { width: 60, spacing: 30 })).toEqual(corridorLanes(bend, { width: 60, spacing: 30 }));
+    expect(corridorLanes([bend[0]!, bend[0]!], { width: 60, spacing: 30 })).toEqual([]);
+  });
+
+  it('of a corridor stay near a bend that is sharp', () => {
+    const sharp = [corner(0, 0), corner(0, 300), corner(40, 250)];
+    for (const lane of corridorLanes(sharp, { width: 120, spacing: 20 })) {
+      for (const each of lane) expect(Math.min(...sharp.map((point) => distance(point, each)))).toBeLessThan(3 * 60);
+      // The inner side of the bend does not fly beyond the short end.
+      expect(Math.max(...lane.map((each) => each.latitude))).toBeLessThan(corner(0, 300 + 3 * 60).latitude);
+    }
+    const inner = corridorLanes(sharp, { width: 120, spacing: 20 }).map((lane) => Math.min(...lane.map((each) => distance(sharp[1]!, each))));
+    expect(Math.max(...inner)).toBeLessThan(3 * 60);
   });
 });
 

@@ -1,16 +1,8 @@
 /** The length, duration and energy of a mission, from the path that the vehicle flies. */
 
 import { CMD, FRAME, type Item, type Plan } from './model';
-import { bearing, distance, type Point } from './geo';
-import { isOnPath, itemPosition } from './commands';
-
-/** A point of the path; `item` is the index of the mission item, -1 at home. */
-export interface PathPoint extends Point {
-  readonly item: number;
-  /** Metres in the frame. */
-  readonly altitude: number;
-  readonly frame: number;
-}
+import { bearing, distance } from './geo';
+import { executionOrder, homePoint, isWing, pointsOf, type PathPoint } from './path';
 
 export interface Leg {
   readonly from: PathPoint;
@@ -49,68 +41,21 @@ export interface Statistics {
   readonly pictures: number;
 }
 
-const WINGS: ReadonlySet<number> = new Set([1, 7, 16, 19, 20, 21, 22, 23, 24, 25, 28]);
-/** Items that a jump may make the vehicle fly before the mission counts as endless. */
-const MAX_VISITS = 10_000;
+/** Metres per second. */
+const MIN_SPEED = 0.1;
+/** SPEED_TYPE of DO_CHANGE_SPEED. */
+const CLIMB_SPEED = 2;
+const DESCENT_SPEED = 3;
+/** The speed of DO_CHANGE_SPEED by which the vehicle returns to its own. */
+const DEFAULT_SPEED = -2;
+/** MAV_VTOL_STATE of DO_VTOL_TRANSITION. */
+const HOVERING = 3;
+const FLYING = 4;
 
 /** Returns the speeds of a plan's vehicle. */
 export function speedsOf(plan: Plan): FlightSpeeds {
-  const wing = isWing(plan);
-  return { horizontal: Math.max(0.1, wing ? plan.cruiseSpeed : plan.hoverSpeed), up: 2.5, down: 1.5 };
-}
-
-/** Returns the indexes of items in the order of execution, with jumps; null if there is no end. */
-export function executionOrder(mission: readonly Item[]): { order: number[]; ends: boolean } {
-  const left = new Map<number, number>();
-  const order: number[] = [];
-  let at = 0;
-  while (at < mission.length && order.length < MAX_VISITS) {
-    const each = mission[at]!;
-    if (each.command !== CMD.DO_JUMP) {
-      order.push(at);
-      if (each.command === CMD.NAV_LOITER_UNLIM) return { order, ends: false };
-      if (each.command === CMD.NAV_RETURN_TO_LAUNCH) return { order, ends: true };
-      at += 1;
-      continue;
-    }
-    const [target, repeat] = [each.params[0] ?? -1, each.params[1] ?? 0];
-    if (repeat < 0) return { order, ends: false };
-    const remaining = left.get(at) ?? repeat;
-    left.set(at, remaining > 0 ? remaining - 1 : repeat);
-    const jumps = remaining > 0 && Number.isInteger(target) && target >= 0 && target < mission.length && target !== at;
-    at = jumps ? target : at + 1;
-  }
-  return { order, ends: order.length < MAX_VISITS };
-}
-
-function homePoint(plan: Plan): PathPoint | null {
-  const home = plan.home;
-  return home && { ...home, altitude: 0, item: -1, frame: FRAME.GLOBAL_RELATIVE_ALT };
-}
-
-/** Returns the points that the vehicle flies to, from home, in the order of execution. */
-export function pathOf(plan: Plan): PathPoint[] {
-  const home = homePoint(plan);
-  const points: PathPoint[] = home ? [home] : [];
-  for (const index of executionOrder(plan.mission).order) {
-    const point = pointOf(plan, index, points.at(-1) ?? null);
-    if (point) points.push(point);
-  }
-  return points;
-}
-
-/** Returns the point of an item; a takeoff or landing without a position happens where the vehicle is. */
-function pointOf(plan: Plan, index: number, last: PathPoint | null): PathPoint | null {
-  const each = plan.mission[index]!;
-  if (each.command === CMD.NAV_RETURN_TO_LAUNCH) {
-    const home = homePoint(plan);
-    const keeps = last?.frame === FRAME.GLOBAL_RELATIVE_ALT ? last.altitude : 0;
-    return home && { ...home, altitude: keeps, item: index };
-  }
-  const altitude = each.params[6] ?? 0;
-  if (isOnPath(each)) return { ...itemPosition(each)!, item: index, altitude, frame: each.frame };
-  const vertical: number[] = [CMD.NAV_TAKEOFF, CMD.NAV_VTOL_TAKEOFF, CMD.NAV_LAND, CMD.NAV_VTOL_LAND];
-  return vertical.includes(each.command) && last ? { ...last, item: index, altitude, frame: each.frame } : null;
+  const speed = isWing(plan) ? plan.cruiseSpeed : plan.hoverSpeed;
+  return { horizontal: Math.max(MIN_SPEED, speed), up: 2.5, down: 1.5 };
 }
 
 /** Seconds and metres that an item adds at its position. */
@@ -124,33 +69,70 @@ function stay(each: Item, speed: number): { seconds: number; metres: number } {
   return { seconds: waits.includes(each.command) ? Math.max(0, first ?? 0) : 0, metres: 0 };
 }
 
-function legOf(from: PathPoint, to: PathPoint, speed: number, speeds: FlightSpeeds): Leg {
+function legOf(from: PathPoint, to: PathPoint, speeds: FlightSpeeds): Leg {
   const length = distance(from, to);
   const climb = from.frame === to.frame ? to.altitude - from.altitude : null;
   const vertical = climb === null ? 0 : climb > 0 ? climb / speeds.up : -climb / speeds.down;
+  const speed = speeds.horizontal;
   const duration = Math.max(length / speed, vertical);
   return { from, to, length, bearing: bearing(from, to), climb, speed, duration };
+}
+
+/** Returns the speeds after an item. */
+function speedsAfter(plan: Plan, each: Item, speeds: FlightSpeeds, defaults: FlightSpeeds): FlightSpeeds {
+  if (each.command === CMD.DO_VTOL_TRANSITION) {
+    if (each.params[0] === HOVERING) return { ...speeds, horizontal: Math.max(MIN_SPEED, plan.hoverSpeed) };
+    return each.params[0] === FLYING ? { ...speeds, horizontal: Math.max(MIN_SPEED, plan.cruiseSpeed) } : speeds;
+  }
+  if (each.command !== CMD.DO_CHANGE_SPEED) return speeds;
+  const [type, speed] = [each.params[0] ?? 0, each.params[1] ?? -1];
+  const key = type === CLIMB_SPEED ? 'up' : type === DESCENT_SPEED ? 'down' : 'horizontal';
+  if (speed === DEFAULT_SPEED) return { ...speeds, [key]: defaults[key] };
+  return speed > 0 ? { ...speeds, [key]: speed } : speeds;
+}
+
+/** Counts the pictures of a camera that is triggered by distance: one at the begin, one after each interval. */
+class PictureCounter {
+  count = 0;
+  private interval = 0;
+  private flown = 0;
+
+  take(each: Item): void {
+    if (each.command !== CMD.DO_SET_CAM_TRIGG_DIST) return;
+    this.finish();
+    this.interval = Math.max(0, each.params[0] ?? 0);
+  }
+
+  fly(metres: number): void {
+    this.flown += metres;
+  }
+
+  finish(): void {
+    if (this.interval > 0 && this.flown > 0) this.count += Math.floor(this.flown / this.interval) + 1;
+    this.flown = 0;
+  }
 }
 
 /** Returns the statistics of a plan's mission. */
 export function statisticsOf(plan: Plan, speeds: FlightSpeeds = speedsOf(plan)): Statistics {
   const { order, ends } = executionOrder(plan.mission);
   const legs: Leg[] = [];
+  const camera = new PictureCounter();
   let last = homePoint(plan);
-  let [speed, extraMetres, extraSeconds, interval, pictures] = [speeds.horizontal, 0, 0, 0, 0];
+  let [now, extraMetres, extraSeconds] = [speeds, 0, 0];
   for (const index of order) {
     const each = plan.mission[index]!;
-    if (each.command === CMD.DO_CHANGE_SPEED && (each.params[1] ?? -1) > 0) speed = each.params[1]!;
-    if (each.command === CMD.DO_SET_CAM_TRIGG_DIST) interval = Math.max(0, each.params[0] ?? 0);
-    const to = pointOf(plan, index, last);
-    if (to && last) {
-      const leg = legOf(last, to, speed, speeds);
-      if (interval > 0) pictures += Math.floor(leg.length / interval) + 1;
-      legs.push(leg);
+    now = speedsAfter(plan, each, now, speeds);
+    camera.take(each);
+    for (const to of pointsOf(plan, index, last)) {
+      if (last) legs.push(legOf(last, to, now));
+      if (last) camera.fly(legs.at(-1)!.length);
+      last = to;
     }
-    const { seconds, metres } = stay(each, speed);
-    [extraSeconds, extraMetres, last] = [extraSeconds + seconds, extraMetres + metres, to ?? last];
+    const { seconds, metres } = stay(each, now.horizontal);
+    [extraSeconds, extraMetres] = [extraSeconds + seconds, extraMetres + metres];
   }
+  camera.finish();
   const sum = (values: readonly number[]): number => values.reduce((total, value) => total + value, 0);
   return {
     legs,
@@ -158,7 +140,7 @@ export function statisticsOf(plan: Plan, speeds: FlightSpeeds = speedsOf(plan)):
     duration: ends ? sum(legs.map((leg) => leg.duration)) + extraSeconds : null,
     ...extremes(plan, legs),
     itemCount: plan.mission.length,
-    pictures,
+    pictures: camera.count,
   };
 }
 
@@ -177,9 +159,4 @@ function extremes(plan: Plan, legs: readonly Leg[]): Pick<Statistics, 'maxAltitu
 export function batteryUse(statistics: Statistics, enduranceMinutes: number | null): number | null {
   if (!enduranceMinutes || statistics.duration === null) return null;
   return statistics.duration / (enduranceMinutes * 60);
-}
-
-/** Returns whether the plan's vehicle flies on a wing. */
-export function isWing(plan: Plan): boolean {
-  return WINGS.has(plan.vehicleType);
 }

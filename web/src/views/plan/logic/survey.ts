@@ -14,11 +14,15 @@ export interface SurveyOptions {
   readonly crosshatch?: boolean;
 }
 
+/** Metres below which a lane is none. */
+const MIN_LANE = 0.01;
+
 /** Returns the lanes in the order of flight; an empty list if the spacing or the polygon is not possible. */
 export function surveyLanes(polygon: readonly Point[], options: SurveyOptions): Lane[] {
   const lanes = oneDirection(polygon, options.spacing, options.angle, options.start ?? 0);
   if (!options.crosshatch || lanes.length === 0) return lanes;
-  return [...lanes, ...oneDirection(polygon, options.spacing, options.angle + 90, options.start ?? 0)];
+  const across = oneDirection(polygon, options.spacing, options.angle + 90, options.start ?? 0);
+  return across.length === 0 ? [] : [...lanes, ...across];
 }
 
 function oneDirection(polygon: readonly Point[], spacing: number, angle: number, start: number): Lane[] {
@@ -52,6 +56,8 @@ function crossings(places: readonly Local[], x: number): (readonly [Local, Local
   found.sort((a, b) => a - b);
   const parts: (readonly [Local, Local])[] = [];
   for (let index = 0; index + 1 < found.length; index += 2) {
+    // A line that only touches a corner has no length inside.
+    if (found[index + 1]! - found[index]! < MIN_LANE) continue;
     parts.push([{ x, y: found[index]! }, { x, y: found[index + 1]! }]);
   }
   return parts;

@@ -1,9 +1,9 @@
 /** The altitude profile of a mission above the terrain. */
 
 import { FRAME, type Plan } from './model';
-import { between, distance } from './geo';
+import { between, distance, type Point } from './geo';
 import type { ElevationSource } from './elevation';
-import { pathOf, type PathPoint } from './statistics';
+import { pathOf, type PathPoint } from './path';
 
 export interface ProfilePoint {
   /** Metres from the begin of the path. */
@@ -31,8 +31,12 @@ const MAX_SAMPLES = 2000;
 /** Metres over ground of a leg that goes up or down only, as a takeoff does. */
 const VERTICAL_LEG = 5;
 
-interface Sample extends PathPoint {
+interface Sample extends Point {
   readonly distance: number;
+  /** The ends of the leg, and how much of it is flown, 0 to 1. */
+  readonly from: PathPoint;
+  readonly to: PathPoint;
+  readonly part: number;
   /** The samples of takeoffs and landings touch the ground on purpose. */
   readonly vertical: boolean;
 }
@@ -57,17 +61,17 @@ function samplesOf(path: readonly PathPoint[]): Sample[] {
   const lengths = path.slice(1).map((point, index) => distance(path[index]!, point));
   const total = lengths.reduce((sum, each) => sum + each, 0);
   const step = Math.max(STEP, total / MAX_SAMPLES);
-  const samples: Sample[] = path.slice(0, 1).map((first) => ({ ...first, distance: 0, vertical: true }));
+  const samples: Sample[] = path.slice(0, 1).map((first) => ({
+    latitude: first.latitude, longitude: first.longitude, distance: 0, from: first, to: first, part: 1, vertical: true,
+  }));
   let start = 0;
   lengths.forEach((length, index) => {
     const [from, to] = [path[index]!, path[index + 1]!];
     const count = Math.max(1, Math.ceil(length / step));
     for (let at = 1; at <= count; at += 1) {
       const part = at / count;
-      // Altitudes of different references cannot be mixed: the target's holds from the begin of the leg.
-      const altitude = from.frame === to.frame ? from.altitude + (to.altitude - from.altitude) * part : to.altitude;
-      const vertical = length < VERTICAL_LEG || (to.altitude === 0 && to.frame !== FRAME.GLOBAL && at === count);
-      samples.push({ ...to, ...between(from, to, part), altitude, distance: start + length * part, vertical });
+      const vertical = length < VERTICAL_LEG || to.touchesGround === true;
+      samples.push({ ...between(from, to, part), from, to, part, distance: start + length * part, vertical });
     }
     start += length;
   });
@@ -77,11 +81,19 @@ function samplesOf(path: readonly PathPoint[]): Sample[] {
 function pointOf(sample: Sample, ground: number | null, homeAltitude: number | null): ProfilePoint {
   const altitude = absolute(sample, ground, homeAltitude);
   const clearance = altitude === null || ground === null ? null : altitude - ground;
-  return { distance: sample.distance, item: sample.item, altitude, ground, clearance };
+  return { distance: sample.distance, item: sample.to.item, altitude, ground, clearance };
 }
 
-function absolute(sample: Sample, ground: number | null, homeAltitude: number | null): number | null {
-  if (sample.frame === FRAME.GLOBAL) return sample.altitude;
-  const base = sample.frame === FRAME.GLOBAL_TERRAIN_ALT ? ground : homeAltitude;
-  return base === null ? null : base + sample.altitude;
+/** Returns the altitude of a sample, between those of both ends of its leg above the same reference. */
+function absolute({ from, to, part }: Sample, ground: number | null, homeAltitude: number | null): number | null {
+  const [first, last] = [above(from, ground, homeAltitude), above(to, ground, homeAltitude)];
+  // An end whose reference is not known cannot be mixed in: the target's altitude holds on the whole leg.
+  return first === null || last === null ? last : first + (last - first) * part;
+}
+
+/** Returns the altitude above mean sea level that a point would have over some ground; null: not known. */
+function above(point: PathPoint, ground: number | null, homeAltitude: number | null): number | null {
+  if (point.frame === FRAME.GLOBAL) return point.altitude;
+  const base = point.frame === FRAME.GLOBAL_TERRAIN_ALT ? ground : homeAltitude;
+  return base === null ? null : base + point.altitude;
 }

@@ -1,0 +1,134 @@
+/**
+ * The items of a mission in QGroundControl's JSON, read by the rules of `mavstack.files.plans.qgc_items`
+ * (`plan-cases.json` tests both).
+ *
+ * Surveys and corridor scans hold the items to fly, and those are read. Landing patterns hold positions, from which
+ * their items follow. A structure scan holds only a shape, from which QGroundControl computes items: it stays in the
+ * plan as it is, so that a file that is saved again has it too, and the checks tell that no vehicle can take it.
+ */
+
+import { CMD, FRAME, item, keptItem, withParam, type Item, type Params } from '../logic/model';
+import { PlanFileError, type Json, type Tree } from './json';
+
+const LANDINGS: ReadonlySet<string> = new Set(['fwLandingPattern', 'vtolLandingPattern']);
+const MAX_ID = 2 ** 31;
+
+/** The items read so far, and the ids by which jumps name them. */
+class Items {
+  readonly items: Item[] = [];
+  private readonly ids = new Map<number, number>();
+  private readonly innerIds = new Map<number, number>();
+
+  constructor(readonly notes: string[]) {}
+
+  /** Adds an item; ids inside of a pattern count only where no other item has the same id. */
+  add(each: Item, id: number | null = null, isInner = false): void {
+    const ids = isInner ? this.innerIds : this.ids;
+    if (id !== null && !ids.has(id)) ids.set(id, this.items.length);
+    this.items.push(each);
+  }
+
+  /** Returns the items, with indexes in the list as the targets of jumps. */
+  finished(): Item[] {
+    return this.items.map((each, index) => this.resolved(each, index));
+  }
+
+  private resolved(each: Item, index: number): Item {
+    const wanted = each.params[0];
+    if (each.command !== CMD.DO_JUMP || wanted == null) return each;
+    // Written by hand, without any ids.
+    if (this.ids.size + this.innerIds.size === 0) return withParam(each, 1, wanted - 1);
+    const target = this.ids.get(wanted) ?? this.innerIds.get(wanted);
+    if (target === undefined) this.notes.push(`item ${index + 1} jumps to doJumpId ${wanted}, which no item has`);
+    return withParam(each, 1, target ?? -1);
+  }
+}
+
+/** Returns the items of a mission, with patterns resolved. */
+export function readItems(mission: Tree, version: number, notes: string[]): Item[] {
+  const found = new Items(notes);
+  for (const tree of mission.get('items').list()) {
+    const kind = tree.get('type').exists ? tree.get('type').text() : 'SimpleItem';
+    if (kind === 'SimpleItem' || kind === 'missionItem') found.add(simple(tree), jumpId(tree));
+    else if (kind === 'ComplexItem') readPattern(tree, found);
+    else throw tree.wrong(`has the unknown item type ${kind.slice(0, 40)}`);
+  }
+  if (version === 1) for (const tree of mission.get('complexItems').list()) keep(tree, 'survey', found);
+  return found.finished();
+}
+
+function simple(tree: Tree): Item {
+  const params: Params = tree.get('params').exists
+    ? tree.get('params').list().map((each) => each.numberOrNull())
+    : [1, 2, 3, 4].map((number) => tree.need(`param${number}`).numberOrNull());
+  const seven = params.length === 4 ? [...params, ...tree.need('coordinate').numbers(3)] : params;
+  if (seven.length !== 7) throw tree.get('params').wrong(`has ${seven.length} numbers instead of 7`);
+  const read = item(tree.need('command').integer(0, 0xffff), seven, tree.need('frame').integer(0, 0xff));
+  return { ...read, autocontinue: tree.get('autoContinue').flag(true) };
+}
+
+function jumpId(tree: Tree): number | null {
+  const found = tree.get('doJumpId').exists ? tree.get('doJumpId') : tree.get('id');
+  const id = found.exists ? found.integer(-MAX_ID, MAX_ID) : -1;
+  return id < 0 ? null : id;
+}
+
+function readPattern(tree: Tree, found: Items): void {
+  const kind = tree.get('complexItemType').text().slice(0, 40) || 'pattern';
+  const flown = tree.get('TransectStyleComplexItem').get('Items');
+  if (flown.exists) {
+    for (const inner of flown.list()) found.add(simple(inner), jumpId(inner), true);
+  } else if (LANDINGS.has(kind)) {
+    try {
+      for (const each of landing(tree, kind, found.notes)) found.add(each);
+    } catch (error) {
+      if (!(error instanceof PlanFileError)) throw error;
+      keep(tree, kind, found, `: ${error.message}`);
+    }
+  } else keep(tree, kind, found);
+}
+
+/** Keeps a pattern that cannot be read as it is. */
+function keep(tree: Tree, kind: string, found: Items, why = ', since the file holds no items of it'): void {
+  found.notes.push(`${tree.path}: the ${kind} was not read${why}`);
+  found.add(keptItem(kind, tree.value as Json));
+}
+
+/** Returns the items of a landing pattern. */
+function landing(tree: Tree, kind: string, notes: string[]): Item[] {
+  const approach = tree.get('landingApproachCoordinate').exists ? 'landingApproachCoordinate' : 'loiterCoordinate';
+  const both = tree.get('altitudesAreRelative');
+  const frame = (older: string): number =>
+    (both.exists ? both : tree.need(older)).flag(false) ? FRAME.GLOBAL_RELATIVE_ALT : FRAME.GLOBAL;
+  const isSet = (key: string, missing = false): boolean => tree.get(key).flag(missing);
+  const stop = (command: number): Item => item(command, [0, null, null, null, null, null, null], FRAME.MISSION);
+  const items = [item(CMD.DO_LAND_START, [], FRAME.MISSION)];
+  if (isSet('stopTakingPhotos')) items.push(item(CMD.DO_SET_CAM_TRIGG_DIST, [], FRAME.MISSION), stop(CMD.IMAGE_STOP_CAPTURE));
+  if (isSet('stopVideoPhotos')) items.push(stop(CMD.VIDEO_STOP_CAPTURE));
+  const place = tree.need(approach).finite(3);
+  if (isSet('useLoiterToAlt', true)) {
+    const radius = tree.need('loiterRadius').number() * (tree.need('loiterClockwise').flag(false) ? 1 : -1);
+    items.push(item(CMD.NAV_LOITER_TO_ALT, [1, radius, 0, 1, ...place], frame('loiterAltitudeRelative')));
+  } else items.push(item(CMD.NAV_WAYPOINT, [0, 0, 0, null, ...place], frame('loiterAltitudeRelative')));
+  const land = tree.need('landCoordinate').finite(3);
+  const isVtol = kind === 'vtolLandingPattern';
+  items.push(item(isVtol ? CMD.NAV_VTOL_LAND : CMD.NAV_LAND, [0, 0, 0, isVtol ? null : 0, ...land], frame('landAltitudeRelative')));
+  if (isSet('useDoChangeSpeed')) notes.push(`${tree.path}: the approach speed was not read`);
+  return items;
+}
+
+/** Returns the items as QGroundControl's file holds them. */
+export function itemsJson(items: readonly Item[]): Json[] {
+  return items.map((each, index) => {
+    if (each.kept) return each.kept.json;
+    const isJump = each.command === CMD.DO_JUMP && each.params[0] != null;
+    return {
+      autoContinue: each.autocontinue,
+      command: each.command,
+      doJumpId: index + 1,
+      frame: each.frame,
+      params: isJump ? withParam(each, 1, each.params[0]! + 1).params : each.params,
+      type: 'SimpleItem',
+    };
+  });
+}
