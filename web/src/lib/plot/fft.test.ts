@@ -1,6 +1,6 @@
 import { expect, it } from 'vitest';
 import { Ring } from './Ring';
-import { spectrumOf, transform } from './fft';
+import { spectrumColumns, spectrumOf, transform } from './fft';
 
 function sine(frequency: number, amplitude: number, rate: number, jitter = 0): Ring {
   const ring = new Ring(1024);
@@ -54,4 +54,15 @@ it('equals the definition of the transform', () => {
     expect(real[bin]).toBeCloseTo(x, 9);
     expect(imaginary[bin]).toBeCloseTo(y, 9);
   }
+});
+
+it('spectra of different rates share a column of frequencies', () => {
+  const spectrum = (step: number, ...amplitudes: number[]) => ({ frequencies: amplitudes.map((_, bin) => bin * step), amplitudes, rate: 1 });
+  expect(spectrumColumns([spectrum(1, 5, 6), null, spectrum(0.5, 7, 8, 9)])).toEqual([
+    [0, 0.5, 1],
+    [5, null, 6],
+    [null, null, null],
+    [7, 8, 9],
+  ]);
+  expect(spectrumColumns([null])).toEqual([[], []]);
 });

@@ -14,8 +14,19 @@ export interface Spectrum {
   readonly rate: number;
 }
 
-/** Returns the spectrum of the newest values, null while there are fewer than 16. */
-export function spectrumOf(ring: Ring, size = 512): Spectrum | null {
+/**
+ * Returns one column of frequencies and one of amplitudes for each spectrum.
+ *
+ * Fields of different rates have different frequencies: a spectrum has null where only another one has a value.
+ */
+export function spectrumColumns(spectra: readonly (Spectrum | null)[]): [number[], ...(number | null)[][]] {
+  const known = spectra.map((spectrum) => new Map(spectrum?.frequencies.map((each, bin) => [each, spectrum.amplitudes[bin]!])));
+  const frequencies = [...new Set(known.flatMap((each) => [...each.keys()]))].sort((a, b) => a - b);
+  return [frequencies, ...known.map((each) => frequencies.map((frequency) => each.get(frequency) ?? null))];
+}
+
+/** Returns the spectrum of the newest values times a factor, null while there are fewer than 16. */
+export function spectrumOf(ring: Ring, factor = 1, size = 512): Spectrum | null {
   const count = Math.min(ring.length, size);
   if (count < 16) return null;
   const first = ring.length - count;
@@ -30,7 +41,7 @@ export function spectrumOf(ring: Ring, size = 512): Spectrum | null {
   transform(real, imaginary);
   const half = length / 2;
   // 2 for the negative frequencies, 2 for the mean of the Hann window.
-  const amplitudes = Array.from({ length: half }, (_, bin) => (4 * Math.hypot(real[bin]!, imaginary[bin]!)) / length);
+  const amplitudes = Array.from({ length: half }, (_, bin) => (4 * Math.abs(factor) * Math.hypot(real[bin]!, imaginary[bin]!)) / length);
   const step = (length - 1) / duration / length;
   return { frequencies: amplitudes.map((_, bin) => bin * step), amplitudes, rate };
 }

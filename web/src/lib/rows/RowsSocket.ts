@@ -14,6 +14,21 @@ export function readRow(text: string): RowSample | null {
   return { source: value.source, message: value.message, time: (value.time ?? 0) * 1000, fields: value.fields ?? {} };
 }
 
+/**
+ * Turns times of the station's clock into times of the browser's, which plots and ages use: they may differ by minutes.
+ *
+ * The smallest difference that was seen is that of the clocks, plus the shortest way of a row.
+ */
+export class StationClock {
+  private difference: number | null = null;
+
+  /** Returns a time of the station, in ms, as the browser counts. */
+  local(time: number, now: number): number {
+    this.difference = Math.min(this.difference ?? Infinity, now - time);
+    return time + this.difference;
+  }
+}
+
 export class RowsSocket {
   private socket: WebSocket | null = null;
   private timer: ReturnType<typeof setTimeout> | null = null;
@@ -30,10 +45,11 @@ export class RowsSocket {
     if (this.socket !== null) return;
     const socket = new WebSocket(stationSocket(), SUBPROTOCOL);
     this.socket = socket;
+    const clock = new StationClock();
     socket.onopen = () => this.onProblem(null);
     socket.onmessage = (event: MessageEvent<string>) => {
       const row = readRow(event.data);
-      if (row !== null) this.onRow(row);
+      if (row !== null) this.onRow({ ...row, time: clock.local(row.time, Date.now()) });
     };
     socket.onclose = () => {
       if (this.socket !== socket) return;

@@ -66,6 +66,8 @@ describe('scripts', () => {
 
   it('end with their error', () => {
     expect(compute('return missing.value')).toContain('missing is not defined');
+    const long = 'String.prototype.slice = () => "replaced"; throw { toString: () => "x".repeat(1e6) };';
+    expect(compute(long)).toBe('x'.repeat(300));
   });
 
   it.each(['', 'import("./x.js")', 'x'.repeat(30_000)])('that cannot run are refused', (script) => {

@@ -39,6 +39,7 @@ const MAX_FIELDS = 32;
 const MAX_NAME_LENGTH = 32;
 const FIELD_NAME = /^[A-Za-z]\w*$/;
 const MAX_SCRIPT = 20_000;
+const MAX_ERROR = 300;
 
 /** Returns why a script cannot run, null if it can be tried. */
 export function problemOf(script: string): string | null {
@@ -70,6 +71,7 @@ function guard(): string {
 "use strict";
 const { getOwnPropertyNames, getPrototypeOf, defineProperty, keys } = ({}).constructor;
 const isFiniteNumber = (0).constructor.isFinite;
+const { apply } = scope.Reflect, cut = ("").slice;
 const kept = ${JSON.stringify(KEPT)};
 const post = scope.postMessage.bind(scope), listen = scope.addEventListener.bind(scope);
 for (let owner = scope; owner !== null && owner !== ({}).__proto__; owner = getPrototypeOf(owner)) {
@@ -104,7 +106,7 @@ defineProperty(scope, "__run__", { configurable: true, value: (compute) => {
       }
       post({ id: data.id, results });
     }
-    catch (error) { post({ id: data.id, error: \`\${error}\` }); }
+    catch (error) { post({ id: data.id, error: apply(cut, \`\${error}\`, [0, ${MAX_ERROR}]) }); }
   });
 } });
 })(this);`;

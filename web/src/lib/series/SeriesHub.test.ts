@@ -1,5 +1,5 @@
-import { expect, it } from 'vitest';
-import { SeriesHub } from './SeriesHub';
+import { describe, expect, it } from 'vitest';
+import { SeriesHub, type Series } from './SeriesHub';
 import { type Sample, parseFieldRef } from './fieldRef';
 
 const sample = (source: string, message: string, fields: Record<string, unknown>, time = 1000): Sample => ({
@@ -57,4 +57,47 @@ it('clears for a jump of a replay', () => {
   hub.clear();
   expect(series.value).toBeNull();
   expect(series.latest).toBeNull();
+});
+
+describe('the age of a value', () => {
+  const ref = { source: 'a', message: 'ROW', field: 'x' };
+  const fed = (times: readonly number[], value: unknown = 1): Series => {
+    const hub = new SeriesHub();
+    const series = hub.watch(ref);
+    for (const time of times) hub.feed({ source: 'a', message: 'ROW', time, fields: { x: value } });
+    return series;
+  };
+
+  it('is told when the next value is overdue by the rate of the field', () => {
+    const fast = fed([0, 100, 200, 300]);
+    expect(fast.overdue(3000)).toBeNull();
+    expect(fast.overdue(4300)).toBe(4000);
+    expect(fast.value).toBe(1);
+    const slow = fed([0, 20_000, 40_000]);
+    expect(slow.overdue(100_000)).toBeNull();
+    expect(slow.overdue(140_000)).toBe(100_000);
+    const once = fed([0]);
+    expect(once.overdue(9000)).toBeNull();
+    expect(once.overdue(11_000)).toBe(11_000);
+    expect(fed([]).overdue(1e9)).toBeNull();
+  });
+
+  it('grows while only NaN comes, and the value before is kept', () => {
+    const hub = new SeriesHub();
+    const series = hub.watch(ref);
+    for (const [time, x] of [[0, 5], [100, 6], [200, NaN], [9000, NaN]] as const) {
+      hub.feed({ source: 'a', message: 'ROW', time, fields: { x } });
+    }
+    expect(series.value).toBe(6);
+    expect(series.overdue(9000)).toBe(8900);
+    hub.clear();
+    expect(series.overdue(9000)).toBeNull();
+  });
+
+  it('of a field that objects have anyway is none', () => {
+    const hub = new SeriesHub();
+    const series = hub.watch({ source: 'a', message: 'ROW', field: 'constructor' });
+    hub.feed({ source: 'a', message: 'ROW', time: 1, fields: {} });
+    expect(series.latest).toBeNull();
+  });
 });

@@ -8,6 +8,13 @@ import { Ring } from '../plot/Ring';
 import { type FieldRef, type Sample, formatFieldRef, matchesSource, numberOf } from './fieldRef';
 
 export const DEFAULT_CAPACITY = 6000;
+/** How much the newest interval counts. */
+const SMOOTHING = 0.2;
+/** A value is overdue after so many of its intervals, but not before some seconds. */
+const OVERDUE = 4;
+const MIN_LIMIT = 3000;
+/** The limit of a value that came once. */
+const FIRST_LIMIT = 10_000;
 
 export class Series {
   readonly ref: FieldRef;
@@ -16,6 +23,8 @@ export class Series {
   latest: unknown = null;
   /** Time of the newest value in ms; null before the first. */
   time: number | null = null;
+  /** Smoothed time between values in ms; null before the second. */
+  interval: number | null = null;
   users = 0;
 
   constructor(ref: FieldRef, capacity: number) {
@@ -25,6 +34,34 @@ export class Series {
 
   get value(): number | null {
     return this.ring.lastValue;
+  }
+
+  /** Takes a value; one that is neither a number nor a text, such as NaN, is none: the one before gets old. */
+  take(time: number, value: unknown): void {
+    const number = numberOf(value, this.ref.index);
+    if (number === null && typeof value !== 'string') return;
+    if (this.time !== null && time > this.time) {
+      const elapsed = time - this.time;
+      this.interval = this.interval === null ? elapsed : this.interval + SMOOTHING * (elapsed - this.interval);
+    }
+    this.latest = value;
+    this.time = time;
+    if (number !== null) this.ring.push(time, number);
+  }
+
+  /** Returns the age of the value in ms if the next one is overdue by the rate of this field; null: it is not. */
+  overdue(now: number): number | null {
+    if (this.time === null) return null;
+    const age = now - this.time;
+    const limit = this.interval === null ? FIRST_LIMIT : Math.max(MIN_LIMIT, OVERDUE * this.interval);
+    return age > limit ? age : null;
+  }
+
+  clear(): void {
+    this.ring.clear();
+    this.latest = null;
+    this.time = null;
+    this.interval = null;
   }
 }
 
@@ -72,21 +109,13 @@ export class SeriesHub {
     if (listening === undefined) return;
     for (const series of listening) {
       const { ref } = series;
-      if (!(ref.field in sample.fields) || !matchesSource(ref.source, sample.source)) continue;
-      const value = sample.fields[ref.field];
-      series.latest = value;
-      series.time = sample.time;
-      const number = numberOf(value, ref.index);
-      if (number !== null) series.ring.push(sample.time, number);
+      if (!Object.hasOwn(sample.fields, ref.field) || !matchesSource(ref.source, sample.source)) continue;
+      series.take(sample.time, sample.fields[ref.field]);
     }
   }
 
   /** Drops all values, for a replay that jumps. */
   clear(): void {
-    for (const series of this.series.values()) {
-      series.ring.clear();
-      series.latest = null;
-      series.time = null;
-    }
+    for (const series of this.series.values()) series.clear();
   }
 }

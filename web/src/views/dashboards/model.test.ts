@@ -41,3 +41,40 @@ describe('refuses', () => {
     expect(() => loadDashboard(text)).toThrow(reason);
   });
 });
+
+describe('files of others', () => {
+  const file = (members: object): string => JSON.stringify({ type: 'mavstack-dashboard', version: 1, ...members });
+  const script = (name: string) => ({ name, code: 'return {}' });
+
+  it('are moved into the grid, wherever their widgets are', () => {
+    const places = [{ y: 1e12, height: 1e9 }, { x: -5, y: -7, width: 1e6 }, { x: 3.6, width: 0, height: -1 }];
+    const { widgets } = loadDashboard(file({ widgets: places.map((place) => ({ kind: 'value', ...place })) }));
+    expect(widgets).toHaveLength(3);
+    for (const each of widgets) {
+      for (const value of [each.x, each.y, each.width, each.height]) expect(Number.isInteger(value)).toBe(true);
+      expect(each.x).toBeGreaterThanOrEqual(0);
+      expect(each.x + each.width).toBeLessThanOrEqual(12);
+      expect(each.y + each.height).toBeLessThan(50);
+    }
+  });
+
+  it('start no more than the browser can run', () => {
+    const many = (count: number) => Array.from({ length: count }, (_, index) => index);
+    expect(() => loadDashboard(file({ scripts: many(17).map((each) => script(`s${each}`)) }))).toThrow('17 scripts are too many');
+    expect(() => loadDashboard(file({ scripts: [script('a'), script('a')] }))).toThrow('two scripts have the name a');
+    const fields = many(5000).map((each) => `1:A.f${each}`);
+    expect(loadDashboard(file({ widgets: [{ kind: 'plot', fields }] })).widgets[0]!.fields).toHaveLength(32);
+    expect(loadDashboard(file({ widgets: many(5000).map(() => ({ kind: 'value' })) })).widgets).toHaveLength(100);
+    expect(loadDashboard(file({ sources: many(5000).map(String) })).sources).toHaveLength(32);
+    expect(() => loadDashboard(' '.repeat(2_000_001))).toThrow('longer than');
+  });
+
+  it('change nothing but the dashboard', () => {
+    const hostile = '{"type": "mavstack-dashboard", "version": 1, "__proto__": {"polluted": 1}, "scripts": [{"name": "a", "code": "return {}", "inputs": {"__proto__": "1:A.b", "constructor": "1:A.c"}}], "widgets": [{"kind": "__proto__"}, {"kind": "constructor"}, null, 5, [], {"kind": "text", "__proto__": {"x": 3}}]}';
+    const loaded = loadDashboard(hostile);
+    expect(loaded.widgets).toHaveLength(1);
+    expect(Object.keys(loaded.scripts[0]!.inputs)).toEqual(['__proto__', 'constructor']);
+    expect(({} as Record<string, unknown>)['polluted']).toBeUndefined();
+    expect(loadDashboard(saveDashboard(loaded))).toEqual(loaded);
+  });
+});

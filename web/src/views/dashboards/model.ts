@@ -2,6 +2,8 @@
 import { type FieldRef, formatFieldRef, parseFieldRef } from '$lib/series/fieldRef';
 import { problemOf } from '$lib/scripts/sandbox';
 
+import { compacted } from './layout';
+
 export const WIDGET_KINDS = ['plot', 'gauge', 'value', 'text', 'horizon', 'compass', 'attitude', 'map', 'fft'] as const;
 export type WidgetKind = (typeof WIDGET_KINDS)[number];
 
@@ -53,6 +55,14 @@ export interface Dashboard {
 export const FILE_TYPE = 'mavstack-dashboard';
 export const FILE_VERSION = 1;
 export const MAX_WIDGETS = 100;
+/** A plot of more fields cannot be read. */
+export const MAX_WIDGET_FIELDS = 32;
+/** Each script is a thread of the browser. */
+export const MAX_SCRIPTS = 16;
+export const MAX_INPUTS = 32;
+export const MAX_SOURCES = 32;
+/** Characters of a file. */
+export const MAX_TEXT = 2_000_000;
 export const EMPTY: Dashboard = { title: 'New dashboard', sources: [], widgets: [], scripts: [] };
 
 /** Default size of a kind of widget, in columns and rows. */
@@ -122,6 +132,7 @@ function savedField({ ref, label, factor, offset, unit }: WidgetField): Record<s
  * Widgets of unknown kinds and unknown members are left out, so that files of newer versions can be opened.
  */
 export function loadDashboard(text: string): Dashboard {
+  if (text.length > MAX_TEXT) throw new DashboardError(`not a dashboard: longer than ${MAX_TEXT} characters`);
   let value: unknown;
   try {
     value = JSON.parse(text);
@@ -130,15 +141,20 @@ export function loadDashboard(text: string): Dashboard {
   }
   if (!isObject(value) || value['type'] !== FILE_TYPE) throw new DashboardError(`not a dashboard: no "type": "${FILE_TYPE}"`);
   if (value['version'] !== FILE_VERSION) throw new DashboardError(`this dashboard has the version ${value['version']}`);
-  const widgets = list(value['widgets']).flatMap(loadWidget).slice(0, MAX_WIDGETS);
+  const widgets = list(value['widgets']).slice(0, MAX_WIDGETS).flatMap(loadWidget);
   if (new Set(widgets.map((widget) => widget.id)).size < widgets.length) {
     throw new DashboardError('two widgets have the same id');
   }
+  const scripts = list(value['scripts']).flatMap(loadScript);
+  if (scripts.length > MAX_SCRIPTS) throw new DashboardError(`${scripts.length} scripts are too many: at most ${MAX_SCRIPTS} can run`);
+  const repeated = scripts.find(({ name }, index) => scripts.findIndex((each) => each.name === name) < index);
+  if (repeated) throw new DashboardError(`two scripts have the name ${repeated.name}`);
   return {
     title: string(value['title'], EMPTY.title),
-    sources: list(value['sources']).filter((each): each is string => typeof each === 'string'),
-    widgets,
-    scripts: list(value['scripts']).flatMap(loadScript),
+    sources: list(value['sources']).filter((each): each is string => typeof each === 'string').slice(0, MAX_SOURCES),
+    // Places that no grid has are moved into it.
+    widgets: compacted(widgets),
+    scripts,
   };
 }
 
@@ -156,7 +172,7 @@ function loadWidget(value: unknown, index: number): Widget[] {
       y: number(value['y'], 0),
       width: number(value['width'], width),
       height: number(value['height'], height),
-      fields: list(value['fields']).map((field) => loadField(field, index)),
+      fields: list(value['fields']).slice(0, MAX_WIDGET_FIELDS).map((field) => loadField(field, index)),
       minimum: number(value['minimum'], 0),
       maximum: number(value['maximum'], 100),
       window: Math.min(3600, Math.max(1, number(value['window'], 30))),
@@ -188,7 +204,7 @@ function loadScript(value: unknown, index: number): UserScript[] {
   const code = string(value['code'], '');
   const problem = /^[A-Za-z][A-Za-z0-9_]{0,31}$/.test(name) ? problemOf(code) : 'it needs a name of letters and digits';
   if (problem !== null) throw new DashboardError(`script ${index + 1}: ${problem}`);
-  const inputs = isObject(value['inputs']) ? Object.entries(value['inputs']) : [];
+  const inputs = isObject(value['inputs']) ? Object.entries(value['inputs']).slice(0, MAX_INPUTS) : [];
   return [{ name, code, inputs: Object.fromEntries(inputs.map(([input, ref]) => [input, loadRef(ref, `script ${name}`)])) }];
 }
 

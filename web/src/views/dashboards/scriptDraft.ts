@@ -23,13 +23,13 @@ export function draftOf({ name, inputs, code }: UserScript): ScriptDraft {
 /** Returns the script of a form, or why it cannot run. */
 export function readDraft({ name, inputs, code }: ScriptDraft): ReadScript {
   if (!/^[A-Za-z][A-Za-z0-9_]{0,31}$/.test(name)) return { script: null, problem: 'the name has letters and digits' };
-  const found: Record<string, FieldRef> = {};
+  const found = new Map<string, FieldRef>();
   for (const line of inputs.split('\n').filter((each) => each.trim() !== '')) {
     const [input = '', ...rest] = line.split('=');
     const ref = parseFieldRef(rest.join('='));
     if (ref === null || !/^\w{1,32}$/.test(input.trim())) return { script: null, problem: `${line.trim()} is not an input` };
-    found[input.trim()] = ref;
+    found.set(input.trim(), ref);
   }
   const problem = problemOf(code);
-  return { script: problem === null ? { name, inputs: found, code } : null, problem };
+  return { script: problem === null ? { name, inputs: Object.fromEntries(found), code } : null, problem };
 }

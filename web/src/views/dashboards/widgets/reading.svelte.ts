@@ -25,10 +25,16 @@ export function numberText(value: number, decimals: number): string {
 
 /** Returns what a field shows as text: a text of the source as it is. */
 export function textOfField(watched: Watched, decimals: number): string {
-  const value = valueOf(watched);
-  if (value !== null) return numberText(value, decimals);
   const { latest } = watched.series;
-  return typeof latest === 'string' ? latest : '–';
+  if (typeof latest === 'string') return latest;
+  const value = valueOf(watched);
+  return value === null ? '–' : numberText(value, decimals);
+}
+
+/** Returns the seconds since the oldest of some values, if one of them is overdue by its own rate; null: none is. */
+export function overdueOf(watched: readonly Watched[], now: number): number | null {
+  const ages = watched.map(({ series }) => series.overdue(now)).filter((age) => age !== null);
+  return ages.length === 0 ? null : Math.round(Math.max(...ages) / 1000);
 }
 
 /** Watches fields while a component is shown; call it while the component is made. */

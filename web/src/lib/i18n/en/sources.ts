@@ -1,0 +1,21 @@
+export const sources = {
+  title: 'Sources of the station',
+  none: 'The station has no source yet.',
+  waiting: 'Waiting',
+  connected: 'Connected',
+  ended: 'Ended',
+  closed: 'Closed',
+  rows: '{received} rows, {refused} lines refused',
+  remove: 'Remove {url}',
+  url: 'URL of a link',
+  urlHint:
+    'Such as udpin://0.0.0.0:14550, tcpout://127.0.0.1:5760, serial:///dev/ttyACM0?baud=57600, or csv+tcp://127.0.0.1:5770?name=cansat&template=time:s,alt:m',
+  add: 'Add',
+  recording: 'Recording to replay beside the links',
+  chooseRecording: 'Choose a recording',
+  administerOnly: 'Your role may look at the sources, not change them.',
+  demo: 'The vehicles of this page are a demo: they fly in the page, and none of them is real.',
+  serial: 'This page is connected to a flight controller over USB, without the station.',
+  replay: 'This page shows a recorded flight.',
+  backToStation: 'Back to the station',
+} as const;
