@@ -225,3 +225,24 @@ def test_a_gamepad_steers_only_while_its_button_is_held(browser: Any, tmp_path: 
             page.evaluate("pad.connected = true")
             page.wait_for_timeout(300)
             assert page.get_by_text("Steering vehicle 1").count() == 0
+
+
+KEEP_SHADERS = """(() => {
+  window.shaders = [];
+  const { prototype } = WebGL2RenderingContext;
+  const original = prototype.shaderSource;
+  prototype.shaderSource = function (shader, source) {
+    window.shaders.push(source);
+    return original.call(this, shader, source);
+  };
+})()"""
+
+
+def test_the_map_computes_no_sky(browser: Any, tmp_path: Path) -> None:
+    """A map that is never tilted shows no sky, which costs most of a frame without a graphics processor."""
+    with web_server(tmp_path) as server, station_page(browser, server.url, DESKTOP) as shown:
+        page = shown.page
+        page.add_init_script(KEEP_SHADERS)
+        page.goto(f"{server.url}?demo=3")
+        shown.wait_until(lambda: page.evaluate("window.shaders.some((each) => each.includes('v_width2'))"))
+        assert not page.evaluate("window.shaders.some((each) => each.includes('u_sky_color'))")

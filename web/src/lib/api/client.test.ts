@@ -122,4 +122,28 @@ describe('ApiClient', () => {
     expect(progress).toEqual([[3, 9]]);
     expect(calls.map(({ url }) => url)).toEqual(['/api/vehicles/1/parameters?wait=false', '/api/tasks/3/result']);
   });
+
+  it('cancels long work at the station', async () => {
+    let cancelled: () => void = () => {};
+    class FakeEvents {
+      static readonly CLOSED = 2;
+      addEventListener(name: string, listener: () => void): void {
+        if (name === 'cancelled') cancelled = listener;
+      }
+      close(): void {}
+    }
+    vi.stubGlobal('EventSource', FakeEvents);
+    const { client, calls } = clientOf([json({ task: '3' }, 202), json({ state: 'cancelled' })]);
+    const aborter = new AbortController();
+    const failure = client.long('GET', 'vehicles/1/logs/1', undefined, undefined, {}, aborter.signal).catch((error: unknown) => error);
+    await vi.waitFor(() => expect(calls).toHaveLength(1));
+    await vi.waitFor(() => expect(cancelled.name).not.toBe('cancelled'));
+    aborter.abort();
+    cancelled();
+    expect(await failure).toMatchObject({ name: 'AbortError' });
+    expect(calls.map(({ method, url }) => `${method} ${url}`)).toEqual([
+      'GET /api/vehicles/1/logs/1?wait=false',
+      'DELETE /api/tasks/3',
+    ]);
+  });
 });

@@ -54,12 +54,28 @@ export class ApiClient {
     return (await this.request('GET', path, undefined, query)).blob();
   }
 
-  /** Does long work: starts it, tells its progress, and returns the answer that the request would have had. */
-  async long(method: string, path: string, onProgress?: Progress, body?: object | Blob, query: Query = {}): Promise<Response> {
+  /**
+   * Does long work: starts it, tells its progress, and returns the answer that the request would have had.
+   *
+   * @param signal cancels the work at the station; the promise then rejects
+   */
+  async long(
+    method: string,
+    path: string,
+    onProgress?: Progress,
+    body?: object | Blob,
+    query: Query = {},
+    signal?: AbortSignal,
+  ): Promise<Response> {
     const response = await this.request(method, path, body, { ...query, wait: false });
     if (response.status !== 202) return response;
     const { task } = (await response.json()) as Started;
-    await this.follow(task, onProgress);
+    // The task tells that it was cancelled by its progress; one that ended before needs no answer.
+    const cancel = (): void => void this.delete(`tasks/${task}`).catch(() => undefined);
+    if (signal?.aborted === true) cancel();
+    signal?.addEventListener('abort', cancel, { once: true });
+    await this.follow(task, onProgress).finally(() => signal?.removeEventListener('abort', cancel));
+    signal?.throwIfAborted();
     return this.request('GET', `tasks/${task}/result`);
   }
 

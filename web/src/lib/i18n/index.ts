@@ -22,6 +22,14 @@ export function setLanguage(code: string): void {
   current = catalogues[code] ?? en;
 }
 
+/** Sets the first of a person's languages that has a catalogue, and returns its code: `de-AT` takes `de`. */
+export function chooseLanguage(preferred: readonly string[]): string {
+  const codes = preferred.flatMap((code) => [code, code.split('-')[0]!]);
+  const code = codes.find((each) => each in catalogues) ?? 'en';
+  setLanguage(code);
+  return code;
+}
+
 /** Returns a text with its values in place of `{name}`. */
 export function t(key: TextKey, values: TextValues = {}): string {
   const [part, name] = key.split('.') as [string, string];

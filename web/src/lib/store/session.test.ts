@@ -51,6 +51,9 @@ it('lets go of a recording when it is left', async () => {
   const bytes = new Encoder(1, 1).build('HEARTBEAT', { type: 2, autopilot: 3 });
   await startReplay(tlogOf([{ time: 1_790_000_000_000, bytes }]), 'flight.tlog');
   expect(replay.current?.packets).toBe(1);
+  // No vehicle takes commands.
+  expect(status.role).toBe('observe');
   await startDemo(1);
+  expect(status.role).toBe('administer');
   expect(replay.current).toBeNull();
 });

@@ -81,6 +81,8 @@ export async function startReplay(data: Uint8Array, name: string): Promise<void>
   const transport = new ReplayTransport(data, name);
   if (transport.packets === 0) throw new StationError('InvalidArgumentError', `replaying ${name} failed: the file has no packets`);
   replay.current = transport;
+  // The flight is over: no vehicle takes commands.
+  status.role = 'observe';
   await fleet.connect(transport, 'replay', (heartbeat, send) => new LinkVehicle(heartbeat, send));
 }
 

@@ -11,6 +11,7 @@ import type { ParameterEncoding } from './link/parameterValue';
 import { readParameter, readParameters, writeParameter } from './link/parameters';
 import { PlanClient } from './link/plans';
 import { TelemetryRequests } from './link/telemetry';
+import { sequenceOf } from './missionItem';
 import { ObservedVehicle, type Send } from './ObservedVehicle.svelte';
 import type {
   CommandResult, Mode, OrbitOptions, Parameter, Plan, PlanKind, ProgressListener, StatusText, Target, Vehicle,
@@ -174,8 +175,9 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
     return this.enter('pausing the mission of', [this.holdMode]);
   }
 
-  async setMissionItem(seq: number): Promise<void> {
-    await this.transmit('choosing the mission item of', 'DO_SET_MISSION_CURRENT', [seq + (this.hasHomeItem ? 1 : 0)]);
+  async setMissionItem(number: number): Promise<void> {
+    const seq = sequenceOf(number, this.state.firmware);
+    await this.transmit('choosing the mission item of', 'DO_SET_MISSION_CURRENT', [seq]);
   }
 
   reboot(): Promise<void> {

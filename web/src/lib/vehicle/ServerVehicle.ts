@@ -4,6 +4,7 @@ import { api as stationApi, type ApiClient } from '$lib/api/client';
 import type { DecodedMessage } from '$lib/decoder/Decoder';
 
 import { UNKNOWN_CAPABILITIES, capabilitiesFrom, type Capabilities } from './capabilities';
+import { sequenceOf } from './missionItem';
 import { ObservedVehicle, type Home, type Send } from './ObservedVehicle.svelte';
 import type {
   CommandResult, Mode, OrbitOptions, Parameter, Plan, PlanItem, PlanKind, ProgressListener, Target, Vehicle,
@@ -129,8 +130,8 @@ export class ServerVehicle extends ObservedVehicle implements Vehicle {
     return this.act('mission/pause');
   }
 
-  setMissionItem(seq: number): Promise<void> {
-    return this.act('mission/current', { seq });
+  setMissionItem(number: number): Promise<void> {
+    return this.act('mission/current', { seq: sequenceOf(number, this.state.firmware) });
   }
 
   reboot(): Promise<void> {

@@ -211,7 +211,8 @@ export interface Vehicle {
   startMission(): Promise<void>;
   /** Stays at the present position; `startMission` resumes the mission. */
   pauseMission(): Promise<void>;
-  setMissionItem(seq: number): Promise<void>;
+  /** Flies to an item next; items are counted from 1, as in the plan. */
+  setMissionItem(number: number): Promise<void>;
   reboot(): Promise<void>;
 
   downloadPlan(kind: PlanKind, onProgress?: ProgressListener): Promise<Plan>;

@@ -5,7 +5,7 @@ export type PartKind = 'header' | 'ids' | 'message' | 'payload' | 'checksum' | '
 
 export interface PacketPart {
   readonly kind: PartKind;
-  /** Name of the part: `magic`, `length`, `time_boot_ms`, `checksum` … */
+  /** Name of a field of the message; parts of all packets have the one that MAVLink gives them. */
   readonly name: string;
   readonly start: number;
   readonly end: number;
@@ -14,21 +14,21 @@ export interface PacketPart {
 const MAGIC_V2 = 0xfd;
 const V1: readonly [PartKind, string, number][] = [
   ['header', 'magic', 1],
-  ['header', 'payload length', 1],
-  ['header', 'sequence', 1],
-  ['ids', 'system', 1],
-  ['ids', 'component', 1],
-  ['message', 'message id', 1],
+  ['header', 'len', 1],
+  ['header', 'seq', 1],
+  ['ids', 'sysid', 1],
+  ['ids', 'compid', 1],
+  ['message', 'msgid', 1],
 ];
 const V2: readonly [PartKind, string, number][] = [
   ['header', 'magic', 1],
-  ['header', 'payload length', 1],
-  ['header', 'incompatibility flags', 1],
-  ['header', 'compatibility flags', 1],
-  ['header', 'sequence', 1],
-  ['ids', 'system', 1],
-  ['ids', 'component', 1],
-  ['message', 'message id', 3],
+  ['header', 'len', 1],
+  ['header', 'incompat_flags', 1],
+  ['header', 'compat_flags', 1],
+  ['header', 'seq', 1],
+  ['ids', 'sysid', 1],
+  ['ids', 'compid', 1],
+  ['message', 'msgid', 3],
 ];
 const SIZES: Readonly<Record<string, number>> = {
   char: 1, int8_t: 1, uint8_t: 1, int16_t: 2, uint16_t: 2, int32_t: 4, uint32_t: 4, float: 4, int64_t: 8, uint64_t: 8,

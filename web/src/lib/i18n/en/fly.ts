@@ -8,6 +8,7 @@ export const fly = {
   sticks: 'Sticks',
   video: 'Video',
   noVehicle: 'No vehicle is selected.',
+  recorded: 'This is a recorded flight: it takes no commands.',
   observer: 'You may watch only: this session has the role observe.',
   battery: 'Battery',
   batteryNumber: 'Battery {id}',

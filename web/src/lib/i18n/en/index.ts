@@ -9,6 +9,7 @@ import { plan } from './plan';
 import { router } from './router';
 import { setup } from './setup';
 import { shell } from './shell';
+import { sources } from './sources';
 import { ui } from './ui';
 
-export const en = { shell, ui, fly, plan, setup, inspect, logs, dashboards, router, generator };
+export const en = { shell, ui, sources, fly, plan, setup, inspect, logs, dashboards, router, generator };

@@ -17,4 +17,6 @@ export const router = {
   rate: '{packets}/s · {bytes}/s',
   packets: '{count} packets',
   problem: 'The router does not answer: {reason}',
+  seconds: '{count} s',
+  commands: 'Commands',
 } as const;

@@ -69,6 +69,7 @@ export const setup = {
   groupOsd: 'On-screen display',
   modePosition: 'Position {slot}',
   noModeSwitch: 'No channel of the transmitter selects modes.',
+  pulse: '{pulse} µs',
   modeChannel: 'The switch is on channel {channel}: {pulse} µs.',
   noModeChannel: 'The switch is on channel {channel}; its position is not known.',
   start: 'Start',
