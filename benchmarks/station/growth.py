@@ -8,8 +8,9 @@ does not, one with JSON messages, or a request of the API. Each minute has a lin
 process without a file behind it (`RssAnon`, the median of the minute) and its open descriptors; memory of the
 page's objects and buffers, nodes of its document and event listeners, after a garbage collection.
 
-The last lines are the growth of each figure after the warm-up, by linear regression, with the interval that
-holds it in 95 of 100 cases. The program fails if the interval is above 0.1 percent of the mean a minute.
+The last lines are the growth of each figure after the warm-up, the median of the slopes between all minutes,
+with the interval that holds it in 95 of 100 cases. The program fails if the interval is above 0.1 percent of
+the median a minute.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from typing import TYPE_CHECKING
 
 from .__main__ import HOST, process, station
 from .page import Page, shown
-from .trend import trend
+from .trend import MIN_VALUES, trend
 from .visitors import Visitors
 
 if TYPE_CHECKING:
@@ -64,7 +65,9 @@ def minute(pid: int, visitors: Visitors, page: Page | None) -> dict[str, float]:
     return figures | (page.counts() if page is not None else {})
 
 
-def run(options: argparse.Namespace, report: Callable[[int, dict[str, float]], None]) -> list[dict[str, float]]:
+def run(
+    options: argparse.Namespace, report: Callable[[int, dict[str, float]], None]
+) -> list[dict[str, float]]:
     """Run the station under load, report the figures of each minute, and return them all."""
     figures: list[dict[str, float]] = []
     with ExitStack() as running:
@@ -94,8 +97,8 @@ def main() -> None:
     parser.add_argument("--clients", type=int, default=20)
     parser.add_argument("--no-page", dest="page", action="store_false", help="the server alone")
     options = parser.parse_args()
-    if options.minutes < options.warm_up + 2:
-        parser.error("--minutes must be at least 2 more than --warm-up")
+    if options.minutes < options.warm_up + MIN_VALUES:
+        parser.error(f"--minutes must be at least {MIN_VALUES} more than --warm-up")
     figures = run(options, _report)[options.warm_up :]
     trends = {name: trend([each[name] for each in figures]) for name in figures[0]}
     for name, found in trends.items():

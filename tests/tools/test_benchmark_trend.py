@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import random
 
-from benchmarks.station.trend import trend
+from benchmarks.station.trend import MIN_VALUES, trend
 
 
-def noisy(slope: float, noise: float, count: int = 25) -> list[float]:
-    numbers = random.Random(1)
+def noisy(slope: float, noise: float, count: int = 25, seed: int = 1) -> list[float]:
+    numbers = random.Random(seed)
     return [100 + slope * minute + numbers.gauss(0, noise) for minute in range(count)]
 
 
@@ -20,7 +20,22 @@ def test_a_steady_figure_does_not_grow() -> None:
 def test_growth_beyond_the_noise_is_found() -> None:
     found = trend(noisy(slope=0.5, noise=1))
     assert found.grows
-    assert abs(found.slope - 0.5) < 2 * found.error
+    assert found.low < 0.5 < found.high
+
+
+def test_the_interval_holds_the_growth_in_95_of_100_cases() -> None:
+    trends = [trend(noisy(slope=0.5, noise=2, seed=seed)) for seed in range(400)]
+    held = sum(each.low <= 0.5 <= each.high for each in trends)
+    assert 0.92 < held / len(trends) < 0.98
+
+
+def test_odd_values_do_not_move_the_growth() -> None:
+    values = noisy(slope=0, noise=1)
+    values[-2:] = [400, 400]
+    assert not trend(values).grows
+    values = noisy(slope=0.5, noise=1)
+    values[-1] = 0
+    assert trend(values).grows
 
 
 def test_growth_within_the_noise_is_none() -> None:
@@ -32,5 +47,7 @@ def test_growth_within_the_tolerance_is_none() -> None:
     assert trend(noisy(slope=0.2, noise=0)).grows
 
 
-def test_two_values_prove_nothing() -> None:
-    assert not trend([100.0, 200.0]).grows
+def test_a_few_values_prove_nothing() -> None:
+    for count in range(2, MIN_VALUES):
+        assert not trend(noisy(slope=100, noise=0, count=count)).grows
+    assert trend(noisy(slope=100, noise=0, count=MIN_VALUES)).grows

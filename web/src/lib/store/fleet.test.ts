@@ -71,37 +71,74 @@ it('shows the state of the present link, whatever becomes of the one before', as
   expect(status.link).toBe('open');
 });
 
-it('shows a large fleet less often than each frame, and asks for no other frames', () => {
-  vi.useFakeTimers({ toFake: ['setTimeout', 'performance'] });
+describe('the frames of a fleet', () => {
   const frames: ((time: number) => void)[] = [];
   let asked = 0;
-  vi.stubGlobal('requestAnimationFrame', (callback: (time: number) => void) => {
-    asked += 1;
-    frames.push(callback);
+  let published = 0;
+  let start = 0;
+  let transport: FakeTransport;
+
+  beforeEach(() => {
+    vi.useFakeTimers({ toFake: ['setTimeout', 'performance'] });
+    // The fleet is that of the tests before, which had clocks of their own.
+    vi.advanceTimersByTime((start += 60_000));
+    vi.stubGlobal('requestAnimationFrame', (callback: (time: number) => void) => {
+      asked += 1;
+      frames.push(callback);
+    });
+    vi.spyOn(fleet, 'publish').mockImplementation(() => void (published += 1));
+    transport = new FakeTransport();
+    void fleet.connect(transport, 'server', link);
   });
-  const transport = new FakeTransport();
-  void fleet.connect(transport, 'server', link);
-  const shown = (systems: number): number => {
-    let count = 0;
-    const published = vi.spyOn(fleet, 'publish').mockImplementation(() => void (count += 1));
+  afterEach(() => {
+    // A publication that is still scheduled must not wait for a clock that has ended.
     vi.advanceTimersByTime(1000);
-    const from = performance.now();
-    asked = 0;
-    for (let frame = 0; frame < 60; frame += 1) {
-      for (let system = 1; system <= systems; system += 1) transport.receive(heartbeat(system));
-      const time = from + (frame * 1000) / 60;
-      vi.advanceTimersByTime(time - performance.now());
-      for (const run of frames.splice(0)) run(time);
+    run();
+    vi.restoreAllMocks();
+  });
+
+  /** Goes on to the next frame. */
+  function run(): void {
+    vi.advanceTimersByTime(1000 / 60);
+    for (const each of frames.splice(0)) each(performance.now());
+  }
+
+  /** Finds vehicles, and shows them for half a second of frames with a message of each frame. */
+  function show(systems: number): void {
+    for (let system = 1; system <= systems; system += 1) transport.receive(heartbeat(system));
+    vi.advanceTimersByTime(1000);
+    run();
+    asked = published = 0;
+    for (let frame = 0; frame < 30; frame += 1) {
+      transport.receive(heartbeat(1));
+      run();
     }
-    published.mockRestore();
-    return count;
-  };
-  expect(shown(3)).toBe(60);
-  expect(shown(30)).toBe(30);
-  expect(shown(200)).toBe(10);
-  expect(asked).toBeLessThanOrEqual(2 * 10);
-  fleet.disconnect();
-  vi.useRealTimers();
+  }
+
+  it('shows a large fleet less often than each frame, and asks for no other frames', () => {
+    for (const [systems, times] of [[3, 30], [30, 15], [90, 5]] as const) {
+      show(systems);
+      expect(published).toBe(times);
+      expect(asked).toBeLessThanOrEqual(2 * times);
+    }
+  });
+
+  it('shows the next link when the link before is left while it waits for its interval', () => {
+    show(90);
+    transport.receive(heartbeat(1));
+    const next = new FakeTransport();
+    void fleet.connect(next, 'server', link);
+    next.receive(heartbeat(7));
+    published = 0;
+    for (let frame = 0; frame < 7; frame += 1) run();
+    expect(published).toBeGreaterThan(0);
+    published = 0;
+    for (let frame = 0; frame < 5; frame += 1) {
+      next.receive(heartbeat(7));
+      run();
+    }
+    expect(published).toBe(5);
+  });
 });
 
 it('takes the time of a recording for the present time', async () => {

@@ -38,7 +38,7 @@ export const shell = {
   reconnecting: 'The station does not answer. Reconnecting …',
   rate: '{rate} messages/s',
   demo: 'Demo',
-  serial: 'USB',
+  serial: 'Connected over USB',
   replay: 'Replay',
   startDemo: 'Start the demo',
   startDemoHint: 'Seven vehicles that fly inside this page',
