@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import asyncio
+import socket
 from contextlib import suppress
 
 import pytest
@@ -9,7 +10,7 @@ from starlette.responses import PlainTextResponse
 from starlette.routing import Route
 
 from mavstack.errors import LinkError
-from mavstack.http.server import Certificate, serving
+from mavstack.http.server import Certificate, _Protocol, serving
 
 REQUEST = b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n"
 
@@ -23,6 +24,25 @@ async def test_an_address_in_use_is_an_error():
         with pytest.raises(LinkError, match=r"cannot serve another service on .*in use"):
             async with serving(Starlette(), f"{host}:{port}", name="another service"):
                 pass
+
+
+async def test_answers_do_not_wait_for_the_acknowledgement_of_their_head(monkeypatch):
+    options = []
+
+    class Protocol(_Protocol):
+        def connection_made(self, transport):
+            super().connection_made(transport)
+            sock = transport.get_extra_info("socket")
+            options.append(sock.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY))
+
+    monkeypatch.setattr("mavstack.http.server._Protocol", Protocol)
+    app = Starlette(routes=[Route("/", answer)])
+    async with asyncio.timeout(20), serving(app, "127.0.0.1:0", name="a service") as (host, port):
+        reader, writer = await asyncio.open_connection(host, port)
+        writer.write(REQUEST)
+        await reader.readuntil(b"served")
+        writer.close()
+    assert options == [1]
 
 
 async def test_a_missing_certificate_is_an_error():

@@ -180,8 +180,9 @@ async def _listen(address: str, name: str) -> socket.socket:
         found = await asyncio.get_running_loop().getaddrinfo(
             host.strip("[]"), int(port), type=socket.SOCK_STREAM
         )
-        family, _, _, _, target = found[0]
-        sock = socket.socket(family, socket.SOCK_STREAM)
+        family, kind, protocol, _, target = found[0]
+        # asyncio sends small packets of a connection at once only if the socket names its protocol.
+        sock = socket.socket(family, kind, protocol)
         if os.name == "posix":  # on Windows another program could then listen on the same port
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         sock.bind(target)
