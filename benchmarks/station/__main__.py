@@ -22,7 +22,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from statistics import median, quantiles
 from time import monotonic, sleep
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .clicks import Clicks
 
@@ -76,24 +76,25 @@ def station() -> Iterator[tuple[int, int, int]]:
         source = free.getsockname()[1]
     words = ("mavstack", "web", f"udpin://{HOST}:{source}", "--no-browser", "--port", 0, "--json")
     with process(*words) as server:
-        port = json.loads(_line(server))["port"]
+        port = json.loads(line(server))["port"]
         yield server.pid, port, source
 
 
-def _line(running: subprocess.Popen[str]) -> str:
+def line(running: subprocess.Popen[str]) -> str:
+    """Return the next line that a program of this package prints."""
     assert running.stdout is not None
     return running.stdout.readline()
 
 
-def _ask(running: subprocess.Popen[str]) -> list[int]:
+def ask(running: subprocess.Popen[str], text: str = "") -> Any:  # noqa: ANN401 (JSON has values of many types)
+    """Send a line to a program of this package, and return the JSON that it answers."""
     assert running.stdin is not None
-    running.stdin.write("\n")
+    running.stdin.write(f"{text}\n")
     running.stdin.flush()
-    found: list[int] = json.loads(_line(running))
-    return found
+    return json.loads(line(running))
 
 
-def _processor_time(pid: int) -> float:
+def processor_time(pid: int) -> float:
     """Return the processor time of a process in seconds."""
     fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / TICKS
@@ -104,12 +105,12 @@ def measure(load: Load, seconds: float) -> Figures:
     with station() as (pid, port, source), ExitStack() as running:
         running.enter_context(process("benchmarks.station.fleet", source, load.rate, VEHICLES))
         clients = running.enter_context(process("benchmarks.station.clients", port, load.clients, load.idle))
-        _line(clients)
+        line(clients)
         sleep(SETTLING_TIME)
-        _ask(clients)
-        before, started = _processor_time(pid), monotonic()
+        ask(clients)
+        before, started = processor_time(pid), monotonic()
         sleep(seconds)
-        packets, after = _ask(clients), _processor_time(pid)
+        packets, after = ask(clients), processor_time(pid)
         elapsed = monotonic() - started
         expected = load.rate * elapsed
         return Figures((after - before) / elapsed, min(packets) / expected, median(packets) / expected)
@@ -121,8 +122,8 @@ def measure_clicks(load: Load, count: int) -> dict[str, list[float]]:
         if load.rate:
             running.enter_context(process("benchmarks.station.fleet", source, load.rate, VEHICLES))
             clients = process("benchmarks.station.clients", port, load.clients, load.idle)
-            _line(running.enter_context(clients))
-        echo = int(_line(running.enter_context(process("benchmarks.station.echo"))))
+            line(running.enter_context(clients))
+        echo = int(line(running.enter_context(process("benchmarks.station.echo"))))
         with Clicks(port, source, echo) as clicks:
             sleep(SETTLING_TIME)
             return {
@@ -139,7 +140,7 @@ def measure_start() -> tuple[float, float]:
         with socket.create_connection((HOST, port)) as sock:
             sock.sendall(f"GET /api/vehicles HTTP/1.1\r\nHost: {HOST}:{port}\r\n\r\n".encode())
             sock.recv(1)
-        return monotonic() - started, _processor_time(pid)
+        return monotonic() - started, processor_time(pid)
 
 
 def main() -> None:

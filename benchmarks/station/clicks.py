@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import socket
 from http.client import HTTPConnection
 from time import perf_counter
@@ -13,7 +12,8 @@ from mavstack.dialects import Message
 from mavstack.dialects import ardupilotmega as dialect
 from mavstack.wire import Encoder, Parser
 
-from .clients import HOST, REQUEST
+from .clients import RAW
+from .websocket import BINARY, HOST, WebSocket, handshake
 
 if TYPE_CHECKING:
     from typing import Self
@@ -36,9 +36,7 @@ class Clicks:
         self._own = Encoder(OWN_SYSTEM, OWN_COMPONENT)
         self._echo = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._echo.connect((HOST, echo))
-        self._websocket = socket.create_connection((HOST, port))
-        self._websocket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._websocket.sendall(REQUEST.format(port=port).encode())
+        self._websocket = WebSocket(port, handshake(port, "/ws", RAW))
 
     def echo(self) -> float:
         """Return the seconds from a datagram to its echo."""
@@ -64,10 +62,8 @@ class Clicks:
         """Return the seconds from a MANUAL_CONTROL in a WebSocket to its arrival at the vehicle."""
         self._beat()
         packet = self._own.encode(dialect.ManualControl(target=SYSTEM, z=500))
-        mask = os.urandom(4)
-        masked = bytes(each ^ mask[index % 4] for index, each in enumerate(packet))
         started = perf_counter()
-        self._websocket.sendall(bytes([0x82, 0x80 | len(packet)]) + mask + masked)
+        self._websocket.send(BINARY, packet)
         arrived = self._arrival(dialect.ManualControl)
         self._drain()
         return arrived - started
@@ -87,17 +83,18 @@ class Clicks:
 
     def _drain(self) -> None:
         """Read what the WebSocket has, so that it is a client that reads."""
-        self._websocket.setblocking(False)
+        sock = self._websocket.sock
+        sock.setblocking(False)
         try:
-            while self._websocket.recv(1 << 18):
+            while sock.recv(1 << 18):
                 pass
         except BlockingIOError:
-            self._websocket.setblocking(True)
+            sock.setblocking(True)
 
     def __enter__(self) -> Self:
         self._beat()
         return self
 
     def __exit__(self, *_: object) -> None:
-        for each in (self._vehicle, self._echo, self._websocket, self._http):
+        for each in (self._vehicle, self._echo, self._websocket.sock, self._http):
             each.close()

@@ -7,9 +7,10 @@ import socket
 from collections import deque
 
 from .__main__ import HOST
-from .clients import REQUEST
+from .clients import RAW
+from .websocket import handshake
 
-JSON_REQUEST = REQUEST.replace("mavstack.raw.1", "mavstack.json.1")
+JSON = "mavstack.json.1"
 SUBSCRIBE = b'{"subscribe": ["*"], "rate": 5}'
 #: The mask of the messages of these clients.
 MASK = bytes(4)
@@ -59,8 +60,7 @@ class Visitors:
             path = self._random.choice(PATHS)
             sock.sendall(f"GET {path} HTTP/1.1\r\nHost: {HOST}:{self._port}\r\n\r\n".encode())
         else:
-            request = JSON_REQUEST if kind == "json" else REQUEST
-            sock.sendall(request.format(port=self._port).encode())
+            sock.sendall(handshake(self._port, "/ws", JSON if kind == "json" else RAW))
         if kind == "json":
             sock.sendall(bytes([0x81, 0x80 | len(SUBSCRIBE)]) + MASK + SUBSCRIBE)
         sock.setblocking(False)
