@@ -5,7 +5,7 @@ import { bearing, boundsOf, circle, destination, distance, pathLength, widened }
 import { angleText, graticule, graticuleStep, scaleLength } from './graticule';
 import { DARK, vehicleColour } from './palette';
 import { Projection } from './projection';
-import { Track, trackFeatures } from './track';
+import { FleetTracks, Track, trackFeatures } from './track';
 import { roomFor, vehicleAt } from './vehicleLayer';
 
 const ZERMATT = { latitude: 46.02, longitude: 7.749 };
@@ -116,6 +116,21 @@ describe('track', () => {
     expect(track.places.length).toBeLessThanOrEqual(100);
     expect(distance(ZERMATT, track.places.at(-1)!)).toBeCloseTo(3990, 0);
     expect(track.places[0]).toEqual(ZERMATT);
+  });
+
+  it('shares its places with the tracks of vehicles that are found later', () => {
+    const tracks = new FleetTracks();
+    const places = Array.from({ length: 5000 }, (_, index) => destination(ZERMATT, 90, index * 3));
+    for (let system = 1; system <= 100; system += 1) for (const place of places) tracks.of(system).add(place);
+    const total = (): number => [...tracks.all.values()].reduce((sum, { places: { length } }) => sum + length, 0);
+    expect(total()).toBeLessThanOrEqual(40_000);
+    expect(total()).toBeGreaterThan(25_000);
+    expect(tracks.of(1).places.at(-1)).toEqual(places.at(-1));
+
+    tracks.keep(new Set([1, 2]));
+    for (const place of places) tracks.of(1).add(place);
+    expect([...tracks.all.keys()]).toEqual([1, 2]);
+    expect(tracks.of(1).places.length).toBeGreaterThan(2500);
   });
 
   it('begins again after a jump', () => {

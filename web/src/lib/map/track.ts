@@ -13,7 +13,7 @@ export interface TrackOptions {
 const JUMP = 20_000;
 
 export class Track {
-  private readonly capacity: number;
+  private capacity: number;
   private readonly spacing: number;
   private kept: Place[] = [];
   /** Changes with each place that is kept. */
@@ -42,6 +42,15 @@ export class Track {
     return true;
   }
 
+  /** Sets how many places are kept at most. */
+  limit(capacity: number): void {
+    this.capacity = capacity;
+    while (this.kept.length > this.capacity) {
+      this.thin();
+      this.revision += 1;
+    }
+  }
+
   clear(): void {
     this.kept = [];
     this.revision += 1;
@@ -51,6 +60,43 @@ export class Track {
   private thin(): void {
     const half = Math.floor(this.kept.length / 2);
     this.kept = this.kept.filter((_, index) => index >= half || index % 2 === 0);
+  }
+}
+
+/** Places of all tracks together; a large fleet gets shorter tracks. */
+const MAX_PLACES = 40_000;
+/** Places of one track, whatever the number of tracks. */
+const MIN_CAPACITY = 200;
+const MAX_CAPACITY = 4000;
+
+/** The tracks of a fleet by system id, which share a number of places. */
+export class FleetTracks {
+  private readonly tracks = new Map<number, Track>();
+
+  /** The tracks that were begun. */
+  get all(): ReadonlyMap<number, Track> {
+    return this.tracks;
+  }
+
+  /** Returns the track of a vehicle; begins it, for which all others may get shorter. */
+  of(system: number): Track {
+    const known = this.tracks.get(system);
+    if (known !== undefined) return known;
+    const track = new Track();
+    this.tracks.set(system, track);
+    this.share();
+    return track;
+  }
+
+  /** Drops the tracks of other vehicles than these. */
+  keep(systems: ReadonlySet<number>): void {
+    for (const system of this.tracks.keys()) if (!systems.has(system)) this.tracks.delete(system);
+    this.share();
+  }
+
+  private share(): void {
+    const share = Math.floor(MAX_PLACES / Math.max(1, this.tracks.size));
+    for (const track of this.tracks.values()) track.limit(Math.min(MAX_CAPACITY, Math.max(MIN_CAPACITY, share)));
   }
 }
 

@@ -3,7 +3,7 @@ import type { Place } from '$lib/map/geometry';
 import { vehicleColour } from '$lib/map/palette';
 import { fenceShapes, type FenceShape, type MissionPath, missionPath, rallyPlaces } from '$lib/map/plan';
 import { pageTheme } from '$lib/map/theme.svelte';
-import { Track, type TrackFeatures, trackFeatures } from '$lib/map/track';
+import { FleetTracks, type TrackFeatures, trackFeatures } from '$lib/map/track';
 import { type Aircraft, aircraftFrom, TRAFFIC_TIMEOUT } from '$lib/map/traffic';
 import { fleet } from '$lib/store/fleet.svelte';
 import { Persisted } from '$lib/store/settings.svelte';
@@ -17,8 +17,6 @@ const SLOW_TICKS = 5;
 /** The map draws all tracks again when one has changed; in between the newest places are drawn with the vehicle. */
 const TRACK_TICKS = 10;
 const MAX_TAIL = TRACK_TICKS + SLOW_TICKS;
-/** Places of all tracks together; a large fleet gets shorter tracks. */
-const MAX_PLACES = 40_000;
 /** A receiver hears some hundreds of aircraft at most. */
 const MAX_AIRCRAFT = 500;
 
@@ -59,7 +57,7 @@ class FlyState {
   /** Changes with the vehicles of common actions. */
   targetKey: string = $derived(this.targets.map((vehicle) => vehicle.system).join());
 
-  private readonly trackOf = new Map<number, Track>();
+  private readonly trackOf = new FleetTracks();
   private readonly reports = new Map<number, Aircraft>();
   private readonly planTotals = new Map<number, number | null>();
   private readonly paths = new Map<number, { mission: readonly PlanItem[]; home: Place | null; path: MissionPath }>();
@@ -85,7 +83,7 @@ class FlyState {
 
   /** Returns the newest places of a vehicle's track: those of the time until the tracks are published and drawn. */
   trackEnd(system: number): readonly Place[] | null {
-    return this.trackOf.get(system)?.places.slice(-MAX_TAIL) ?? null;
+    return this.trackOf.all.get(system)?.places.slice(-MAX_TAIL) ?? null;
   }
 
   /** Keeps the newest report of an aircraft; of too many, those that were reported longest ago are dropped. */
@@ -114,18 +112,15 @@ class FlyState {
   }
 
   clearTracks(): void {
-    for (const track of this.trackOf.values()) track.clear();
+    for (const track of this.trackOf.all.values()) track.clear();
     this.publishTracks();
   }
 
   private tick(now: number): void {
     this.ticks += 1;
-    const capacity = Math.max(200, Math.floor(MAX_PLACES / Math.max(1, fleet.vehicles.length)));
     for (const vehicle of fleet.vehicles) {
       const { position, inAir } = vehicle.state;
-      let track = this.trackOf.get(vehicle.system);
-      if (track === undefined)
-        this.trackOf.set(vehicle.system, (track = new Track({ capacity: Math.min(4000, capacity) })));
+      const track = this.trackOf.of(vehicle.system);
       // Noise of a vehicle that stands is no track.
       if (position !== null && (inAir !== false || vehicle.state.armed)) track.add(position);
     }
@@ -144,10 +139,10 @@ class FlyState {
   }
 
   private publishTracks(): void {
-    const wanted = `${pageTheme.isDark} ${[...this.trackOf].map(([system, track]) => `${system}:${track.revision}`).join()}`;
+    const wanted = `${pageTheme.isDark} ${[...this.trackOf.all].map(([system, track]) => `${system}:${track.revision}`).join()}`;
     if (wanted === this.drawn) return;
     this.drawn = wanted;
-    const shown = [...this.trackOf].map(([system, track]) => [track, vehicleColour(system, pageTheme.isDark)] as const);
+    const shown = [...this.trackOf.all].map(([system, track]) => [track, vehicleColour(system, pageTheme.isDark)] as const);
     this.tracks = trackFeatures(shown);
   }
 
@@ -162,12 +157,12 @@ class FlyState {
   /** Drops what belongs to vehicles of a link that was left. */
   private forget(): void {
     const present = new Set(fleet.vehicles.map((vehicle) => vehicle.system));
-    for (const system of this.trackOf.keys()) {
+    for (const system of this.trackOf.all.keys()) {
       if (present.has(system)) continue;
-      this.trackOf.delete(system);
       this.planTotals.delete(system);
       this.paths.delete(system);
     }
+    this.trackOf.keep(present);
     if (fleet.vehicles.length === 0 && Object.keys(this.plans).length > 0) this.plans = {};
   }
 
