@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 
+from mavstack.dialects import common
 from mavstack.services.camera.media import VideoStream
 from mavstack.sim import BackgroundSimulator
 from tests.interop.station import DESKTOP, PATIENT, StationPage, chromium, near, station_page, web_server
@@ -19,7 +20,7 @@ from tests.links.test_tcp import free_port
 from tests.sim.running import make_ready
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
     from pathlib import Path
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium"), pytest.mark.timeout(240)]
@@ -41,12 +42,14 @@ def browser() -> Iterator[Any]:
 
 
 @contextmanager
-def camera_page(browser: Any, folder: Path, gateway: str) -> Iterator[StationPage]:
+def camera_page(
+    browser: Any, folder: Path, gateway: str, streams: tuple[VideoStream, ...] = STREAMS
+) -> Iterator[StationPage]:
     """Show the video panel for a copter with a camera; the gateway is entered already."""
     simulator = BackgroundSimulator()
     vehicle = simulator.simulation.add("copter", camera=True, system=2)
     assert vehicle.camera is not None
-    vars(vehicle.camera.device)["_streams"] = STREAMS
+    vars(vehicle.camera.device)["_streams"] = streams
     make_ready(simulator.simulation)
     with (
         simulator,
@@ -143,35 +146,68 @@ def mediamtx() -> str:
 
 
 @contextmanager
-def running_mediamtx(program: str, folder: Path) -> Iterator[str]:
-    """Run MediaMTX with the stream `front` of ffmpeg; yields the gateway's address for the page."""
+def running(*command: str, **options: Any) -> Iterator[subprocess.Popen[str]]:
+    with subprocess.Popen(command, text=True, **options) as process:
+        try:
+            yield process
+        finally:
+            process.terminate()
+
+
+@contextmanager
+def running_mediamtx(folder: Path, paths: str) -> Iterator[tuple[int, int]]:
+    """Run MediaMTX with a configuration of its paths; yields the ports of RTSP and WHEP."""
     rtsp, webrtc, ice = free_port(), free_port(), free_port()
-    configuration = folder / "mediamtx.yml"
-    others = "".join(f"{name}: no\n" for name in ("rtmp", "hls", "srt"))
+    configuration = folder / f"{rtsp}.yml"
+    # Its other servers have fixed ports. Not every version has all, but each passes over strange variables.
+    others = {f"MTX_{name}": "no" for name in ("RTMP", "HLS", "SRT", "MOQ")}
     configuration.write_text(
         f"rtspTransports: [tcp]\nrtspAddress: 127.0.0.1:{rtsp}\nwebrtcAddress: 127.0.0.1:{webrtc}\n"
-        f"webrtcLocalUDPAddress: 127.0.0.1:{ice}\n{others}paths:\n  all_others:\n",
+        f"webrtcLocalUDPAddress: 127.0.0.1:{ice}\n{paths}",
         "utf-8",
     )
+    options = {"cwd": folder, "env": os.environ | others, "stdout": subprocess.PIPE}
+    with running(mediamtx(), str(configuration), **options) as process:
+        assert process.stdout is not None
+        assert any("[WebRTC]" in line for line in process.stdout), "MediaMTX ended"
+        yield rtsp, webrtc
+
+
+def filming(*target: str) -> AbstractContextManager[object]:
+    """Run a camera: ffmpeg sends H.264."""
     source = ("-re", "-f", "lavfi", "-i", "testsrc=size=320x180:rate=20", "-pix_fmt", "yuv420p")
     codec = ("-c:v", "libx264", "-preset", "ultrafast", "-tune", "zerolatency", "-g", "20")
-    target = ("-f", "rtsp", "-rtsp_transport", "tcp", f"rtsp://127.0.0.1:{rtsp}/front")
-    with subprocess.Popen([program, str(configuration)]) as gateway:
-        try:
-            with subprocess.Popen(["ffmpeg", "-loglevel", "error", *source, *codec, *target]) as camera:
-                try:
-                    yield f"http://127.0.0.1:{webrtc}/{{path}}/whep"
-                finally:
-                    camera.terminate()
-        finally:
-            gateway.terminate()
+    return running("ffmpeg", "-loglevel", "error", *source, *codec, *target)
 
 
-def test_mediamtx_is_the_gateway(browser: Any, tmp_path: Path) -> None:
-    with (
-        running_mediamtx(mediamtx(), tmp_path) as gateway,
-        camera_page(browser, tmp_path, gateway) as shown,
-    ):
+@contextmanager
+def rtsp_camera(folder: Path) -> Iterator[VideoStream]:
+    """Run a camera with an RTSP server."""
+    with running_mediamtx(folder, "paths:\n  all_others:\n") as (port, _):
+        address = f"rtsp://127.0.0.1:{port}/front"
+        with filming("-f", "rtsp", "-rtsp_transport", "tcp", address):
+            yield VideoStream(1, 1, address, "Front")
+
+
+@contextmanager
+def rtp_camera(_folder: Path) -> Iterator[VideoStream]:
+    """Run a camera that sends RTP to a port."""
+    port = free_port()
+    with filming("-f", "rtp", "-payload_type", "96", f"rtp://127.0.0.1:{port}"):
+        yield VideoStream(1, 1, str(port), "Front", type=common.VideoStreamType.RTPUDP)
+
+
+@pytest.mark.parametrize("camera", [rtsp_camera, rtp_camera])
+def test_mediamtx_plays_a_camera_with_the_configuration_that_the_page_shows(
+    camera: Callable[[Path], AbstractContextManager[VideoStream]], browser: Any, tmp_path: Path
+) -> None:
+    mediamtx()
+    with camera(tmp_path) as stream, camera_page(browser, tmp_path, "", (stream,)) as shown:
         choose(shown, "Front")
-        shown.button("Play").click()
-        wait_for_movement(shown, (255, 255, 0))
+        paths = shown.page.locator("pre", has_text="paths:").inner_text(timeout=PATIENT)
+        with running_mediamtx(tmp_path, paths) as (_, webrtc):
+            gateway = shown.page.get_by_label("Gateway")
+            gateway.fill(f"http://127.0.0.1:{webrtc}/{{path}}/whep")
+            gateway.press("Enter")
+            shown.button("Play").click()
+            wait_for_movement(shown, (255, 255, 0))

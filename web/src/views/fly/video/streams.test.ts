@@ -1,6 +1,7 @@
 import { expect, it } from 'vitest';
 
-import { DEFAULT_GATEWAY, gatewayConfiguration, playerFor, streamFrom } from './streams';
+import { DEFAULT_GATEWAY } from './gateway';
+import { playerFor, streamFrom } from './streams';
 import { requestOf, resourceOf } from './whep';
 
 const FIELDS = {
@@ -24,6 +25,7 @@ it('plays what browsers play', () => {
   expect(playerFor('wheps://cam/front').url).toBe('https://cam/front');
   expect(playerFor('http://cam:8080/?action=stream').kind).toBe('image');
   expect(playerFor('http://cam/live.mp4').kind).toBe('video');
+  expect(playerFor('http://cam:8889/front', 4)).toEqual({ kind: 'whep', url: 'http://cam:8889/front' });
 });
 
 it('needs a gateway for RTSP and RTP, and uses it', () => {
@@ -45,12 +47,6 @@ it('opens nothing but video: no scripts, no files, no pictures with a password',
   expect(playerFor('rtsp://cam/front', 0, 'javascript:alert("{path}")')).toMatchObject({ kind: 'unusable' });
 });
 
-it('keeps a camera inside of the paths of the gateway', () => {
-  const gateway = 'http://localhost:8889/{path}/whep';
-  expect(playerFor('rtsp://cam/../%2e%2E/admin', 0, gateway).url).toBe('http://localhost:8889/admin/whep');
-  expect(playerFor('rtsp://cam/a b/"c', 0, gateway).url).toBe('http://localhost:8889/a%20b/%22c/whep');
-});
-
 it('sends a password of a gateway as a header, and ends its sessions at the gateway only', () => {
   expect(requestOf('http://gateway/front/whep')).toEqual({ url: 'http://gateway/front/whep', headers: {} });
   expect(requestOf('http://me:p%40ss@gateway/front/whep')).toEqual({
@@ -62,20 +58,9 @@ it('sends a password of a gateway as a header, and ends its sessions at the gate
   expect(resourceOf(null, 'http://gateway/front/whep')).toBeNull();
 });
 
-it('tells a thermal picture', () => {
+it('tells a thermal picture and the encoding', () => {
+  expect(streamFrom(1, 100, { ...FIELDS, encoding: 2 })?.isH265).toBe(true);
+  expect(streamFrom(1, 100, { ...FIELDS, encoding: 1 })?.isH265).toBe(false);
   expect(streamFrom(1, 100, { ...FIELDS, flags: 3 })?.isThermal).toBe(true);
   expect(streamFrom(1, 100, { ...FIELDS, flags: 1 })?.isThermal).toBe(false);
-});
-
-it('writes the configuration of the gateway', () => {
-  expect(gatewayConfiguration(streamFrom(1, 100, FIELDS)!)).toBe(
-    'paths:\n  front:\n    source: "rtsp://10.0.0.5:8554/front"\n    sourceOnDemand: yes\n',
-  );
-});
-
-it('writes an address with line ends as one line, so that a camera adds no options', () => {
-  const uri = 'rtsp://cam/a\n    runOnInit: rm -rf /';
-  const lines = gatewayConfiguration(streamFrom(1, 100, { ...FIELDS, uri })!).split('\n');
-  expect(lines).toHaveLength(5);
-  expect(lines[1]).toBe('  arunOnInitrm-rf/:');
 });

@@ -1,22 +1,22 @@
 /** Video sources that vehicles announce (VIDEO_STREAM_INFORMATION), and how a browser can play them. */
 
-export interface VideoStream {
+import { gatewayUrl, STREAM_TYPE, type GatewaySource } from './gateway';
+
+export interface VideoStream extends GatewaySource {
   readonly system: number;
   readonly component: number;
   readonly id: number;
   readonly name: string;
-  readonly uri: string;
-  /** VIDEO_STREAM_TYPE: 0 RTSP, 1 RTP over UDP, 2 MPEG over TCP, 3 MPEG-TS. */
-  readonly type: number;
   readonly width: number;
   readonly height: number;
   readonly frameRate: number;
   readonly isThermal: boolean;
 }
 
-const RTP_UDP = 1;
 /** VIDEO_STREAM_STATUS_FLAGS. */
 const THERMAL = 2;
+/** VIDEO_STREAM_ENCODING. */
+const H265 = 2;
 /** Schemes that a gateway may understand; addresses of others, such as `file:`, are never opened. */
 const STREAM_SCHEME = /^(?:rtspu?s?|rtmps?|srt|udp|rtp|tcp|mpegts)(?:\+[a-z]+)?:\/\//i;
 
@@ -39,12 +39,10 @@ export function streamFrom(
     width: Number(fields['resolution_h'] ?? 0),
     height: Number(fields['resolution_v'] ?? 0),
     frameRate: Number(fields['framerate'] ?? 0),
+    isH265: Number(fields['encoding'] ?? 0) === H265,
     isThermal: (Number(fields['flags'] ?? 0) & THERMAL) !== 0,
   };
 }
-
-/** The URL of the gateway: `{host}` and `{path}` are those of the stream. */
-export const DEFAULT_GATEWAY = 'http://{host}:8889/{path}/whep';
 
 export type Player =
   | { readonly kind: 'whep'; readonly url: string }
@@ -56,12 +54,13 @@ export type Player =
   | { readonly kind: 'unusable'; readonly url: string; readonly reason: 'scheme' | 'password' };
 
 /** Return how a stream can be played. With a gateway, streams that browsers do not play go by WebRTC (WHEP). */
-export function playerFor(uri: string, type = 0, gateway = ''): Player {
+export function playerFor(uri: string, type: number = STREAM_TYPE.RTSP, gateway = ''): Player {
   const url = uri.trim();
+  if (type === STREAM_TYPE.WHEP) return httpPlayer(url.replace(/^whep/i, 'http'), 'whep');
   if (/^wheps?:/i.test(url)) return httpPlayer(url.replace(/^whep/i, 'http'), 'whep');
   if (/^https?:/i.test(url)) return httpPlayer(url, httpKind(url));
   if (/^[a-z][a-z0-9+.-]*:/i.test(url) && !STREAM_SCHEME.test(url)) return { kind: 'unusable', url, reason: 'scheme' };
-  const viaGateway = gatewayUrl(url, type, gateway);
+  const viaGateway = gatewayUrl({ uri: url, type }, gateway);
   return viaGateway === null ? { kind: 'gateway', url } : httpPlayer(viaGateway, 'whep');
 }
 
@@ -81,27 +80,4 @@ function httpKind(url: string): 'whep' | 'video' | 'image' {
   const path = url.replace(/[?#].*$/, '');
   if (/\/whep\/?$/i.test(path)) return 'whep';
   return /mjpe?g|\.jpe?g$|action=stream|\/stream$/i.test(url) ? 'image' : 'video';
-}
-
-/** Return the URL of a stream at the gateway, or null if there is none or the stream does not tell its host. */
-export function gatewayUrl(uri: string, type: number, gateway: string): string | null {
-  const template = gateway.trim();
-  if (template === '' || type === RTP_UDP) return null;
-  const parts = /^[a-z][a-z0-9+.-]*:\/\/(?:[^/@]*@)?(\[[^\]]+\]|[^:/?#]+)(?::\d+)?\/?([^?#]*)/i.exec(uri);
-  if (parts === null) return null;
-  const path = pathOf(parts[2]!);
-  return template.replaceAll('{host}', parts[1]!).replaceAll('{path}', path);
-}
-
-/** Return the path of a stream at the gateway; a camera cannot leave it by `..`. */
-function pathOf(path: string): string {
-  const parts = path.split('/').filter((part) => part !== '' && !/^(?:\.|%2e){1,2}$/i.test(part));
-  return parts.map((part) => part.replace(/[^\w.~%-]/g, encodeURIComponent)).join('/') || 'video';
-}
-
-/** Return the configuration of the gateway MediaMTX for a stream. */
-export function gatewayConfiguration(stream: VideoStream): string {
-  const name = stream.uri.replace(/^[a-z]+:\/\/[^/]*\/?/i, '').replace(/[^\w/-]/g, '') || 'video';
-  // A camera chooses its address: quoted, it cannot add options of the gateway, some of which run programs.
-  return `paths:\n  ${name}:\n    source: ${JSON.stringify(stream.uri)}\n    sourceOnDemand: yes\n`;
 }
