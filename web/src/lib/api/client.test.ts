@@ -123,6 +123,23 @@ describe('ApiClient', () => {
     expect(calls.map(({ url }) => url)).toEqual(['/api/vehicles/1/parameters?wait=false', '/api/tasks/3/result']);
   });
 
+  it('throws the error of failed work, without a request that the console would show as an error', async () => {
+    class FakeEvents {
+      static readonly CLOSED = 2;
+      addEventListener(name: string, listener: (event: { data: string }) => void): void {
+        const error = { kind: 'MissionDenied', text: 'downloading the fence failed: UNSUPPORTED', code: 3, status_texts: ['No fence'] };
+        if (name === 'failed') queueMicrotask(() => listener({ data: JSON.stringify({ task: '3', error }) }));
+      }
+      close(): void {}
+    }
+    vi.stubGlobal('EventSource', FakeEvents);
+    const { client, calls } = clientOf([json({ task: '3' }, 202)]);
+    expect(await errorOf(client.longJson('GET', 'vehicles/1/fence'))).toMatchObject({
+      kind: 'MissionDenied', message: 'downloading the fence failed: UNSUPPORTED', statusTexts: ['No fence'], code: 3,
+    });
+    expect(calls).toHaveLength(1);
+  });
+
   it('cancels long work at the station', async () => {
     let cancelled: () => void = () => {};
     class FakeEvents {

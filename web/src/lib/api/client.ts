@@ -136,13 +136,18 @@ export class ApiClient {
         reject(unreachable());
       };
       events.addEventListener('progress', report);
-      // The result has the error of failed work, and of a task that is gone.
-      for (const name of ['done', 'failed', 'cancelled']) events.addEventListener(name, end);
+      const fail = (event: MessageEvent<string>): void => {
+        close();
+        reject(errorIn(JSON.parse(event.data) as ErrorBody, ''));
+      };
+      events.addEventListener('failed', fail);
+      for (const name of ['done', 'cancelled']) events.addEventListener(name, end);
       events.onopen = () => {
         clearTimeout(timer);
         timer = undefined;
       };
       events.onerror = () => {
+        // The result tells why: the task is gone, or the session has ended.
         if (events.readyState === EventSource.CLOSED) end();
         // The browser tries again by itself.
         else timer ??= setTimeout(lose, PROGRESS_TIMEOUT);
@@ -171,8 +176,11 @@ async function errorOf(response: Response): Promise<StationError> {
   } catch {
     // A proxy's own page.
   }
+  return errorIn(body, `the station answered ${response.status} ${response.statusText}`.trim());
+}
+
+function errorIn(body: ErrorBody, fallback: string): StationError {
   const { kind, text, status_texts: texts, code } = body.error ?? {};
-  const fallback = `the station answered ${response.status} ${response.statusText}`.trim();
   return new StationError(kind ?? 'InternalError', text ?? fallback, texts ?? [], code ?? null);
 }
 
