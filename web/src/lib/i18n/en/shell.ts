@@ -3,7 +3,7 @@ export const shell = {
   pageTitle: '{view} – Mavstack',
   fly: 'Fly',
   plan: 'Plan',
-  setup: 'Setup',
+  setup: 'Set-up',
   inspect: 'Inspect',
   logs: 'Logs',
   dashboards: 'Dashboards',
