@@ -12,6 +12,7 @@ import pytest
 from mavstack.files.plans import PlanFile, format_plan, parse_plan, plan_json
 from tests.interop.station import (
     DESKTOP,
+    PATIENT,
     PHONE,
     StationPage,
     StationServer,
@@ -109,6 +110,8 @@ def test_a_plan_is_drawn_uploaded_and_downloaded(server: StationServer, browser:
         draw(shown, "w", (0, -150), (150, -90), (120, 90))
         shown.page.keyboard.press("Escape")
         draw(shown, "o", (40, 0))
+        # The shape that was drawn last can be edited.
+        shown.page.get_by_label("Radius", exact=True).wait_for(timeout=PATIENT)
         draw(shown, "r", (-60, 60))
         draw(shown, "s", (-90, -60), (90, -60), (90, 60), (-90, 60))
         shown.button("Insert into the mission").click()
@@ -128,6 +131,9 @@ def test_a_plan_is_drawn_uploaded_and_downloaded(server: StationServer, browser:
         assert saved_plan(shown) == drawn
         shown.page.keyboard.press("Control+z")
         shown.wait_for("The mission is empty")
+        # The plan differs from the one on the vehicle now, and the buttons keep their names and places.
+        shown.page.get_by_title("The plan differs").wait_for(timeout=PATIENT)
+        assert shown.button("Upload").bounding_box()["y"] == shown.button("Open a file").bounding_box()["y"]
 
 
 def draw_all(shown: StationPage, url: str) -> None:
@@ -222,6 +228,7 @@ def test_the_current_item_is_marked(browser: Any, tmp_path: Path) -> None:
         with urlopen(Request(address, body, headers, method="POST"), timeout=20) as answer:
             assert answer.status == 200
         # ArduPilot counts its home as item 0: its 2 is the second item of the plan.
+        shown.page.get_by_role("tab", name="Mission").click()
         shown.page.locator("#plan-item-1 .current").wait_for()
         shown.page.locator("#plan-item-3").click()
         shown.page.keyboard.press("Delete")
