@@ -25,6 +25,8 @@ export default defineConfig({
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 1500,
   },
+  // The station serves this folder with the policy of user scripts.
+  worker: { rollupOptions: { output: { entryFileNames: 'sandbox/[name]-[hash].js' } } },
   server: {
     proxy: {
       '/api': 'http://127.0.0.1:8080',

@@ -1,16 +1,19 @@
-"""Dashboards in Chromium: files of others, scripts that try to break out, old values, the keyboard."""
+"""Dashboards in Chromium: every widget, old values, the examples, files of others, the keyboard."""
 
 from __future__ import annotations
 
-import json
 import re
 import socket
+import subprocess
+import sys
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pytest
 
+from tests.interop.dashboards import dashboard, region, sending, show, widget
 from tests.interop.station import DESKTOP, PHONE, StationPage, chromium, near, station_page, web_server
 
 if TYPE_CHECKING:
@@ -18,98 +21,35 @@ if TYPE_CHECKING:
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 
-#: The first line of plots, and the arc of gauges, in the dark theme.
-LINE = (86, 180, 233)
-SKY = (62, 125, 200)
-COLUMNS = "alt:m,roll:deg,pitch:deg,yaw:deg,lat:deg,lon:deg,mode"
-#: Attempts of a script to reach the page, the network or the browser; 1 is a success.
-ESCAPES = {
-    "globals": """
-        const kept = new Set(KEPT), found = [];
-        const next = Object.getPrototypeOf;
-        for (let owner = globalThis; owner && owner !== Object.prototype; owner = next(owner))
-          for (const name of Object.getOwnPropertyNames(owner))
-            if (!kept.has(name) && owner[name] !== undefined) found.push(name);
-        if (found.length) throw new Error('left: ' + found.join(' '));
-        return { found: 0 };""",
-    "constructors": """
-        let made = 0;
-        const all = [() => {}, async () => {}, function* () {}, class {}, Object, Promise.prototype.then];
-        for (const each of all) {
-          try { each.constructor('return 1')(); made = 1; } catch {}
-          try { Object.getPrototypeOf(each).constructor('return 1')(); made = 1; } catch {}
-        }
-        return { found: made };""",
-    "prototypes": """
-        Object.prototype.polluted = 1; Array.prototype.map = () => [{ found: 1 }];
-        return { found: 0, polluted: 5 };""",
-    "answers": """
-        return { found: 0, toString() { return 'x'; }, get a() { throw 1; }, "__proto__x": 3 };""",
-}
-#: Scripts that the station must stop, and what it says.
-STOPPED = {
-    "endless": ("for (;;) {}", "took longer than"),
-    "microtasks": ("(async () => { for (;;) await 0; })(); return {};", "took longer than"),
-    "memory": ("state.a ??= []; for (;;) state.a.push(new Array(1e5).fill(1.5));", ""),
-    "buffers": ("state.a ??= []; for (;;) state.a.push(new Uint8Array(1e9).fill(1));", ""),
-}
 ROOT = Path(__file__).parents[2]
-
-
-class Sender:
-    """A program that sends lines of values to the station."""
-
-    def __init__(self) -> None:
-        self._server = socket.create_server(("127.0.0.1", 0))
-        self._server.settimeout(60)
-        self._receiver: socket.socket | None = None
-        self.url = f"csv+tcp://127.0.0.1:{self._server.getsockname()[1]}?name=bench&template={COLUMNS}"
-
-    def send(self, altitude: float, mode: str = "FLYING") -> None:
-        """Send a line, once the station is there."""
-        if self._receiver is None:
-            self._receiver, _ = self._server.accept()
-        self._receiver.sendall(f"{altitude},10,-5,90,46.0,7.74,{mode}\n".encode())
-
-    def close(self) -> None:
-        for each in (self._receiver, self._server):
-            if each is not None:
-                each.close()
-
-
-@contextmanager
-def closing(sender: Sender) -> Iterator[Sender]:
-    try:
-        yield sender
-    finally:
-        sender.close()
+#: The first line of plots, and the arc of gauges, in the dark theme; the second line.
+LINE, SECOND_LINE = (86, 180, 233), (230, 159, 0)
+SKY = (62, 125, 200)
+TWO_DRONES = {"Map": SECOND_LINE, "Altitude above sea level": SECOND_LINE, "Ground speed": SECOND_LINE}
+#: The programs of examples, and their ports.
+ZERMATT = ("zermatt", (5760, 5761))
+CSV_SENDER = ("csv_sender", (5781, 5782, 5790))
+#: The titles of examples, their programs, and the colours in some of their widgets.
+EXAMPLES = {
+    "Two drones near Zermatt": (ZERMATT, {"Drone 1": SKY, "Drone 2": SKY, **TWO_DRONES}),
+    "Two drones near Zermatt (CSV)": (CSV_SENDER, {"North": SKY, "South": SKY, **TWO_DRONES}),
+    "CanSat": (
+        CSV_SENDER,
+        {
+            "Altitude": LINE,
+            "Climb rate": LINE,
+            "Map": LINE,
+            "Acceleration": SECOND_LINE,
+            "Spectrum of az": LINE,
+        },
+    ),
+}
 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
     with chromium() as opened:
         yield opened
-
-
-def widget(kind: str, *fields: str, **more: Any) -> dict[str, Any]:
-    return {"kind": kind, "title": f"The {kind}", "fields": [f"bench:ROW.{each}" for each in fields], **more}
-
-
-def dashboard(*widgets: dict[str, Any], **more: Any) -> str:
-    return json.dumps(
-        {"type": "mavstack-dashboard", "version": 1, "title": "Test", "widgets": widgets, **more}
-    )
-
-
-def show(shown: StationPage, url: str, text: str) -> None:
-    """Open a dashboard from a file."""
-    shown.page.goto(f"{url}#/dashboards")
-    file = {"name": "test.json", "mimeType": "application/json", "buffer": text.encode()}
-    shown.page.locator(".dashboards input[type=file]").set_input_files(file)
-
-
-def region(shown: StationPage, kind: str) -> Any:
-    return shown.page.get_by_role("region", name=f"The {kind}")
 
 
 WIDGETS = (
@@ -122,37 +62,55 @@ WIDGETS = (
     widget("attitude", "roll", "pitch", "yaw", x=6, y=9),
     widget("map", "lat", "lon", y=14),
     widget("fft", "alt", x=6, y=14),
-    widget("value", "no_such", x=9, y=16, id="unknown"),
+    {**widget("value", "no_such", x=9, y=16), "title": "The unknown"},
+    {"kind": "value", "title": "The absent", "fields": ["77:NO_SUCH_MESSAGE.field"], "x": 9, "y": 18},
 )
+KINDS = ("plot", "gauge", "value", "text", "horizon", "compass", "attitude", "map", "fft")
+#: Colours of widgets with values, and so many pixels of them.
+COLOURS = {
+    "plot": (LINE, 60),
+    "gauge": (LINE, 60),
+    "fft": (LINE, 60),
+    "map": (LINE, 60),
+    "horizon": (SKY, 300),
+}
+
+
+def has_colour(shown: StationPage, place: Any, colour: tuple[int, int, int], count: int) -> bool:
+    """Return whether so many pixels have a colour; the legend below the lines of a plot does not count."""
+    lines = place.locator(".chart")
+    found = near(shown.pixels(lines if lines.count() else place), colour)
+    return found >= count
+
+
+def differing(one: np.ndarray, other: np.ndarray) -> int:
+    """Return how many pixels of two pictures differ; all if their sizes do."""
+    if one.shape != other.shape:
+        return one.size
+    return int((np.abs(one - other) > 40).any(axis=2).sum())
 
 
 def test_every_widget_is_drawn_and_shows_old_values(browser: Any, tmp_path: Path) -> None:
     with (
-        closing(Sender()) as sender,
+        sending() as sender,
         web_server(tmp_path, sender.url) as server,
         station_page(browser, server.url, DESKTOP) as shown,
     ):
         show(shown, server.url, dashboard(*WIDGETS))
-        shown.wait_for("Test")
-        sent = iter(range(100, 10**6, 3))
+        region(shown, "unknown").get_by_text("\N{EN DASH}").wait_for()
+        empty = {kind: shown.pixels(region(shown, kind)) for kind in KINDS}
+        altitudes = iter(range(100, 10**6, 3))
 
-        def feed() -> None:
-            sender.send(next(sent) % 900)
+        def is_drawn(kind: str) -> bool:
+            sender.send(next(altitudes) % 900)
+            place = region(shown, kind)
+            colour, count = COLOURS.get(kind, (LINE, 0))
+            return (
+                has_colour(shown, place, colour, count) and differing(shown.pixels(place), empty[kind]) > 60
+            )
 
-        def is_drawn(kind: str, colour: tuple[int, int, int], pixels: int) -> bool:
-            feed()
-            return near(shown.pixels(region(shown, kind)), colour) > pixels
-
-        for kind, colour, pixels in (
-            ("plot", LINE, 60),
-            ("gauge", LINE, 60),
-            ("fft", LINE, 60),
-            ("map", LINE, 60),
-            ("horizon", SKY, 300),
-        ):
-            shown.wait_until(lambda kind=kind, colour=colour, pixels=pixels: is_drawn(kind, colour, pixels))
-        assert region(shown, "attitude").locator("canvas").is_visible()
-        assert region(shown, "compass").locator("canvas").is_visible()
+        for kind in KINDS:
+            shown.wait_until(lambda kind=kind: is_drawn(kind))
         sender.send(321.5)
         shown.wait_for("321.5")
         shown.wait_for("FLYING at 321.5 m")
@@ -160,6 +118,9 @@ def test_every_widget_is_drawn_and_shows_old_values(browser: Any, tmp_path: Path
         region(shown, "gauge").get_by_text("no value for").wait_for(timeout=20_000)
         assert region(shown, "plot").locator("li.late").is_visible()
         assert "321.5" in region(shown, "gauge").inner_text()
+        assert "FLYING at 321.5 m" in region(shown, "text").inner_text()
+        # Fields that never came are neither shown as numbers nor told as errors.
+        assert "\N{EN DASH}" in region(shown, "unknown").inner_text()
         sender.send(400, "LANDED")
         region(shown, "gauge").get_by_text("no value for").wait_for(state="detached", timeout=20_000)
         shown.wait_for("LANDED at 400.0 m")
@@ -169,62 +130,50 @@ def test_every_widget_is_drawn_and_shows_old_values(browser: Any, tmp_path: Path
             shown.wait_for("500.0")
 
 
-def test_scripts_cannot_leave_their_sandbox(browser: Any, tmp_path: Path) -> None:
-    with (
-        closing(Sender()) as sender,
-        web_server(tmp_path, sender.url) as server,
-        station_page(browser, server.url, DESKTOP) as shown,
-    ):
-        kept = re.search(
-            r"const KEPT = \[(.*?)\]",
-            (ROOT / "web/src/lib/scripts/sandbox.ts").read_text("utf-8"),
-            re.DOTALL,
-        )
-        assert kept is not None
-        scripts = [
-            {
-                "name": name,
-                "inputs": {"a": "bench:ROW.alt"},
-                "code": code.replace("KEPT", f"[{kept[1]}]"),
-            }
-            for name, code in ESCAPES.items()
-        ]
-        shown_results = [
-            {"kind": "value", "title": f"The {name}", "fields": [f"script:{name}:OUT.found"], "y": 3 * at}
-            for at, name in enumerate(ESCAPES)
-        ]
-        show(shown, server.url, dashboard(*shown_results, scripts=scripts))
-        for name in ESCAPES:
-
-            def is_known(name: str = name) -> bool:
-                sender.send(1)
-                return "0.0" in region(shown, name).inner_text()
-
-            shown.wait_until(is_known)
-        assert shown.page.get_by_role("alert").count() == 0
-        assert shown.page.evaluate("({}).polluted === undefined && [1].map(each => each)[0] === 1")
+def free_ports(count: int) -> list[int]:
+    """Return ports that are free now."""
+    sockets = [socket.create_server(("127.0.0.1", 0)) for _ in range(count)]
+    ports = [each.getsockname()[1] for each in sockets]
+    for each in sockets:
+        each.close()
+    return ports
 
 
-@pytest.mark.parametrize("name", STOPPED)
-def test_a_script_that_hangs_or_grows_is_stopped(name: str, browser: Any, tmp_path: Path) -> None:
-    code, reason = STOPPED[name]
-    with (
-        closing(Sender()) as sender,
-        web_server(tmp_path, sender.url) as server,
-        station_page(browser, server.url, DESKTOP) as shown,
-    ):
-        script = {"name": name, "inputs": {"a": "bench:ROW.alt"}, "code": code}
-        show(shown, server.url, dashboard(widget("value", "alt"), scripts=[script]))
-        alert = shown.page.get_by_role("alert").filter(has_text=reason or f"{name}")
+@contextmanager
+def running(program: str) -> Iterator[None]:
+    """Run the text of an example until the end of the block."""
+    command = [sys.executable, "-u", "-c", program]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert "ports" in process.stdout.readline()
+        try:
+            yield
+        finally:
+            process.terminate()
 
-        def is_stopped() -> bool:
-            sender.send(7)
-            return bool(alert.count())
 
-        shown.wait_until(is_stopped)
-        # The page goes on.
-        sender.send(8)
-        shown.wait_for("8.0")
+@pytest.mark.parametrize("title", EXAMPLES)
+def test_the_examples_show_their_sources(title: str, browser: Any, tmp_path: Path) -> None:
+    """On other ports than theirs, which other programs of this machine may have."""
+    (name, ports), colours = EXAMPLES[title]
+    program = (ROOT / "examples" / "dashboards" / f"{name}.py").read_text("utf-8")
+    with web_server(tmp_path) as server, station_page(browser, server.url, DESKTOP) as shown:
+        shown.page.goto(f"{server.url}#/dashboards")
+        shown.page.get_by_role("combobox", name="Dashboards", exact=True).select_option(label=title)
+        with shown.page.expect_download() as download:
+            shown.button("Save to a file").click()
+        text = Path(download.value.path()).read_text("utf-8")
+        for theirs, free in zip(ports, free_ports(len(ports)), strict=True):
+            program, text = program.replace(str(theirs), str(free)), text.replace(str(theirs), str(free))
+        with running(program):
+            show(shown, server.url, text)
+            shown.button("Add them").click()
+            for widget_title, colour in colours.items():
+                place = shown.page.get_by_role("region", name=widget_title, exact=True)
+                shown.wait_until(lambda place=place, colour=colour: has_colour(shown, place, colour, 30))
+            assert shown.page.get_by_text("needs sources").count() == 0
+            assert shown.page.get_by_role("alert").count() == 0
+            shown.wait_until(lambda: "\N{EN DASH}" not in shown.page.locator(".grid").inner_text())
 
 
 def test_files_of_others_do_no_harm(browser: Any, tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import pytest
 from mavstack.http.bodies import MAX_BODY
 from mavstack.security.roles import Role
 from mavstack.server.access import Access
-from mavstack.server.app import make_app
+from mavstack.server.app import SCRIPT_POLICY, make_app
 from mavstack.server.station import Station
 from mavstack.sim.virtual import run_virtually
 from tests.server.asgi import ApiClient
@@ -20,6 +20,8 @@ PASSWORDS = {Role.OPERATE: "may fly it"}
 def pages(tmp_path):
     (tmp_path / "index.html").write_text("<title>station</title>")
     (tmp_path / "app.js").write_text("run()")
+    (tmp_path / "sandbox").mkdir()
+    (tmp_path / "sandbox" / "worker.js").write_text("eval(text)")
     return tmp_path
 
 
@@ -31,6 +33,17 @@ async def test_the_pages_and_their_headers(pages) -> None:
     assert index.headers["x-content-type-options"] == "nosniff"
     assert (await api.get("/app.js")).data == b"run()"
     assert (await api.get("/../pyproject.toml")).status == 404
+
+
+async def test_the_worker_of_scripts_has_a_policy_of_its_own_also_from_the_cache(pages) -> None:
+    api = ApiClient(make_app(Station(), Access(), static=pages))
+    first = await api.get("/sandbox/worker.js")
+    again = await api.get("/sandbox/worker.js", headers={"if-none-match": first.headers["etag"]})
+    assert (first.status, again.status, first.data) == (200, 304, b"eval(text)")
+    for answer in (first, again):
+        assert answer.headers["content-security-policy"] == SCRIPT_POLICY
+        assert "default-src 'none'" in SCRIPT_POLICY
+    assert (await api.get("/sandbox/../app.js")).status == 404
 
 
 async def test_without_pages_the_answer_names_the_command_that_builds_them() -> None:

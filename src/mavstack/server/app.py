@@ -45,6 +45,7 @@ from mavstack.server.openapi import describe
 from mavstack.server.websockets import websocket_endpoint
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Awaitable, Callable, Iterable, Mapping, MutableMapping
 
     from starlette.types import ASGIApp, Receive, Scope, Send
@@ -63,9 +64,14 @@ NOT_BUILT: Final = (
 POLICY: Final = (
     "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' data: blob: https: http:; media-src 'self' blob: https: http:; "
-    "connect-src 'self' ws: wss: https: http:; worker-src 'self' blob:; frame-ancestors 'none'; "
+    "connect-src 'self' ws: wss: https: http:; worker-src 'self'; frame-ancestors 'none'; "
     "object-src 'none'; base-uri 'none'; form-action 'self'"
 )
+#: The worker of a dashboard's script may run the text of the script, and request nothing from anywhere. It
+#: has no origin, so that neither the storage of the pages nor the devices that they may use are there.
+SCRIPT_POLICY: Final = "default-src 'none'; script-src 'unsafe-eval'; sandbox allow-scripts"
+#: The folder of the files with that policy, as `web/vite.config.ts` names it.
+SCRIPT_FOLDER: Final = "/sandbox"
 _HEADERS: Final = {
     b"content-security-policy": POLICY.encode(),
     b"x-content-type-options": b"nosniff",
@@ -152,6 +158,24 @@ class _SecurityHeaders:
         await self._app(scope, receive, send_with_headers)
 
 
+class _ScriptFiles(StaticFiles):
+    """Files with the policy of user scripts.
+
+    Answers without content (304) have it too, since their headers replace those in the cache of a browser.
+    """
+
+    def file_response(
+        self,
+        full_path: str | os.PathLike[str],
+        stat_result: os.stat_result,
+        scope: Scope,
+        status_code: int = 200,
+    ) -> Response:
+        response = super().file_response(full_path, stat_result, scope, status_code)
+        response.headers["Content-Security-Policy"] = SCRIPT_POLICY
+        return response
+
+
 def _page_routes(access: Access, static: Path | None) -> list[BaseRoute]:
     async def page(request: Request) -> Response:
         access.check_page(request.headers)
@@ -162,6 +186,8 @@ def _page_routes(access: Access, static: Path | None) -> list[BaseRoute]:
 
     routes: list[BaseRoute] = [Route("/", _guarded(page), methods=["GET"])]
     if static is not None and static.is_dir():
+        scripts = _ScriptFiles(directory=static / SCRIPT_FOLDER.strip("/"), check_dir=False)
+        routes.append(Mount(SCRIPT_FOLDER, scripts))
         routes.append(Mount("/", StaticFiles(directory=static)))
     return routes
 

@@ -25,10 +25,13 @@ export function spectrumColumns(spectra: readonly (Spectrum | null)[]): [number[
   return [frequencies, ...known.map((each) => frequencies.map((frequency) => each.get(frequency) ?? null))];
 }
 
-/** Returns the spectrum of the newest values times a factor, null while there are fewer than 16. */
+/** Fewer values than these have no spectrum. */
+export const MIN_SPECTRUM = 16;
+
+/** Returns the spectrum of the newest values times a factor, null while there are fewer than `MIN_SPECTRUM`. */
 export function spectrumOf(ring: Ring, factor = 1, size = 512): Spectrum | null {
   const count = Math.min(ring.length, size);
-  if (count < 16) return null;
+  if (count < MIN_SPECTRUM) return null;
   const first = ring.length - count;
   const begin = ring.timeAt(first);
   const duration = (ring.timeAt(ring.length - 1) - begin) / 1000;

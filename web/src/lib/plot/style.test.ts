@@ -1,10 +1,15 @@
 import { expect, it } from 'vitest';
-import { clock, readableNumber, shortNumber } from './style';
+import { clock, readableNumber, shortNumber, uncutLabels } from './style';
 
 it('writes times of day', () => {
   const noon = new Date(2026, 0, 1, 12, 5, 9).getTime() / 1000;
   expect(clock(noon)).toBe('12:05:09');
   expect(clock(noon + 0.25)).toBe('12:05:09.25');
+});
+
+it('leaves out labels that an edge would cut', () => {
+  expect(uncutLabels(['12:00:00', '12:00:10', '12:00:20'], [20, 100, 180], 200)).toEqual(['', '12:00:10', '']);
+  expect(uncutLabels(['12:00:00', '12:00:20'], [28, 172], 200)).toEqual(['12:00:00', '12:00:20']);
 });
 
 it('writes numbers of axes', () => {

@@ -24,6 +24,23 @@ export function clock(seconds: number): string {
   return rest === 0 || rest === 1000 ? text : `${text}.${String(rest).padStart(3, '0').replace(/0+$/, '')}`;
 }
 
+/** Half the width of a character of the labels in pixels, generously. */
+const HALF_CHARACTER = 3.5;
+
+/** Returns labels at places of a picture, in pixels from its left edge; one that an edge would cut is empty. */
+export function uncutLabels(labels: readonly string[], places: readonly number[], width: number): string[] {
+  return labels.map((label, index) => {
+    const half = label.length * HALF_CHARACTER;
+    return places[index]! >= half && places[index]! <= width - half ? label : '';
+  });
+}
+
+/** Returns the labels of the horizontal axis of a plot, as far as they are not cut. */
+export function horizontalLabels(plot: uPlot, splits: readonly number[], text: (value: number) => string): string[] {
+  const left = plot.bbox.left / devicePixelRatio;
+  return uncutLabels(splits.map(text), splits.map((split) => left + plot.valToPos(split, 'x')), plot.width);
+}
+
 /** Returns a number with as many digits as an axis has place for. */
 export function shortNumber(value: number): string {
   const size = Math.abs(value);

@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { runInNewContext } from 'node:vm';
 import { ScriptRunner, type ScriptWorker } from './ScriptRunner';
-import { fieldsOf, problemOf, workerProgram, type ScriptAnswer, type ScriptRequest } from './sandbox';
+import { fieldsOf, problemOf, workerProgram, type ScriptAnswer, type ScriptProgram, type ScriptRequest } from './sandbox';
 
 /** Runs a program in a context that has what a worker has, as far as the sandbox must take it away. */
 class ContextWorker implements ScriptWorker {
@@ -10,7 +10,8 @@ class ContextWorker implements ScriptWorker {
   terminated = false;
   private listener: ((event: { data: ScriptRequest }) => void) | null = null;
 
-  constructor(program: string) {
+  /** Runs the program of the first message, as the worker does. */
+  private start(program: string): void {
     const scope = Object.create({ fetch: () => 'inherited', importScripts: () => 'loaded' }) as Record<string, unknown>;
     scope['postMessage'] = (answer: ScriptAnswer) => this.onmessage?.({ data: JSON.parse(JSON.stringify(answer)) });
     scope['addEventListener'] = (_: string, listener: ContextWorker['listener']) => (this.listener = listener);
@@ -18,8 +19,10 @@ class ContextWorker implements ScriptWorker {
     runInNewContext(program, scope);
   }
 
-  postMessage(request: ScriptRequest): void {
-    if (!this.terminated) this.listener?.({ data: request });
+  postMessage(message: ScriptRequest | ScriptProgram): void {
+    if (this.terminated) return;
+    if ('program' in message) this.start(message.program);
+    else this.listener?.({ data: message });
   }
 
   terminate(): void {
@@ -34,7 +37,7 @@ function compute(script: string, ...calls: { values: Record<string, number | nul
     script,
     (found) => results.push(...found),
     (problem) => problems.push(problem),
-    (program) => new ContextWorker(program),
+    () => new ContextWorker(),
   );
   for (const call of calls.length > 0 ? calls : [{ values: {}, time: 0 }]) runner.call(call);
   return problems[0] ?? runner.problem ?? results;
@@ -115,8 +118,7 @@ describe('a script that hangs', () => {
     runner.call({ values: {}, time: 0 });
     // The browser starts the worker.
     vi.advanceTimersByTime(4000);
-    worker.onmessage!({ data: { id: 1, results: [{}] } });
-    runner.call({ values: {}, time: 0 });
+    worker.onmessage!({ data: { id: 0 } });
     vi.advanceTimersByTime(499);
     expect(problems).toEqual([]);
     vi.advanceTimersByTime(1);
@@ -126,15 +128,25 @@ describe('a script that hangs', () => {
     expect(problems).toHaveLength(1);
   });
 
+  it('is stopped when it does not start', () => {
+    const worker: ScriptWorker = { postMessage: () => {}, terminate: vi.fn(), onmessage: null, onerror: null };
+    const onProblem = vi.fn();
+    new ScriptRunner('}); for (;;) {} (function () {', () => {}, onProblem, () => worker);
+    vi.advanceTimersByTime(5000);
+    expect(onProblem).toHaveBeenCalledWith('the script took longer than 5 s and was stopped');
+    expect(worker.terminate).toHaveBeenCalled();
+  });
+
   it('keeps a bounded number of calls', () => {
     const requests: ScriptRequest[] = [];
     const worker: ScriptWorker = {
-      postMessage: (request) => void requests.push(request),
+      postMessage: (message) => void ('calls' in message && requests.push(message)),
       terminate: () => {},
       onmessage: null,
       onerror: null,
     };
     const runner = new ScriptRunner('return {}', () => {}, () => {}, () => worker);
+    worker.onmessage!({ data: { id: 0 } });
     for (let time = 0; time < 1000; time++) runner.call({ values: {}, time });
     expect(requests).toHaveLength(1);
     worker.onmessage!({ data: { id: 1, results: [{}] } });

@@ -4,21 +4,22 @@
  * One batch is under way at a time; calls that come meanwhile wait, and the oldest of them are dropped. A script
  * that does not answer in time is stopped: its worker is terminated, and the reason is told once.
  */
-import { type ScriptAnswer, type ScriptRequest, fieldsOf, problemOf, workerProgram } from './sandbox';
+import { type ScriptAnswer, type ScriptProgram, type ScriptRequest, fieldsOf, problemOf, workerProgram } from './sandbox';
 
 export type ScriptCall = ScriptRequest['calls'][number];
 type Results = (results: readonly Readonly<Record<string, number>>[], calls: readonly ScriptCall[]) => void;
 
 /** The part of a worker that the runner uses, so that tests stand in for it. */
 export interface ScriptWorker {
-  postMessage(request: ScriptRequest): void;
+  postMessage(request: ScriptRequest | ScriptProgram): void;
   terminate(): void;
   onmessage: ((event: { data: ScriptAnswer }) => void) | null;
   onerror: ((event: { message?: string }) => void) | null;
 }
 
+/** Milliseconds that a batch of calls may take: short, since a script can fill the memory of the page meanwhile. */
 export const TIME_LIMIT = 500;
-/** The browser starts the worker before the first answer. */
+/** Milliseconds that the browser has to start the worker. */
 export const START_TIME_LIMIT = 5000;
 const MAX_WAITING = 200;
 
@@ -29,20 +30,23 @@ export class ScriptRunner {
   private waiting: ScriptCall[] = [];
   private underWay: readonly ScriptCall[] | null = null;
   private sent = 0;
+  private hasStarted = false;
   private timer: ReturnType<typeof setTimeout> | null = null;
 
   constructor(
     script: string,
     private readonly onResults: Results,
     private readonly onProblem: (problem: string) => void = () => {},
-    makeWorker: (program: string) => ScriptWorker = startWorker,
+    makeWorker: () => ScriptWorker = startWorker,
     private readonly timeLimit = TIME_LIMIT,
   ) {
     this.problem = problemOf(script);
     if (this.problem !== null) return;
-    this.worker = makeWorker(workerProgram(script));
+    this.worker = makeWorker();
     this.worker.onmessage = ({ data }) => this.take(data);
     this.worker.onerror = (event) => this.fail(event.message ?? 'the script cannot run');
+    this.worker.postMessage({ program: workerProgram(script) });
+    this.limit(START_TIME_LIMIT);
   }
 
   /** Calls the script; the results come later. */
@@ -62,16 +66,24 @@ export class ScriptRunner {
   }
 
   private send(): void {
-    if (this.worker === null || this.underWay !== null || this.waiting.length === 0) return;
+    if (!this.hasStarted || this.worker === null || this.underWay !== null || this.waiting.length === 0) return;
     this.underWay = this.waiting;
     this.waiting = [];
     this.sent++;
-    const limit = this.sent === 1 ? Math.max(this.timeLimit, START_TIME_LIMIT) : this.timeLimit;
-    this.timer = setTimeout(() => this.fail(`the script took longer than ${limit / 1000} s and was stopped`), limit);
+    this.limit(this.timeLimit);
     this.worker.postMessage({ id: this.sent, calls: this.underWay });
   }
 
+  private limit(time: number): void {
+    this.timer = setTimeout(() => this.fail(`the script took longer than ${time / 1000} s and was stopped`), time);
+  }
+
   private take(answer: ScriptAnswer): void {
+    if (answer.id === 0 && !this.hasStarted) {
+      this.hasStarted = true;
+      if (this.timer !== null) clearTimeout(this.timer);
+      this.send();
+    }
     if (answer.id !== this.sent || this.underWay === null) return;
     if (this.timer !== null) clearTimeout(this.timer);
     const calls = this.underWay;
@@ -93,9 +105,6 @@ export class ScriptRunner {
   }
 }
 
-function startWorker(program: string): ScriptWorker {
-  const url = URL.createObjectURL(new Blob([program], { type: 'text/javascript' }));
-  const worker = new Worker(url) as unknown as ScriptWorker;
-  URL.revokeObjectURL(url);
-  return worker;
+function startWorker(): ScriptWorker {
+  return new Worker(new URL('./script.worker.ts', import.meta.url)) as unknown as ScriptWorker;
 }

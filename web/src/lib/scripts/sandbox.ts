@@ -1,7 +1,8 @@
 /**
  * The program text of a sandbox: a worker that runs one user script and can do nothing else.
  *
- * The script is part of the text of the worker, since the policy of the station forbids `eval`. Before it runs,
+ * Two layers confine the script. The browser applies the policy that the station sends with the file of the worker
+ * (`script.worker.ts`): no request to anywhere, no other worker, no data of the station's pages. And before the script runs,
  * everything is removed from the global object that is not part of the language itself: no network, no storage,
  * no timers, no other workers. The removal uses only built-ins that it reaches through literals, so that a script
  * that redefines globals (function declarations are hoisted) cannot weaken it, and results are read without methods
@@ -15,8 +16,14 @@ export interface ScriptRequest {
   readonly calls: readonly { readonly values: Readonly<Record<string, number | null>>; readonly time: number }[];
 }
 
+/** The first message to the worker: the program that it runs. */
+export interface ScriptProgram {
+  readonly program: string;
+}
+
 /** The answer of the worker: a result for each call, or the first error. */
 export interface ScriptAnswer {
+  /** That of the request; 0: the program has started, and takes requests. */
   readonly id: number;
   /** Objects of finite numbers. */
   readonly results?: unknown;
@@ -108,6 +115,7 @@ defineProperty(scope, "__run__", { configurable: true, value: (compute) => {
     }
     catch (error) { post({ id: data.id, error: apply(cut, \`\${error}\`, [0, ${MAX_ERROR}]) }); }
   });
+  post({ id: 0 });
 } });
 })(this);`;
 }

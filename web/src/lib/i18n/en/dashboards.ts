@@ -79,6 +79,7 @@ export const dashboards = {
   apply: 'Apply',
   attitudeOf: 'Attitude: roll {roll}, pitch {pitch}, yaw {yaw} degrees',
   spectrumOf: 'Spectrum of {fields}',
+  spectrumWaiting: 'A spectrum needs {count} values.',
   gaugeOf: '{label}: {value} {unit}',
   mapOf: 'Map of {count} vehicles',
   fit: 'Show all',
