@@ -170,6 +170,22 @@ def test_a_copter_with_ardupilot(browser: Any, tmp_path: Path) -> None:
         assert view.value("ESC_CALIBRATION") == 0
 
 
+def test_values_that_a_calibration_changed_are_shown(browser: Any, tmp_path: Path) -> None:
+    with set_up(browser, ready_vehicle("copter", "px4"), tmp_path) as view:
+        view.wait_for_parameters()
+        search = view.page.get_by_label("Search names and descriptions")
+        search.fill("CAL_GYRO0_XOFF")
+        shown = view.page.get_by_label("CAL_GYRO0_XOFF", exact=True)
+        assert float(shown.input_value()) == 0
+        # No announcement tells this change.
+        view.simulator.simulation.vehicles[0].parameters.table["CAL_GYRO0_XOFF"].value = 0.25
+        start(view, "Gyroscope")
+        finish(view)
+        view.open("Parameters")
+        search.fill("CAL_GYRO0_XOFF")
+        view.shown.wait_until(lambda: float(shown.input_value()) == 0.25)
+
+
 def test_a_plane_with_ardupilot(browser: Any, tmp_path: Path) -> None:
     with set_up(browser, ready_vehicle("plane"), tmp_path) as view:
         assert not {"Speed controllers", "Compass and motors"} & set(kinds(view))

@@ -72,7 +72,23 @@ def test_observers_and_forged_tickets_are_refused(
         assert shown.button("Arm").is_disabled()
         assert shown.page.evaluate(ARM) == 403
         assert shown.page.evaluate(FORGED) is False
+        check_set_up_of_observers(shown, server.url)
         drop_refusals(shown)
+
+
+def check_set_up_of_observers(shown: StationPage, url: str) -> None:
+    """Look at the set-up: it says that its values cannot be changed, and no control changes one."""
+    shown.page.goto(f"{url}#/setup")
+    shown.wait_for("You may look at the set-up, not change it: that needs the role administer.")
+    shown.page.get_by_label("Search names and descriptions").fill("RTL_ALT")
+    value = shown.page.get_by_label("RTL_ALT", exact=True)
+    value.wait_for(timeout=PATIENT)
+    assert value.is_disabled()
+    sections = shown.page.get_by_role("navigation", name="Set-up")
+    sections.get_by_role("button", name="Calibration", exact=True).click()
+    start = shown.button("Start: Gyroscope")
+    start.wait_for(timeout=PATIENT)
+    assert start.is_disabled()
 
 
 def check_log(shown: StationPage, url: str) -> None:

@@ -2,11 +2,12 @@ from __future__ import annotations
 
 import pytest
 
-from mavstack.dialects import common
+from mavstack.dialects import ardupilotmega, common
 from mavstack.http.bodies import RefusedError
 from mavstack.server.station import TELEMETRY_RATES, Station
 from mavstack.vehicle import Connection
-from tests.server.stations import COPTER, Ground, serve
+from mavstack.vehicle.telemetry import Telemetry
+from tests.server.stations import COPTER, PX4_COPTER, Ground, serve
 
 
 def test_telemetry_home_and_version_are_requested() -> None:
@@ -27,6 +28,34 @@ def test_telemetry_home_and_version_are_requested() -> None:
 
 #: The messages that a simulated copter on the ground sends at these rates.
 SENT = {common.Attitude, common.GlobalPositionInt, common.VfrHud, common.SysStatus}
+
+
+@pytest.mark.parametrize(
+    ("kind", "more"),
+    [
+        (COPTER, {common.FenceStatus, ardupilotmega.Wind, ardupilotmega.EkfStatusReport}),
+        (PX4_COPTER, {common.EstimatorStatus}),
+    ],
+)
+def test_fence_wind_and_estimator_are_requested_as_the_firmware_has_them(monkeypatch, kind, more) -> None:
+    requested: dict[type, float] = {}
+    ensure = Telemetry.ensure
+
+    async def note(telemetry: Telemetry, message: type, rate: float) -> None:
+        requested[message] = rate
+        await ensure(telemetry, message, rate)
+
+    monkeypatch.setattr(Telemetry, "ensure", note)
+
+    async def scenario(ground: Ground) -> None:
+        latest = ground.station.packets.latest
+        await ground.wait_until(lambda: requested.keys() == TELEMETRY_RATES.keys() | more)
+        assert {requested[each] for each in more} == {1.0}
+        # A vehicle without a fence has no status of it.
+        sent = more - {common.FenceStatus}
+        await ground.wait_until(lambda: all(latest.find(1, each.__mavlink_row__[0]) for each in sent))
+
+    serve(kind, scenario, full_telemetry=True)
 
 
 async def test_unknown_vehicles_are_refused() -> None:

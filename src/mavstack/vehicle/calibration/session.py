@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 from mavstack.errors import InvalidStateError, MavstackError
 from mavstack.node.read_only import ReadOnly
 from mavstack.vehicle.action_monitor import ActionMonitor
+from mavstack.vehicle.calibration.changed_parameters import ChangedParameters
 from mavstack.vehicle.calibration.conversation import Conversation
 
 if TYPE_CHECKING:
@@ -79,13 +80,17 @@ class CalibrationSession(ReadOnly):
 
     async def _converse(self, conversation: Conversation) -> CalibrationResult:
         self._conversation = conversation
+        changed = ChangedParameters(self._vehicle, self._kind)
         try:
             await self._procedure.run(conversation)
+            conversation.running = False
+            await changed.refresh()
             return conversation.result
         except BaseException:
             await self._cancel(conversation)
             raise
         finally:
+            changed.close()
             conversation.close()
 
     async def _cancel(self, conversation: Conversation) -> None:

@@ -7,7 +7,7 @@ import { EQUIPMENT_PARAMETERS, capabilitiesFrom, equipmentOf, type Equipment } f
 import { commandNumber, sendCommand, type CommandPlace } from './link/commands';
 import { holdMode, landMode, MISSION_MODES, NOT_SELECTABLE, RETURN_MODES } from './link/modes';
 import { PendingCommands } from './link/pending';
-import type { ParameterEncoding } from './link/parameterValue';
+import { encodingOf, type ParameterEncoding } from './link/parameterValue';
 import { readParameter, readParameters, writeParameter } from './link/parameters';
 import { PlanClient } from './link/plans';
 import { TelemetryRequests } from './link/telemetry';
@@ -223,8 +223,8 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
   }
 
   private get encoding(): ParameterEncoding {
-    const bytewise = this.flags === null ? this.state.firmware === 'px4' : (this.flags & BYTEWISE) !== 0;
-    return bytewise ? 'bytewise' : 'cast';
+    if (this.flags === null) return encodingOf(this.state.firmware) ?? 'cast';
+    return (this.flags & BYTEWISE) !== 0 ? 'bytewise' : 'cast';
   }
 
   private get hasHomeItem(): boolean {

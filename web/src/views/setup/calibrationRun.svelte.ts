@@ -211,7 +211,11 @@ class CalibrationRun {
     const { state, step, reason } = this.machine.state;
     this.takeStep(step);
     if (state === 'failed') this.fail([reason]);
-    else if (state === 'done') this.finish('done');
+    else if (state === 'done') {
+      // The station reads what a calibration has changed; here the page does.
+      if (parameterSet.vehicle === this.vehicle && !parameterSet.isEmpty) void parameterSet.load();
+      this.finish('done');
+    }
   }
 
   private takeStep(step: CalibrationStep): void {

@@ -131,13 +131,32 @@ describe('a calibration of the station', () => {
 });
 
 describe('a calibration of the page', () => {
-  it('does not tell that it was cancelled when the vehicle did not take it', async () => {
+  it('does not emit that it was cancelled when the vehicle did not take it', async () => {
     status.source = 'demo';
     const sendCommand = vi.fn().mockResolvedValueOnce({}).mockRejectedValueOnce(new Error('no reply'));
     await calibration.start(vehicle({ sendCommand }), 'esc');
     expect(calibration.state).toBe('running');
     await calibration.cancel();
     expect([calibration.state, calibration.reasons]).toEqual(['failed', ['It could not be cancelled and may go on: no reply']]);
+  });
+
+  it('reads the parameters again at its end', async () => {
+    status.source = 'demo';
+    const getParameters = vi.fn().mockResolvedValue([{ name: 'CAL_GYRO0_XOFF', value: 1, text: '1', type: 'REAL32' }]);
+    let emit: (text: { text: string }) => void = () => undefined;
+    const onStatusText = (listener: typeof emit): (() => void) => {
+      emit = listener;
+      return () => undefined;
+    };
+    const target = vehicle({ sendCommand: vi.fn().mockResolvedValue({}), onStatusText, getParameters, capabilities: { params: true } });
+    parameterSet.use(target);
+    await vi.waitFor(() => expect(parameterSet.isEmpty).toBe(false));
+    await calibration.start(target, 'gyroscope');
+    expect(getParameters).toHaveBeenCalledOnce();
+    emit({ text: '[cal] calibration done: gyro' });
+    expect(calibration.state).toBe('done');
+    expect(getParameters).toHaveBeenCalledTimes(2);
+    parameterSet.use(vehicle({ capabilities: { params: false } }));
   });
 
   it('fails when the vehicle is lost', async () => {

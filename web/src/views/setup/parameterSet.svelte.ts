@@ -4,8 +4,11 @@ import { api } from '$lib/api/client';
 import { textOf } from '$lib/api/errors';
 import { t } from '$lib/i18n';
 import { status } from '$lib/store/status.svelte';
-import type { Parameter, Vehicle } from '$lib/vehicle/Vehicle';
+import type { DecodedMessage } from '$lib/decoder/Decoder';
 import { toast, toastError } from '$lib/ui/toasts.svelte';
+import { parameterOf } from '$lib/vehicle/link/parameters';
+import { encodingOf } from '$lib/vehicle/link/parameterValue';
+import type { Parameter, Vehicle } from '$lib/vehicle/Vehicle';
 
 import { EMPTY_METADATA, rowsOf, type MetadataTable, type ParameterTable, type Row } from './logic/parameters';
 
@@ -35,6 +38,9 @@ class ParameterSet {
   private rebooting: readonly Vehicle[] = $state.raw([]);
   /** Changes of one parameter are made one after the other. */
   private readonly changes = new Map<string, Promise<boolean>>();
+  /** The names that are being written: their answers tell the values. */
+  private readonly writing = new Set<string>();
+  private endListening: (() => void) | null = null;
   /** Grows with each download: the answer to an earlier one is stale. */
   private loads = 0;
 
@@ -50,6 +56,8 @@ class ParameterSet {
     [this.parameters, this.metadata, this.before] = [{}, {}, {}];
     [this.problem, this.metadataProblem, this.isLoading, this.isWriting] = [null, '', false, false];
     this.changes.clear();
+    this.endListening?.();
+    this.endListening = vehicle.onMessage('PARAM_VALUE', (message) => this.takeAnnounced(vehicle, message));
     if (vehicle.capabilities.params !== false) void this.load(vehicle);
   }
 
@@ -112,7 +120,7 @@ class ParameterSet {
     const held = this.parameters[name]?.value ?? NaN;
     const { metadata } = this;
     try {
-      this.take(vehicle, await vehicle.setParameter(name, typeof value === 'number' ? value : value(held)));
+      await this.write(vehicle, name, typeof value === 'number' ? value : value(held));
       if (metadata[name]?.reboot_required) this.requireReboot(vehicle);
       return true;
     } catch (error) {
@@ -131,7 +139,7 @@ class ParameterSet {
     for (const [name, value] of values) {
       if (vehicle === this.vehicle) [this.isWriting, this.done, this.total] = [true, done, values.size];
       try {
-        this.take(vehicle, await vehicle.setParameter(name, value));
+        await this.write(vehicle, name, value);
         if (metadata[name]?.reboot_required) this.requireReboot(vehicle);
       } catch (error) {
         lines.push(`${name}: ${textOf(error)}`);
@@ -141,6 +149,27 @@ class ParameterSet {
     if (vehicle === this.vehicle) this.isWriting = false;
     if (lines.length) this.refused = { vehicle, lines };
     if (lines.length < values.size) toast('ok', t('setup.written', { count: values.size - lines.length }));
+  }
+
+  private async write(vehicle: Vehicle, name: string, value: number): Promise<void> {
+    this.writing.add(name);
+    try {
+      this.take(vehicle, await vehicle.setParameter(name, value));
+    } finally {
+      this.writing.delete(name);
+    }
+  }
+
+  /** Shows a value that a calibration, another ground station or the vehicle itself has changed. */
+  private takeAnnounced(vehicle: Vehicle, message: DecodedMessage): void {
+    if (message.component !== vehicle.state.component || this.isLoading) return;
+    const known = this.parameters[String(message.fields.param_id)];
+    if (!known || this.writing.has(known.name)) return;
+    // Floats are the same in all encodings.
+    const encoding = encodingOf(vehicle.state.firmware) ?? (known.type === 'REAL32' ? 'cast' : null);
+    if (encoding === null) return;
+    const held = parameterOf(message, encoding);
+    if (Math.fround(held.value) !== Math.fround(known.value)) this.parameters = { ...this.parameters, [known.name]: held };
   }
 
   requireReboot(vehicle: Vehicle): void {

@@ -1,5 +1,6 @@
 import { afterEach, describe, expect, it, vi } from 'vitest';
 
+import type { DecodedMessage } from '$lib/decoder/Decoder';
 import type { Parameter, Vehicle } from '$lib/vehicle/Vehicle';
 
 import { EMPTY_METADATA, toggleBit } from './logic/parameters';
@@ -57,6 +58,51 @@ describe('the parameters', () => {
     answer.resolve(parameter('RTL_ALT', 5));
     await writing;
     expect([parameterSet.parameters['RTL_ALT']?.value, parameterSet.before]).toEqual([9, {}]);
+  });
+
+  it('show what a calibration has changed, but not what is being written', async () => {
+    const answer = settled<Parameter>();
+    let announce: (component: number, name: string, value: number) => void = () => undefined;
+    const onMessage = (_: string, listener: (message: DecodedMessage) => void): (() => void) => {
+      announce = (component, name, value) =>
+        listener({ component, fields: { param_id: name, param_value: value, param_type: 9 } } as unknown as DecodedMessage);
+      return () => (announce = () => undefined);
+    };
+    const values = [parameter('CAL_GYRO0_XOFF', 1), parameter('RTL_ALT', 1)];
+    const state = { firmware: 'px4', alive: true, component: 1 };
+    await shown(parametrised(1, values, { onMessage, state, setParameter: () => answer.promise }));
+    const value = (name: string): number | undefined => parameterSet.parameters[name]?.value;
+    announce(1, 'CAL_GYRO0_XOFF', 2);
+    announce(100, 'CAL_GYRO0_XOFF', 3);
+    announce(1, 'NO_SUCH', 3);
+    expect([value('CAL_GYRO0_XOFF'), value('NO_SUCH'), parameterSet.before]).toEqual([2, undefined, {}]);
+
+    const writing = parameterSet.set('RTL_ALT', 5);
+    await vi.waitFor(() => expect(parameterSet['writing'].size).toBe(1));
+    announce(1, 'RTL_ALT', 5);
+    answer.resolve(parameter('RTL_ALT', 5));
+    await writing;
+    expect([value('RTL_ALT'), parameterSet.before]).toEqual([5, { RTL_ALT: 1 }]);
+    announce(1, 'RTL_ALT', 6);
+    expect(value('RTL_ALT')).toBe(6);
+
+    await shown(parametrised(2, values));
+    announce(1, 'RTL_ALT', 7);
+    expect(value('RTL_ALT')).toBe(1);
+  });
+
+  it('whose encoding is not known keep their value, unless they are floats', async () => {
+    let announce: (type: number, name: string) => void = () => undefined;
+    const onMessage = (_: string, listener: (message: DecodedMessage) => void): (() => void) => {
+      announce = (type, name) =>
+        listener({ component: 1, fields: { param_id: name, param_value: 4, param_type: type } } as unknown as DecodedMessage);
+      return () => undefined;
+    };
+    const values = [{ ...parameter('MODE', 1), type: 'INT32' }, parameter('GAIN', 1)];
+    await shown(parametrised(1, values, { onMessage, state: { firmware: 'other', alive: true, component: 1 } }));
+    announce(6, 'MODE');
+    announce(9, 'GAIN');
+    expect(['MODE', 'GAIN'].map((name) => parameterSet.parameters[name]?.value)).toEqual([1, 4]);
   });
 
   it('of one vehicle are not written to another that was selected meanwhile', async () => {

@@ -6,7 +6,15 @@
 
 import { enumName } from '$lib/decoder/Decoder';
 
+import type { VehicleState } from '../Vehicle';
+
 export type ParameterEncoding = 'cast' | 'bytewise';
+
+/** Returns the encoding of a firmware; null if it is not known. */
+export function encodingOf(firmware: VehicleState['firmware']): ParameterEncoding | null {
+  if (firmware === 'ardupilot') return 'cast';
+  return firmware === 'px4' || firmware === 'msp' ? 'bytewise' : null;
+}
 
 const UINT8 = 1;
 const INT8 = 2;

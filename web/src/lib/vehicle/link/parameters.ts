@@ -13,7 +13,8 @@ const MAX_ROUNDS_WITHOUT_PROGRESS = 5;
 const MISSING_PER_ROUND = 20;
 const MAX_NAME_LENGTH = 16;
 
-function parameterOf(message: DecodedMessage, encoding: ParameterEncoding): Parameter {
+/** Returns the parameter of a PARAM_VALUE. */
+export function parameterOf(message: DecodedMessage, encoding: ParameterEncoding): Parameter {
   const { param_id: name, param_value: wire, param_type: type } = message.fields;
   const value = decodeValue(Number(wire), Number(type), encoding);
   const kind = typeName(Number(type));
