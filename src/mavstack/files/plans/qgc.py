@@ -7,7 +7,8 @@
 
 A file of the older kind is one of the three inner objects, with a fileType of its own or (missions of version
 1) none. Parts may be missing, and Mission Planner writes no fileType: the parts that exist are read. In
-version 1 a fence was one polygon to stay in; QGC ignores such a fence, here it is read.
+version 1 a fence was one polygon to stay in. QGC ignores such a fence and one without a version, here both
+are read.
 
 Altitudes of rally points and of the return point are relative to home. The format holds only the shapes of a
 fence and the positions of rally points; the other params of their items are reported as lost when written.
@@ -150,13 +151,14 @@ def _optional_number(tree: JsonValue, key: str) -> float | None:
 
 def _read_fence(tree: JsonValue, problems: list[str]) -> FenceAreas:
     areas = FenceAreas()
-    if _version(tree, (1, 2)) == 1:
-        polygon = tree.find("polygon")
-        if polygon is not None and polygon.elements():
-            areas.polygons.append(Polygon(inclusion=True, vertices=_vertices(polygon)))
-    else:
-        areas.polygons += [_polygon(each, problems) for each in tree.get("polygons").elements()]
-        areas.circles += [_circle(each) for each in tree.get("circles").elements()]
+    polygon = tree.find("polygon") if _version(tree, (1, 2)) == 1 else None
+    if polygon is not None and polygon.elements():
+        areas.polygons.append(Polygon(inclusion=True, vertices=_vertices(polygon)))
+    polygons, circles = tree.find("polygons"), tree.find("circles")
+    areas.polygons += [_polygon(each, problems) for each in (polygons.elements() if polygons else ())]
+    areas.circles += [_circle(each) for each in (circles.elements() if circles else ())]
+    if tree.find("version") is None and (areas.polygons or areas.circles):
+        problems.append(f"{tree.path}: has no version; QGroundControl ignores such a fence")
     breach = tree.find("breachReturn")
     if breach is not None and breach.elements():
         place = [element.finite() for element in breach.elements()]

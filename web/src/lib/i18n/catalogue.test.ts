@@ -61,6 +61,14 @@ describe('catalogue', () => {
     const unused = parts.filter((key) => !all.includes(`'${key}'`) && !beginnings.some((each) => key.startsWith(each)));
     expect(unused).toEqual([]);
   });
+
+  it('counts with the form that fits the number', () => {
+    expect([0, 1, 2].map((count) => t('setup.found', { count }))).toEqual(['0 parameters', '1 parameter', '2 parameters']);
+    expect(t('sources.rows', { received: 1, refused: 3 })).toBe('1 row, 3 lines refused');
+    expect(t('inspect.packetBytes', { count: 12, source: '$& {count}' })).toBe('12 bytes from $& {count}');
+    const texts = Object.values(en).flatMap((part) => Object.values(part));
+    expect(texts.filter((text) => /\{count\} [a-z]+s\b(?!\/)/.test(text))).toEqual(['A spectrum needs {count} values.']);
+  });
 });
 
 describe('languages', () => {
@@ -70,6 +78,9 @@ describe('languages', () => {
     addLanguage('de', { shell: { fly: 'Fliegen' } });
     expect(chooseLanguage(['fr-FR', 'de-AT', 'en'])).toBe('de');
     expect([t('shell.fly'), t('shell.plan')]).toEqual(['Fliegen', 'Plan']);
+    addLanguage('pl', { setup: { found: '{count, one: # parametr, few: # parametry, other: # parametrów}' } });
+    setLanguage('pl');
+    expect([1, 3, 5].map((count) => t('setup.found', { count }))).toEqual(['1 parametr', '3 parametry', '5 parametrów']);
     expect(chooseLanguage(['fr', 'it'])).toBe('en');
     expect(t('shell.fly')).toBe('Fly');
   });

@@ -81,7 +81,7 @@ export const dashboards = {
   spectrumOf: 'Spectrum of {fields}',
   spectrumWaiting: 'A spectrum needs {count} values.',
   gaugeOf: '{label}: {value} {unit}',
-  mapOf: 'Map of {count} vehicles',
+  mapOf: 'Map of {count, one: # vehicle, other: # vehicles}',
   fit: 'Show all',
   hertz: 'Hz',
   deleteConfirm: 'Delete “{title}”?',

@@ -38,7 +38,7 @@ export const inspect = {
   clear: 'Clear statistics',
   exportCsv: 'CSV',
   exportTlog: 'Packets as tlog',
-  packetBytes: '{count} bytes from {source}',
+  packetBytes: '{count, one: # byte, other: # bytes} from {source}',
   noPacket: 'No packet of this message yet.',
   partHeader: 'Header',
   partIds: 'Sender',

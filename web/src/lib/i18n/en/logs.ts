@@ -8,7 +8,7 @@ export const logs = {
   date: 'Date',
   actions: 'Actions',
   none: 'No recordings yet.',
-  packets: '{count} packets',
+  packets: '{count, one: # packet, other: # packets}',
   report: 'Report',
   reportOf: 'Report of {name}',
   reportWork: 'The report of {name} is made …',

@@ -62,7 +62,7 @@ export const plan = {
   circleLabel: 'Circle {number}',
   stayIn: 'stay in',
   stayOut: 'stay out',
-  vertices: '{count} corners, {area}',
+  vertices: '{count, one: # corner, other: # corners}, {area}',
   returnPoint: 'Return point after a breach',
   setReturnPoint: 'Set a return point',
   rallyLabel: 'Rally point {number}',
@@ -82,7 +82,7 @@ export const plan = {
   startCorner: 'Start at another corner',
   reverse: 'Start at the other end',
   insertPattern: 'Insert into the mission',
-  patternSummary: '{lanes} lanes, {distance}, {pictures} pictures, {area}',
+  patternSummary: '{lanes, one: # lane, other: # lanes}, {distance}, {pictures, one: # picture, other: # pictures}, {area}',
   patternImpossible: 'No lanes: the area or the spacing is not possible.',
   distance: 'Distance',
   duration: 'Duration',
@@ -147,6 +147,14 @@ export const plan = {
   checkHomeOutside: 'The planned home is outside of the fence.',
   checkOutsideFence: 'Item {number} is outside of the fence.',
   checkLegLeavesFence: 'The way to item {number} leaves the fence.',
+  checkPartly:
+    'The way to item {number} is not in all areas to stay in. PX4 asks for all, ArduPilot too, unless FENCE_OPTIONS has the bit “union of inclusion areas”.',
+  checkHomePartly:
+    'The planned home is not in all areas to stay in. PX4 asks for all, ArduPilot too, unless FENCE_OPTIONS has the bit “union of inclusion areas”.',
+  checkRallyPartly:
+    'Rally point {number} is not in all areas to stay in. PX4 asks for all, ArduPilot too, unless FENCE_OPTIONS has the bit “union of inclusion areas”.',
+  checkPolygonIgnored: 'PX4 ignores fence polygon {number}, since it does not allow the home.',
+  checkCircleIgnored: 'PX4 ignores fence circle {number}, since it does not allow the home.',
   checkRallyOutside: 'Rally point {number} is outside of the fence.',
   checkKept: 'Item {number} is a {kind}, which only the program of its file can turn into items: vehicles get the plan without it.',
   checkReturnOutside: 'The return point is outside of the fence.',

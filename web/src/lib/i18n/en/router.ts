@@ -15,7 +15,7 @@ export const router = {
   age: 'Last packet',
   noRoutes: 'The router has not learned an address yet.',
   rate: '{packets}/s · {bytes}/s',
-  packets: '{count} packets',
+  packets: '{count, one: # packet, other: # packets}',
   problem: 'The router does not answer: {reason}',
   seconds: '{count} s',
   commands: 'Commands',

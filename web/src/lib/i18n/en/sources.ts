@@ -5,7 +5,7 @@ export const sources = {
   connected: 'Connected',
   ended: 'Ended',
   closed: 'Closed',
-  rows: '{received} rows, {refused} lines refused',
+  rows: '{received, one: # row, other: # rows}, {refused, one: # line, other: # lines} refused',
   remove: 'Remove {url}',
   url: 'URL of a link',
   urlHint:

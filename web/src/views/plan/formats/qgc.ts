@@ -134,6 +134,9 @@ function readFence(tree: Tree, notes: string[]): Pick<Plan, 'polygons' | 'circle
     const radius = circle.get('radius').number();
     return { inclusion: each.get('inclusion').flag(true), center: readPoint(circle.get('center')), radius };
   });
+  if (!tree.get('version').exists && first.length + polygons.length + circles.length > 0) {
+    notes.push(`${tree.path}: has no version; QGroundControl ignores such a fence`);
+  }
   const breach = tree.get('breachReturn');
   return { polygons: [...first, ...polygons], circles, returnPoint: breach.list().length ? readPlace(breach) : null };
 }

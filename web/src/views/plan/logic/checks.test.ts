@@ -30,6 +30,14 @@ async function keys(plan: Plan, changed: Partial<CheckInput> = {}): Promise<stri
   return check({ ...input, plan, statistics: statisticsOf(plan), profile }).map((each) => each.key);
 }
 
+const [ARDUPILOT, PX4] = [3, 12];
+
+async function graded(plan: Plan, firmware: number): Promise<string[]> {
+  const input = { clearance: 15, endurance: 20, ceiling: 120, vehicle: HOME, wing: false, firmware };
+  const found = check({ ...input, plan, statistics: statisticsOf(plan), profile: await profileOf(plan, flat) });
+  return found.map(({ severity, key }) => `${severity} ${key}`);
+}
+
 const edited = (index: number, param: number, value: number | null): Plan => ({
   ...good,
   mission: good.mission.map((each, at) => (at === index ? withParam(each, param, value) : each)),
@@ -160,11 +168,26 @@ describe('checks', () => {
 
   it('know what each firmware makes of several areas to stay in', async () => {
     const areas = [away(0, 150), away(90, 150)].map((center) => ({ inclusion: true, center, radius: 260 }));
-    // Two circles, one around each waypoint: home and the way between them are in one or the other.
-    expect(await keys({ ...good, circles: areas }, { firmware: 12 })).toEqual([]);
-    expect(await keys({ ...good, circles: areas }, { firmware: 3 })).toEqual(['checkOutsideFence']);
+    // Two circles, one around each waypoint; home is in both, each waypoint in one.
+    expect(await graded({ ...good, circles: areas }, PX4)).toEqual(['error checkPartly']);
+    expect(await graded({ ...good, circles: areas }, ARDUPILOT)).toEqual(['warning checkPartly']);
     const apart = [HOME, away(0, 300), away(90, 300)].map((center) => ({ inclusion: true, center, radius: 50 }));
-    expect(await keys({ ...good, circles: apart }, { firmware: 12 })).toEqual(['checkLegLeavesFence']);
+    expect(await graded({ ...good, circles: apart }, ARDUPILOT)).toEqual(['warning checkLegLeavesFence']);
+    const wide = { inclusion: true, center: HOME, radius: 500 };
+    const rally = [{ ...away(0, 450), altitude: 30 }];
+    const inner = { ...wide, radius: 400 };
+    expect(await graded({ ...good, circles: [wide, inner], rally }, PX4)).toEqual(['error checkRallyPartly']);
+    const besideHome = { inclusion: true, center: away(0, 300), radius: 290 };
+    expect(await graded({ ...good, mission: good.mission.slice(0, 1), circles: [wide, besideHome] }, ARDUPILOT)).toContain('warning checkHomePartly');
+  });
+
+  it('tell areas that PX4 ignores, and nothing of a fence without areas to stay in', async () => {
+    const [tree, house] = [away(180, 300), HOME].map((center) => ({ inclusion: false, center, radius: 20 }));
+    for (const firmware of [PX4, ARDUPILOT]) expect(await graded({ ...good, circles: [tree!] }, firmware)).toEqual([]);
+    expect(await graded({ ...good, circles: [tree!, house!] }, PX4)).toContain('error checkCircleIgnored');
+    expect(await graded({ ...good, circles: [house!] }, ARDUPILOT)).toEqual(['error checkHomeOutside']);
+    const box = [away2(100, 100), away2(200, 100), away2(200, 200), away2(100, 200)];
+    expect(await graded({ ...good, polygons: [{ inclusion: true, vertices: box }] }, PX4)).toContain('error checkPolygonIgnored');
   });
 
   it('tell a leg that leaves through a corner, and a return point that is outside', async () => {

@@ -3,10 +3,10 @@
 import type { plan as texts } from '$lib/i18n/en/plan';
 
 import { commandInfo, isOnPath, itemPosition } from './commands';
-import { isAllowed, legLeaves } from './fenceCheck';
+import { PX4, allows, gradeOf, legLeaves } from './fenceCheck';
 import { crossesItself, distance, type Point } from './geo';
-import { CMD, FRAME, isEmpty, type Item, type Plan, type PlanKind } from './model';
-import { pathOf } from './path';
+import { CMD, FRAME, isEmpty, type Circle, type Item, type Plan, type PlanKind, type Polygon } from './model';
+import { pathOf, type PathPoint } from './path';
 import { batteryUse, type Statistics } from './statistics';
 import type { Profile } from './terrain';
 
@@ -140,22 +140,48 @@ function areaProblems(plan: Plan): Problem[] {
 /** Returns the problems of home, path, rally points and return point with the fence. */
 function fenceProblems(plan: Plan, firmware: number): Problem[] {
   if (plan.polygons.length + plan.circles.length === 0) return [];
-  const allowed = (point: Point): boolean => isAllowed(plan, point, firmware);
+  const found = [...pathProblems(plan, firmware), ...(firmware === PX4 ? ignoredAreas(plan) : [])];
+  plan.rally.forEach((point, index) => {
+    const grade = gradeOf(plan, point);
+    if (grade === 'forbidden') found.push(problem('error', 'rally', 'checkRallyOutside', index));
+    if (grade === 'partly') found.push(problem(ofPartly(firmware), 'rally', 'checkRallyPartly', index));
+  });
+  if (plan.returnPoint && gradeOf(plan, plan.returnPoint) === 'forbidden') found.push(problem('error', 'fence', 'checkReturnOutside'));
+  return found;
+}
+
+/** ArduPilot may be set to ask for one of the areas to stay in; PX4 refuses the mission. */
+function ofPartly(firmware: number): Severity {
+  return firmware === PX4 ? 'error' : 'warning';
+}
+
+function pathProblems(plan: Plan, firmware: number): Problem[] {
   const path = pathOf(plan);
-  const outside = path.find((point) => !allowed(point));
-  const found: Problem[] = [];
+  const grades = path.map((point) => gradeOf(plan, point));
+  const outside = path[grades.indexOf('forbidden')];
   if (outside) {
     const key = outside.item < 0 ? 'checkHomeOutside' : 'checkOutsideFence';
-    found.push(problem('error', 'mission', key, outside.item < 0 ? null : outside.item));
-  } else {
-    const leg = path.findIndex((to, index) => index > 0 && legLeaves(plan, path[index - 1]!, to, allowed));
-    if (leg > 0) found.push(problem('warning', 'mission', 'checkLegLeavesFence', path[leg]!.item));
+    return [problem('error', 'mission', key, outside.item < 0 ? null : outside.item)];
   }
-  plan.rally.forEach((point, index) => {
-    if (!allowed(point)) found.push(problem('error', 'rally', 'checkRallyOutside', index));
-  });
-  if (plan.returnPoint && !allowed(plan.returnPoint)) found.push(problem('error', 'fence', 'checkReturnOutside'));
-  return found;
+  const leg = firstLeg(path, (from, to) => legLeaves(plan, from, to, (point) => gradeOf(plan, point) !== 'forbidden'));
+  if (leg) return [problem('warning', 'mission', 'checkLegLeavesFence', leg.item)];
+  const home = grades[0] === 'partly' && path[0]!.item < 0;
+  if (home) return [problem(ofPartly(firmware), 'mission', 'checkHomePartly')];
+  const partly = firstLeg(path, (from, to) => legLeaves(plan, from, to, (point) => gradeOf(plan, point) === 'allowed')) ?? path[grades.indexOf('partly')];
+  return partly ? [problem(ofPartly(firmware), 'mission', 'checkPartly', partly.item)] : [];
+}
+
+/** Returns the end of the first leg that something holds for. */
+function firstLeg(path: readonly PathPoint[], holds: (from: PathPoint, to: PathPoint) => boolean): PathPoint | undefined {
+  return path.find((to, index) => index > 0 && holds(path[index - 1]!, to));
+}
+
+/** Returns the areas that PX4 does not take, since they do not allow home. */
+function ignoredAreas({ home, polygons, circles }: Plan): Problem[] {
+  if (home === null) return [];
+  const ignored = (key: CheckKey, areas: readonly (Polygon | Circle)[]): Problem[] =>
+    areas.flatMap((each, index) => (allows(each, home) ? [] : [problem('error', 'fence', key, index)]));
+  return [...ignored('checkPolygonIgnored', polygons), ...ignored('checkCircleIgnored', circles)];
 }
 
 function terrainProblems({ plan, profile, clearance }: CheckInput): Problem[] {

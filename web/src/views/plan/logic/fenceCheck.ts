@@ -1,23 +1,36 @@
-/** Whether a place or a leg is within the fence. */
+/**
+ * Whether a place or a leg is within the fence.
+ *
+ * A fence without areas to stay in allows all places that no area forbids. With several of them PX4 asks that a place is in each
+ * (its older versions: in one), and ignores an area that does not allow home. ArduPilot asks for each too, or for
+ * one if FENCE_OPTIONS has the bit "union of inclusion areas".
+ */
 
 import { contains, distance, toLocal, type Local, type Point } from './geo';
-import type { Circle, Plan } from './model';
+import type { Circle, Plan, Polygon } from './model';
 
-/** MAV_AUTOPILOT of PX4, for which one of the areas to stay in is enough; ArduPilot asks for all of them. */
-const PX4 = 12;
+/** MAV_AUTOPILOT of PX4. */
+export const PX4 = 12;
 /** The part of a leg by which two crossings must differ to be two. */
 const MIN_PART = 1e-6;
 
-/** Returns whether a point may be flown to: in the areas to stay in, and in none to stay out of. */
-export function isAllowed(plan: Plan, point: Point, firmware: number): boolean {
-  const areas = [
-    ...plan.polygons.map((each) => ({ inclusion: each.inclusion, isIn: contains(each.vertices, point) })),
-    ...plan.circles.map((each) => ({ inclusion: each.inclusion, isIn: distance(each.center, point) <= each.radius })),
-  ];
-  if (areas.some((each) => !each.inclusion && each.isIn)) return false;
+/** Whether a place is in all areas to stay in, in some of them only, or where it may not be at all. */
+export type Grade = 'allowed' | 'partly' | 'forbidden';
+
+/** Returns whether one area of a fence allows a place. */
+export function allows(area: Polygon | Circle, point: Point): boolean {
+  const isIn = 'vertices' in area ? contains(area.vertices, point) : distance(area.center, point) <= area.radius;
+  return isIn === area.inclusion;
+}
+
+/** Returns what a fence makes of a place. */
+export function gradeOf(plan: Plan, point: Point): Grade {
+  const areas = [...plan.polygons, ...plan.circles];
+  if (areas.some((each) => !each.inclusion && !allows(each, point))) return 'forbidden';
   const inclusions = areas.filter((each) => each.inclusion);
-  if (firmware === PX4) return inclusions.length === 0 || inclusions.some((each) => each.isIn);
-  return inclusions.every((each) => each.isIn);
+  const count = inclusions.filter((each) => allows(each, point)).length;
+  if (count === inclusions.length) return 'allowed';
+  return count > 0 ? 'partly' : 'forbidden';
 }
 
 /** Returns whether some part of the leg between two points is not allowed. */
