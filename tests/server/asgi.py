@@ -54,9 +54,16 @@ class ApiClient:
         return await self.request("DELETE", path, **options)
 
     async def request(
-        self, method: str, path: str, body: Any = None, *, data: bytes = b"", headers: Any = None
+        self,
+        method: str,
+        path: str,
+        body: Any = None,
+        *,
+        data: bytes = b"",
+        headers: Any = None,
+        leave: asyncio.Event | None = None,
     ) -> Answer:
-        """Send a request; `body` is sent as JSON."""
+        """Send a request; `body` is sent as JSON. The client leaves when the event `leave` is set."""
         sent = {"host": self.host, **self.headers, **(headers or {})}
         if body is not None:
             data = json.dumps(body).encode()
@@ -69,7 +76,8 @@ class ApiClient:
         async def receive() -> dict[str, Any]:
             if requests:
                 return requests.pop()
-            return await asyncio.get_running_loop().create_future()
+            await (leave or asyncio.Event()).wait()
+            return {"type": "http.disconnect"}
 
         async def send(message: dict[str, Any]) -> None:
             if message["type"] == "http.response.start":

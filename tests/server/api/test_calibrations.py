@@ -1,7 +1,10 @@
 from __future__ import annotations
 
+import asyncio
+
 from mavstack.security.roles import Role
 from mavstack.server.access import Access
+from mavstack.sim.ardupilot.sensor_calibration import calibrations_of
 from tests.server.stations import COPTER, Ground, serve
 
 ALL = "/api/vehicles/1/calibrations"
@@ -73,6 +76,33 @@ def test_a_calibration_that_the_vehicle_cannot_cancel_is_followed_no_more() -> N
         await ground.wait_until(lambda: ground.station.calibrations.session(1))
         assert (await ground.api.delete(f"{ALL}/accelerometer")).json["cancelled"] is False
         assert ground.station.calibrations.session(1) is None
+
+    serve(COPTER, scenario)
+
+
+def test_a_calibration_ends_with_the_connection_of_its_client() -> None:
+    async def scenario(ground: Ground) -> None:
+        leave = asyncio.Event()
+        request = asyncio.ensure_future(ground.api.post(f"{ALL}/compass", leave=leave))
+        sensors = calibrations_of(ground.simulation.vehicles[0].autopilot)
+        await ground.wait_until(lambda: sensors.compass_started)
+        leave.set()
+        assert (await request).status == 400  # which nobody reads
+        assert ground.station.calibrations.session(1) is None
+        assert (sensors.compass_started, sensors.compass_ready) == (None, False)
+        assert (await ground.api.post(f"{ALL}/gyroscope")).status == 200
+
+    serve(COPTER, scenario)
+
+
+def test_a_calibration_of_a_task_goes_on_without_its_client() -> None:
+    async def scenario(ground: Ground) -> None:
+        leave = asyncio.Event()
+        leave.set()
+        started = (await ground.api.post(f"{ALL}/accelerometer?wait=false", leave=leave)).json
+        await ground.wait_until(lambda: ground.station.calibrations.session(1))
+        assert ground.station.tasks.find(started["task"]).values()["state"] == "running"
+        await ground.api.delete(f"/api/tasks/{started['task']}")
 
     serve(COPTER, scenario)
 

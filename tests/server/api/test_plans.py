@@ -10,6 +10,7 @@ from mavstack.security.roles import Role
 from mavstack.server.access import Access
 from mavstack.services.mission import MissionItem
 from mavstack.sim.vehicle_types import DEFAULT_HOME as HOME
+from mavstack.vehicle.mission import VehiclePlan
 from tests.server.stations import COPTER, PX4_COPTER, Ground, serve
 
 PLACES = [(HOME.latitude + number * 1e-4, HOME.longitude) for number in range(3)]
@@ -32,6 +33,47 @@ def test_a_mission_is_uploaded_downloaded_and_removed(kind) -> None:
         assert (await ground.api.get(path)).json["mission"] == []
 
     serve(kind, scenario)
+
+
+#: A command of ArduPilot's dialect, and numbers that no dialect and both dialects define.
+ALTITUDE_WAIT, UNKNOWN, DELAY = 83, 31_999, 93
+
+
+@pytest.mark.parametrize(
+    ("kind", "names"),
+    [
+        (COPTER, ["NAV_ALTITUDE_WAIT", "MAV_CMD 31999", "NAV_DELAY"]),
+        (PX4_COPTER, ["MAV_CMD 83", "MAV_CMD 31999", "NAV_DELAY"]),
+    ],
+    ids=["ardupilot", "px4"],
+)
+def test_commands_have_the_names_of_the_vehicles_dialect_and_others_their_number(
+    monkeypatch, kind, names
+) -> None:
+    plan = PlanFile.of([MissionItem(number, param1=5) for number in (ALTITUDE_WAIT, UNKNOWN, DELAY)])
+    held = []
+
+    async def upload(_, sent, **options):
+        held.append(sent)
+        return sent
+
+    async def download(_, **options):
+        return held[-1]
+
+    monkeypatch.setattr(VehiclePlan, "upload", upload)
+    monkeypatch.setattr(VehiclePlan, "download", download)
+
+    async def scenario(ground: Ground) -> None:
+        path = "/api/vehicles/1/mission"
+        text = format_plan(plan, "json").text
+        for _ in range(2):  # as it is made, and as it was downloaded
+            assert (await ground.api.put(path, data=text.encode())).status == 200
+            found = (await ground.api.get(path)).json
+            assert [each["name"] for each in found["mission"]] == names
+            assert [each["command"] for each in found["mission"]] == [ALTITUDE_WAIT, UNKNOWN, DELAY]
+            text = json.dumps(found)
+
+    serve(kind, scenario, ready=False)
 
 
 def test_files_that_are_no_plan_are_refused() -> None:

@@ -2,12 +2,16 @@
 
 A calibration is long work: with `wait=false` it is a task, whose progress has the step at which it is. A step
 with `needs_confirmation` waits for a request that confirms it. One that the vehicle cannot cancel is followed
-no more: `cancelled` is false then.
+no more: `cancelled` is false then. A calibration that is no task is cancelled when its client leaves, since
+nobody would confirm its steps or see motors turn.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+import asyncio
+from typing import TYPE_CHECKING, Any, Final, TypeVar
+
+from starlette.requests import ClientDisconnect
 
 from mavstack.http.bodies import RefusedError
 from mavstack.security.roles import Role
@@ -18,8 +22,13 @@ from mavstack.server.json_values import to_json
 from mavstack.vehicle import CalibrationKind
 
 if TYPE_CHECKING:
+    from collections.abc import Coroutine
+
+    from starlette.requests import Request
+
     from mavstack.vehicle import CalibrationSession
 
+Result = TypeVar("Result")
 _ALL: Final = "/api/vehicles/{system}/calibrations"
 _ONE: Final = f"{_ALL}/{{kind}}"
 
@@ -47,8 +56,29 @@ async def _run(call: Call) -> dict[str, Any]:
                 call.task.report(step["progress"], 100)
 
     vehicle, timeout = call.vehicle, call.body["timeout"]
-    result = await call.station.calibrations.run(vehicle, _kind(call), report, timeout=timeout)
+    work = call.station.calibrations.run(vehicle, _kind(call), report, timeout=timeout)
+    result = await (work if call.task is not None else _while_connected(call.request, work))
     return {"system": vehicle.system, **to_json(result)}
+
+
+async def _while_connected(request: Request, work: Coroutine[Any, Any, Result]) -> Result:
+    """Return the result of work that is cancelled if the client leaves; raises `ClientDisconnect` then."""
+    loop = asyncio.get_running_loop()
+    working, leaving = loop.create_task(work), loop.create_task(_disconnected(request))
+    try:
+        await asyncio.wait([working, leaving], return_when=asyncio.FIRST_COMPLETED)
+        if not working.done():
+            raise ClientDisconnect
+        return working.result()
+    finally:
+        for task in (working, leaving):
+            task.cancel()
+        await asyncio.gather(working, leaving, return_exceptions=True)
+
+
+async def _disconnected(request: Request) -> None:
+    while (await request.receive())["type"] != "http.disconnect":
+        pass
 
 
 async def _confirm(call: Call) -> dict[str, Any]:

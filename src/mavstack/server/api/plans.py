@@ -1,17 +1,18 @@
 """The plans of a vehicle: mission, fence and rally points.
 
 A plan is a JSON object of Mavstack's own format, without the home item that ArduPilot keeps first; with
-`format` it is the text of another program's file. An upload takes any of the formats.
+`format` it is the text of another program's file. An upload takes any of the formats. Commands have the names
+of the firmware's dialect; one that it does not define has its number.
 """
 
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 from starlette.responses import PlainTextResponse
 
-from mavstack.dialects import common
 from mavstack.errors import PlanFileError
 from mavstack.files.plans import FORMATS, PlanFile, Settings, format_plan, parse_plan, plan_json
 from mavstack.files.plans.parsing import MAX_BYTES
@@ -64,7 +65,7 @@ def _home_first(vehicle: Vehicle) -> bool:
 def _download(kind: str) -> ApiRoute:
     async def handler(call: Call) -> Any:  # noqa: ANN401 (JSON, or a response)
         vehicle = call.vehicle
-        plan = await _plan_of(vehicle, kind).download(progress=call.progress)
+        plan = _named(vehicle, await _plan_of(vehicle, kind).download(progress=call.progress))
         info = vehicle.info
         settings = Settings() if info is None else Settings(int(info.autopilot), int(info.type))
         found = PlanFile.of_vehicle([plan], home_first=_home_first(vehicle), settings=settings)
@@ -92,7 +93,7 @@ def _upload(kind: str) -> ApiRoute:
         if found.problems:
             raise PlanFileError(found.problems[0])
         plan = found.for_vehicle(KINDS[kind], home_first=_home_first(vehicle))
-        _check_commands(plan, call.role)
+        _check_commands(_named(vehicle, plan), call.role)
         held = await _plan_of(vehicle, kind).upload(plan, progress=call.progress)
         return {"system": vehicle.system, "items": len(held), "id": held.plan_id, "notes": list(found.notes)}
 
@@ -127,13 +128,17 @@ def _clear(kind: str) -> ApiRoute:
     )
 
 
+def _named(vehicle: Vehicle, plan: Plan) -> Plan:
+    """Return a plan whose commands have the names of the vehicle's firmware."""
+    items = (replace(item, command=vehicle.firmware.named_command(item.command)) for item in plan.items)
+    return replace(plan, items=tuple(items))
+
+
 def _check_commands(plan: Plan, role: Role) -> None:
     """Refuse items with commands that the role may not send, since the vehicle would carry them out later."""
     for item in plan.items:
         if not allows(role, _MISSION_ITEM_INT, int(item.command)):
-            known = item.command in common.MavCmd.__members__.values()
-            name = common.MavCmd(item.command).name if known else int(item.command)
-            raise RefusedError(403, f"the role {role.word} may not upload items with the command {name}")
+            raise RefusedError(403, f"the role {role.word} may not upload items with the command {item.name}")
 
 
 async def _parse(data: bytes) -> PlanFile:

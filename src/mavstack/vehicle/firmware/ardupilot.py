@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from mavstack.dialects import Message
+    from mavstack.dialects.enums import MavEnum
     from mavstack.services.heartbeat import ComponentInfo
 
 _GUIDED: Final = frozenset({"guided"})
@@ -82,6 +83,7 @@ class ArduPilot(Firmware):
     EQUIPMENT_PARAMETERS: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         {"gripper": ("GRIP_ENABLE",), "winch": ("WINCH_TYPE",), "osd": ("OSD_TYPE",)}
     )
+    COMMANDS: ClassVar[type[MavEnum]] = ardupilotmega.MavCmd
     ESTIMATOR_MESSAGE: ClassVar[type[Message]] = ardupilotmega.EkfStatusReport
     #: All failed checks are sent in one run, when requested and every half minute.
     PREARM_RUN: ClassVar[float] = 3.0

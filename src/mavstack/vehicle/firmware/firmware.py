@@ -17,6 +17,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from mavstack.dialects import common
+from mavstack.dialects.enums import official_names
 from mavstack.errors import ActionUnsupported
 from mavstack.vehicle.vehicle_type import VehicleType
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from mavstack.dialects import Message
+    from mavstack.dialects.enums import MavEnum
     from mavstack.services.heartbeat import ComponentInfo
     from mavstack.services.version import AutopilotVersion
     from mavstack.vehicle.firmware.interface import FirmwareVehicle
@@ -58,6 +60,8 @@ class Firmware:
     #: The modes that end on the ground, in lower case.
     LANDING_MODES: ClassVar[frozenset[str]] = frozenset({"rtl", "land", "qrtl", "qland", "auto_rtl"})
 
+    #: The commands of the firmware's dialect.
+    COMMANDS: ClassVar[type[MavEnum]] = common.MavCmd
     #: The message that reports the state estimator's health.
     ESTIMATOR_MESSAGE: ClassVar[type[Message]] = common.EstimatorStatus
     #: Prefixes of the status texts that name a failed check before arming.
@@ -88,6 +92,11 @@ class Firmware:
 
     def __init__(self, vehicle: FirmwareVehicle) -> None:
         self.vehicle = vehicle
+
+    @classmethod
+    def named_command(cls, number: int) -> int:
+        """Return a MAV_CMD as a member of the firmware's commands, which has a name; others unchanged."""
+        return cls.COMMANDS(number) if int(number) in official_names(cls.COMMANDS) else number
 
     # Reports of its state
 

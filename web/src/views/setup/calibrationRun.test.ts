@@ -131,7 +131,7 @@ describe('a calibration of the station', () => {
 });
 
 describe('a calibration of the page', () => {
-  it('does not emit that it was cancelled when the vehicle did not take it', async () => {
+  it('does not tell that it was cancelled when the vehicle did not take it', async () => {
     status.source = 'demo';
     const sendCommand = vi.fn().mockResolvedValueOnce({}).mockRejectedValueOnce(new Error('no reply'));
     await calibration.start(vehicle({ sendCommand }), 'esc');
