@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import socket
 import subprocess
 import sys
-from contextlib import contextmanager
+import threading
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.server import ServerConnection, serve
 
 from tests.interop.dashboards import dashboard, region, sending, show, widget
 from tests.interop.station import DESKTOP, PHONE, StationPage, chromium, near, station_page, web_server
+from tests.interop.test_station_serial import SERIAL
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -174,6 +179,60 @@ def test_the_examples_show_their_sources(title: str, browser: Any, tmp_path: Pat
             assert shown.page.get_by_text("needs sources").count() == 0
             assert shown.page.get_by_role("alert").count() == 0
             shown.wait_until(lambda: "\N{EN DASH}" not in shown.page.locator(".grid").inner_text())
+
+
+class Device:
+    """A device at a serial port of the page that sends lines of values."""
+
+    def __init__(self) -> None:
+        self._server = serve(self._send, "127.0.0.1", 0)
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._server.serve_forever)
+        self._thread.start()
+        self.port = self._server.socket.getsockname()[1]
+
+    def _send(self, client: ServerConnection) -> None:
+        client.send(b"")
+        for number in itertools.count():
+            with suppress(ConnectionClosed):
+                client.send(f"$IMU,{number % 90},x\n$GP".encode())
+                client.send(b"S,12.5\nnonsense\n")
+            if self._ended.wait(0.05):
+                return
+
+    def close(self) -> None:
+        self._ended.set()
+        self._server.shutdown()
+        self._thread.join()
+
+
+def test_a_device_at_a_serial_port_of_the_page(browser: Any, tmp_path: Path) -> None:
+    with (
+        closing(Device()) as device,
+        web_server(tmp_path) as server,
+        station_page(browser, server.url, DESKTOP) as shown,
+    ):
+        shown.page.add_init_script(SERIAL.replace("PORT", str(device.port)))
+        shown.page.reload()
+        fields = ["bench:IMU.roll", "bench:GPS.speed"]
+        shown_values = {"kind": "text", "title": "The text", "fields": fields, "text": "{1} and {2}"}
+        show(shown, server.url, dashboard(shown_values))
+        shown.button("Sources").click()
+        dialog = shown.page.get_by_role("dialog")
+        dialog.get_by_label("Name").fill("bench")
+        dialog.get_by_label("Columns").fill("$IMU,roll:deg,pitch")
+        shown.button("Choose the port").click()
+        dialog.get_by_text("rows,").wait_for()
+        shown.button("Remove bench").click()
+        dialog.get_by_label("Name").fill("bench")
+        dialog.get_by_label("Columns").fill("$IMU,roll:deg,_|$GPS,speed:m/s*2,")
+        shown.button("Choose the port").click()
+        shown.wait_for("is not a column")
+        dialog.get_by_label("Columns").fill("$IMU,roll:deg,_|$GPS,speed:m/s*2")
+        shown.button("Choose the port").click()
+        dialog.get_by_text(re.compile(r"[1-9]\d* rows, [1-9]\d* lines refused")).wait_for()
+        shown.page.keyboard.press("Escape")
+        region(shown, "text").get_by_text(re.compile(r"\d+\.0 and 25\.0")).wait_for()
 
 
 def test_files_of_others_do_no_harm(browser: Any, tmp_path: Path) -> None:

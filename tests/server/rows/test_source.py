@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import socket
 from contextlib import asynccontextmanager
 
@@ -68,6 +69,28 @@ async def test_rows_reach_the_clients_of_the_websocket_and_of_the_api() -> None:
         assert (await api.get("/api/rows")).json == []
         assert (await api.get("/api/statistics")).json["router"] is False
         assert not station.sources.rows.clients
+
+
+@pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo terminals")
+async def test_rows_of_a_serial_port() -> None:
+    device, terminal = os.openpty()
+    url = f"csv+serial://{os.ttyname(terminal)}?baud=57600&name=bench&template=$IMU,roll:deg|$GPS,lat,_"
+    try:
+        async with Station(network_only=True) as station:
+            api = ApiClient(make_app(station, Access(), static=None))
+            async with api.websocket("mavstack.rows.1") as rows:
+                assert (await api.post("/api/sources", {"url": url})).status == 201
+                os.write(device, b"$IMU,1")  # a line comes in parts, others fit no template
+                os.write(device, b"2.5\r\n\xff\x00\n$GPS,46.1,9\n$IMU,1,2\n")
+                first, second = await rows.receive(), await rows.receive()
+            await wait_until(lambda: station.sources.list()[0].values()["rows"]["refused"] == 2)
+        assert [(each["source"], each["message"], each["fields"]) for each in (first, second)] == [
+            ("bench", "IMU", {"roll": 12.5}),
+            ("bench", "GPS", {"lat": 46.1}),
+        ]
+    finally:
+        os.close(device)
+        os.close(terminal)
 
 
 async def test_a_source_that_cannot_be_opened_leaves_nothing_behind() -> None:

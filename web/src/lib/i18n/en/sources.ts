@@ -11,6 +11,11 @@ export const sources = {
   urlHint:
     'Such as udpin://0.0.0.0:14550, tcpout://127.0.0.1:5760, serial:///dev/ttyACM0?baud=57600, or csv+tcp://127.0.0.1:5770?name=cansat&template=time:s,alt:m',
   add: 'Add',
+  usb: 'Values of a device at a serial port of this computer',
+  usbName: 'Name',
+  usbColumns: 'Columns',
+  usbColumnsHint: 'A template such as time:s,lat:deg,lon:deg,alt:m',
+  usbAdd: 'Choose the port',
   recording: 'Recording to replay beside the links',
   chooseRecording: 'Choose a recording',
   administerOnly: 'Your role may look at the sources, not change them.',
