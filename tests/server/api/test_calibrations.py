@@ -87,7 +87,7 @@ def test_a_calibration_ends_with_the_connection_of_its_client() -> None:
         sensors = calibrations_of(ground.simulation.vehicles[0].autopilot)
         await ground.wait_until(lambda: sensors.compass_started)
         leave.set()
-        assert (await request).status == 400  # which nobody reads
+        assert (await request).status == 400  # which no client reads
         assert ground.station.calibrations.session(1) is None
         assert (sensors.compass_started, sensors.compass_ready) == (None, False)
         assert (await ground.api.post(f"{ALL}/gyroscope")).status == 200
@@ -95,7 +95,7 @@ def test_a_calibration_ends_with_the_connection_of_its_client() -> None:
     serve(COPTER, scenario)
 
 
-def test_a_calibration_of_a_task_goes_on_without_its_client() -> None:
+def test_a_calibration_of_a_task_continues_without_its_client() -> None:
     async def scenario(ground: Ground) -> None:
         leave = asyncio.Event()
         leave.set()

@@ -37,10 +37,14 @@ def test_a_definition_file_may_be_sent() -> None:
     async def scenario(ground: Ground) -> None:
         options = {"headers": {"content-type": "application/octet-stream"}}
         answer = await ground.api.post(
-            "/api/generator?languages=c&only=MY_VALUE", data=DEFINITION % b"minimal.xml", **options
+            "/api/generator?languages=c&only=MY_VALUE&file=own.xml",
+            data=DEFINITION % b"minimal.xml",
+            **options,
         )
         assert answer.status == 200, answer.data
-        assert any("my_value" in name for name in ZipFile(BytesIO(answer.data)).namelist())
+        names = ZipFile(BytesIO(answer.data)).namelist()
+        assert any("my_value" in name for name in names)
+        assert any("own" in name for name in names), names
         for include in (b"/etc/passwd", b"../custom.xml"):
             refused = await ground.api.post(
                 "/api/generator?languages=c", data=DEFINITION % include, **options
@@ -71,5 +75,13 @@ def test_the_commands_that_do_the_same() -> None:
         checked = (await ground.api.post("/api/generator/check?languages=c&package=x")).json
         assert checked == {"problems": {}, "commands": ["mav gen c common -o mavlink --package=x"]}
         assert (await ground.api.post("/api/generator/check?dialect=/etc/passwd")).status == 400
+        place = "/api/generator/check?dialect=common&languages=c,go&file="
+        own = await ground.api.post(f"{place}my%20ship.xml", data=DEFINITION % b"minimal.xml")
+        assert own.json["commands"] == [
+            f"mav gen {language} 'my ship.xml' -o mavlink/{language}" for language in ("c", "go")
+        ]
+        for name in ("../own.xml", "/tmp/own.xml", ".own.xml", "own", "%00.xml"):
+            refused = await ground.api.post(place + name, data=DEFINITION % b"minimal.xml")
+            assert (refused.status, refused.problem.startswith("file must fit")) == (400, True)
 
     serve((), scenario)

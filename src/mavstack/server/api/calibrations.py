@@ -3,7 +3,7 @@
 A calibration is long work: with `wait=false` it is a task, whose progress has the step at which it is. A step
 with `needs_confirmation` waits for a request that confirms it. One that the vehicle cannot cancel is followed
 no more: `cancelled` is false then. A calibration that is no task is cancelled when its client leaves, since
-nobody would confirm its steps or see motors turn.
+no person would confirm its steps or see motors turn.
 """
 
 from __future__ import annotations

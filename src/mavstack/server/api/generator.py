@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 MAX_DEFINITION: Final = 4 << 20
 _FOLDER: Final = "mavlink"
 _DEFINITION: Final = "custom.xml"
+#: A name without a folder, and none of a hidden file.
+_FILE_NAME: Final = r"[A-Za-z0-9_][A-Za-z0-9_ .-]{0,99}\.xml"
 _QUERY: Final = (
     Field(
         name="dialect",
@@ -36,6 +38,14 @@ _QUERY: Final = (
         about="An official dialect; without meaning if the body is a definition file.",
         default="common",
         example="common",
+    ),
+    Field(
+        name="file",
+        type="string",
+        about="The name of the definition file in the body, after which libraries are named.",
+        default=_DEFINITION,
+        pattern=_FILE_NAME,
+        example="my_dialect.xml",
     ),
     Field(
         name="languages",
@@ -107,9 +117,9 @@ def _form(call: Call) -> Iterator[tuple[GenerationForm, Path]]:
         folder = Path(name)
         dialect = query["dialect"]
         if call.data:
-            _check_includes(call.data)
-            (folder / _DEFINITION).write_bytes(call.data)
-            dialect = str(folder / _DEFINITION)
+            _check_includes(call.data, query["file"])
+            dialect = str(folder / query["file"])
+            Path(dialect).write_bytes(call.data)
         elif dialect not in official_names():  # a path would name a file of the server
             raise RefusedError(400, f"there is no official dialect {dialect[:60]!r}")
         options = {key: query[key] for key in ("only", "exclude", "package")}
@@ -119,10 +129,10 @@ def _form(call: Call) -> Iterator[tuple[GenerationForm, Path]]:
         )
 
 
-def _check_includes(data: bytes) -> None:
+def _check_includes(data: bytes, name: str) -> None:
     """Refuse a definition that includes others than official ones, which would be files of the server."""
     try:
-        definition = parse_definition(data, _DEFINITION, "custom")
+        definition = parse_definition(data, name, Path(name).stem)
     except DialectError as error:
         raise RefusedError(400, str(error)) from None
     for include in definition.includes:

@@ -17,10 +17,17 @@ export interface Check {
   readonly commands: readonly string[];
 }
 
-/** Returns the query of a form; a definition file is the body of the request, not part of it. */
-export function queryOf(form: GeneratorForm, hasFile: boolean): Record<string, string | undefined> {
+/** Nothing is checked yet, or nothing can be. */
+export const UNCHECKED: Check = { problems: {}, commands: [] };
+
+/** The names that the station takes for a file. */
+const FILE_NAME = /^\w[\w .-]{0,99}\.xml$/;
+
+/** Returns the query of a form; a definition file is the body of the request, and the query holds its name. */
+export function queryOf(form: GeneratorForm, file: { readonly name: string } | null): Record<string, string | undefined> {
   return {
-    dialect: hasFile ? undefined : form.dialect,
+    dialect: file === null ? form.dialect : undefined,
+    file: file !== null && FILE_NAME.test(file.name) ? file.name : undefined,
     languages: form.languages.join(','),
     only: form.only.trim() || undefined,
     exclude: form.exclude.trim() || undefined,
