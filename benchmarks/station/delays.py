@@ -72,7 +72,7 @@ class Delays:
 
     @property
     def has_raw(self) -> bool:
-        """Whether the server has a WebSocket with raw packets."""
+        """True if the server has a WebSocket with raw packets."""
         return self._raw is not None
 
     def json(self) -> float:

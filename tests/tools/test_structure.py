@@ -48,7 +48,7 @@ SUBJECTS = {
     "cli/vehicle": {"modes"},
     "files/parameter_metadata": {"formats"},
     "files/parameters": {"formats"},
-    "files/plans": {"round_trips"},
+    "files/plans": {"plan_cases", "round_trips"},
     "logs/packets": {"recordings"},
     "node": {"closing"},
     "router": {"cases"},

@@ -16,7 +16,9 @@ import {
   changedAt, CMD, FRAME, insertItems, isEmpty, moveItem, replaceItem, waypoint,
   type Item, type Place, type Plan, type PlanKind,
 } from './logic/model';
-import { altitudeFor, CAMERAS, laneItems, pictureCount, spacingOf, type Camera, type Lane } from './logic/pattern';
+import {
+  altitudeFor, CAMERAS, laneItems, PATTERN, pictureCount, spacingOf, type Camera, type Lane,
+} from './logic/pattern';
 import { isWing } from './logic/path';
 import { statisticsOf } from './logic/statistics';
 import { maxEdgeAngle, surveyLanes } from './logic/survey';
@@ -24,18 +26,6 @@ import type { Profile } from './logic/terrain';
 
 export type Tool = 'select' | 'waypoint' | 'survey' | 'corridor' | 'polygon' | 'circle' | 'rally' | 'home' | 'return';
 export type { Selection } from './logic/edits';
-
-export interface PatternSettings {
-  /** Name of the camera; empty: the distance of lanes is given by hand. */
-  readonly camera: string;
-  readonly side: number;
-  readonly front: number;
-  readonly spacing: number;
-  readonly turnaround: number;
-  readonly crosshatch: boolean;
-  /** Metres of a corridor. */
-  readonly width: number;
-}
 
 export interface Limits {
   /** Minutes that a full battery lasts; null: not known. */
@@ -45,9 +35,6 @@ export interface Limits {
   readonly ceiling: number | null;
 }
 
-const PATTERN: PatternSettings = {
-  camera: 'Sony a6000 16 mm', side: 70, front: 75, spacing: 25, turnaround: 10, crosshatch: false, width: 60,
-};
 /** Tools that draw a line or an area, and how many points they need. */
 const DRAWN: Readonly<Partial<Record<Tool, number>>> = { survey: 3, corridor: 2, polygon: 3 };
 const NEW_RADIUS = 100;

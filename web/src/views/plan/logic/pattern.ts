@@ -70,6 +70,24 @@ export interface FlightOptions {
 
 /** The largest number of lanes of a pattern, beyond which its spacing is certainly wrong. */
 export const MAX_LANES = 1000;
+/** The settings of a pattern. */
+export interface PatternSettings {
+  /** Name of the camera; empty: the distance of lanes is given by hand. */
+  readonly camera: string;
+  readonly side: number;
+  readonly front: number;
+  readonly spacing: number;
+  readonly turnaround: number;
+  readonly crosshatch: boolean;
+  /** Metres of a corridor. */
+  readonly width: number;
+}
+
+/** The settings of the first pattern. */
+export const PATTERN: PatternSettings = {
+  camera: 'Sony a6000 16 mm', side: 70, front: 75, spacing: 25, turnaround: 10, crosshatch: false, width: 60,
+};
+
 /** The part of a lane's width that may stay uncovered, so that rounding adds no lane. */
 export const TOLERANCE = 1e-3;
 
