@@ -4,7 +4,7 @@ import { tlogOf } from '$lib/series/export';
 import { Encoder } from '$lib/decoder/Decoder';
 
 import { fleet } from './fleet.svelte';
-import { replay, startDemo, startReplay, startSerial } from './session';
+import { logIn, replay, startDemo, startReplay, startSerial, startServer } from './session';
 import { status } from './status.svelte';
 
 afterEach(() => {
@@ -56,4 +56,32 @@ it('lets go of a recording when it is left', async () => {
   await startDemo(1);
   expect(status.role).toBe('administer');
   expect(replay.current).toBeNull();
+});
+
+it('asks the station once while it waits for the password, which connects', async () => {
+  vi.useFakeTimers();
+  const asked: string[] = [];
+  const sockets: string[] = [];
+  const refused = { error: { kind: 'Unauthorized', text: 'a session is needed' } };
+  const session = { role: 'operate', needs_password: true, ticket: 'abc' };
+  const answer = (_url: string, { method = 'GET' }: RequestInit): Promise<Response> => {
+    asked.push(method);
+    const isKnown = asked.includes('POST');
+    return Promise.resolve(new Response(JSON.stringify(isKnown ? session : refused), { status: isKnown ? 200 : 401 }));
+  };
+  vi.stubGlobal('fetch', answer);
+  vi.stubGlobal('location', { href: 'http://station/' });
+  vi.stubGlobal('WebSocket', class {
+    constructor(_url: string, protocols: string[]) {
+      sockets.push(...protocols);
+    }
+    close(): void {}
+  });
+  void startServer();
+  await vi.advanceTimersByTimeAsync(60_000);
+  expect([asked, sockets, status.needsLogin, status.link]).toEqual([['GET'], [], true, 'connecting']);
+  void logIn('fly it carefully');
+  await vi.advanceTimersByTimeAsync(0);
+  expect([asked, sockets, status.needsLogin, status.role]).toEqual([['GET', 'POST', 'GET'], ['ados-ws-ticket', 'abc', 'mavstack.raw.1'], false, 'operate']);
+  vi.useRealTimers();
 });

@@ -40,7 +40,7 @@ export async function logIn(password: string): Promise<void> {
   await startServer();
 }
 
-/** Returns a ticket for the WebSocket, or null if the station is open. */
+/** Returns a ticket for the WebSocket, or null if the station is open; waits for ever while a password is asked: logging in connects again. */
 async function ticket(): Promise<string | null> {
   try {
     const session = await api.get<Session>('session');
@@ -48,8 +48,9 @@ async function ticket(): Promise<string | null> {
     status.needsLogin = false;
     return session.ticket ?? null;
   } catch (error) {
-    if (error instanceof StationError && error.kind === 'Unauthorized') status.needsLogin = true;
-    throw error;
+    if (!(error instanceof StationError && error.kind === 'Unauthorized')) throw error;
+    status.needsLogin = true;
+    return new Promise(() => undefined);
   }
 }
 
