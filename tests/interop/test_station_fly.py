@@ -82,6 +82,8 @@ def assert_steered(shown: StationPage) -> None:
 def test_a_copter_is_flown(server: StationServer, browser: Any) -> None:
     with station_page(browser, server.url, DESKTOP) as shown:
         shown.wait_for("Ready to arm")
+        shown.button("Arm").click()
+        shown.wait_for("Arm: hold to confirm")
         set_mode(shown, "RTL")
         shown.wait_until(lambda: server.state()["mode"] == "RTL")
         shown.hold("Arm")
