@@ -92,7 +92,7 @@ def check_set_up_of_observers(shown: StationPage, url: str) -> None:
 
 
 def check_log(shown: StationPage, url: str) -> None:
-    """Download the log of a short flight from the vehicle."""
+    """Download the log of a short flight from the vehicle, and open its report."""
     for action in ("arm", "disarm"):
         urlopen(Request(f"{url}api/vehicles/1/{action}", method="POST"), timeout=30).close()
     shown.page.goto(f"{url}#/logs")
@@ -100,6 +100,10 @@ def check_log(shown: StationPage, url: str) -> None:
     with shown.page.expect_download(timeout=PATIENT) as waiting:
         shown.page.get_by_role("button", name="Download log").first.click(timeout=PATIENT)
     assert Path(waiting.value.path()).read_bytes()[:2] == b"\xa3\x95"
+    shown.page.get_by_role("button", name="Report of log").first.click(timeout=PATIENT)
+    frame = shown.page.frame_locator("iframe[title^='Report of vehicle-1-log']")
+    frame.get_by_text("dataflash").first.wait_for(timeout=PATIENT)
+    shown.button("Close").first.click()
 
 
 def check_report(shown: StationPage) -> None:
@@ -107,7 +111,7 @@ def check_report(shown: StationPage) -> None:
     shown.button("Record").click()
     shown.page.wait_for_timeout(2000)
     shown.button("Stop").click()
-    shown.button("Report").click(timeout=PATIENT)
+    shown.button("Report").first.click(timeout=PATIENT)
     frame = shown.page.frame_locator("iframe[title^='Report of']")
     frame.locator("h1, h2").first.wait_for(timeout=PATIENT)
     shown.button("Close").first.click()

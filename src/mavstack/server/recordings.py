@@ -1,4 +1,4 @@
-"""The recordings of a station: tlogs in one folder, written while it runs and read by their names.
+"""The recordings of a station: tlogs and logs of vehicles in one folder, read by their names.
 
 Clients name files, never paths: a name that leads out of the folder is refused.
 """
@@ -6,7 +6,7 @@ Clients name files, never paths: a name that leads out of the folder is refused.
 from __future__ import annotations
 
 import re
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -81,6 +81,32 @@ class Recordings:
             raise RefusedError(404, f"no recording {name[:60]!r} is running")
         recording.close()
         return self._values(self._path(name))
+
+    def keep(self, name: str, data: bytes) -> dict[str, Any]:
+        """Write a log of a vehicle into the folder, in the place of an older copy.
+
+        Args:
+            name: The name of the file.
+            data: Its bytes.
+
+        Returns:
+            The file as JSON.
+
+        Raises:
+            RefusedError: There is no folder, or the name is not allowed.
+            LogError: The file cannot be written.
+        """
+        path = self._path(name)
+        part = path.with_name(f".{path.name}.part")
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            part.write_bytes(data)
+            part.replace(path)
+        except OSError as error:
+            with suppress(OSError):
+                part.unlink()
+            raise LogError(f"cannot write {path}: {error.strerror or error}") from None
+        return self._values(path)
 
     def path(self, name: str) -> Path:
         """Return the path of a recording or a log; raises `RefusedError` if there is none of that name."""

@@ -20,6 +20,41 @@ def test_files_are_listed_uploaded_downloaded_and_removed() -> None:
     serve(COPTER, scenario)
 
 
+def test_a_log_is_kept_at_the_station_for_its_report(tmp_path) -> None:
+    async def scenario(ground: Ground) -> None:
+        await ground.api.post("/api/vehicles/1/mode", {"mode": "GUIDED"})
+        await ground.api.post("/api/vehicles/1/arm")
+        await ground.api.post("/api/vehicles/1/disarm", {"force": True})
+        number = (await ground.api.get("/api/vehicles/1/logs")).json["logs"][0]["id"]
+        kept = await ground.api.post(f"/api/vehicles/1/logs/{number}")
+        assert (kept.status, kept.json["running"]) == (201, False)
+        again = (await ground.api.post(f"/api/vehicles/1/logs/{number}")).json
+        assert kept.json["name"].startswith(f"vehicle-1-log-{number}")
+        assert again["size"] >= kept.json["size"] > 0
+        # The later copy has taken the place of the first one, and no part of it is left.
+        assert [each.name for each in folder.iterdir()] == [kept.json["name"]] == [again["name"]]
+        assert [each["name"] for each in (await ground.api.get("/api/recordings")).json] == [again["name"]]
+        report = await ground.api.get(f"/api/reports/{again['name']}")
+        assert (report.status, b"<html" in report.data) == (200, True)
+        assert (await ground.api.post("/api/vehicles/1/logs/9999")).status == 404
+
+    folder = tmp_path / "new"
+    serve(COPTER, scenario, folder=folder)
+
+
+def test_a_log_that_cannot_be_kept_is_reported(tmp_path) -> None:
+    async def scenario(ground: Ground) -> None:
+        await ground.api.post("/api/vehicles/1/mode", {"mode": "GUIDED"})
+        await ground.api.post("/api/vehicles/1/arm")
+        number = (await ground.api.get("/api/vehicles/1/logs")).json["logs"][0]["id"]
+        refused = await ground.api.post(f"/api/vehicles/1/logs/{number}")
+        assert (refused.status, refused.kind) == (409, "LogError")
+
+    file = tmp_path / "file"
+    file.touch()
+    serve(COPTER, scenario, folder=file)
+
+
 def test_logs_are_listed_and_downloaded() -> None:
     async def scenario(ground: Ground) -> None:
         await ground.api.post("/api/vehicles/1/mode", {"mode": "GUIDED"})

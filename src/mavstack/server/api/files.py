@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any, Final
 
 from starlette.responses import Response
@@ -15,6 +17,8 @@ from mavstack.services.ftp.payload import MAX_DATA
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from mavstack.services.log import LogEntry
 
 MAX_UPLOAD: Final = 16 << 20
 _FILE: Final = "/api/vehicles/{system}/files/{path:path}"
@@ -49,6 +53,20 @@ async def _list_logs(call: Call) -> dict[str, Any]:
 
 
 async def _download_log(call: Call) -> Response:
+    log, data = await _read_log(call)
+    return _attachment(data, f"vehicle-{call.vehicle.system}-log-{log.id}{_suffix(data)}")
+
+
+async def _keep_log(call: Call) -> dict[str, Any]:
+    system = call.vehicle.system
+    log, data = await _read_log(call)
+    written = f"-{datetime.fromtimestamp(log.time_utc, UTC):%Y-%m-%d-%H%M%S}" if log.time_utc else ""
+    name = f"vehicle-{system}-log-{log.id}{written}{_suffix(data)}"
+    return await asyncio.to_thread(call.station.recordings.keep, name, data)
+
+
+async def _read_log(call: Call) -> tuple[LogEntry, bytes]:
+    """Download the log that the request names; raises `RefusedError` if the vehicle has none of that id."""
     text = call.path("id")
     if not (text.isascii() and text.isdigit() and len(text) <= 5):
         raise RefusedError(404, f"ids of logs are numbers, got {text[:20]!r}")
@@ -57,8 +75,7 @@ async def _download_log(call: Call) -> Response:
     listed = {each.id: each for each in await vehicle.logs.list()}
     if number not in listed:
         raise RefusedError(404, f"the vehicle {vehicle.system} has no log {number}")
-    data = await vehicle.logs.download(listed[number], progress=call.progress)
-    return _attachment(data, f"vehicle-{vehicle.system}-log-{number}{_suffix(data)}")
+    return listed[number], await vehicle.logs.download(listed[number], progress=call.progress)
 
 
 async def _erase_logs(call: Call) -> dict[str, Any]:
@@ -143,6 +160,24 @@ ROUTES: Final = (
         tag="logs",
         is_long=True,
         media_type=_BYTES,
+    ),
+    ApiRoute(
+        method="POST",
+        path=f"{_LOGS}/{{id}}",
+        handler=_keep_log,
+        summary="Copy a log from a vehicle to the recordings of the station, for its report page",
+        tag="logs",
+        role=Role.OPERATE,
+        body=(),
+        is_long=True,
+        status=201,
+        answer={
+            "name": "vehicle-1-log-1-2026-11-23-101500.bin",
+            "size": 204800,
+            "modified": 1790000000.0,
+            "running": False,
+            "packets": None,
+        },
     ),
     ApiRoute(
         method="DELETE",

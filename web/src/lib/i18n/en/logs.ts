@@ -23,6 +23,8 @@ export const logs = {
   id: 'Log',
   downloading: 'Log {id}: {percent} %',
   downloadLog: 'Download log {id}',
+  reportLog: 'Report of log {id}',
+  reportLogHint: 'Copies log {id} to the recordings of the station, and shows its report',
   unknownDate: 'date unknown',
   stationOnly: 'Logs of vehicles and recordings need the station: this page runs without it.',
   openFile: 'Replay a file',
