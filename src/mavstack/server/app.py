@@ -80,9 +80,10 @@ _HEADERS: Final = {
     b"cross-origin-opener-policy": b"same-origin",
 }
 
-#: All routes of the API that are checked and described by their table.
+#: All routes of the API that are checked and described by their table; the first ones are found first.
 ROUTES: Final[tuple[ApiRoute, ...]] = (
     *vehicles.ROUTES,
+    *messages.ROUTES,
     *actions.ROUTES,
     *equipment.ROUTES,
     *calibrations.ROUTES,
@@ -90,7 +91,6 @@ ROUTES: Final[tuple[ApiRoute, ...]] = (
     *parameters.ROUTES,
     *plans.ROUTES,
     *files.ROUTES,
-    *messages.ROUTES,
     *station.ROUTES,
     *recordings.ROUTES,
     *router.ROUTES,

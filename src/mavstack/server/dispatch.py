@@ -61,7 +61,7 @@ def problem_response(error: Exception) -> Response:
 async def _answer(route: ApiRoute, station: Station, access: Access, request: Request) -> Response:
     client = access.check_request(request)
     call = Call(station=station, request=request, role=client.role, session=client.session)
-    call.require(route.role, f"{route.method} {request.url.path}")
+    call.require(route.role, f"{route.method} {request.scope['path']}")
     call = replace(call, query=read_query(route.query_fields, request.query_params))
     if route.takes_bytes:
         call = replace(call, data=await read_bytes(request, route.max_body))

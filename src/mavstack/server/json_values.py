@@ -22,6 +22,13 @@ def to_json(value: object) -> Any:  # noqa: ANN401 (JSON has values of many type
     Returns:
         None, a bool, a number, a text, a list or a dictionary.
     """
+    kind = type(value)
+    if kind is float:  # most values are floats and integers
+        return value if isfinite(value) else None  # type: ignore[arg-type]
+    return value if kind is int or kind is str else _other_json(value)
+
+
+def _other_json(value: object) -> Any:  # noqa: ANN401
     match value:
         case None | bool():
             return value

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 MIN_INTERVAL: Final = 0.005
 MAX_INTERVAL: Final = 0.02
 CLIENT_INTERVAL: Final = 0.001
+_ENCODER: Final = json.JSONEncoder(separators=(",", ":"))
 
 
 class Batch:
@@ -45,7 +46,7 @@ class Batch:
         """Return one packet as JSON, which is made once for all clients."""
         text = self._texts.get(index)
         if text is None:
-            text = self._texts[index] = json.dumps(packet_json(*self.packets[index]), separators=(",", ":"))
+            text = self._texts[index] = _ENCODER.encode(packet_json(*self.packets[index]))
         return text
 
 
