@@ -1,6 +1,11 @@
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from tests.server.stations import COPTER, Ground, serve
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 
 def test_files_are_listed_uploaded_downloaded_and_removed() -> None:
@@ -20,7 +25,7 @@ def test_files_are_listed_uploaded_downloaded_and_removed() -> None:
     serve(COPTER, scenario)
 
 
-def test_a_log_is_kept_at_the_station_for_its_report(tmp_path) -> None:
+def test_a_log_is_kept_at_the_station_for_its_report(tmp_path: Path) -> None:
     async def scenario(ground: Ground) -> None:
         await ground.api.post("/api/vehicles/1/mode", {"mode": "GUIDED"})
         await ground.api.post("/api/vehicles/1/arm")
@@ -42,7 +47,7 @@ def test_a_log_is_kept_at_the_station_for_its_report(tmp_path) -> None:
     serve(COPTER, scenario, folder=folder)
 
 
-def test_a_log_that_cannot_be_kept_is_reported(tmp_path) -> None:
+def test_a_log_that_cannot_be_kept_is_reported(tmp_path: Path) -> None:
     async def scenario(ground: Ground) -> None:
         await ground.api.post("/api/vehicles/1/mode", {"mode": "GUIDED"})
         await ground.api.post("/api/vehicles/1/arm")
