@@ -1,0 +1,165 @@
+"""Plans in Chromium: a corridor with terrain and fence, a mission sent with progress and saved as KML."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from typing import TYPE_CHECKING, Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from mavstack.sim import BackgroundSimulator
+from tests.interop.station import (
+    DESKTOP,
+    PATIENT,
+    StationPage,
+    StationServer,
+    chromium,
+    near,
+    station_page,
+    station_server,
+    web_server,
+)
+from tests.interop.test_station_plan import (
+    MISSION,
+    VEHICLE,
+    draw,
+    map_picture,
+    opened,
+    saved_plan,
+    saved_text,
+)
+from tests.sim.running import make_ready
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
+
+CORRIDOR = ((-150, -120), (0, -40), (150, -120))
+TRIGGER_DISTANCE = 206  # MAV_CMD_DO_SET_CAM_TRIGG_DIST
+METRES_IN_DEGREE = 111_200
+KML = "{http://www.opengis.net/kml/2.2}"
+#: Keeps each text and value of a bar of progress that the page shows.
+WATCH_PROGRESS = """
+window.progress = [];
+new MutationObserver(() => {
+  for (const bar of document.querySelectorAll('[role=progressbar], progress')) {
+    const value = bar.getAttribute('aria-valuenow') ?? bar.getAttribute('value');
+    window.progress.push([bar.getAttribute('aria-label'), value === null ? null : Number(value)]);
+  }
+}).observe(document.body, { attributes: true, childList: true, subtree: true });
+"""
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: Any) -> Iterator[StationServer]:
+    with station_server(tmp_path_factory.mktemp("recordings")) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with chromium() as opened:
+        yield opened
+
+
+def show_plan(shown: StationPage, url: str) -> None:
+    shown.page.goto(f"{url}#/plan")
+    shown.page.get_by_label("Map of the plan").first.wait_for()
+    shown.wait_until(lambda: near(map_picture(shown), VEHICLE) > 40)
+
+
+def draw_corridor(shown: StationPage) -> None:
+    draw(shown, "c", *CORRIDOR)
+    shown.page.get_by_text("lanes,").wait_for(timeout=PATIENT)
+    shown.button("Insert into the mission").click()
+
+
+def show_checks(shown: StationPage) -> None:
+    shown.page.get_by_role("tab", name="Checks").click()
+
+
+def slope(home: dict[str, float], gradient: float) -> dict[str, Any]:
+    """Return an .hgt file of terrain that rises to the north and has the height of a place there."""
+    latitude, longitude = math.floor(home["latitude"]), math.floor(home["longitude"])
+    name = f"{'NS'[latitude < 0]}{abs(latitude):02}{'EW'[longitude < 0]}{abs(longitude):03}.hgt"
+    north = (np.linspace(latitude + 1, latitude, 1201) - home["latitude"]) * METRES_IN_DEGREE
+    rows = np.clip(home["altitude"] + gradient * north, -500, 9000).round().astype(">i2")
+    data = np.repeat(rows, 1201).tobytes()
+    return {"name": name, "mimeType": "application/octet-stream", "buffer": data}
+
+
+def test_a_corridor_is_checked_with_terrain_and_fence(server: StationServer, browser: Any) -> None:
+    with station_page(browser, server.url, DESKTOP) as shown:
+        show_plan(shown, server.url)
+        draw_corridor(shown)
+        assert near(map_picture(shown), MISSION) > 300
+        drawn = saved_plan(shown)["mission"]
+        assert TRIGGER_DISTANCE in [command for command, _, _ in drawn]
+        show_checks(shown)
+        shown.wait_for("The clearance is not known")
+        home = json.loads(saved_text(shown, "json"))["home"]
+        shown.page.locator("input[accept='.hgt']").set_input_files(slope(home, 0.25))
+        shown.page.get_by_text(re.compile(r"comes within 1\d m of the ground; the limit is 20 m")).wait_for()
+        shown.page.locator("input[accept='.hgt']").set_input_files(slope(home, 1))
+        shown.page.get_by_text(re.compile(r"-\d+ m above the ground: below the terrain")).wait_for()
+        assert shown.page.get_by_role("img", name="Altitude above the terrain").is_visible()
+        # A polygon to stay out of, over the corridor.
+        draw(shown, "p", (-60, -140), (60, -140), (60, 0), (-60, 0))
+        shown.button("Finish").click()
+        shown.page.get_by_role("tab", name="Fence").click()
+        shown.page.get_by_role("combobox", name="Polygon 1").select_option(label="stay out")
+        show_checks(shown)
+        shown.page.get_by_text(re.compile("outside of the fence|leaves the fence")).first.wait_for()
+
+
+@pytest.fixture
+def slow_server(tmp_path: Path) -> Iterator[StationServer]:
+    """Serve a station whose vehicle answers late, so that a page sees transfers go on."""
+    simulator = BackgroundSimulator()
+    make_ready(simulator.simulation)
+    with simulator, web_server(tmp_path, f"udpout://127.0.0.1:{simulator.port}?latency=20ms") as running:
+        yield running
+
+
+def test_a_long_mission_is_sent_with_progress_and_saved_as_kml(
+    slow_server: StationServer, browser: Any
+) -> None:
+    with station_page(browser, slow_server.url, DESKTOP) as shown:
+        show_plan(shown, slow_server.url)
+        draw(shown, "s", (-250, -200), (250, -200), (250, 200), (-250, 200))
+        shown.button("Insert into the mission").click()
+        draw(shown, "p", (-300, -250), (300, -250), (300, 250), (-300, 250))
+        shown.button("Finish").click()
+        drawn = saved_plan(shown)
+        assert len(drawn["mission"]) > 20
+        tree = ElementTree.fromstring(saved_text(shown, "kml"))
+        assert len(tree.findall(f".//{KML}Polygon")) == 1
+        written = saved_text(shown, "kml")
+        shown.page.evaluate(WATCH_PROGRESS)
+        shown.button("Upload").click()
+        shown.wait_for("Fence: on the vehicle (4)")
+        shown.button("New plan").click()
+        shown.page.get_by_role("tab", name="Mission").click()
+        shown.wait_for("The mission is empty")
+        shown.button("Download").click()
+        shown.wait_for("Fence: downloaded (4)")
+        assert saved_plan(shown) == drawn
+        shown_steps = shown.page.evaluate("window.progress")
+        for label in ("Uploading Mission", "Downloading Mission"):
+            values = [value for name, value in shown_steps if name == label and value is not None]
+            assert len(set(values)) > 3, shown_steps[:50]
+            assert values == sorted(values)
+        opened(shown, "drawn.kml", written)
+        shown.wait_for("drawn.kml opened")
+        again = saved_plan(shown)
+        assert len(again["fence"]) == 4
+        places = [params[4:6] for command, _, params in drawn["mission"] if command == 16]
+        found = [params[4:6] for command, _, params in again["mission"] if command == 16]
+        # The path of the file begins with the climb above home.
+        assert found[2 : len(places) + 2] == places
