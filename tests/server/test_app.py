@@ -51,6 +51,12 @@ async def test_without_pages_the_answer_names_the_command_that_builds_them() -> 
     assert (answer.status, b"make station" in answer.data) == (503, True)
 
 
+async def test_a_request_for_the_websocket_needs_an_upgrade() -> None:
+    answer = await ApiClient(make_app(Station(), Access(), static=None)).get("/ws")
+    assert (answer.status, answer.kind, answer.headers["upgrade"]) == (426, "UpgradeRequired", "websocket")
+    assert answer.problem == "/ws is a WebSocket: send the request with an upgrade"
+
+
 async def test_unknown_routes_and_methods() -> None:
     api = ApiClient(make_app(Station(), Access(), static=None))
     unknown = await api.get("/api/nothing")

@@ -52,6 +52,11 @@ def test_wrong_values_are_refused_with_a_reason(values, problem) -> None:
     assert caught.value.status == 400
 
 
+def test_a_request_without_fields_takes_none() -> None:
+    with pytest.raises(RefusedError, match="there is no field 'x': the request takes none"):
+        read_query((), {"x": "1"})
+
+
 @pytest.mark.parametrize("text", ["", "fast", "nan", "inf", "1e999", "9" * 5000])
 def test_numbers_of_a_query(text) -> None:
     with pytest.raises(RefusedError):

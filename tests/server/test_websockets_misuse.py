@@ -141,6 +141,14 @@ async def test_clients_that_send_nonsense_or_leave_in_the_middle() -> None:
             socket.writer.transport.abort()
 
 
+async def test_clients_that_have_vanished_are_closed(monkeypatch) -> None:
+    monkeypatch.setattr("mavstack.http.server.PING_INTERVAL", 0.05)
+    async with serving_a_station() as server:
+        for protocol in ("mavstack.raw.1", "mavstack.json.1"):
+            _, vanished = await server.open(protocol)
+            assert await vanished.close_code() == 1011  # it answers no ping
+
+
 async def test_handshakes_that_are_refused(caplog) -> None:
     access = Access(passwords={Role.OPERATE: "may fly it"}, ticket_key=KEY, local=False)
     async with serving_a_station(access) as server:

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 #: Bytes of a message that a client of a WebSocket may send.
 MAX_WEBSOCKET_MESSAGE: Final = 1 << 20
+#: Seconds between two pings of a WebSocket, and for their answers: a client that has vanished is closed.
+PING_INTERVAL: Final = 20.0
 #: Open connections; further ones are closed, so that clients leave descriptors to the links of the program.
 MAX_CONNECTIONS: Final = 512
 #: Seconds for the head of a request.
@@ -160,6 +162,8 @@ def _config(app: Starlette, tls: Certificate | None, *, websockets: bool, proxy:
         http=_Protocol,
         ws="websockets-sansio" if websockets else "none",
         ws_max_size=MAX_WEBSOCKET_MESSAGE,
+        ws_ping_interval=PING_INTERVAL,
+        ws_ping_timeout=PING_INTERVAL,
         ws_per_message_deflate=False,  # it would compress each message again for each client
         # By default it believes all clients of this machine, which could then guess passwords without limit.
         proxy_headers=bool(proxy),

@@ -126,6 +126,7 @@ def make_app(
         Route("/api/session", _guarded(sessions.end), methods=["DELETE"]),
         Route("/openapi.json", _guarded(openapi), methods=["GET"]),
         WebSocketRoute("/ws", websocket_endpoint(ground, access)),
+        Route("/ws", _guarded(_not_upgraded), methods=["GET"]),
         *_other_methods(description["paths"]),
         *_page_routes(access, static),
     ]
@@ -202,6 +203,13 @@ def _guarded(handler: Callable[[Request], Awaitable[Response]]) -> Callable[[Req
             return Response(status_code=400)
 
     return guarded
+
+
+async def _not_upgraded(_: Request) -> Response:
+    """Refuse a request that is no WebSocket."""
+    response = problem_response(RefusedError(426, "/ws is a WebSocket: send the request with an upgrade"))
+    response.headers.update({"Upgrade": "websocket", "Connection": "Upgrade"})
+    return response
 
 
 async def _unknown_route(request: Request, error: Exception) -> Response:

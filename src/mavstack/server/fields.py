@@ -179,7 +179,7 @@ def _unknown(name: str, known: Sequence[str]) -> str:
         if close
         else f"there are {', '.join(known)}"
         if known
-        else "there is none"
+        else "the request takes none"
     )
     return f"there is no field {_shown(name)}: {hint}"
 
