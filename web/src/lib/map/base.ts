@@ -12,6 +12,7 @@ export interface BaseMap {
 }
 
 export const NO_BASE: BaseMap = { url: '', attribution: '' };
+export const BASE_SOURCE = 'base';
 export const TRACK_SOURCE = 'tracks';
 
 export type BaseKind = 'none' | 'raster' | 'pmtiles';
@@ -50,15 +51,15 @@ export function mapStyle(base: BaseMap, palette: MapPalette, archive: ArchiveInf
   const kind = baseProblem(base.url) === null ? baseKind(base.url) : 'none';
   const address = base.url.trim().replace(/^pmtiles:\/\//i, '');
   if (kind === 'raster') {
-    sources['base'] = { type: 'raster', tiles: [absolute(address)], tileSize: 256, maxzoom: base.maxZoom ?? 19 };
+    sources[BASE_SOURCE] = { type: 'raster', tiles: [absolute(address)], tileSize: 256, maxzoom: base.maxZoom ?? 19 };
     layers.push(rasterLayer(palette));
   } else if (kind === 'pmtiles' && archive !== null) {
     const url = `pmtiles://${absolute(address)}`;
     if (archive.isVector) {
-      sources['base'] = { type: 'vector', url };
+      sources[BASE_SOURCE] = { type: 'vector', url };
       layers.push(...vectorLayers(archive.layers, palette));
     } else {
-      sources['base'] = { type: 'raster', url, tileSize: 256, maxzoom: archive.maxZoom };
+      sources[BASE_SOURCE] = { type: 'raster', url, tileSize: 256, maxzoom: archive.maxZoom };
       layers.push(rasterLayer(palette));
     }
   }
@@ -88,7 +89,7 @@ function absolute(address: string): string {
 /** Bright tiles are dimmed in the dark theme, so that symbols stay readable and the eyes adapted. */
 function rasterLayer(palette: MapPalette): LayerSpecification {
   const paint = palette.isDark ? { 'raster-brightness-max': 0.62, 'raster-saturation': -0.25 } : {};
-  return { id: 'base', type: 'raster', source: 'base', paint };
+  return { id: 'base', type: 'raster', source: BASE_SOURCE, paint };
 }
 
 /** Names of layers in the two usual schemas (Protomaps, OpenMapTiles) and how they are drawn. */
@@ -112,7 +113,7 @@ function vectorLayers(present: readonly string[], palette: MapPalette): LayerSpe
       layers.push({
         id: `base-${name}`,
         type: 'fill',
-        source: 'base',
+        source: BASE_SOURCE,
         'source-layer': name,
         filter: ['==', ['geometry-type'], 'Polygon'],
         paint: { 'fill-color': pick(dark, light) },
@@ -124,7 +125,7 @@ function vectorLayers(present: readonly string[], palette: MapPalette): LayerSpe
       layers.push({
         id: `base-${name}`,
         type: 'line',
-        source: 'base',
+        source: BASE_SOURCE,
         'source-layer': name,
         paint: { 'line-color': pick(dark, light), 'line-width': width },
       });
