@@ -48,6 +48,7 @@ def test_actions(firmware, vehicle_type, actions):
     async def scenario(world, vehicle):
         found = vehicle.capabilities
         assert (found.takeoff, found.goto, found.orbit, found.manual_control) == actions
+        assert (found.roi, found.home) == (True, True)
 
     fly((vehicle_type, firmware), scenario)
 
@@ -93,6 +94,7 @@ def test_components_and_messages_of_an_unknown_firmware():
         assert (found.shell, found.logs, found.parameters, found.mission) == (None,) * 4
         assert (found.events, found.winch) == (None, None)
         assert (found.takeoff, found.goto, found.orbit, found.manual_control) == (None,) * 4
+        assert (found.roi, found.home) == (None, None)
         for message in (common.LogEntry(id=1), common.CurrentEventSequence(), common.WinchStatus()):
             harness.peers[0].node.send(message)
         flags = common.MavProtocolCapability.PARAM_FLOAT | common.MavProtocolCapability.MISSION_RALLY

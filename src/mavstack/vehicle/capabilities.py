@@ -50,6 +50,8 @@ class Capabilities:
         takeoff: The vehicle takes off: `takeoff`.
         goto: The vehicle goes to locations: `goto`.
         orbit: The vehicle circles locations: `orbit`.
+        roi: The vehicle points at locations: `roi`.
+        home: The home position can be set: `set_home`.
         manual_control: The vehicle takes the sticks of a ground station: MANUAL_CONTROL.
         setpoints: The vehicle follows setpoints: `guided`.
         attitude_setpoints: The vehicle follows setpoints of its attitude.
@@ -85,6 +87,8 @@ class Capabilities:
     takeoff: bool | None = None
     goto: bool | None = None
     orbit: bool | None = None
+    roi: bool | None = None
+    home: bool | None = None
     manual_control: bool | None = None
     setpoints: bool | None = None
     attitude_setpoints: bool | None = None
@@ -134,6 +138,8 @@ def capabilities_of(vehicle: VehicleState) -> Capabilities:
         takeoff=reader.action("takeoff", possible=vehicle.vehicle_type.flies),
         goto=reader.action("goto", possible=True),
         orbit=reader.action("orbit", possible=firmware.can_orbit),
+        roi=reader.action("roi", possible=True),
+        home=reader.action("home", possible=True),
         manual_control=features.get("manual_control"),
         setpoints=reader.first(features.get("setpoints"), reader.flag(_FLAG.SET_POSITION_TARGET_LOCAL_NED)),
         attitude_setpoints=reader.first(

@@ -39,6 +39,8 @@ _FIXES: Final = ("no receiver", "no fix", "2D fix", "3D fix", "DGPS fix", "RTK f
 #: The features whose names are abbreviations.
 _FEATURE_NAMES: Final = {
     "ftp": "FTP",
+    "roi": "region of interest",
+    "home": "home position",
     "vtol": "VTOL",
     "osd": "OSD",
     "mavlink2": "MAVLink 2",

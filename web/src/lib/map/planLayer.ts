@@ -127,6 +127,19 @@ export function paintHome(drawing: Drawing, place: Place, caption = ''): void {
   if (caption !== '') label(drawing, caption, { x: pixel.x + 16, y: pixel.y - 9 }, { size: 11 });
 }
 
+/** Paint a measured line with its length beside its end; without an end its start alone. */
+export function paintRuler(drawing: Drawing, from: Place, to: Place | null, caption: string): void {
+  const { projection, palette } = drawing;
+  const start = projection.toPixel(from.latitude, from.longitude);
+  if (to !== null) {
+    const end = projection.toPixel(to.latitude, to.longitude);
+    polyline(drawing, [start, end], { colour: palette.text, width: 2, dash: [2, 6], hasHalo: true });
+    disc(drawing, end, 4, { fill: palette.text, outline: palette.halo });
+    label(drawing, caption, { x: (start.x + end.x) / 2, y: (start.y + end.y) / 2 - 12 });
+  }
+  disc(drawing, start, 4, { fill: palette.halo, outline: palette.text });
+}
+
 /** Paint a place that was commanded: a cross hair, with the circle of an orbit if it has a radius. */
 export function paintTarget(drawing: Drawing, place: Place, caption: string, radius: number | null = null): void {
   const { context, projection, palette } = drawing;

@@ -21,7 +21,9 @@ import { ardupilotModes, px4Modes } from './vehicleType';
 const CUSTOM_MODE_ENABLED = 1;
 /** Value that makes ArduPilot and PX4 arm or disarm without their checks. */
 const FORCE = 21196;
+const GLOBAL = 0;
 const GLOBAL_RELATIVE_ALT_INT = 6;
+const UNSUPPORTED = 3;
 const AUTOPILOT_VERSION_ID = 148;
 const HOME_POSITION_ID = 242;
 /** MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE. */
@@ -144,6 +146,22 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
     await this.act(operation, 'DO_ORBIT', [radius, speed ?? null, 0, 0], this.placeOf(operation, center, altitude));
   }
 
+  async lookAt(target: Target | null, altitude = 0): Promise<void> {
+    const operation = 'setting the region of interest of';
+    if (target === null) return this.lookAhead(operation);
+    const place = this.state.firmware === 'px4'
+      ? { ...target, frame: GLOBAL, altitude: this.homeAltitude(operation) + altitude }
+      : this.placeOf(operation, target, altitude);
+    await this.transmit(operation, 'DO_SET_ROI_LOCATION', [], place);
+  }
+
+  async setHome(target: Target): Promise<void> {
+    const operation = 'setting the home position of';
+    const place = { ...target, frame: GLOBAL, altitude: this.homeAltitude(operation) };
+    await this.transmit(operation, 'DO_SET_HOME', [0, 0, 0, null], place);
+    this.requestMessage(HOME_POSITION_ID);
+  }
+
   async setSpeed(speed: number): Promise<void> {
     await this.transmit('changing the speed of', 'DO_CHANGE_SPEED', [1, speed, -1]);
   }
@@ -232,9 +250,11 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
   }
 
   private requestFacts(): void {
-    for (const id of [AUTOPILOT_VERSION_ID, HOME_POSITION_ID]) {
-      this.sendMessage('COMMAND_LONG', { command: commandNumber('REQUEST_MESSAGE'), param1: id });
-    }
+    for (const id of [AUTOPILOT_VERSION_ID, HOME_POSITION_ID]) this.requestMessage(id);
+  }
+
+  private requestMessage(id: number): void {
+    this.sendMessage('COMMAND_LONG', { command: commandNumber('REQUEST_MESSAGE'), param1: id });
   }
 
   private requestEquipment(): void {
@@ -265,6 +285,24 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
     const height = altitude ?? this.state.position?.relativeAltitude ?? null;
     if (height === null) throw this.failure('InvalidStateError', operation, 'its altitude is not known, enter one');
     return { ...target, frame: GLOBAL_RELATIVE_ALT_INT, altitude: height };
+  }
+
+  /** Points ahead again; ArduPilot before 4.2 takes a place of zeros for it. */
+  private async lookAhead(operation: string): Promise<void> {
+    try {
+      await this.transmit(operation, 'DO_SET_ROI_NONE', []);
+    } catch (error) {
+      if (!(error instanceof StationError) || error.code !== UNSUPPORTED || this.state.firmware !== 'ardupilot') throw error;
+      const place = { latitude: 0, longitude: 0, altitude: 0, frame: GLOBAL_RELATIVE_ALT_INT };
+      await this.transmit(operation, 'DO_SET_ROI_LOCATION', [], place);
+    }
+  }
+
+  /** Returns the altitude of home above mean sea level. */
+  private homeAltitude(operation: string): number {
+    const altitude = this.state.home?.altitude ?? null;
+    if (altitude === null) throw this.failure('InvalidStateError', operation, 'its home position is not known yet');
+    return altitude;
   }
 
   /** PX4 takes altitudes above mean sea level. */

@@ -30,6 +30,16 @@ it('has the capabilities that the server tells, also those that are not known ye
   vehicle.dispose();
 });
 
+it('points at places and moves home by the API', async () => {
+  const { vehicle, calls } = vehicleOf(() => ({ capabilities: {} }));
+  const place = { latitude: 47, longitude: 8 };
+  await vehicle.lookAt(place);
+  await vehicle.lookAt(null);
+  await vehicle.setHome(place);
+  vehicle.dispose();
+  expect(calls.slice(1)).toEqual(['roi', 'roi/clear', 'home'].map((path) => `POST /api/vehicles/1/${path}?accepted=true`));
+});
+
 it('asks for them again, until it is left', async () => {
   const { vehicle, calls } = vehicleOf(() => ({ capabilities: {} }));
   await vi.advanceTimersByTimeAsync(60_000);

@@ -106,6 +106,14 @@ export class ServerVehicle extends ObservedVehicle implements Vehicle {
     return this.act('orbit', { ...center, ...options });
   }
 
+  lookAt(target: Target | null, altitude = 0): Promise<void> {
+    return target === null ? this.act('roi/clear') : this.act('roi', { ...target, altitude });
+  }
+
+  setHome(target: Target): Promise<void> {
+    return this.act('home', target);
+  }
+
   setSpeed(speed: number): Promise<void> {
     return this.act('speed', { speed });
   }

@@ -204,6 +204,10 @@ export interface Vehicle {
   hold(): Promise<void>;
   goto(target: Target, altitude?: number): Promise<void>;
   orbit(options: OrbitOptions): Promise<void>;
+  /** Keeps pointing at a place at an altitude above home; null: points ahead again. */
+  lookAt(target: Target | null, altitude?: number): Promise<void>;
+  /** Moves the home position to a place; its altitude stays. */
+  setHome(target: Target): Promise<void>;
   setSpeed(speed: number): Promise<void>;
   setAltitude(altitude: number): Promise<void>;
   setMode(name: string): Promise<void>;

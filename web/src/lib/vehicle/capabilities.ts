@@ -18,6 +18,10 @@ export interface Capabilities {
   readonly takeoff: Capability;
   readonly goto: Capability;
   readonly orbit: Capability;
+  /** It points at places. */
+  readonly roi: Capability;
+  /** Its home position can be set. */
+  readonly home: Capability;
   readonly manualControl: Capability;
   readonly motorTest: Capability;
   readonly terminate: Capability;
@@ -48,6 +52,8 @@ export const UNKNOWN_CAPABILITIES: Capabilities = {
   takeoff: null,
   goto: null,
   orbit: null,
+  roi: null,
+  home: null,
   manualControl: null,
   motorTest: null,
   terminate: null,
@@ -89,7 +95,7 @@ const FIRMWARE: Readonly<Record<VehicleState['firmware'], Partial<Capabilities>>
   // Betaflight and iNav: their pilot flies them by radio control. iNav has missions, which its flags tell.
   msp: {
     params: true, fence: false, rally: false, ftp: false, logs: false, shell: false, events: false,
-    setpoints: false, takeoff: false, goto: false, orbit: false, manualControl: false, motorTest: false,
+    setpoints: false, takeoff: false, goto: false, orbit: false, roi: false, home: false, manualControl: false, motorTest: false,
     terminate: false, vtol: false, ekfSources: false, gripper: false, winch: false, msp: true,
     calibration: ['accelerometer', 'compass'],
   },
@@ -119,6 +125,8 @@ export function capabilitiesFrom(
     takeoff: !isGround && type !== 'sub',
     goto: true,
     orbit: isKnown ? firmware === 'px4' && !isGround : null,
+    roi: isKnown ? true : null,
+    home: isKnown ? true : null,
     vtol: type === 'vtol',
     calibration: isKnown ? calibrationsOf(type) : [],
     ...FIRMWARE[firmware],

@@ -5,6 +5,7 @@ import { fleet } from '$lib/store/fleet.svelte';
 
 import { actions, refusalsOf } from './actions.svelte';
 import { fly } from './fly.svelte';
+import { measuredText } from './layers';
 import { course, flightReading, IS_FOR, isUnderWay } from './reading';
 
 it('tells which vehicles refused, with their reasons once', () => {
@@ -77,6 +78,13 @@ it('sends an action to those of several vehicles that can do it', () => {
   expect(numbers('goto')).toEqual([2, 3, 4]);
   expect(numbers('orbit')).toEqual([2, 3]);
   expect(numbers('armed')).toEqual([1, 2, 3, 4]);
+});
+
+it('measures distance and bearing', () => {
+  const from = { latitude: 47, longitude: 8 };
+  expect(measuredText({ from, to: null })).toBe('');
+  expect(measuredText({ from, to: { latitude: 47.001, longitude: 8 } })).toBe('111 m · 000°');
+  expect(measuredText({ from, to: { latitude: 47, longitude: 7.999 } })).toBe('76 m · 270°');
 });
 
 it('keeps a choice whose vehicles are away from falling back to the selected vehicle', () => {

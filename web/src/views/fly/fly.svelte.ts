@@ -33,6 +33,12 @@ export interface FlightTarget {
   readonly radius: number | null;
 }
 
+/** A distance that is measured; `to` is null until a second place is chosen. */
+export interface Ruler {
+  readonly from: Place;
+  readonly to: Place | null;
+}
+
 const NO_PLANS: VehiclePlans = { mission: [], fence: [], rally: [] };
 
 class FlyState {
@@ -44,6 +50,7 @@ class FlyState {
   traffic: readonly Aircraft[] = $state.raw([]);
   plans: Readonly<Record<number, VehiclePlans>> = $state.raw({});
   target: FlightTarget | null = $state.raw(null);
+  ruler: Ruler | null = $state.raw(null);
   /** The present time in ms since 1970, once a second. */
   now = $state(Date.now());
   /** When vehicles were first seen in the air. */

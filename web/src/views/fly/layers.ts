@@ -1,6 +1,8 @@
 /** Layers of the fly view's map: they read the store, so that each change of it paints the map once. */
-import { paintFence, paintHome, paintMission, paintRally, paintTarget } from '$lib/map/planLayer';
+import { t } from '$lib/i18n';
+import { paintFence, paintHome, paintMission, paintRally, paintRuler, paintTarget } from '$lib/map/planLayer';
 import type { Layer } from '$lib/map/drawing';
+import { distance } from '$lib/map/geometry';
 import { paintTraffic } from '$lib/map/traffic';
 import { type MapVehicle, paintVehicles } from '$lib/map/vehicleLayer';
 import { fleet } from '$lib/store/fleet.svelte';
@@ -8,8 +10,9 @@ import { format } from '$lib/units/units';
 import { currentItemNumber } from '$lib/vehicle/missionItem';
 import type { Vehicle } from '$lib/vehicle/Vehicle';
 
-import { fly } from './fly.svelte';
+import { fly, type Ruler } from './fly.svelte';
 import type { Spot } from './formation';
+import { bearingText } from './reading';
 
 /** Homes and missions of so many vehicles are shown; of larger fleets only those of the selected vehicle. */
 const MAX_WITH_PLANS = 12;
@@ -83,6 +86,16 @@ const target: Layer = (drawing) => {
   }
 };
 
+const ruler: Layer = (drawing) => {
+  if (fly.ruler !== null) paintRuler(drawing, fly.ruler.from, fly.ruler.to, measuredText(fly.ruler));
+};
+
+/** Returns distance and bearing of a ruler, as the map shows them. */
+export function measuredText({ from, to }: Ruler): string {
+  if (to === null) return '';
+  return t('fly.measuredLabel', { distance: format(distance(from, to), 'distance') ?? '', bearing: bearingText(from, to) });
+}
+
 const vehicles: Layer = (drawing) => paintVehicles(drawing, mapVehicles());
 
-export const LAYERS: readonly Layer[] = [plans, homes, traffic, target, vehicles];
+export const LAYERS: readonly Layer[] = [plans, homes, traffic, ruler, target, vehicles];

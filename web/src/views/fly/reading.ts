@@ -1,6 +1,6 @@
 /** Values that instruments show of a vehicle, in the user's units. */
 import type { FlightReading, FlightUnits } from '$lib/instruments/flight';
-import { bearing, distance } from '$lib/map/geometry';
+import { bearing, distance, type Place } from '$lib/map/geometry';
 import { convert, type Quantity, unitOf } from '$lib/units/units';
 import type { Vehicle, VehicleState } from '$lib/vehicle/Vehicle';
 
@@ -53,6 +53,11 @@ export function flightUnits(state: VehicleState | null): FlightUnits {
   };
 }
 
+/** Returns the bearing from a place to another in whole degrees of three digits. */
+export function bearingText(from: Place, to: Place): string {
+  return String(Math.round(bearing(from, to)) % 360).padStart(3, '0');
+}
+
 /** Returns the distance to home in metres, or null. */
 export function homeDistance(state: VehicleState): number | null {
   return state.position === null || state.home === null ? null : distance(state.position, state.home);
@@ -76,6 +81,7 @@ export const IS_FOR = {
     state.armed === true && state.inAir !== true && capabilities.takeoff !== false && !isOnSurface(state),
   goto: ({ state, capabilities }) => isUnderWay(state) && capabilities.goto !== false,
   orbit: ({ state, capabilities }) => isUnderWay(state) && capabilities.orbit !== false,
+  lookAt: ({ state, capabilities }) => state.alive && capabilities.roi !== false,
   mission: ({ state, capabilities }) => state.armed === true && capabilities.mission !== false,
   armed: ({ state }) => state.armed === true,
   all: () => true,

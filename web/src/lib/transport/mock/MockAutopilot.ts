@@ -40,6 +40,8 @@ export class MockAutopilot {
   mission: PlanItem[] = [];
   current = 0;
   home: Point;
+  /** The region of interest; null: none. */
+  lookedAt: Point | null = null;
   remaining = 1;
   /** Items that were reached since the last look. */
   readonly reached: number[] = [];

@@ -149,6 +149,15 @@ const HANDLERS: Readonly<Record<number, Handler>> = {
     vehicle.sendRequested(242);
     return ACCEPTED;
   },
+  // DO_SET_ROI_LOCATION, DO_SET_ROI_NONE
+  195(vehicle, params, { frame }) {
+    vehicle.autopilot.lookedAt = vehicle.pointOf(frame, params[4]!, params[5]!, params[6]!);
+    return ACCEPTED;
+  },
+  197(vehicle) {
+    vehicle.autopilot.lookedAt = null;
+    return ACCEPTED;
+  },
   // DO_PAUSE_CONTINUE
   193(vehicle, params) {
     if (params[0] === 1) return enter(vehicle, 'AUTO');
