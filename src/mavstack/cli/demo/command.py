@@ -32,6 +32,8 @@ With --out udpout://127.0.0.1:14550 another terminal or a ground station can wat
   mav watch udpin://127.0.0.1:14550
 """
 
+#: System id of the ground station that flies the missions.
+_OWN_SYSTEM: Final = 254
 #: Simulated seconds before a summary.
 _SUMMARY_DURATION: Final = 60.0
 
@@ -93,7 +95,8 @@ async def _demo(arguments: Namespace) -> int:
         announce_exposure("demo", [await runner.connect(url, vehicles) for url in urls])
         async with (
             bridged(runner, drone, network),
-            Node(network.link(), dialect=dialect) as ground,
+            # The station beside it has the default ids; answers go to the one that asked.
+            Node(network.link(), dialect=dialect, system=_OWN_SYSTEM) as ground,
             background_tasks(_observe(ground, fleet), fly_missions(ground, vehicles)),
             AsyncExitStack() as stack,
         ):
