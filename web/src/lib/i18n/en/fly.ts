@@ -82,6 +82,7 @@ export const fly = {
   lookHereHint: 'Camera or nose keep pointing at this place, at the altitude of home',
   lookAhead: 'Look ahead',
   homeHere: 'Set home here',
+  homeHereShort: 'Set home',
   homeHereHint: 'The vehicle returns to this place; the altitude of home stays. Hold to set it.',
   measure: 'Measure',
   measureHint: 'Measure distance and bearing from this place to the next ones',
