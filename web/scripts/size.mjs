@@ -1,10 +1,9 @@
-// Size of the first load: the page, and the scripts and styles that it and its first view need, compressed by gzip.
+// Size of the first load: the page, and the scripts and styles that it and its first view need, as the station sends them.
 //
 //     node scripts/size.mjs [--limit 1.5]      # exit code 1 above the limit, in MB
-import { readFileSync, readdirSync } from 'node:fs';
+import { readFileSync, readdirSync, statSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { gzipSync } from 'node:zlib';
 
 const folder = fileURLToPath(new URL('../../src/mavstack/server/static', import.meta.url));
 const FIRST_VIEW = 'src/views/fly/index.svelte';
@@ -26,9 +25,15 @@ function add(key, later) {
 
 add('index.html', false);
 add(FIRST_VIEW, true);
-for (const name of readdirSync(join(folder, 'assets'))) if (/worker/i.test(name)) files.add(`assets/${name}`);
+for (const name of readdirSync(join(folder, 'assets'))) if (/worker.*js$/i.test(name)) files.add(`assets/${name}`);
 
-const sizes = [...files].map((name) => ({ name, size: gzipSync(readFileSync(join(folder, name))).length }));
+/** Returns the size of a file as the station sends it: of scripts and styles the build makes compressed ones. */
+function sizeOf(name) {
+  const file = join(folder, name);
+  return /\.(?:m?js|css)$/.test(name) ? statSync(`${file}.gz`).size : statSync(file).size;
+}
+
+const sizes = [...files].map((name) => ({ name, size: sizeOf(name) }));
 const total = sizes.reduce((sum, { size }) => sum + size, 0);
 for (const { name, size } of sizes.sort((one, other) => other.size - one.size)) {
   console.log(`${(size / 1024).toFixed(1).padStart(8)} kB  ${name}`);

@@ -18,7 +18,6 @@ try:
     from starlette.requests import ClientDisconnect, Request
     from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
     from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
-    from starlette.staticfiles import StaticFiles
 except ImportError as error:
     raise MissingExtraError("the ground station", "web") from error
 
@@ -42,10 +41,10 @@ from mavstack.server.api.session import LOG_IN_FIELDS, Sessions
 from mavstack.server.api_route import ApiRoute
 from mavstack.server.dispatch import endpoint_of, problem_response
 from mavstack.server.openapi import describe
+from mavstack.server.page_files import PageFiles
 from mavstack.server.websockets import websocket_endpoint
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Awaitable, Callable, Iterable, Mapping, MutableMapping
 
     from starlette.types import ASGIApp, Receive, Scope, Send
@@ -159,24 +158,6 @@ class _SecurityHeaders:
         await self._app(scope, receive, send_with_headers)
 
 
-class _ScriptFiles(StaticFiles):
-    """Files with the policy of user scripts.
-
-    Answers without content (304) have it too, since their headers replace those in the cache of a browser.
-    """
-
-    def file_response(
-        self,
-        full_path: str | os.PathLike[str],
-        stat_result: os.stat_result,
-        scope: Scope,
-        status_code: int = 200,
-    ) -> Response:
-        response = super().file_response(full_path, stat_result, scope, status_code)
-        response.headers["Content-Security-Policy"] = SCRIPT_POLICY
-        return response
-
-
 def _page_routes(access: Access, static: Path | None) -> list[BaseRoute]:
     async def page(request: Request) -> Response:
         access.check_page(request.headers)
@@ -187,9 +168,9 @@ def _page_routes(access: Access, static: Path | None) -> list[BaseRoute]:
 
     routes: list[BaseRoute] = [Route("/", _guarded(page), methods=["GET"])]
     if static is not None and static.is_dir():
-        scripts = _ScriptFiles(directory=static / SCRIPT_FOLDER.strip("/"), check_dir=False)
-        routes.append(Mount(SCRIPT_FOLDER, scripts))
-        routes.append(Mount("/", StaticFiles(directory=static)))
+        policy = {"Content-Security-Policy": SCRIPT_POLICY}
+        routes.append(Mount(SCRIPT_FOLDER, PageFiles(static / SCRIPT_FOLDER.strip("/"), policy)))
+        routes.append(Mount("/", PageFiles(static)))
     return routes
 
 
