@@ -41,7 +41,7 @@ class BlockingPortal:
 
     def __init__(self) -> None:
         self._loop = asyncio.new_event_loop()
-        self._tasks: set[asyncio.Task[Any]] = set()
+        self._tasks: dict[asyncio.Task[Any], int] = {}  # with the thread that waits for each
         self._lock = Lock()
         self._closed = False
         self._calls: dict[int, Future[Any]] = {}  # by thread: the call that it waits for
@@ -60,15 +60,16 @@ class BlockingPortal:
         Raises:
             InvalidStateError: The portal is closed, or the caller is in the loop's thread.
         """
-        future = self._submit(work)
         try:
-            return future.result()
+            return self._submit(work).result()
         except CancelledError:
             if self.closed:
                 raise InvalidStateError("the node was closed while this call waited") from None
             raise
-        except BaseException:
-            self._abandon(future)
+        except Exception:
+            raise
+        except BaseException:  # Ctrl-C may come before the future is known here
+            self._abandon(get_ident())
             raise
         finally:
             self._calls.pop(get_ident(), None)
@@ -138,18 +139,18 @@ class BlockingPortal:
             if get_ident() in self._cancelled:
                 work.close()
                 raise CancelledError
-            future = asyncio.run_coroutine_threadsafe(self._tracked(work), self._loop)
+            future = asyncio.run_coroutine_threadsafe(self._tracked(work, get_ident()), self._loop)
             self._calls[get_ident()] = future
             return future
 
-    async def _tracked(self, work: Coroutine[Any, Any, Result]) -> Result:
+    async def _tracked(self, work: Coroutine[Any, Any, Result], thread: int) -> Result:
         task = asyncio.current_task()
         assert task is not None  # noqa: S101 (run_coroutine_threadsafe makes one)
-        self._tasks.add(task)
+        self._tasks[task] = thread
         try:
             return await work
         finally:
-            self._tasks.discard(task)
+            del self._tasks[task]
 
     async def _end_tasks(self) -> None:
         tasks = asyncio.all_tasks() - {asyncio.current_task()}
@@ -159,16 +160,18 @@ class BlockingPortal:
         # Here and not after the loop's end: the caller of `close` may be in an event loop of its own.
         await self._loop.shutdown_asyncgens()
 
-    def _abandon(self, future: Future[Any]) -> None:
-        if not future.done():
-            future.cancel()
-            with suppress(Exception):
-                asyncio.run_coroutine_threadsafe(self._wait_for_cancelled(), self._loop).result(
-                    CLEANUP_TIMEOUT
-                )
+    def _abandon(self, thread: int) -> None:
+        """Cancel the call of a thread, and wait until it has cleaned up."""
+        with self._lock:
+            if self._closed:
+                return
+            ending = asyncio.run_coroutine_threadsafe(self._end_calls(thread), self._loop)
+        with suppress(Exception):
+            ending.result(CLEANUP_TIMEOUT)
 
-    async def _wait_for_cancelled(self) -> None:
-        """Wait until the cancelled tasks have ended."""
-        await asyncio.sleep(0)
-        ending = [task for task in self._tasks if task.cancelling()]
-        await asyncio.gather(*ending, return_exceptions=True)
+    async def _end_calls(self, thread: int) -> None:
+        # A call that was submitted just before is a task by now: the loop keeps the order.
+        tasks = [task for task, waiting in self._tasks.items() if waiting == thread]
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
