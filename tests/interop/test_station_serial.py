@@ -163,6 +163,13 @@ def fly(shown: StationPage) -> None:
     page.locator(".column").get_by_text("in the air").wait_for(timeout=PATIENT)
 
 
+def refuse_orbit(shown: StationPage) -> None:
+    """Try to circle a place: in CIRCLE the copter would sink by its throttle stick."""
+    shown.page.mouse.click(720, 380)
+    shown.hold("Orbit here")
+    shown.wait_for("center the stick")
+
+
 def read_parameters(shown: StationPage) -> None:
     """Read all parameters of the vehicle, and find one."""
     shown.page.evaluate("location.hash = '#/setup'")
@@ -185,6 +192,7 @@ def test_a_vehicle_at_a_serial_port_is_flown_and_comes_back(
         shown.wait_for("Bytes arrive, but no MAVLink")
         connect(shown, BAUD_RATE)
         fly(shown)
+        refuse_orbit(shown)
         read_parameters(shown)
         page.evaluate("window.isUnplugged = true")
         cable.unplug()

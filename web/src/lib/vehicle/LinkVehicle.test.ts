@@ -134,8 +134,8 @@ describe('actions', () => {
     expect(takeoff.message).toBe('takeoff altitude must be positive and finite, got -5');
     const endless = await refusal(flight, flight.vehicle.takeoff(Infinity));
     expect(endless.message).toBe('takeoff altitude must be positive and finite, got Infinity');
-    const orbit = await refusal(flight, flight.vehicle.orbit({ center: { latitude: 47, longitude: 8 } }));
-    expect(orbit.message).toBe('orbiting with 1/1 failed: the vehicle has no command for it');
+    const orbit = await refusal(flight, flight.vehicle.orbit({ center: { latitude: 47, longitude: 8 }, altitude: 10, radius: 0 }));
+    expect(orbit.message).toBe('orbit radius must be finite and not 0 (negative: counter-clockwise), got 0');
     const mode = await refusal(flight, flight.vehicle.setMode('QRTL'));
     expect(mode.message).toBe('changing to QRTL 1/1 failed: the vehicle has no mode QRTL');
     const command = await refusal(flight, flight.vehicle.sendCommand('NAV_TAKEOF'));

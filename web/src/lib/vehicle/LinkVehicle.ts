@@ -2,8 +2,10 @@
 
 import { StationError } from '$lib/api/errors';
 import type { DecodedMessage } from '$lib/decoder/Decoder';
+import { distance } from '$lib/map/geometry';
 
 import { EQUIPMENT_PARAMETERS, capabilitiesFrom, equipmentOf, type Equipment } from './capabilities';
+import { circle, type CircleSteps } from './link/circle';
 import { commandNumber, sendCommand, type CommandPlace } from './link/commands';
 import { holdMode, landMode, MISSION_MODES, NOT_SELECTABLE, RETURN_MODES } from './link/modes';
 import { PendingCommands } from './link/pending';
@@ -41,6 +43,8 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
   private readonly timer: ReturnType<typeof setTimeout>;
   private readonly pending = new PendingCommands();
   private readonly telemetry = new TelemetryRequests(this);
+  /** The number of its throttle channel. */
+  private throttleChannel = 3;
   /** Whether an ArduPilot plane is a quadplane; null: not known. */
   private quadplane: boolean | null = null;
 
@@ -72,6 +76,7 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
 
   private takeEquipment({ fields, component }: DecodedMessage): void {
     if (component !== this.component) return;
+    if (fields.param_id === 'RCMAP_THROTTLE') this.throttleChannel = Number(fields.param_value);
     if (fields.param_id === QUADPLANE_PARAMETER) this.quadplane = Number(fields.param_value) !== 0;
     const found = equipmentOf(String(fields.param_id), Number(fields.param_value));
     if (found === null) return;
@@ -143,7 +148,25 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
   async orbit({ center, altitude, radius = DEFAULT_RADIUS, speed }: OrbitOptions): Promise<void> {
     const operation = 'orbiting with';
     if (this.capabilities.orbit === false) throw this.failure('ActionUnsupported', operation, 'the vehicle has no command for it');
-    await this.act(operation, 'DO_ORBIT', [radius, speed ?? null, 0, 0], this.placeOf(operation, center, altitude));
+    const place = this.placeOf(operation, center, altitude);
+    if (this.state.firmware !== 'ardupilot') return this.act(operation, 'DO_ORBIT', [radius, speed ?? null, 0, 0], place);
+    const signal = this.pending.startAction();
+    await circle(this.circleSteps(operation, place, signal), radius, speed);
+  }
+
+  private circleSteps(operation: string, place: CommandPlace, signal: AbortSignal): CircleSteps {
+    return {
+      operation: `${operation} ${this.system}/${this.component}`,
+      isWing: this.state.type === 'plane' || this.state.type === 'vtol',
+      signal,
+      enter: (mode) => this.enter(operation, [mode], signal),
+      goToCenter: (radius, direction) =>
+        this.transmit(operation, 'DO_REPOSITION', [-1, 1, radius, direction], place, signal),
+      throttle: () => this.state.rc?.channels[this.throttleChannel - 1] ?? null,
+      distance: () => (this.state.position === null ? null : distance(this.state.position, place)),
+      getParameter: (name) => this.getParameter(name),
+      setParameter: (name, value) => this.setParameter(name, value),
+    };
   }
 
   async lookAt(target: Target | null, altitude = 0): Promise<void> {

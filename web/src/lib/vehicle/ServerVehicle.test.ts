@@ -20,12 +20,12 @@ function vehicleOf(answer: () => object): { vehicle: ServerVehicle; calls: strin
 }
 
 it('has the capabilities that the server tells, also those that are not known yet', async () => {
-  const given = { orbit: true, osd: null, fence: false, motor_test: false, calibrations: ['compass'], cameras: [100] };
+  const given = { orbit: false, osd: null, fence: false, motor_test: false, calibrations: ['compass'], cameras: [100] };
   const { vehicle } = vehicleOf(() => ({ capabilities: given }));
-  expect(vehicle.capabilities).toMatchObject({ orbit: false, motorTest: true });
+  expect(vehicle.capabilities).toMatchObject({ orbit: true, motorTest: true });
   await vi.advanceTimersByTimeAsync(0);
   const { orbit, osd, fence, motorTest, mission, calibration, cameras, gimbals } = vehicle.capabilities;
-  expect([orbit, osd, fence, motorTest, mission]).toEqual([true, null, false, false, null]);
+  expect([orbit, osd, fence, motorTest, mission]).toEqual([false, null, false, false, null]);
   expect([calibration, cameras, gimbals]).toEqual([['compass'], [100], []]);
   vehicle.dispose();
 });

@@ -81,6 +81,8 @@ const ALL_CALIBRATIONS = [
   'accelerometer', 'gyroscope', 'compass', 'level', 'airspeed', 'barometer', 'radio', 'esc', 'compass-motor',
 ] as const;
 const GROUND_TYPES: ReadonlySet<VehicleType> = new Set(['rover', 'boat']);
+/** Types that circle places with ArduPilot. */
+const CIRCLING_TYPES: ReadonlySet<VehicleType> = new Set(['copter', 'helicopter', 'plane', 'vtol']);
 const WINGED_TYPES: ReadonlySet<VehicleType> = new Set(['plane', 'vtol']);
 const ESC_TYPES: ReadonlySet<VehicleType> = new Set(['copter', 'helicopter', 'vtol']);
 
@@ -124,7 +126,7 @@ export function capabilitiesFrom(
     terminate: flag(TERMINATE),
     takeoff: !isGround && type !== 'sub',
     goto: true,
-    orbit: isKnown ? firmware === 'px4' && !isGround : null,
+    orbit: isKnown ? (firmware === 'px4' ? !isGround : CIRCLING_TYPES.has(type)) : null,
     roi: isKnown ? true : null,
     home: isKnown ? true : null,
     vtol: type === 'vtol',

@@ -43,6 +43,8 @@ export class MockAutopilot {
   /** The region of interest; null: none. */
   lookedAt: Point | null = null;
   remaining = 1;
+  /** Radius of circles in metres, negative: counter-clockwise. */
+  radius: number;
   /** Items that were reached since the last look. */
   readonly reached: number[] = [];
   private readonly report: Report;
@@ -58,6 +60,7 @@ export class MockAutopilot {
     this.type = vehicleTypeOf(profile.mavType);
     this.motion = new Motion(profile.limits, profile.start);
     this.home = profile.start;
+    this.radius = profile.limits.radius;
     this.modes = profile.autopilot === ARDUPILOT ? ardupilotModes(this.type) : {};
     this.mode = profile.autopilot === ARDUPILOT ? firstMode(this.type) : 'ANGLE';
   }
@@ -111,9 +114,11 @@ export class MockAutopilot {
     return null;
   }
 
-  goto(point: Point): boolean {
+  /** Goes to a point; a wing circles it with a radius in metres, counter-clockwise if it is negative. */
+  goto(point: Point, radius = this.profile.limits.radius): boolean {
     if (behaviourOf(this.mode) !== 'guided') return false;
     this.target = point;
+    this.radius = radius;
     return true;
   }
 
@@ -171,7 +176,7 @@ export class MockAutopilot {
       case 'surface':
         return { kind: 'point', point: { ...this.here, up: 0 } };
       case 'circle':
-        return this.around(this.target ?? this.here, this.profile.limits.radius);
+        return this.around(this.target ?? this.here, this.radius);
       case 'stay':
         return this.loiter();
       default:
@@ -202,8 +207,9 @@ export class MockAutopilot {
 
   /** Flies to a point; a winged vehicle circles it from then on. */
   private toward(point: Point): Demand {
-    const { kind, radius } = this.profile.limits;
-    if (kind === 'wing' && this.motion.distanceTo(point) < radius * 1.5 && this.motion.up > 3) return this.around(point, radius);
+    const { kind } = this.profile.limits;
+    const isNear = this.motion.distanceTo(point) < Math.abs(this.radius) * 1.5;
+    if (kind === 'wing' && isNear && this.motion.up > 3) return this.around(point, this.radius);
     return { kind: 'point', point };
   }
 

@@ -85,6 +85,7 @@ export class MockVehicle {
     const name = Object.keys(modes).find((key) => modes[key] === customMode);
     if (name === undefined) return;
     this.autopilot.enter(name);
+    if (name === 'CIRCLE') this.autopilot.radius = this.circleRadius;
     if (name === 'TAKEOFF') this.autopilot.takeoff(this.parameterOf('TKOFF_ALT') ?? 50);
   }
 
@@ -139,6 +140,13 @@ export class MockVehicle {
 
   private parameterOf(name: string): number | undefined {
     return this.parameters.find((parameter) => parameter.name === name)?.value;
+  }
+
+  /** The radius of the mode CIRCLE in metres. */
+  private get circleRadius(): number {
+    const centimetres = this.parameterOf('CIRCLE_RADIUS');
+    if (centimetres === undefined) return this.profile.limits.radius;
+    return (centimetres / 100) * (Math.sign(this.parameterOf('CIRCLE_RATE') ?? 1) || 1);
   }
 
   private readParameter(name: string, index: number): void {

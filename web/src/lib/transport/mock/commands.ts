@@ -91,7 +91,8 @@ const HANDLERS: Readonly<Record<number, Handler>> = {
     if (!autopilot.armed) return refuse(vehicle, 'Guided: vehicle is not armed', TEMPORARILY_REJECTED);
     enter(vehicle, 'GUIDED');
     if (params[0]! > 0) autopilot.setSpeed(params[0]!);
-    autopilot.goto(vehicle.pointOf(frame, params[4]!, params[5]!, params[6]!));
+    const radius = params[2]! > 0 ? params[2]! * (params[3] === 1 ? -1 : 1) : undefined;
+    autopilot.goto(vehicle.pointOf(frame, params[4]!, params[5]!, params[6]!), radius);
     return ACCEPTED;
   },
   // DO_CHANGE_SPEED

@@ -246,9 +246,10 @@ export class Telemetry {
     return { latitude: Math.round(latitude * 1e7), longitude: Math.round(longitude * 1e7), altitude: Math.round(altitude * 1000), q: [1, 0, 0, 0] };
   }
 
+  /** All sticks of the transmitter are centred, so that a copter keeps its altitude in CIRCLE. */
   private channels(): SentFields {
     const fields: Record<string, number> = { time_boot_ms: this.now, chancount: 8, rssi: 220 };
-    for (let channel = 1; channel <= 18; channel += 1) fields[`chan${channel}_raw`] = channel > 8 ? NO_READING : channel === 3 ? 1100 : 1500;
+    for (let channel = 1; channel <= 18; channel += 1) fields[`chan${channel}_raw`] = channel > 8 ? NO_READING : 1500;
     return fields;
   }
 
