@@ -170,7 +170,9 @@ class FlyState {
       this.paths.delete(system);
     }
     this.trackOf.keep(present);
-    if (fleet.vehicles.length === 0 && Object.keys(this.plans).length > 0) this.plans = {};
+    if (fleet.vehicles.length > 0) return;
+    if (Object.keys(this.plans).length > 0) this.plans = {};
+    this.ruler = null;
   }
 
   /** Reads mission, fence and rally points of a vehicle, once and after its mission has changed. */

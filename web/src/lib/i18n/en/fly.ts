@@ -144,6 +144,7 @@ export const fly = {
   manualLink: 'Stopped: the link is down',
   manualController: 'No controller: press a button on it',
   manualVehicle: 'Stopped: another vehicle, or none, is selected',
+  manualContact: 'Stopped: no contact with the vehicle',
   manualFrozen: 'Stopped: the page did not answer',
   manualReleased: 'Let go of {button} first',
   manualEnable: 'Steer with sticks',

@@ -11,7 +11,7 @@ import {
 
 const HELD: Sticks = { roll: 0.5, pitch: 1, throttle: 0, yaw: -0.25, buttons: 0, isHeld: true };
 const LOOSE: Sticks = { ...HELD, isHeld: false };
-const GOOD: Conditions = { isEnabled: true, isVisible: true, isLinked: true, system: 1, throttle: 'centred' };
+const GOOD: Conditions = { isEnabled: true, isVisible: true, isLinked: true, system: 1, isHeard: true, throttle: 'centred' };
 const NEUTRAL = { x: 0, y: 0, z: 500, r: 0, buttons: 0 };
 
 let sent: [number, ManualFields][];
@@ -59,6 +59,7 @@ describe('dead-man rule', () => {
     ['controller', null, GOOD, 3],
     ['vehicle', HELD, { ...GOOD, system: 2 }, 3],
     ['vehicle', HELD, { ...GOOD, system: null }, 3],
+    ['contact', HELD, { ...GOOD, isHeard: false }, 3],
   ] as const)('stops when %s, and needs the button released first', (reason, sticks, conditions, neutrals) => {
     control.tick(0, HELD, GOOD);
     sent = [];
@@ -77,10 +78,11 @@ describe('dead-man rule', () => {
   it('needs the button released after the controller was away, however long', () => {
     control.tick(0, HELD, GOOD);
     for (let time = 20; time < 200; time += 20) control.tick(time, null, GOOD);
+    expect(control.reason).toBe('controller');
     sent = [];
     control.tick(200, HELD, GOOD);
     control.tick(220, HELD, GOOD);
-    expect([sent, control.state]).toEqual([[], 'blocked']);
+    expect([sent, control.state, control.reason]).toEqual([[], 'blocked', 'released']);
     control.tick(240, LOOSE, GOOD);
     control.tick(260, HELD, GOOD);
     expect(control.state).toBe('active');

@@ -32,6 +32,8 @@ export interface Conditions {
   readonly isLinked: boolean;
   /** The vehicle to control; null if there is none. */
   readonly system: number | null;
+  /** Its heartbeats arrive. */
+  readonly isHeard: boolean;
   readonly throttle: ThrottleKind;
 }
 
@@ -42,7 +44,7 @@ export interface Conditions {
 export type ThrottleKind = 'centred' | 'reverse' | 'forward';
 
 export type ManualState = 'off' | 'ready' | 'active' | 'blocked';
-export type StopReason = 'released' | 'hidden' | 'link' | 'controller' | 'vehicle' | 'frozen' | null;
+export type StopReason = 'released' | 'hidden' | 'link' | 'controller' | 'vehicle' | 'contact' | 'frozen' | null;
 
 export interface ManualFields {
   readonly x: number;
@@ -105,6 +107,8 @@ export class ManualControl {
     if (!wantsHand || this.mustRelease) {
       this.stop('released', true);
       this.state = this.mustRelease ? 'blocked' : 'ready';
+      // It is back, and its button is held: that is what the hand can change.
+      if (this.reason === 'controller') this.reason = 'released';
       return;
     }
     const system = conditions.system!;
@@ -127,6 +131,7 @@ export class ManualControl {
     if (!conditions.isVisible) return 'hidden';
     if (!conditions.isLinked) return 'link';
     if (conditions.system === null) return 'vehicle';
+    if (!conditions.isHeard) return 'contact';
     if (sticks === null) return 'controller';
     if (this.last === null) return null;
     if (conditions.system !== this.last.system) return 'vehicle';

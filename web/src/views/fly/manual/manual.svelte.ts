@@ -74,13 +74,14 @@ class Manual {
 
   private tick(now: number): void {
     const state = fleet.selected?.state ?? null;
-    const isUsable = state !== null && state.alive && fleet.selected?.capabilities.manualControl !== false;
+    const isUsable = state !== null && fleet.selected?.capabilities.manualControl !== false;
     const sticks = this.isEnabled ? this.read(now, state?.type === 'sub') : null;
     this.control.tick(now, sticks, {
       isEnabled: this.isEnabled,
       isVisible: !document.hidden && document.hasFocus(),
       isLinked: status.link === 'open',
       system: isUsable ? state.system : null,
+      isHeard: state?.alive ?? false,
       throttle: throttleKind(state?.firmware ?? 'other', state?.type ?? 'unknown'),
     });
     this.sticks = sticks;
