@@ -48,7 +48,7 @@ def check_values(view: SetupPage) -> None:
     """Find a parameter by its description, and change, undo and fail to change its value."""
     search = view.page.get_by_label("Search names and descriptions")
     search.fill("reaction low battery")
-    view.page.get_by_text("1 parameters", exact=True).wait_for(timeout=PATIENT)
+    view.page.get_by_text("1 parameter", exact=True).wait_for(timeout=PATIENT)
     choice = field(view, "BATT_FS_LOW_ACT")
     choice.select_option("2")
     view.page.get_by_text("before 0").wait_for(timeout=PATIENT)
@@ -100,7 +100,7 @@ def check_files(view: SetupPage, folder: Path) -> None:
     assert "1 are not on the vehicle" in dialog.inner_text()
     dialog.get_by_label("LAND_SPEED").uncheck()
     dialog.get_by_role("button", name="Write 2 to the vehicle").click()
-    refused = view.page.get_by_role("alert").filter(has_text="1 parameters of Copter 1")
+    refused = view.page.get_by_role("alert").filter(has_text="1 parameter of Copter 1")
     refused.get_by_text("STAT_BOOTCNT:").wait_for(timeout=PATIENT)
     assert (view.value("RTL_ALT"), view.value("LAND_SPEED")) == (1800, 50)
     refused.get_by_role("button", name="Close").click()
