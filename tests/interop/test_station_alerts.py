@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -56,7 +57,7 @@ def show_traffic(shown: StationPage, position: dict[str, float], port: int) -> N
 
         def is_alerted() -> bool:
             receiver.sendto(encoder.encode(aircraft), ("127.0.0.1", port))
-            return text.count() > 0
+            return bool(text.count())
 
         shown.wait_until(is_alerted)
     assert "60 m above" in text.inner_text()
@@ -74,7 +75,8 @@ def test_a_pilot_is_alerted(firmware: str, browser: Any, tmp_path: Path) -> None
             shown.page.locator(".column").get_by_text("in the air").wait_for(timeout=PATIENT)
             assert alerts.get_by_text(fence).count() == 0
             vehicle = simulator.vehicle
-            simulator.call(lambda: [vehicle.parameters.set(*each) for each in parameters.items()])
+            for name, value in parameters.items():
+                simulator.call(partial(vehicle.parameters.set, name, value))
             alerts.get_by_text(fence).wait_for(timeout=PATIENT)
             show_traffic(shown, server.state()["position"], port)
             simulator.call(lambda: vehicle.faults.inject("gps off"))
