@@ -127,6 +127,7 @@ def slow_server(tmp_path: Path) -> Iterator[StationServer]:
         yield running
 
 
+@pytest.mark.nightly
 def test_a_long_mission_is_sent_with_progress_and_saved_as_kml(
     slow_server: StationServer, browser: Any
 ) -> None:
