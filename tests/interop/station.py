@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from base64 import b64decode
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from io import BytesIO
@@ -31,6 +32,8 @@ REFUSED = "409 (Conflict)"
 #: Milliseconds for anything that the page waits for.
 PATIENT = 60_000
 MANUAL_CONTROL = 69
+#: Opacity that a drawn pixel exceeds.
+HARDLY = 0.5
 
 
 @dataclass
@@ -120,7 +123,12 @@ class StationPage:
     def pixels(self, locator: Any | None = None) -> np.ndarray:
         """Return a picture of the page, or of a part of it, as colours between 0 and 255."""
         data = (locator or self.page).screenshot()
-        return matplotlib.image.imread(BytesIO(data), format="png")[..., :3] * 255
+        return colours(data)
+
+    def drawn(self) -> np.ndarray:
+        """Return a picture of the map's vehicles and plans alone: buttons over it may have their colours."""
+        canvas = self.page.locator(".map > canvas").first
+        return colours(b64decode(canvas.evaluate("(each) => each.toDataURL().split(',')[1]")))
 
 
 @contextmanager
@@ -150,6 +158,12 @@ def station_page(browser: Any, url: str, size: tuple[int, int], theme: str = "da
     yield shown
     context.close()
     assert shown.problems == []
+
+
+def colours(png: bytes) -> np.ndarray:
+    """Return the colours of a picture between 0 and 255; black where it is hardly opaque."""
+    pixels = matplotlib.image.imread(BytesIO(png), format="png")
+    return pixels[..., :3] * (255 * (pixels[..., 3:] > HARDLY if pixels.shape[2] > 3 else 1))
 
 
 def near(pixels: np.ndarray, colour: tuple[int, int, int], tolerance: int = 40) -> int:

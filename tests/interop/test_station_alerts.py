@@ -11,11 +11,10 @@ import pytest
 from mavstack.dialects import common
 from mavstack.sim import BackgroundSimulator
 from mavstack.wire import Encoder
-from tests.interop.station import DESKTOP, PATIENT, chromium, station_page, web_server
+from tests.interop.station import DESKTOP, PATIENT, station_page, web_server
 from tests.links.test_tcp import free_port
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
     from tests.interop.station import StationPage
@@ -30,12 +29,6 @@ FENCES = {
 ADSB_COMPONENT = 156
 #: Metres above the vehicle.
 ABOVE = 60
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
 
 
 def show_traffic(shown: StationPage, position: dict[str, float], port: int) -> None:

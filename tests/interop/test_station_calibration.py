@@ -8,10 +8,9 @@ import pytest
 
 from mavstack.sim.background_controller import BackgroundFlightController
 from tests.interop.setup_page import SetupPage, ready_vehicle, set_up
-from tests.interop.station import PATIENT, PHONE, chromium
+from tests.interop.station import PATIENT, PHONE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium"), pytest.mark.timeout(240)]
@@ -19,12 +18,6 @@ pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium"), pytest.m
 DONE = "The calibration is done."
 POSES = ("level", "on its left side", "on its right side", "nose down", "nose up", "on its back")
 ROLL, PITCH, THROTTLE, YAW, SWITCH = range(1, 6)
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
 
 
 def start(view: SetupPage, title: str, *, held: bool = False) -> None:
@@ -234,7 +227,7 @@ def test_a_calibration_outlives_the_page_and_ends_with_the_link(browser: Any, tm
         view.simulator.call(lambda: vehicle.faults.inject("link off"))
         view.page.get_by_text("The calibration failed.").wait_for(timeout=PATIENT)
         assert "it fell silent" in view.page.locator(".reason").first.inner_text()
-        assert view.shown.button("Start: Level").is_disabled()
+        view.shown.wait_until(lambda: view.shown.button("Start: Level").is_disabled())
         view.simulator.call(lambda: vehicle.faults.inject("link on"))
         start(view, "Accelerometer")
         wait_for_task(view, "Place the vehicle on its right side")

@@ -18,7 +18,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import ServerConnection, serve
 
 from tests.interop.dashboards import dashboard, region, sending, show, widget
-from tests.interop.station import DESKTOP, PHONE, StationPage, chromium, near, station_page, web_server
+from tests.interop.station import DESKTOP, PHONE, StationPage, near, station_page, web_server
 from tests.interop.test_station_serial import SERIAL
 
 if TYPE_CHECKING:
@@ -49,12 +49,6 @@ EXAMPLES = {
         },
     ),
 }
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
 
 
 WIDGETS = (

@@ -15,32 +15,18 @@ from tests.interop.station import (
     PHONE,
     StationPage,
     StationServer,
-    chromium,
     near,
     station_page,
-    station_server,
     web_server,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
     from pathlib import Path
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 
 SKY, GROUND, VEHICLE = (79, 148, 216), (138, 95, 53), (86, 180, 233)
-
-
-@pytest.fixture(scope="module")
-def server(tmp_path_factory: Any) -> Iterator[StationServer]:
-    with station_server(tmp_path_factory.mktemp("recordings")) as running:
-        yield running
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
 
 
 def set_mode(shown: StationPage, name: str) -> None:
@@ -53,7 +39,7 @@ def assert_drawn(shown: StationPage) -> None:
     horizon = shown.pixels(shown.page.get_by_role("img", name="Flight display"))
     assert near(horizon, SKY) > 500
     assert near(horizon, GROUND) > 500
-    assert near(shown.pixels(shown.page.locator(".map")), VEHICLE, 30) > 40
+    assert near(shown.drawn(), VEHICLE, 30) > 40
 
 
 def assert_steered(shown: StationPage) -> None:

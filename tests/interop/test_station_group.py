@@ -10,20 +10,13 @@ from urllib.request import Request, urlopen
 import pytest
 
 from mavstack.sim import BackgroundSimulator
-from tests.interop.station import DESKTOP, PATIENT, chromium, station_page, web_server
+from tests.interop.station import DESKTOP, PATIENT, station_page, web_server
 from tests.sim.running import make_ready
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium"), pytest.mark.timeout(240)]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
 
 
 def act(url: str, system: int, action: str, **body: float) -> None:

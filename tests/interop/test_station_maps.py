@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import pytest
 
-from tests.interop.station import DESKTOP, PATIENT, chromium, near, station_page, web_server
+from tests.interop.station import DESKTOP, PATIENT, near, station_page, web_server
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -103,12 +103,6 @@ def tile_server() -> Iterator[str]:
         yield f"http://127.0.0.1:{server.server_port}"
         server.shutdown()
         thread.join()
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
 
 
 def choose_tiles(shown: StationPage, address: str) -> None:

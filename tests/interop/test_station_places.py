@@ -7,23 +7,18 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from mavstack.sim import BackgroundSimulator
-from tests.interop.station import DESKTOP, PATIENT, chromium, near, station_page, web_server
+from tests.interop.station import DESKTOP, PATIENT, near, station_page, web_server
 from tests.sim.running import make_ready
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
+
+    from tests.interop.station import StationPage, StationServer
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium"), pytest.mark.timeout(240)]
 
 #: The colour of the first vehicle on the map.
 VEHICLE = (86, 180, 233)
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
 
 
 @pytest.mark.parametrize("firmware", ["ardupilot", "px4"])
@@ -51,17 +46,22 @@ def test_a_vehicle_looks_at_a_place_and_takes_it_as_home(firmware: str, browser:
         assert server.state()["home"]["altitude"] == pytest.approx(before["altitude"], abs=0.1)
 
 
+def measure_to_the_east(shown: StationPage, server: StationServer) -> Any:
+    """Measure a distance on the map of the demo; return the text of it."""
+    shown.page.goto(f"{server.url}?demo=1")
+    shown.button("Choose a vehicle: Copter 1").wait_for(timeout=PATIENT)
+    shown.wait_until(lambda: near(shown.drawn(), VEHICLE, 30) > 40)
+    shown.page.mouse.click(620, 400)
+    shown.button("Measure").click(timeout=PATIENT)
+    shown.page.mouse.click(820, 400)
+    measured = shown.page.get_by_text("° from the start")
+    measured.wait_for(timeout=PATIENT)
+    return measured
+
+
 def test_distances_are_measured(browser: Any, tmp_path: Path) -> None:
     with web_server(tmp_path) as server, station_page(browser, server.url, DESKTOP) as shown:
-        page = shown.page
-        page.goto(f"{server.url}?demo=1")
-        shown.button("Choose a vehicle: Copter 1").wait_for(timeout=PATIENT)
-        shown.wait_until(lambda: near(shown.pixels(page.locator(".map")), VEHICLE, 30) > 40)
-        page.mouse.click(620, 400)
-        shown.button("Measure").click(timeout=PATIENT)
-        page.mouse.click(820, 400)
-        measured = page.get_by_text("° from the start")
-        measured.wait_for(timeout=PATIENT)
+        page, measured = shown.page, measure_to_the_east(shown, server)
         assert "090°" in measured.inner_text()
         page.keyboard.press("Escape")
         page.mouse.click(620, 600)
@@ -72,3 +72,11 @@ def test_distances_are_measured(browser: Any, tmp_path: Path) -> None:
         page.mouse.click(620, 400)
         shown.button("Measure").wait_for(timeout=PATIENT)
         assert measured.count() == 0
+
+
+def test_measuring_ends_with_the_link(browser: Any, tmp_path: Path) -> None:
+    with web_server(tmp_path) as server, station_page(browser, server.url, DESKTOP) as shown:
+        page, measured = shown.page, measure_to_the_east(shown, server)
+        page.get_by_role("button", name="Sources of the station:").click()
+        shown.button("Back to the station").click()
+        measured.wait_for(state="detached", timeout=PATIENT)

@@ -16,32 +16,21 @@ from tests.interop.station import (
     PHONE,
     StationPage,
     StationServer,
-    chromium,
     near,
     station_page,
     station_server,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    import numpy as np
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 
 #: The colours of the dark map.
 MISSION, FENCE, VEHICLE = (240, 201, 60), (32, 180, 140), (86, 180, 233)
+#: Half of the width of a vehicle on the map.
+MARK = 30
 KINDS = ("mission", "fence", "rally")
-
-
-@pytest.fixture(scope="module")
-def server(tmp_path_factory: Any) -> Iterator[StationServer]:
-    with station_server(tmp_path_factory.mktemp("recordings")) as running:
-        yield running
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
 
 
 def held_plan(server: StationServer) -> dict[str, list[Any]]:
@@ -97,16 +86,22 @@ def draw(shown: StationPage, key: str, *places: tuple[int, int]) -> None:
         shown.page.mouse.click(box["x"] + box["width"] / 2 + right, box["y"] + box["height"] / 2 + down)
 
 
-def map_picture(shown: StationPage) -> Any:
-    return shown.pixels(shown.page.locator(".map").first)
+def show_plan(shown: StationPage, url: str) -> None:
+    """Show an empty plan, with the vehicle in the middle of the map."""
+    shown.page.goto(f"{url}#/plan")
+    shown.page.get_by_label("Map of the plan").first.wait_for()
+    shown.wait_until(lambda: near(middle(shown.drawn()), VEHICLE) > 40)
+
+
+def middle(picture: np.ndarray) -> np.ndarray:
+    """Return the part of a picture that a vehicle in its middle covers."""
+    down, right = picture.shape[0] // 2, picture.shape[1] // 2
+    return picture[down - MARK : down + MARK, right - MARK : right + MARK]
 
 
 def test_a_plan_is_drawn_uploaded_and_downloaded(server: StationServer, browser: Any) -> None:
     with station_page(browser, server.url, DESKTOP) as shown:
-        shown.page.goto(f"{server.url}#/plan")
-        shown.wait_for("Copter 1")
-        shown.page.get_by_label("Map of the plan").first.wait_for()
-        shown.wait_until(lambda: near(map_picture(shown), VEHICLE) > 40)
+        show_plan(shown, server.url)
         draw(shown, "w", (0, -150), (150, -90), (120, 90))
         shown.page.keyboard.press("Escape")
         draw(shown, "o", (40, 0))
@@ -115,7 +110,7 @@ def test_a_plan_is_drawn_uploaded_and_downloaded(server: StationServer, browser:
         draw(shown, "r", (-60, 60))
         draw(shown, "s", (-90, -60), (90, -60), (90, 60), (-90, 60))
         shown.button("Insert into the mission").click()
-        picture = map_picture(shown)
+        picture = shown.drawn()
         assert near(picture, MISSION) > 500
         assert near(picture, FENCE) > 300
         drawn = saved_plan(shown)
@@ -138,9 +133,7 @@ def test_a_plan_is_drawn_uploaded_and_downloaded(server: StationServer, browser:
 
 def draw_all(shown: StationPage, url: str) -> None:
     """Draw waypoints, a circle to stay in, a polygon to stay in and a rally point."""
-    shown.page.goto(f"{url}#/plan")
-    shown.page.get_by_label("Map of the plan").first.wait_for()
-    shown.wait_until(lambda: near(map_picture(shown), VEHICLE) > 40)
+    show_plan(shown, url)
     draw(shown, "w", (0, -150), (150, -90), (120, 90))
     draw(shown, "o", (40, 0))
     draw(shown, "p", (-250, -200), (250, -200), (250, 200), (-250, 200))

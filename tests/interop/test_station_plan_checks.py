@@ -6,6 +6,7 @@ import json
 import math
 import re
 from typing import TYPE_CHECKING, Any
+from urllib.request import Request, urlopen
 from xml.etree import ElementTree
 
 import numpy as np
@@ -17,20 +18,18 @@ from tests.interop.station import (
     PATIENT,
     StationPage,
     StationServer,
-    chromium,
     near,
     station_page,
-    station_server,
     web_server,
 )
 from tests.interop.test_station_plan import (
     MISSION,
     VEHICLE,
     draw,
-    map_picture,
     opened,
     saved_plan,
     saved_text,
+    show_plan,
 )
 from tests.sim.running import make_ready
 
@@ -54,24 +53,6 @@ new MutationObserver(() => {
   }
 }).observe(document.body, { attributes: true, childList: true, subtree: true });
 """
-
-
-@pytest.fixture(scope="module")
-def server(tmp_path_factory: Any) -> Iterator[StationServer]:
-    with station_server(tmp_path_factory.mktemp("recordings")) as running:
-        yield running
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
-
-
-def show_plan(shown: StationPage, url: str) -> None:
-    shown.page.goto(f"{url}#/plan")
-    shown.page.get_by_label("Map of the plan").first.wait_for()
-    shown.wait_until(lambda: near(map_picture(shown), VEHICLE) > 40)
 
 
 def draw_corridor(shown: StationPage) -> None:
@@ -98,7 +79,7 @@ def test_a_corridor_is_checked_with_terrain_and_fence(server: StationServer, bro
     with station_page(browser, server.url, DESKTOP) as shown:
         show_plan(shown, server.url)
         draw_corridor(shown)
-        assert near(map_picture(shown), MISSION) > 300
+        assert near(shown.drawn(), MISSION) > 300
         drawn = saved_plan(shown)["mission"]
         assert TRIGGER_DISTANCE in [command for command, _, _ in drawn]
         show_checks(shown)
@@ -118,6 +99,26 @@ def test_a_corridor_is_checked_with_terrain_and_fence(server: StationServer, bro
         shown.page.get_by_text(re.compile("outside of the fence|leaves the fence")).first.wait_for()
 
 
+def test_the_map_stays_where_something_is_drawn(browser: Any, tmp_path: Path) -> None:
+    simulator = BackgroundSimulator()
+    make_ready(simulator.simulation)
+    with simulator, web_server(tmp_path) as server, station_page(browser, server.url, DESKTOP) as shown:
+        shown.page.goto(f"{server.url}#/plan")
+        shown.page.get_by_label("Map of the plan").first.wait_for()
+        draw(shown, "p", (-300, 200), (300, 200))
+        shown.wait_until(lambda: shown.drawn().shape[0] > 400)
+        before = shown.drawn()
+        body = json.dumps({"url": f"udpout://127.0.0.1:{simulator.port}"}).encode()
+        headers = {"Content-Type": "application/json"}
+        urlopen(Request(f"{server.url}api/sources", body, headers, method="POST"), timeout=20).close()
+        shown.wait_until(lambda: near(shown.drawn(), VEHICLE) > near(before, VEHICLE) + 40)
+        down = before.shape[0] // 2 + 200
+        assert near(before[down - 10 : down + 10], VEHICLE) > 500
+        assert (shown.drawn()[down - 10 : down + 10] == before[down - 10 : down + 10]).all()
+        shown.button("Undo").click()
+        shown.wait_until(lambda: near(shown.drawn()[down - 10 : down + 10], VEHICLE) < 300)
+
+
 @pytest.fixture
 def slow_server(tmp_path: Path) -> Iterator[StationServer]:
     """Serve a station whose vehicle answers late, so that a page sees transfers go on."""
@@ -127,7 +128,6 @@ def slow_server(tmp_path: Path) -> Iterator[StationServer]:
         yield running
 
 
-@pytest.mark.nightly
 def test_a_long_mission_is_sent_with_progress_and_saved_as_kml(
     slow_server: StationServer, browser: Any
 ) -> None:

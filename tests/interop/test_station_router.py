@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from mavstack.sim import BackgroundSimulator
-from tests.interop.station import DESKTOP, PATIENT, chromium, station_page, web_server
+from tests.interop.station import DESKTOP, PATIENT, station_page, web_server
 from tests.links.test_tcp import free_port
 
 if TYPE_CHECKING:
@@ -19,12 +19,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium"), pytest.mark.timeout(240)]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
 
 
 @contextmanager

@@ -6,16 +6,13 @@ import json
 import re
 import socket
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 import mavstack
 from tests.interop.dashboards import dashboard, region, sending, show, widget
-from tests.interop.station import DESKTOP, chromium, station_page, web_server
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
+from tests.interop.station import DESKTOP, station_page, web_server
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 
@@ -106,12 +103,6 @@ RUN = """([url, program]) => new Promise((done, fail) => {
   worker.onerror = ({ message }) => fail(message);
   worker.postMessage({ program });
 })"""
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
 
 
 def test_scripts_cannot_leave_their_sandbox(browser: Any, tmp_path: Path) -> None:

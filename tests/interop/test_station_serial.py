@@ -16,7 +16,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import ServerConnection, serve
 
 from mavstack.sim import BackgroundSimulator
-from tests.interop.station import DESKTOP, PATIENT, StationPage, chromium, station_page, web_server
+from tests.interop.station import DESKTOP, PATIENT, StationPage, station_page, web_server
 from tests.sim.running import make_ready
 
 if TYPE_CHECKING:
@@ -136,12 +136,6 @@ def cable() -> Iterator[SerialCable]:
         running.unplug()
         server.shutdown()
         thread.join()
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
 
 
 def connect(shown: StationPage, baud_rate: int) -> None:

@@ -12,7 +12,7 @@ import pytest
 
 from mavstack.sim import BackgroundSimulator
 from mavstack.sim.background_controller import BackgroundFlightController
-from tests.interop.station import DESKTOP, PATIENT, StationPage, chromium, station_page, web_server
+from tests.interop.station import DESKTOP, PATIENT, StationPage, station_page, web_server
 from tests.sim.running import make_ready
 
 if TYPE_CHECKING:
@@ -38,12 +38,6 @@ def simulator() -> Iterator[BackgroundSimulator]:
     make_ready(running.simulation)
     with running:
         yield running
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
 
 
 def drop_refusals(shown: StationPage) -> None:

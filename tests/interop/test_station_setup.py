@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.request import urlopen
 
 import pytest
 
 from mavstack.sim.background_controller import BackgroundFlightController
 from tests.interop.setup_page import SetupPage, ready_vehicle, set_up
-from tests.interop.station import PATIENT, chromium
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
+from tests.interop.station import PATIENT
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium"), pytest.mark.timeout(240)]
 
@@ -27,12 +24,6 @@ HIDE = """() => {
   Object.defineProperty(document, 'visibilityState', { value: 'hidden', configurable: true })
   document.dispatchEvent(new Event('visibilitychange'))
 }"""
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
 
 
 def field(view: SetupPage, name: str) -> Any:

@@ -10,7 +10,7 @@ from urllib.request import Request, urlopen
 import pytest
 
 from mavstack.sim import BackgroundSimulator
-from tests.interop.station import DESKTOP, PATIENT, PHONE, StationPage, chromium, station_page, web_server
+from tests.interop.station import DESKTOP, PATIENT, PHONE, StationPage, station_page, web_server
 from tests.sim.running import make_ready
 
 if TYPE_CHECKING:
@@ -20,12 +20,6 @@ pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium"), pytest.m
 
 #: Returns whether the element with the focus has a text.
 FOCUSED = "text => document.activeElement.innerText.includes(text)"
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ import pytest
 import mavstack
 from mavstack.dialects import common
 from mavstack.sim import BackgroundSimulator
-from tests.interop.station import DESKTOP, PATIENT, StationPage, chromium, station_page, web_server
+from tests.interop.station import DESKTOP, PATIENT, StationPage, station_page, web_server
 from tests.sim.running import make_ready
 
 if TYPE_CHECKING:
@@ -38,12 +38,6 @@ VEHICLES = {
 }
 #: The throttle that a vehicle keeps when the button is released.
 NEUTRAL = {"copter": 500, "rover": 0, "sub": 500}
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
 
 
 @dataclass

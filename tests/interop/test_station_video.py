@@ -14,7 +14,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.services.camera.media import VideoStream
 from mavstack.sim import BackgroundSimulator
-from tests.interop.station import DESKTOP, PATIENT, StationPage, chromium, near, station_page, web_server
+from tests.interop.station import DESKTOP, PATIENT, StationPage, near, station_page, web_server
 from tests.interop.whep_gateway import COLOURS, WhepGateway, whep_gateway
 from tests.links.test_tcp import free_port
 from tests.sim.running import make_ready
@@ -33,12 +33,6 @@ STREAMS = (
 )
 #: The addresses in the page that the gateway of a test has.
 FOREIGN = ("http://127.0.0.1", "Failed to load resource", "Access to fetch")
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
 
 
 @contextmanager

@@ -76,7 +76,7 @@ export class Editor {
     return address === '' ? null : tileSource(address, this.terrainEncoding.value);
   });
   readonly plan: Plan = $derived(this.history.present);
-  readonly canUndo: boolean = $derived(this.history.past.length > 0);
+  readonly canUndo: boolean = $derived(this.draft.length > 0 || this.history.past.length > 0);
   readonly canRedo: boolean = $derived(this.history.future.length > 0);
   readonly statistics = $derived(statisticsOf(this.plan));
   readonly problems: Problem[] = $derived(check({

@@ -1,0 +1,26 @@
+"""The browser and the station of the tests of pages."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from tests.interop.station import StationServer, chromium, station_server
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    """A browser of the module: one that has shown many pages is slower."""
+    with chromium() as opened:
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: Any) -> Iterator[StationServer]:
+    """A station with a simulated copter that is ready to fly."""
+    with station_server(tmp_path_factory.mktemp("recordings")) as running:
+        yield running
