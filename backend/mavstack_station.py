@@ -33,6 +33,7 @@ _SOURCES: Final = (
     "web",
     "src/mavstack/dialects/definitions",
     "src/mavstack/codegen/languages/typescript",
+    "src/mavstack/cli/dialect",
     "backend/mavstack_station.py",
 )
 _EXCLUDED: Final = frozenset({"node_modules", "generated", "__pycache__"})

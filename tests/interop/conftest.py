@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from mavstack.sim import BackgroundSimulator
 from tests.interop.station import StationServer, chromium, station_server
+from tests.sim.running import make_ready
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -17,6 +19,15 @@ def browser() -> Iterator[Any]:
     """A browser of the module: one that has shown many pages is slower."""
     with chromium() as opened:
         yield opened
+
+
+@pytest.fixture
+def simulator() -> Iterator[BackgroundSimulator]:
+    """A copter that is ready to fly."""
+    running = BackgroundSimulator()
+    make_ready(running.simulation)
+    with running:
+        yield running
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from urllib.request import urlopen
+from urllib.request import Request, urlopen
 
 import matplotlib.image
 import numpy as np
@@ -44,9 +44,19 @@ class StationServer:
 
     def state(self) -> dict[str, Any]:
         """Return the vehicle as the API tells it."""
-        with urlopen(f"{self.url}api/vehicles/1", timeout=10) as answer:
-            state: dict[str, Any] = json.load(answer)
+        state: dict[str, Any] = self.get("vehicles/1")
         return state
+
+    def get(self, path: str) -> Any:
+        """Return the answer to a request below `/api/`."""
+        with urlopen(f"{self.url}api/{path}", timeout=20) as answer:
+            return json.load(answer)
+
+    def post(self, path: str, **body: Any) -> Any:
+        """Send a request below `/api/`, and return its answer when what it asks for is done."""
+        data, kind = json.dumps(body).encode(), {"Content-Type": "application/json"}
+        with urlopen(Request(f"{self.url}api/{path}", data, kind), timeout=60) as answer:
+            return json.loads(answer.read() or b"null")
 
 
 @contextmanager
@@ -119,6 +129,10 @@ class StationPage:
                 return
             self.page.wait_for_timeout(100)
         raise AssertionError("condition not met")
+
+    def expect_problems(self, *parts: str) -> None:
+        """Drop problems with one of some texts: they are part of the test."""
+        self.problems[:] = [each for each in self.problems if not any(part in each for part in parts)]
 
     def pixels(self, locator: Any | None = None) -> np.ndarray:
         """Return a picture of the page, or of a part of it, as colours between 0 and 255."""

@@ -53,8 +53,7 @@ def assert_steered(shown: StationPage) -> None:
     shown.page.keyboard.down(" ")
     shown.page.keyboard.down("ArrowUp")
     shown.wait_for("Steering vehicle 1")
-    shown.page.wait_for_timeout(1500)
-    assert shown.sent.count(MANUAL_CONTROL) > 20  # 75 where nothing else runs
+    shown.wait_until(lambda: shown.sent.count(MANUAL_CONTROL) > 20)
     shown.page.evaluate("window.dispatchEvent(new Event('blur'))")
     shown.wait_for("Ready: hold the space bar")
     stopped = shown.sent.count(MANUAL_CONTROL)

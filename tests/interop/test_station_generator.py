@@ -49,4 +49,4 @@ def test_commands_and_libraries_are_those_of_the_chosen_file(tmp_path: Path) -> 
         )
         assert commands.count() == 0
         assert page.get_by_role("button", name="Generate").is_disabled()
-        shown.problems[:] = [each for each in shown.problems if "400 (Bad Request)" not in each]
+        shown.expect_problems("400 (Bad Request)")

@@ -5,12 +5,11 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
-from urllib.request import Request, urlopen
 
 import pytest
 
 from mavstack.sim import BackgroundSimulator
-from tests.interop.station import DESKTOP, PATIENT, station_page, web_server
+from tests.interop.station import DESKTOP, PATIENT, StationServer, station_page, web_server
 from tests.sim.running import make_ready
 
 if TYPE_CHECKING:
@@ -19,18 +18,12 @@ if TYPE_CHECKING:
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium"), pytest.mark.timeout(240)]
 
 
-def act(url: str, system: int, action: str, **body: float) -> None:
-    """Let a vehicle do an action, and wait until it is done."""
-    data, kind = json.dumps(body).encode(), {"Content-Type": "application/json"}
-    urlopen(Request(f"{url}api/vehicles/{system}/{action}", data, kind), timeout=60).close()
-
-
-def take_off_apart(url: str) -> None:
+def take_off_apart(server: StationServer) -> None:
     """Fly copter 2 to a place 20 m east of copter 1, two metres higher."""
     for system, altitude in ((1, 10.0), (2, 12.0)):
-        act(url, system, "arm")
-        act(url, system, "takeoff", altitude=altitude)
-    act(url, 2, "move", east=20.0)
+        server.post(f"vehicles/{system}/arm")
+        server.post(f"vehicles/{system}/takeoff", altitude=altitude)
+    server.post("vehicles/2/move", east=20.0)
 
 
 def test_a_group_keeps_its_formation_or_is_warned(browser: Any, tmp_path: Path) -> None:
@@ -41,7 +34,7 @@ def test_a_group_keeps_its_formation_or_is_warned(browser: Any, tmp_path: Path) 
         with web_server(tmp_path, link) as server, station_page(browser, server.url, DESKTOP) as shown:
             page = shown.page
             shown.button("Choose a vehicle: Copter 1").wait_for(timeout=PATIENT)
-            take_off_apart(server.url)
+            take_off_apart(server)
             sent: dict[str, dict[str, float]] = {}
 
             def keep(request: Any) -> None:

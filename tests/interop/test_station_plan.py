@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from urllib.request import Request, urlopen
 
 import pytest
 
@@ -35,11 +34,7 @@ KINDS = ("mission", "fence", "rally")
 
 def held_plan(server: StationServer) -> dict[str, list[Any]]:
     """Return the plans that the vehicle holds."""
-    held = {}
-    for kind in KINDS:
-        with urlopen(f"{server.url}api/vehicles/1/{kind}", timeout=20) as answer:
-            held[kind] = rounded(json.load(answer)[kind])
-    return held
+    return {kind: rounded(server.get(f"vehicles/1/{kind}")[kind]) for kind in KINDS}
 
 
 def saved_text(shown: StationPage, format_name: str) -> str:
@@ -215,11 +210,7 @@ def test_the_current_item_is_marked(browser: Any, tmp_path: Path) -> None:
         draw_all(shown, flown.url)
         shown.button("Upload").click()
         shown.wait_for("Rally: on the vehicle (1)")
-        body = json.dumps({"seq": 2}).encode()
-        headers = {"Content-Type": "application/json"}
-        address = f"{flown.url}api/vehicles/1/mission/current"
-        with urlopen(Request(address, body, headers, method="POST"), timeout=20) as answer:
-            assert answer.status == 200
+        flown.post("vehicles/1/mission/current", seq=2)
         # ArduPilot counts its home as item 0: its 2 is the second item of the plan.
         shown.page.get_by_role("tab", name="Mission").click()
         shown.page.locator("#plan-item-1 .current").wait_for()
@@ -241,8 +232,7 @@ def test_a_parameter_and_a_sensor_are_set_up(server: StationServer, browser: Any
         field.fill("2500")
         field.press("Enter")
         shown.wait_for("before 1500")
-        with urlopen(f"{server.url}api/vehicles/1/parameters/RTL_ALT", timeout=20) as answer:
-            assert json.load(answer)["value"] == 2500
+        assert server.get("vehicles/1/parameters/RTL_ALT")["value"] == 2500
         shown.button("Set RTL_ALT to its default 1500").click()
         shown.wait_until(lambda: field.input_value() == "1500")
         shown.button("Calibration").click()

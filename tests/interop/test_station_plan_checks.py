@@ -6,13 +6,11 @@ import json
 import math
 import re
 from typing import TYPE_CHECKING, Any
-from urllib.request import Request, urlopen
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
-from mavstack.sim import BackgroundSimulator
 from tests.interop.station import (
     DESKTOP,
     PATIENT,
@@ -31,11 +29,13 @@ from tests.interop.test_station_plan import (
     saved_text,
     show_plan,
 )
-from tests.sim.running import make_ready
+from tests.interop.tiles import picture, tile_server
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
+
+    from mavstack.sim import BackgroundSimulator
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 
@@ -99,18 +99,34 @@ def test_a_corridor_is_checked_with_terrain_and_fence(server: StationServer, bro
         shown.page.get_by_text(re.compile("outside of the fence|leaves the fence")).first.wait_for()
 
 
-def test_the_map_stays_where_something_is_drawn(browser: Any, tmp_path: Path) -> None:
-    simulator = BackgroundSimulator()
-    make_ready(simulator.simulation)
-    with simulator, web_server(tmp_path) as server, station_page(browser, server.url, DESKTOP) as shown:
+def terrarium(height: float) -> tuple[int, int, int]:
+    """Return the colour of a height in metres."""
+    steps = round((height + 32_768) * 256)
+    return steps >> 16, steps >> 8 & 0xFF, steps & 0xFF
+
+
+def test_terrain_of_tiles_is_checked(server: StationServer, browser: Any) -> None:
+    ground = server.state()["home"]["altitude"] + 12
+    tiles = {"terrain.png": picture(terrarium(ground))}
+    with tile_server(tiles) as address, station_page(browser, server.url, DESKTOP) as shown:
+        show_plan(shown, server.url)
+        draw_corridor(shown)
+        show_checks(shown)
+        shown.page.get_by_label("Address of terrain tiles").fill(f"{address}/{{z}}/{{x}}/{{y}}/terrain.png")
+        shown.page.keyboard.press("Tab")
+        shown.page.get_by_text("comes within 18 m of the ground; the limit is 20 m").wait_for()
+
+
+def test_the_map_stays_where_something_is_drawn(
+    simulator: BackgroundSimulator, browser: Any, tmp_path: Path
+) -> None:
+    with web_server(tmp_path) as server, station_page(browser, server.url, DESKTOP) as shown:
         shown.page.goto(f"{server.url}#/plan")
         shown.page.get_by_label("Map of the plan").first.wait_for()
         draw(shown, "p", (-300, 200), (300, 200))
         shown.wait_until(lambda: shown.drawn().shape[0] > 400)
         before = shown.drawn()
-        body = json.dumps({"url": f"udpout://127.0.0.1:{simulator.port}"}).encode()
-        headers = {"Content-Type": "application/json"}
-        urlopen(Request(f"{server.url}api/sources", body, headers, method="POST"), timeout=20).close()
+        server.post("sources", url=f"udpout://127.0.0.1:{simulator.port}")
         shown.wait_until(lambda: near(shown.drawn(), VEHICLE) > near(before, VEHICLE) + 40)
         down = before.shape[0] // 2 + 200
         assert near(before[down - 10 : down + 10], VEHICLE) > 500
@@ -120,11 +136,9 @@ def test_the_map_stays_where_something_is_drawn(browser: Any, tmp_path: Path) ->
 
 
 @pytest.fixture
-def slow_server(tmp_path: Path) -> Iterator[StationServer]:
+def slow_server(simulator: BackgroundSimulator, tmp_path: Path) -> Iterator[StationServer]:
     """Serve a station whose vehicle answers late, so that a page sees transfers go on."""
-    simulator = BackgroundSimulator()
-    make_ready(simulator.simulation)
-    with simulator, web_server(tmp_path, f"udpout://127.0.0.1:{simulator.port}?latency=20ms") as running:
+    with web_server(tmp_path, f"udpout://127.0.0.1:{simulator.port}?latency=20ms") as running:
         yield running
 
 

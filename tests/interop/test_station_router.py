@@ -53,4 +53,4 @@ def test_a_router_is_shown_until_it_ends(browser: Any, tmp_path: Path) -> None:
         process.terminate()
         process.wait(30)
         shown.wait_for("The router does not answer")
-        shown.problems[:] = [each for each in shown.problems if "Failed to load resource" not in each]
+        shown.expect_problems("Failed to load resource")

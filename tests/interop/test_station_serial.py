@@ -209,7 +209,7 @@ def test_a_port_that_another_page_has_is_refused(cable: SerialCable, browser: An
             first.wait_for("Ready to arm")
             connect(second, BAUD_RATE)
             second.wait_for("another page or program may have it open")
-            second.problems[:] = [each for each in second.problems if "WebSocket" not in each]
+            second.expect_problems("WebSocket")
             assert second.page.get_by_text("Connected").count() == 1  # still with the station
         first.page.close()
         first.problems.clear()

@@ -6,17 +6,14 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
-from urllib.request import Request, urlopen
 
 import pytest
 
-from mavstack.sim import BackgroundSimulator
 from mavstack.sim.background_controller import BackgroundFlightController
-from tests.interop.station import DESKTOP, PATIENT, StationPage, station_page, web_server
-from tests.sim.running import make_ready
+from tests.interop.station import DESKTOP, PATIENT, StationPage, StationServer, station_page, web_server
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from mavstack.sim import BackgroundSimulator
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium"), pytest.mark.timeout(240)]
 
@@ -32,18 +29,9 @@ FORGED = """new Promise((resolve) => {
 })"""
 
 
-@pytest.fixture
-def simulator() -> Iterator[BackgroundSimulator]:
-    running = BackgroundSimulator()
-    make_ready(running.simulation)
-    with running:
-        yield running
-
-
 def drop_refusals(shown: StationPage) -> None:
     """Drop what Chromium tells of refused requests and lost connections, which are part of the test."""
-    expected = ("Failed to load resource", "WebSocket connection")
-    shown.problems[:] = [each for each in shown.problems if not each.startswith(expected)]
+    shown.expect_problems("Failed to load resource", "WebSocket connection")
 
 
 def test_observers_and_forged_tickets_are_refused(
@@ -85,11 +73,11 @@ def check_set_up_of_observers(shown: StationPage, url: str) -> None:
     assert start.is_disabled()
 
 
-def check_log(shown: StationPage, url: str) -> None:
+def check_log(shown: StationPage, server: StationServer) -> None:
     """Download the log of a short flight from the vehicle, and open its report."""
     for action in ("arm", "disarm"):
-        urlopen(Request(f"{url}api/vehicles/1/{action}", method="POST"), timeout=30).close()
-    shown.page.goto(f"{url}#/logs")
+        server.post(f"vehicles/1/{action}")
+    shown.page.goto(f"{server.url}#/logs")
     shown.button("List them").click()
     with shown.page.expect_download(timeout=PATIENT) as waiting:
         shown.page.get_by_role("button", name="Download log").first.click(timeout=PATIENT)
@@ -100,10 +88,12 @@ def check_log(shown: StationPage, url: str) -> None:
     shown.button("Close").first.click()
 
 
-def check_report(shown: StationPage) -> None:
+def check_report(shown: StationPage, server: StationServer) -> None:
     """Record some seconds and open their report."""
     shown.button("Record").click()
-    shown.page.wait_for_timeout(2000)
+    shown.wait_until(
+        lambda: any(each["running"] and each["size"] > 20_000 for each in server.get("recordings"))
+    )
     shown.button("Stop").click()
     shown.button("Report").first.click(timeout=PATIENT)
     frame = shown.page.frame_locator("iframe[title^='Report of']")
@@ -132,8 +122,8 @@ def test_logs_a_report_msp_and_a_restart(
         with web_server(tmp_path, *links) as server:
             shown = pages.enter_context(station_page(browser, server.url, DESKTOP))
             shown.wait_for("Ready to arm")
-            check_log(shown, server.url)
-            check_report(shown)
+            check_log(shown, server)
+            check_report(shown, server)
             check_msp(shown, server.url)
         shown.page.locator(".link:not(.open)").wait_for(timeout=PATIENT)
         with web_server(tmp_path, *links, port=urlsplit(server.url).port or 0):

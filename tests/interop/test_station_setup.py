@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from pathlib import Path
 from typing import Any
-from urllib.request import urlopen
 
 import pytest
 
@@ -140,8 +139,7 @@ def test_modes_failsafes_and_sources_of_ardupilot(browser: Any, tmp_path: Path) 
         view.open("Estimator")
         view.shown.hold("Source set 2")
         view.page.get_by_text("Source set 2 is selected").wait_for(timeout=PATIENT)
-        with urlopen(f"{view.server.url}api/vehicles/1/telemetry", timeout=20) as answer:
-            texts = [each["text"] for each in json.load(answer)["status_texts"]]
+        texts = [each["text"] for each in view.server.get("vehicles/1/telemetry")["status_texts"]]
         assert "Using EKF Source Set 2" in texts
 
 

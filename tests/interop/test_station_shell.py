@@ -2,46 +2,20 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from urllib.request import Request, urlopen
 
 import pytest
 
-from mavstack.sim import BackgroundSimulator
 from tests.interop.station import DESKTOP, PATIENT, PHONE, StationPage, station_page, web_server
-from tests.sim.running import make_ready
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from mavstack.sim import BackgroundSimulator
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium"), pytest.mark.timeout(240)]
 
 #: Returns whether the element with the focus has a text.
 FOCUSED = "text => document.activeElement.innerText.includes(text)"
-
-
-@pytest.fixture
-def simulator() -> Iterator[BackgroundSimulator]:
-    running = BackgroundSimulator()
-    make_ready(running.simulation)
-    with running:
-        yield running
-
-
-def record(url: str) -> str:
-    """Record until the file has some hundred packets; return its name."""
-    with urlopen(
-        Request(f"{url}api/recordings", b"{}", {"Content-Type": "application/json"}), timeout=10
-    ) as answer:
-        name = re.search(rb'"name": ?"([^"]+)"', answer.read())
-    assert name is not None
-    return name[1].decode()
-
-
-def stop(url: str, name: str) -> None:
-    urlopen(Request(f"{url}api/recordings/{name}/stop", method="POST"), timeout=10).close()
 
 
 def test_sources_are_added_on_the_page(simulator: BackgroundSimulator, browser: Any, tmp_path: Path) -> None:
@@ -54,7 +28,7 @@ def test_sources_are_added_on_the_page(simulator: BackgroundSimulator, browser: 
         url.press("Enter")
         # The reason is inside the dialog, which covers the rest of the page.
         dialog.get_by_role("status").get_by_text("unknown scheme 'nonsense'").wait_for(timeout=PATIENT)
-        shown.problems[:] = [each for each in shown.problems if "400 (Bad Request)" not in each]
+        shown.expect_problems("400 (Bad Request)")
         url.fill(f"udpout://127.0.0.1:{simulator.port}")
         url.press("Enter")
         dialog.get_by_text("Connected").wait_for(timeout=PATIENT)
@@ -72,10 +46,10 @@ def test_a_replay_has_its_bar_in_every_view(
     link = f"udpout://127.0.0.1:{simulator.port}"
     with web_server(tmp_path, link) as server, station_page(browser, server.url, DESKTOP) as shown:
         shown.wait_for("Ready to arm")
-        name = record(server.url)
+        name = server.post("recordings")["name"]
         file = tmp_path / name
         shown.wait_until(lambda: file.is_file() and file.stat().st_size > 20_000)
-        stop(server.url, name)
+        server.post(f"recordings/{name}/stop")
         shown.page.goto(f"{server.url}#/logs")
         shown.button("Replay").click(timeout=PATIENT)
         position = shown.page.get_by_role("slider", name="Time in the recording")

@@ -58,7 +58,7 @@ def camera_page(
         shown.page.keyboard.press("]")
         shown.button("Video").click(timeout=PATIENT)
         yield shown
-        shown.problems[:] = [each for each in shown.problems if not each.startswith(FOREIGN)]
+        shown.expect_problems(*FOREIGN)
 
 
 def choose(shown: StationPage, name: str) -> None:

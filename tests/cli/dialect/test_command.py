@@ -46,6 +46,15 @@ def test_list(mav):
     assert common["includes"] == ["standard"]
 
 
+def test_zeros_are_shown_as_json(mav):
+    heartbeat = json.loads(mav("dialect", "show", "common", "HEARTBEAT", "--json").out)
+    assert heartbeat["id"] == 0
+    assert 0 in [field["offset"] for field in heartbeat["fields"]]
+    assert json.loads(mav("dialect", "show", "common", "MAV_TYPE_GENERIC", "--json").out)["value"] == 0
+    yaw = json.loads(mav("dialect", "show", "common", "MAV_CMD_CONDITION_YAW", "--json").out)
+    assert (yaw["params"][0]["minimum"], yaw["params"][0]["maximum"]) == (0, 360)
+
+
 def test_show_a_dialect(mav):
     out = mav("dialect", "show", "common").out
     assert "ATTITUDE" in out

@@ -99,7 +99,12 @@ def plain(value: object) -> object:
     if not hasattr(value, "_fields"):
         return items
     pairs = zip(value._fields, items, strict=True)
-    return {name: found for name, found in pairs if name != "line" and found not in ("", None, [], False)}
+    return {name: found for name, found in pairs if name != "line" and not _is_empty(found)}
+
+
+def _is_empty(found: object) -> bool:
+    # Not 0: it is an id, a value, an offset or a limit.
+    return found is None or found is False or found in ("", [])
 
 
 def message_page(message: MessageDefinition) -> str:

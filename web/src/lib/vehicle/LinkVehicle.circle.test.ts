@@ -87,11 +87,13 @@ it('refuses a circle in which a copter would sink by its throttle stick', async 
   const flight = await inFlight();
   const { vehicle } = flight;
   const channels = Object.fromEntries(Array.from({ length: 18 }, (_, index) => [`chan${index + 1}_raw`, 1500]));
-  const packet = new Encoder(1, 1).build('RC_CHANNELS', { chancount: 18, rssi: 254, ...channels, chan3_raw: 1000 });
-  vehicle.take(new Decoder().push(packet, Date.now())[0]!);
-  vehicle.publish(Date.now());
   const { latitude, longitude } = vehicle.state.position!;
-  await expect(vehicle.orbit({ center: { latitude, longitude } })).rejects.toThrow('its throttle stick is at 1000 us');
+  for (const pulse of [1000, 1399, 1601]) {
+    const packet = new Encoder(1, 1).build('RC_CHANNELS', { chancount: 18, rssi: 254, ...channels, chan3_raw: pulse });
+    vehicle.take(new Decoder().push(packet, Date.now())[0]!);
+    vehicle.publish(Date.now());
+    await expect(vehicle.orbit({ center: { latitude, longitude } })).rejects.toThrow(`its throttle stick is at ${pulse} us`);
+  }
   expect(vehicle.state.mode).toBe('GUIDED');
 });
 

@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 
 import { newItem } from '../logic/commands';
-import { CMD, EMPTY_PLAN, item, waypoint, type Plan } from '../logic/model';
+import { CMD, EMPTY_PLAN, FRAME, item, waypoint, type Plan } from '../logic/model';
 import { check } from '../logic/checks';
 import { draftPlan, draftText } from '../logic/draft';
 import { statisticsOf } from '../logic/statistics';
@@ -69,6 +69,17 @@ describe('plan files', () => {
     }
     expect(draftPlan(draftText(plan))).toEqual(plan);
     expect(check({ ...INPUT, plan, statistics: statisticsOf(plan) }).map((each) => each.key)).toContain('checkKept');
+  });
+
+  it('hold all of a plan or not', () => {
+    expect(holdsAll(whole, 'plan')).toBe(true);
+    const grouped = { ...whole, circles: [{ inclusion: true, center: { latitude: 1, longitude: 2 }, radius: 50, group: 1 }] };
+    const aboveSea = { ...whole, rally: [{ latitude: 1, longitude: 2, altitude: 500, frame: FRAME.GLOBAL }] };
+    for (const plan of [grouped, aboveSea]) {
+      expect(holdsAll(plan, 'plan')).toBe(false);
+      expect(holdsAll(plan, 'json')).toBe(true);
+      expect(readPlan(writePlan(plan, 'json', '')).plan).toEqual(plan);
+    }
   });
 
   it('are kept by the browser, and nothing else is', () => {

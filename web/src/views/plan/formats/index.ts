@@ -38,10 +38,15 @@ export async function readFile(file: File, altitude: number): Promise<ReadPlan> 
 
 /** Returns whether a format holds all that a plan has. */
 export function holdsAll(plan: Plan, format: PlanFormat): boolean {
-  if (format === 'plan') return true;
+  if (format === 'plan') return !hasMoreThanQgc(plan);
   const hasKept = plan.mission.some((each) => each.kept);
   if (format === 'json') return !hasKept;
   return format === 'waypoints' && !hasKept && isEmpty(plan, 'fence') && isEmpty(plan, 'rally');
+}
+
+/** QGroundControl's files have no inclusion groups, and altitudes of points are relative to home. */
+function hasMoreThanQgc({ polygons, circles, rally, returnPoint }: Plan): boolean {
+  return [...polygons, ...circles].some((each) => each.group) || [...rally, returnPoint].some((each) => each?.frame !== undefined);
 }
 
 /** Reads a plan file of any format; throws `PlanFileError` with the place of what is wrong. */

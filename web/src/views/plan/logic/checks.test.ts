@@ -32,8 +32,8 @@ async function keys(plan: Plan, changed: Partial<CheckInput> = {}): Promise<stri
 
 const [ARDUPILOT, PX4] = [3, 12];
 
-async function graded(plan: Plan, firmware: number): Promise<string[]> {
-  const input = { clearance: 15, endurance: 20, ceiling: 120, vehicle: HOME, wing: false, firmware };
+async function graded(plan: Plan, firmware: number, endurance: number | null = 20): Promise<string[]> {
+  const input = { clearance: 15, endurance, ceiling: 120, vehicle: HOME, wing: false, firmware };
   const found = check({ ...input, plan, statistics: statisticsOf(plan), profile: await profileOf(plan, flat) });
   return found.map(({ severity, key }) => `${severity} ${key}`);
 }
@@ -93,6 +93,9 @@ describe('the time of a flight', () => {
     const land = newItem(CMD.NAV_LAND, { ...away(90, 300), altitude: 0 });
     expect(durationOf([up, land])).toBeCloseTo(15 + 60 + 30, 1);
     expect(durationOf([up, land], { vehicleType: 1 })).toBeCloseTo(15 + 60, 1);
+    const back = [up, east, newItem(CMD.NAV_RETURN_TO_LAUNCH, HOME)];
+    expect(pathOf({ ...good, mission: back }).at(-1)!.altitude).toBe(0);
+    expect(pathOf({ ...good, mission: back, vehicleType: 1 }).at(-1)!.altitude).toBe(30);
   });
 
   it('ends for jumps that name one another for ever', () => {
@@ -149,8 +152,26 @@ describe('checks', () => {
   });
 
   it('tell what does not fit to the vehicle', async () => {
-    expect(await keys(good, { endurance: 4 })).toEqual(['checkBattery']);
     expect(await keys(good, { vehicle: away(0, 9000) })).toEqual(['checkFarFromVehicle']);
+    const far = { ...good, mission: [good.mission[0]!, waypoint(away(0, 21_000), 50), good.mission[3]!] };
+    expect(await keys(far, { endurance: null, vehicle: null })).toEqual(['checkFarFromHome']);
+  });
+
+  it('tell a mission that needs most of the battery, or more than it has', async () => {
+    const minutes = statisticsOf(good).duration! / 60;
+    expect(await graded(good, ARDUPILOT, minutes / 0.75)).toEqual([]);
+    expect(await graded(good, ARDUPILOT, minutes / 0.85)).toEqual(['warning checkBattery']);
+    expect(await graded(good, ARDUPILOT, minutes / 1.05)).toEqual(['error checkBattery']);
+  });
+
+  it('tell params outside of their range, and a mission that does not end', async () => {
+    const [CONDITION_YAW, first] = [115, good.mission[0]!];
+    const after = (command: number, param: number) => ({ ...good, mission: [first, item(command, [param], FRAME.MISSION), ...good.mission.slice(1)] });
+    expect(await graded(after(CONDITION_YAW, 360), ARDUPILOT)).toEqual([]);
+    expect(await graded(after(CONDITION_YAW, 361), ARDUPILOT)).toEqual(['warning checkParamHigh']);
+    expect(await graded(after(CMD.DO_SET_CAM_TRIGG_DIST, -1), ARDUPILOT)).toEqual(['warning checkParamLow']);
+    const stay = { ...good, mission: [...good.mission.slice(0, -1), newItem(CMD.NAV_LOITER_UNLIM, { ...HOME, altitude: 30 })] };
+    expect(await graded(stay, ARDUPILOT)).toEqual(['info checkEndless']);
   });
 
   it('tell paths that leave the fence', async () => {
@@ -207,6 +228,8 @@ describe('checks', () => {
     expect(await keys(good, { profile: await profileOf(good, hill(40)) })).toEqual(['checkNearTerrain']);
     expect(await keys(good, { profile: await profileOf(good, hill(60)) })).toEqual(['checkBelowTerrain']);
     expect(await keys(good, { profile: null })).toEqual(['checkTerrainUnknown']);
+    const partly = async (points: readonly unknown[]) => points.map((_, index) => (index > 12 ? null : 488));
+    expect(await keys(good, { profile: await profileOf(good, partly) })).toEqual(['checkTerrainPartly']);
   });
 });
 
@@ -238,5 +261,7 @@ describe('elevation', () => {
     });
     expect(await source([HOME, HOME, { latitude: 85.05, longitude: 0 }])).toEqual([512, 512, null]);
     expect(loaded).toHaveLength(2);
+    // A transparent pixel is no height.
+    expect(await tileSource('{z}', 'terrarium', async () => ({ width: 1, data: [0, 0, 0, 0] }))([HOME])).toEqual([null]);
   });
 });

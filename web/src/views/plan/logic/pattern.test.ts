@@ -89,8 +89,8 @@ describe('lanes that are difficult', () => {
     expect(corridorLanes([bend[0]!, bend[0]!], { width: 60, spacing: 30 })).toEqual([]);
   });
 
-  it('of a corridor stay near a bend that is sharp', () => {
-    const sharp = [corner(0, 0), corner(0, 300), corner(40, 250)];
+  it.each([[40, 250], [12, 100]])('of a corridor stay near a bend that is sharp (%i, %i)', (east, north) => {
+    const sharp = [corner(0, 0), corner(0, 300), corner(east, north)];
     for (const lane of corridorLanes(sharp, { width: 120, spacing: 20 })) {
       for (const each of lane) expect(Math.min(...sharp.map((point) => distance(point, each)))).toBeLessThan(3 * 60);
       // The inner side of the bend does not fly beyond the short end.
