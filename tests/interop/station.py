@@ -103,6 +103,8 @@ class StationPage:
 
     page: Any
     problems: list[str] = field(default_factory=list)
+    #: Parts of problems that are part of the test.
+    expected: list[str] = field(default_factory=list)
     #: Numbers of the messages that the page has sent.
     sent: list[int] = field(default_factory=list)
 
@@ -131,8 +133,18 @@ class StationPage:
         raise AssertionError("condition not met")
 
     def expect_problems(self, *parts: str) -> None:
-        """Drop problems with one of some texts: they are part of the test."""
-        self.problems[:] = [each for each in self.problems if not any(part in each for part in parts)]
+        """Let problems with one of some texts be part of the test: those until now, and those that come."""
+        self.expected.extend(parts)
+        self.problems[:] = filter(self.is_problem, self.problems)
+
+    def is_problem(self, text: str) -> bool:
+        """Return whether a text is no expected one."""
+        return not any(part in text for part in self.expected)
+
+    def take_problem(self, text: str) -> None:
+        """Keep what the browser tells."""
+        if self.is_problem(text):
+            self.problems.append(text)
 
     def pixels(self, locator: Any | None = None) -> np.ndarray:
         """Return a picture of the page, or of a part of it, as colours between 0 and 255."""
@@ -158,20 +170,22 @@ def station_page(browser: Any, url: str, size: tuple[int, int], theme: str = "da
 
     def keep_error(message: Any) -> None:
         if message.type == "error" and REFUSED not in message.text:
-            shown.problems.append(message.text)
+            shown.take_problem(message.text)
 
     def keep_foreign(request: Any) -> None:
         if not request.url.startswith((url, f"blob:{url}", "data:")):
-            shown.problems.append(request.url)
+            shown.take_problem(request.url)
 
     page.on("console", keep_error)
-    page.on("pageerror", lambda error: shown.problems.append(str(error)))
+    page.on("pageerror", lambda error: shown.take_problem(str(error)))
     page.on("websocket", lambda socket: socket.on("framesent", keep_sent))
     page.on("request", keep_foreign)
-    page.goto(url)
-    yield shown
-    context.close()
-    assert shown.problems == []
+    try:
+        page.goto(url)
+        yield shown
+    finally:
+        context.close()
+    assert shown.problems == [], "\n".join(shown.problems)
 
 
 def colours(png: bytes) -> np.ndarray:

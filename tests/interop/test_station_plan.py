@@ -29,6 +29,8 @@ pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 MISSION, FENCE, VEHICLE = (240, 201, 60), (32, 180, 140), (86, 180, 233)
 #: Half of the width of a vehicle on the map.
 MARK = 30
+#: Digits that vehicles keep: latitude and longitude as multiples of 1e-7, others as floats of 32 bits.
+DIGITS = (4, 4, 4, 4, 7, 7, 4)
 KINDS = ("mission", "fence", "rally")
 
 
@@ -63,13 +65,12 @@ def opened(shown: StationPage, name: str, text: str) -> None:
 
 def rounded(items: list[dict[str, Any]]) -> list[Any]:
     """Return the items as vehicles hold them: degrees as multiples of 1e-7."""
+    return [(item["command"], item["frame"], rounded_params(item["params"])) for item in items]
+
+
+def rounded_params(params: list[float | None]) -> list[float | None]:
     return [
-        (
-            item["command"],
-            item["frame"],
-            [None if each is None else round(each, 6) for each in item["params"]],
-        )
-        for item in items
+        None if each is None else round(each, digits) for each, digits in zip(params, DIGITS, strict=True)
     ]
 
 

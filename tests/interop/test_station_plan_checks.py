@@ -109,12 +109,16 @@ def test_terrain_of_tiles_is_checked(server: StationServer, browser: Any) -> Non
     ground = server.state()["home"]["altitude"] + 12
     tiles = {"terrain.png": picture(terrarium(ground))}
     with tile_server(tiles) as address, station_page(browser, server.url, DESKTOP) as shown:
+        shown.expect_problems(address)
         show_plan(shown, server.url)
         draw_corridor(shown)
         show_checks(shown)
         shown.page.get_by_label("Address of terrain tiles").fill(f"{address}/{{z}}/{{x}}/{{y}}/terrain.png")
         shown.page.keyboard.press("Tab")
-        shown.page.get_by_text("comes within 18 m of the ground; the limit is 20 m").wait_for()
+        shown.wait_for("Lowest clearance: 30 m")
+        # The ground below home, and the path above it.
+        for height in (ground, ground + 30):
+            shown.page.locator("figcaption").get_by_text(f"{height:.0f} m", exact=True).wait_for()
 
 
 def test_the_map_stays_where_something_is_drawn(

@@ -72,7 +72,7 @@ def archive(tile: bytes, kind: int = PNG, layers: tuple[str, ...] = ()) -> bytes
 class TileHandler(BaseHTTPRequestHandler):
     """Answers with tiles and parts of the archive, below /closed without leave for other pages."""
 
-    #: What is served by the end of the path.
+    #: The answers by the end of the path.
     files: ClassVar[Mapping[str, bytes]] = {}
 
     def do_OPTIONS(self) -> None:
@@ -112,6 +112,8 @@ def tile_server(files: Mapping[str, bytes]) -> Iterator[str]:
     with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
-        yield f"http://127.0.0.1:{server.server_port}"
-        server.shutdown()
-        thread.join()
+        try:
+            yield f"http://127.0.0.1:{server.server_port}"
+        finally:
+            server.shutdown()
+            thread.join()

@@ -1,7 +1,12 @@
 /** Bytes → messages, by the classes that `mav gen typescript all` makes. */
 
-import { PacketBuilder, Parser, enums, messages } from '$generated';
+import { HEADER_LENGTH_V1, HEADER_LENGTH_V2, MAGIC_V2, PacketBuilder, Parser, enums, messages } from '$generated';
 import type { AnyMessageType, AnyPacket, Counters, FieldInfo, MessageInfo, RawPacket } from '$generated';
+
+/** Bytes of one value of each type. */
+export const SIZES: Readonly<Record<string, number>> = {
+  char: 1, int8_t: 1, uint8_t: 1, int16_t: 2, uint16_t: 2, int32_t: 4, uint32_t: 4, float: 4, int64_t: 8, uint64_t: 8, double: 8,
+};
 
 /** Integers beyond 2^53 are `bigint`; `char[n]` is text, `uint8_t[n]` bytes. */
 export type FieldValue = number | bigint | string | readonly (number | bigint)[] | Uint8Array;
@@ -24,7 +29,7 @@ export interface DecodedMessage {
   readonly bytes: Uint8Array;
 }
 
-/** Values for a message to send; numbers stand for 64-bit integers too. */
+/** Values for a message to send; numbers stand for 64-bit integers too, and bytes for a number with those bytes. */
 export type SentFields = Readonly<Record<string, number | bigint | string | ArrayLike<number | bigint>>>;
 
 class Received implements DecodedMessage {
@@ -97,6 +102,18 @@ export class Decoder {
   }
 }
 
+/** Returns the bytes of a field that is no array, as they are on the wire. */
+export function fieldBytes({ name, bytes }: DecodedMessage, field: string): Uint8Array {
+  const info = messageInfo(name)?.fields.find((each) => each.name === field);
+  if (info === undefined) throw new RangeError(`${name} has no field ${field}`);
+  const start = bytes[0] === MAGIC_V2 ? HEADER_LENGTH_V2 : HEADER_LENGTH_V1;
+  // Zeros at the end of a payload are not sent.
+  const payload = bytes.subarray(start, start + bytes[1]!);
+  const found = new Uint8Array(SIZES[info.type]!);
+  found.set(payload.subarray(info.offset, info.offset + found.length));
+  return found;
+}
+
 function unknownMessage(packet: RawPacket, time: number): DecodedMessage {
   const { system, component, sequence, id, length, bytes, payload } = packet;
   return { system, component, sequence, time, id, name: `UNKNOWN_${id}`, fields: { payload }, length, bytes };
@@ -166,8 +183,21 @@ export class Encoder {
       if (field.name === 'mavlink_version' && fields[field.name] === undefined) continue;
       values[field.property] = sentValue(field, fields[field.name]);
     }
-    return this.builder.build(type, values as never);
+    return this.builder.build(withBytes(type, fields), values as never);
   }
+}
+
+/** Returns a type that also writes the values of fields that are given as their bytes. */
+function withBytes(type: AnyMessageType, values: SentFields): AnyMessageType {
+  const raw = type.info.fields.filter(({ name, arrayLength }) => arrayLength === 0 && values[name] instanceof Uint8Array);
+  if (raw.length === 0) return type;
+  const write = (view: DataView, at: number, fields: never): void => {
+    (type.write as typeof write)(view, at, fields);
+    for (const { name, offset } of raw) {
+      (values[name] as Uint8Array).forEach((byte, index) => view.setUint8(at + offset + index, byte));
+    }
+  };
+  return { info: type.info, write } as unknown as AnyMessageType;
 }
 
 function sentValue(field: FieldInfo, value: SentFields[string] | undefined): unknown {
@@ -177,5 +207,6 @@ function sentValue(field: FieldInfo, value: SentFields[string] | undefined): unk
     const items = Array.from((value ?? []) as ArrayLike<number | bigint>);
     return wide ? items.map(BigInt) : items.map(Number);
   }
+  if (value instanceof Uint8Array) return wide ? 0n : 0;
   return wide ? BigInt((value ?? 0) as number) : Number(value ?? 0);
 }

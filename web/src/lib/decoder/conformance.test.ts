@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 
 import { describe, expect, it } from 'vitest';
 
-import { Decoder, Encoder, messageInfo, type DecodedMessage, type FieldValue } from './Decoder';
+import { Decoder, Encoder, messageInfo, SIZES, type DecodedMessage, type FieldValue } from './Decoder';
 
 interface Expected {
   readonly message: string;
@@ -26,9 +26,6 @@ interface Case {
 }
 
 const CHUNK = 7;
-const SIZES: Readonly<Record<string, number>> = {
-  char: 1, int8_t: 1, uint8_t: 1, int16_t: 2, uint16_t: 2, int32_t: 4, uint32_t: 4, int64_t: 8, uint64_t: 8, float: 4, double: 8,
-};
 
 const corpus = readFileSync(new URL('../../../../conformance/all.jsonl', import.meta.url), 'utf8')
   .split('\n')

@@ -261,6 +261,18 @@ describe('parameters', () => {
     expect(error).toMatchObject({ kind: 'ParameterDenied', message: 'setting CRUISE_SPEED of 4/1 failed: the vehicle keeps 3' });
   });
 
+  it('that their type cannot hold are not sent', async () => {
+    const flight = await startFlight([ROVER!]);
+    const whole = flight.transport.vehicles[0]!.parameters.find(({ type }) => type !== 9)!;
+    const before = whole.value;
+    for (const value of [1.5, 2 ** 40]) {
+      const error = await refusal(flight, flight.vehicle.setParameter(whole.name, value));
+      expect(error.kind).toBe('InvalidArgumentError');
+      expect(error.message).toMatch(new RegExp(`^${whole.name} is of type U?INT\\d+, which cannot hold ${value}$`));
+    }
+    expect(whole.value).toBe(before);
+  });
+
   it('that do not exist end in one error', async () => {
     const flight = await startFlight([ROVER!]);
     const error = await refusal(flight, flight.vehicle.getParameter('NO_SUCH'));
@@ -272,14 +284,16 @@ describe('plans', () => {
   const items = [1, 2, 3].map((seq) => ({
     seq: seq - 1, command: 16, name: 'NAV_WAYPOINT', frame: 3, params: [0, 0, 0, null, 47 + seq / 8, 8.54, 30], autocontinue: true,
   }));
-  const jump = { seq: 3, command: 177, name: 'DO_JUMP', frame: 3, params: [0, 2, 0, 0, 0, 0, 0], autocontinue: true };
-  const plan: Plan = { items: [...items, jump], home: null };
+  const jump = { seq: 3, command: 177, name: 'DO_JUMP', frame: 3, params: [0, 2, 0, 0, 0, 0, 0], autocontinue: false };
+  // Metres north, east and down.
+  const local = { seq: 4, command: 16, name: 'NAV_WAYPOINT', frame: 1, params: [0, 0, 0, null, 12.5, -3.25, -10], autocontinue: true };
+  const plan: Plan = { items: [...items, jump, local], home: null };
 
   it('come back as they were sent, without the home item of ArduPilot', async () => {
     const flight = await startFlight([COPTER!], { losesReceived: someLost(0.2), losesSent: someLost(0.1) });
     await flight.until(flight.vehicle.uploadPlan('mission', plan));
     // Home, and jumps to the item after it.
-    expect(flight.transport.vehicles[0]?.autopilot.mission).toHaveLength(5);
+    expect(flight.transport.vehicles[0]?.autopilot.mission).toHaveLength(6);
     expect(flight.transport.vehicles[0]?.autopilot.mission[4]?.params[0]).toBe(1);
     const back = await flight.until(flight.vehicle.downloadPlan('mission'));
     expect(back.items).toEqual(plan.items);

@@ -1,5 +1,6 @@
 /** The parts of a packet, for a view of its bytes. */
 import type { MessageInfo } from '$generated';
+import { SIZES } from '$lib/decoder/Decoder';
 
 export type PartKind = 'header' | 'ids' | 'message' | 'payload' | 'checksum' | 'signature';
 
@@ -30,10 +31,6 @@ const V2: readonly [PartKind, string, number][] = [
   ['ids', 'compid', 1],
   ['message', 'msgid', 3],
 ];
-const SIZES: Readonly<Record<string, number>> = {
-  char: 1, int8_t: 1, uint8_t: 1, int16_t: 2, uint16_t: 2, int32_t: 4, uint32_t: 4, float: 4, int64_t: 8, uint64_t: 8,
-  double: 8,
-};
 
 /** Returns the parts of a whole packet in order; fields of the payload by name if the message is known. */
 export function packetParts(packet: Uint8Array, info: MessageInfo | null): PacketPart[] {

@@ -1,6 +1,6 @@
 import { afterEach, describe, expect, it, vi } from 'vitest';
 
-import type { DecodedMessage } from '$lib/decoder/Decoder';
+import { Decoder, Encoder, type DecodedMessage, type SentFields } from '$lib/decoder/Decoder';
 import type { Parameter, Vehicle } from '$lib/vehicle/Vehicle';
 
 import { EMPTY_METADATA, toggleBit } from './logic/parameters';
@@ -8,6 +8,11 @@ import { parameterSet } from './parameterSet.svelte';
 import { settled, vehicle } from './testing';
 
 const parameter = (name: string, value: number): Parameter => ({ name, value, text: String(value), type: 'REAL32' });
+
+/** Returns a PARAM_VALUE as it is received. */
+function announced(component: number, fields: SentFields): DecodedMessage {
+  return new Decoder().push(new Encoder(1, component).build('PARAM_VALUE', fields), 0)[0]!;
+}
 
 /** Returns a vehicle that has parameters, and sets them as it is told. */
 function parametrised(system: number, values: readonly Parameter[], more: object = {}): Vehicle {
@@ -65,7 +70,7 @@ describe('the parameters', () => {
     let announce: (component: number, name: string, value: number) => void = () => undefined;
     const onMessage = (_: string, listener: (message: DecodedMessage) => void): (() => void) => {
       announce = (component, name, value) =>
-        listener({ component, fields: { param_id: name, param_value: value, param_type: 9 } } as unknown as DecodedMessage);
+        listener(announced(component, { param_id: name, param_value: value, param_type: 9 }));
       return () => (announce = () => undefined);
     };
     const values = [parameter('CAL_GYRO0_XOFF', 1), parameter('RTL_ALT', 1)];
@@ -91,11 +96,23 @@ describe('the parameters', () => {
     expect(value('RTL_ALT')).toBe(1);
   });
 
+  it('of PX4 are whole numbers, also below 0', async () => {
+    let announce: (value: Uint8Array) => void = () => undefined;
+    const onMessage = (_: string, listener: (message: DecodedMessage) => void): (() => void) => {
+      announce = (value) => listener(announced(1, { param_id: 'COM_FLTMODE1', param_value: value, param_type: 6 }));
+      return () => undefined;
+    };
+    const values = [{ ...parameter('COM_FLTMODE1', 1), type: 'INT32' }];
+    await shown(parametrised(1, values, { onMessage, state: { firmware: 'px4', alive: true, component: 1 } }));
+    announce(Uint8Array.of(255, 255, 255, 255));
+    expect(parameterSet.parameters['COM_FLTMODE1']?.value).toBe(-1);
+  });
+
   it('whose encoding is not known keep their value, unless they are floats', async () => {
     let announce: (type: number, name: string) => void = () => undefined;
     const onMessage = (_: string, listener: (message: DecodedMessage) => void): (() => void) => {
       announce = (type, name) =>
-        listener({ component: 1, fields: { param_id: name, param_value: 4, param_type: type } } as unknown as DecodedMessage);
+        listener(announced(1, { param_id: name, param_value: 4, param_type: type }));
       return () => undefined;
     };
     const values = [{ ...parameter('MODE', 1), type: 'INT32' }, parameter('GAIN', 1)];

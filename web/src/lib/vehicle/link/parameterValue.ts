@@ -16,46 +16,47 @@ export function encodingOf(firmware: VehicleState['firmware']): ParameterEncodin
   return firmware === 'px4' || firmware === 'msp' ? 'bytewise' : null;
 }
 
-const UINT8 = 1;
-const INT8 = 2;
-const UINT16 = 3;
-const INT16 = 4;
-const UINT32 = 5;
-const INT32 = 6;
 const REAL32 = 9;
+/** The smallest and the largest value of each MAV_PARAM_TYPE of integers. */
+const LIMITS: ReadonlyMap<number, readonly [smallest: number, largest: number]> = new Map([
+  [1, [0, 2 ** 8 - 1]],
+  [2, [-(2 ** 7), 2 ** 7 - 1]],
+  [3, [0, 2 ** 16 - 1]],
+  [4, [-(2 ** 15), 2 ** 15 - 1]],
+  [5, [0, 2 ** 32 - 1]],
+  [6, [-(2 ** 31), 2 ** 31 - 1]],
+]);
 
-const view = new DataView(new ArrayBuffer(4));
-
-/** Returns the value of a parameter from the float on the wire. */
-export function decodeValue(wire: number, type: number, encoding: ParameterEncoding): number {
-  if (encoding === 'cast' || type === REAL32) return wire;
-  view.setFloat32(0, wire, true);
-  switch (type) {
-    case UINT8:
-      return view.getUint8(0);
-    case INT8:
-      return view.getInt8(0);
-    case UINT16:
-      return view.getUint16(0, true);
-    case INT16:
-      return view.getInt16(0, true);
-    case UINT32:
-      return view.getUint32(0, true);
-    case INT32:
-      return view.getInt32(0, true);
-    default:
-      return wire;
-  }
+/**
+ * Returns the value of a parameter from the bytes of the float on the wire.
+ *
+ * Bytes, since a float does not keep those of every integer: browsers change the bytes of NaN, such as those of -1.
+ */
+export function decodeValue(bytes: Uint8Array, type: number, encoding: ParameterEncoding): number {
+  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  const limits = LIMITS.get(type);
+  if (encoding === 'cast' || limits === undefined) return view.getFloat32(0, true);
+  const [smallest, largest] = limits;
+  if (largest < 2 ** 8) return smallest < 0 ? view.getInt8(0) : view.getUint8(0);
+  if (largest < 2 ** 16) return smallest < 0 ? view.getInt16(0, true) : view.getUint16(0, true);
+  return smallest < 0 ? view.getInt32(0, true) : view.getUint32(0, true);
 }
 
-/** Returns the float on the wire for the value of a parameter. */
-export function encodeValue(value: number, type: number, encoding: ParameterEncoding): number {
-  if (encoding === 'cast' || type === REAL32) return value;
-  view.setUint32(0, 0);
-  if (type === UINT8 || type === INT8) view.setInt8(0, value);
-  else if (type === UINT16 || type === INT16) view.setInt16(0, value, true);
-  else view.setInt32(0, value, true);
-  return view.getFloat32(0, true);
+/** Returns the float on the wire for the value of a parameter, or its bytes; null if the type cannot hold the value. */
+export function encodeValue(value: number, type: number, encoding: ParameterEncoding): number | Uint8Array | null {
+  const limits = LIMITS.get(type);
+  if (limits === undefined) return value;
+  if (!Number.isInteger(value) || value < limits[0] || value > limits[1]) return null;
+  if (encoding === 'cast') return value;
+  const bytes = new Uint8Array(4);
+  // Two's complement, whose lower bytes are those of the smaller types.
+  new DataView(bytes.buffer).setUint32(0, value, true);
+  return limits[1] < 2 ** 8 ? bytes.fill(0, 1) : limits[1] < 2 ** 16 ? bytes.fill(0, 2) : bytes;
+}
+
+/** Returns whether two values of a type are the same one; floats have 32 bits on the wire. */
+export function isSame(one: number, other: number, type: number, encoding: ParameterEncoding): boolean {
+  return encoding === 'bytewise' && type !== REAL32 ? one === other : Math.fround(one) === Math.fround(other);
 }
 
 /** Returns the name of a MAV_PARAM_TYPE without its prefix, such as `REAL32`. */

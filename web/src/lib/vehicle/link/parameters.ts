@@ -1,11 +1,11 @@
 /** The parameter protocol: one by name, all with what got lost requested again, and setting. */
 
 import { StationError } from '$lib/api/errors';
-import type { DecodedMessage } from '$lib/decoder/Decoder';
+import { fieldBytes, type DecodedMessage } from '$lib/decoder/Decoder';
 
 import type { Parameter, ProgressListener } from '../Vehicle';
 import { request, type Channel } from './channel';
-import { decodeValue, encodeValue, floatText, typeName, type ParameterEncoding } from './parameterValue';
+import { decodeValue, encodeValue, floatText, isSame, typeName, type ParameterEncoding } from './parameterValue';
 
 /** Silence in ms after which missing parameters are requested one by one. */
 const LIST_TIMEOUT = 1500;
@@ -15,8 +15,8 @@ const MAX_NAME_LENGTH = 16;
 
 /** Returns the parameter of a PARAM_VALUE. */
 export function parameterOf(message: DecodedMessage, encoding: ParameterEncoding): Parameter {
-  const { param_id: name, param_value: wire, param_type: type } = message.fields;
-  const value = decodeValue(Number(wire), Number(type), encoding);
+  const { param_id: name, param_type: type } = message.fields;
+  const value = decodeValue(fieldBytes(message, 'param_value'), Number(type), encoding);
   const kind = typeName(Number(type));
   return { name: String(name), value, text: kind === 'REAL32' ? floatText(value) : String(value), type: kind };
 }
@@ -49,11 +49,12 @@ export async function writeParameter(
   const operation = `setting ${name} of ${channel.system}/${channel.component}`;
   const type = Number((await readMessage(channel, name)).fields.param_type);
   const wire = encodeValue(value, type, encoding);
+  if (wire === null) throw new StationError('InvalidArgumentError', `${name} is of type ${typeName(type)}, which cannot hold ${value}`);
   let others = 0;
   const read = (message: DecodedMessage): Parameter | undefined => {
     if (message.fields.param_id !== name) return undefined;
     const parameter = parameterOf(message, encoding);
-    if (Math.fround(parameter.value) === Math.fround(value)) return parameter;
+    if (isSame(parameter.value, value, type, encoding)) return parameter;
     others += 1;
     // The first may be a late answer to the request above, which was repeated.
     if (others < MAX_OTHER_VALUES) return undefined;

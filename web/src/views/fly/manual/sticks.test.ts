@@ -26,6 +26,7 @@ describe('gamepad', () => {
       roll: 0.3,
       throttle: 0.4,
     });
+    expect(padSticks(pad(axes), { ...LINEAR, mode: 3 })).toMatchObject({ roll: 0.1, pitch: 0.2, yaw: 0.3, throttle: 0.4 });
     expect(padSticks(pad(axes), { ...LINEAR, mode: 4, inverted: ['yaw'] })).toMatchObject({ roll: 0.1, yaw: -0.3 });
   });
 
@@ -54,6 +55,17 @@ describe('keyboard', () => {
     expect(keys.read(540).isHeld).toBe(true);
     keys.clear();
     expect(keys.read(560)).toMatchObject({ isHeld: false, pitch: 0 });
+  });
+
+  it.each([
+    ['KeyW', 'throttle', 0.5], ['KeyS', 'throttle', -0.5], ['KeyA', 'yaw', -0.5], ['KeyD', 'yaw', 0.5],
+    ['ArrowUp', 'pitch', 0.5], ['ArrowDown', 'pitch', -0.5], ['ArrowLeft', 'roll', -0.5], ['ArrowRight', 'roll', 0.5],
+  ] as const)('%s moves %s by %d', (code, axis, expected) => {
+    const keys = new KeySticks();
+    keys.read(0);
+    keys.press(code);
+    const centred = { roll: 0, pitch: 0, throttle: 0, yaw: 0 };
+    expect(keys.read(1000)).toMatchObject({ ...centred, [axis]: expected });
   });
 
   it('cancels opposite keys', () => {
