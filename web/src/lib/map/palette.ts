@@ -1,4 +1,6 @@
-/** Colours of the map. They come from the theme where it defines them; the colours of vehicles are Okabe and Ito's. */
+/** Colours of the map. They come from the theme where it defines them; vehicles have those of series. */
+
+import { seriesColour } from '$lib/plot/colours';
 
 export interface MapPalette {
   readonly isDark: boolean;
@@ -41,18 +43,14 @@ export const LIGHT: MapPalette = {
   accent: '#0072b2',
   mission: '#8a6100',
   fenceIn: '#007d5b',
-  fenceOut: '#c04a00',
+  fenceOut: '#b0003a',
   rally: '#a3407c',
   home: '#111a26',
   traffic: '#0b5f94',
   warning: '#a86b00',
 };
 
-const VEHICLES_DARK = ['#56b4e9', '#e69f00', '#1fc08f', '#f0e442', '#e28abf', '#ff7f3f', '#8fb4ff', '#d8dee8'];
-const VEHICLES_LIGHT = ['#0072b2', '#b36b00', '#00805c', '#7a6f00', '#a3407c', '#c04a00', '#3c55b0', '#3a4656'];
-
 /** Return the colour of a vehicle; eight vehicles in a row differ, each also has its number beside its symbol. */
 export function vehicleColour(system: number, isDark: boolean): string {
-  const colours = isDark ? VEHICLES_DARK : VEHICLES_LIGHT;
-  return colours[(system - 1 + colours.length * 32) % colours.length]!;
+  return seriesColour((system + 255) % 256, isDark);
 }

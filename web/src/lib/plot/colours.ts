@@ -1,6 +1,10 @@
-/** Colours of series: those of Okabe and Ito, which colour-blind people tell apart, legible on dark and light. */
-const DARK = ['#56b4e9', '#e69f00', '#2fc79a', '#f0e442', '#cc79a7', '#ff8a4c', '#8fa3ff', '#b8c0cc'] as const;
-const LIGHT = ['#0072b2', '#b87a00', '#00805c', '#8f8500', '#b0558a', '#c24e00', '#4a5fd0', '#5b6470'] as const;
+/**
+ * Colours of series and of vehicles, which colour-blind people tell apart, legible on dark and light.
+ *
+ * The first ones are those of Okabe and Ito; `colours.test.ts` measures all as people without one kind of cone see them.
+ */
+export const DARK = ['#56b4e9', '#e69f00', '#009e73', '#f0e442', '#cc79a7', '#8769ff', '#c3f0b4', '#96873c'] as const;
+export const LIGHT = ['#0072b2', '#d55e00', '#009e73', '#960069', '#5a4b0f', '#8769f0', '#f0004b', '#9600ff'] as const;
 
 /** Returns the colour of the series of a number, repeated after eight. */
 export function seriesColour(index: number, dark: boolean): string {
