@@ -5,10 +5,13 @@ from __future__ import annotations
 import json
 import struct
 import threading
-import zlib
 from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from io import BytesIO
 from typing import TYPE_CHECKING, ClassVar
+
+import matplotlib.image
+import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -24,18 +27,9 @@ _WHOLE_TILE = (9, 0, 0, 26, 8192, 0, 0, 8192, 8191, 0, 15)
 
 def picture(colour: tuple[int, int, int]) -> bytes:
     """Return a tile of one colour (PNG)."""
-
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    header = struct.pack(">2I5B", _SIZE, _SIZE, 8, 2, 0, 0, 0)
-    rows = (b"\0" + bytes(colour) * _SIZE) * _SIZE
-    return (
-        b"\x89PNG\r\n\x1a\n"
-        + chunk(b"IHDR", header)
-        + chunk(b"IDAT", zlib.compress(rows))
-        + chunk(b"IEND", b"")
-    )
+    data = BytesIO()
+    matplotlib.image.imsave(data, np.full((_SIZE, _SIZE, 3), colour, np.uint8), format="png")
+    return data.getvalue()
 
 
 def varint(value: int) -> bytes:

@@ -52,5 +52,5 @@ export const LIGHT: MapPalette = {
 
 /** Return the colour of a vehicle; eight vehicles in a row differ, each also has its number beside its symbol. */
 export function vehicleColour(system: number, isDark: boolean): string {
-  return seriesColour((system + 255) % 256, isDark);
+  return seriesColour(system + 255, isDark);
 }

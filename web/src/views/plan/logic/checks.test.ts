@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 
-import { check, type CheckInput } from './checks';
+import { check, selectionOf, type CheckInput, type Problem } from './checks';
 import { newItem } from './commands';
 import { hgtHeight, hgtSource, heightOfColour, readHgt, tilePlace, tileSource } from './elevation';
 import { destination } from './geo';
@@ -209,6 +209,17 @@ describe('checks', () => {
     expect(await graded({ ...good, circles: [house!] }, ARDUPILOT)).toEqual(['error checkHomeOutside']);
     const box = [away2(100, 100), away2(200, 100), away2(200, 200), away2(100, 200)];
     expect(await graded({ ...good, polygons: [{ inclusion: true, vertices: box }] }, PX4)).toContain('error checkPolygonIgnored');
+  });
+
+  it('are about a part of the plan, or all of it', () => {
+    const part = (kind: Problem['kind'], key: Problem['key'], index: number | null) => selectionOf({ severity: 'error', kind, key, index, values: {} });
+    expect(part('mission', 'checkNoAltitude', 2)).toEqual({ kind: 'item', index: 2 });
+    expect(part('fence', 'checkCrossesItself', 1)).toEqual({ kind: 'polygon', index: 1 });
+    expect(part('fence', 'checkPolygonIgnored', 1)).toEqual({ kind: 'polygon', index: 1 });
+    expect(part('fence', 'checkNoRadius', 1)).toEqual({ kind: 'circle', index: 1 });
+    expect(part('fence', 'checkCircleIgnored', 0)).toEqual({ kind: 'circle', index: 0 });
+    expect(part('rally', 'checkRallyOutside', 0)).toEqual({ kind: 'rally', index: 0 });
+    expect(part('mission', 'checkBattery', null)).toBeNull();
   });
 
   it('tell a leg that leaves through a corner, and a return point that is outside', async () => {

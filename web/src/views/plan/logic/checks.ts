@@ -3,6 +3,7 @@
 import type { plan as texts } from '$lib/i18n/en/plan';
 
 import { commandInfo, isOnPath, itemPosition } from './commands';
+import type { Selection } from './edits';
 import { PX4, allows, gradeOf, legLeaves } from './fenceCheck';
 import { crossesItself, distance, type Point } from './geo';
 import { CMD, FRAME, isEmpty, type Circle, type Item, type Plan, type PlanKind, type Polygon } from './model';
@@ -40,6 +41,8 @@ export interface CheckInput {
   readonly firmware: number;
 }
 
+/** Problems of the fence whose index is that of a circle. */
+const OF_CIRCLES: ReadonlySet<CheckKey> = new Set(['checkNoRadius', 'checkCircleIgnored']);
 /** The part of a battery that a mission may need. */
 const USABLE_BATTERY = 0.8;
 const FAR_FROM_VEHICLE = 5000;
@@ -55,6 +58,13 @@ type Values = Readonly<Record<string, string | number>>;
 
 function problem(severity: Severity, kind: PlanKind, key: CheckKey, index: number | null = null, values: Values = {}): Problem {
   return { severity, kind, index, key, values: index === null ? values : { number: index + 1, ...values } };
+}
+
+/** Returns the part of the plan that a problem is about; null: the whole plan. */
+export function selectionOf({ kind, key, index }: Problem): Selection | null {
+  if (index === null) return null;
+  if (kind === 'fence') return { kind: OF_CIRCLES.has(key) ? 'circle' : 'polygon', index };
+  return { kind: kind === 'mission' ? 'item' : 'rally', index };
 }
 
 /** Returns the problems of a plan, the worst first. */
