@@ -17,6 +17,9 @@ class HasCoreDialect(Protocol):
     def core_dialect(self) -> Dialect:
         """The layout tables of the dialect."""
 
+#: The compiler that built the core, and whose it is: "rustc 1.95.0 (59807616e 2026-04-14) of the system".
+TOOLCHAIN: str
+
 def crc16(data: Buffer, crc: int = 0xFFFF) -> int:
     """Calculate the CRC-16/MCRF4XX of `data`, the checksum of MAVLink packets.
 
@@ -934,6 +937,16 @@ class DataFlashIndex:
             count: Number of records.
         """
 
+    def neighbour_times(self, slot: int, timed: Sequence[tuple[int, DataFlashLayout]]) -> list[int]:
+        """Return a time for each record of a slot whose records have none: the time of the record before it.
+
+        Records before all timed ones get the time of the first timed record; without any it is -2**63 (NaT).
+
+        Args:
+            slot: The slot.
+            timed: The slots whose records have a time, each with a layout that has it.
+        """
+
     def decode(self, tables: Sequence[tuple[int, int, DataFlashLayout, Buffer]], *, threads: int = 1) -> None:
         """Decode rows of several tables in one pass.
 
@@ -945,6 +958,145 @@ class DataFlashIndex:
         Raises:
             IndexError: The slot has fewer rows.
             ValueError: A buffer is read-only, has no size of whole rows or overlaps another.
+        """
+
+@final
+class Claims:
+    """The claims of senders on addresses, in numbers; see `mavstack.security.senders`.
+
+    Args:
+        silence: Seconds without a packet after which another sender may hold an address.
+    """
+
+    def __new__(cls, silence: float = 2.5) -> Self: ...
+    def open(self, place: int, group: int, host: int, authority: int, now: float) -> int | None:
+        """Add a sender.
+
+        Args:
+            place: Number of the link that it belongs to.
+            group: Number of the group of redundant links that its link belongs to; 0: none.
+            host: Number of the host that it comes from.
+            authority: The proof of its identity, 0 to 4.
+            now: Time in seconds.
+
+        Returns:
+            Its number; None: there are 4,096 senders.
+
+        Raises:
+            ValueError: There is no such authority.
+        """
+
+    def close(self, sender: int) -> None:
+        """Remove a sender and its claims. Idempotent.
+
+        Args:
+            sender: Its number.
+        """
+
+    def set_authority(self, sender: int, authority: int) -> None:
+        """Change the proof of a sender's identity; what an earlier one proved is withdrawn.
+
+        Args:
+            sender: Its number.
+            authority: The proof of its identity, 0 to 4.
+
+        Raises:
+            ValueError: The sender is not open, or there is no such authority.
+        """
+
+    def touch(self, sender: int, now: float) -> None:
+        """Record that bytes came from a sender, whatever they are.
+
+        Args:
+            sender: Its number.
+            now: Time in seconds.
+        """
+
+    def hear(self, sender: int, system: int, component: int, authority: int, now: float) -> int:
+        """Record a packet.
+
+        Args:
+            sender: Number of the sender that it came from.
+            system: System id of the packet.
+            component: Component id of the packet.
+            authority: The proof of this packet, 0 to 4; that of the sender counts too.
+            now: Time in seconds.
+
+        Returns:
+            The standing: 0 held, 1 new, 2 shared, 3 contested, 4 outranked.
+
+        Raises:
+            ValueError: The sender is not open, or there is no such authority.
+        """
+
+    def standing(self, sender: int, system: int, component: int, authority: int, now: float) -> int:
+        """Return the standing that a packet would have, and record nothing; see `hear`."""
+
+    def note_ground_station(self, sender: int, system: int, component: int, is_station: bool) -> None:
+        """Record whether the heartbeat of a sender for an address is that of a ground station."""
+
+    def note_boot_time(self, sender: int, system: int, component: int, boot_time: int, now: float) -> int:
+        """Record a boot time.
+
+        Args:
+            sender: Number of the sender.
+            system: System id of the packet.
+            component: Component id of the packet.
+            boot_time: Milliseconds since the boot.
+            now: Time in seconds.
+
+        Returns:
+            0: the clock agrees; 1: the source rebooted; 2: another clock, of a sender that does not hold the address.
+        """
+
+    def routes(self, system: int, component: int) -> list[int] | None:
+        """Return the senders that lead to a target; None: its system was never heard."""
+
+    def claims_on(
+        self, system: int, component: int
+    ) -> list[tuple[int, int, float, float, bool, bool, bool]]:
+        """Return the claims on an address, the holder's first, each as a tuple of its attributes."""
+
+    def is_authenticated(self, system: int, component: int) -> bool:
+        """Return whether an authenticated sender holds an address."""
+
+    def addresses(self) -> list[tuple[int, int]]:
+        """Return all claimed addresses, ordered."""
+
+    def contradict(self, sender: int, system: int, component: int, contradiction: int, now: float) -> bool:
+        """Record a contradiction.
+
+        Args:
+            sender: Number of the sender of the newer packet.
+            system: System id of the packet.
+            component: Component id of the packet.
+            contradiction: Its number: 0 sender, 1 boot time, 2 unique id, 3 type, 4 position.
+            now: Time in seconds.
+
+        Returns:
+            True if a conflict begins.
+
+        Raises:
+            ValueError: There is no such contradiction.
+        """
+
+    def conflict(self, system: int, component: int) -> tuple[float, float, list[int], list[int]] | None:
+        """Return the conflict about an address as a tuple of its attributes; None: there is no conflict."""
+
+    def end_conflicts(self, now: float) -> list[tuple[int, int]]:
+        """End the conflicts without a contradiction in 30 seconds, and return their addresses."""
+
+    def first_to_evict(self, place: int | None, host: int, authority: int, now: float) -> int | None:
+        """Return the sender that makes room for a new one; None: no sender does, and the new one is refused.
+
+        Args:
+            place: Number of the link whose senders may make room, and of the new one; None: all links.
+            host: Number of the host that the new sender comes from.
+            authority: The proof of its identity, 0 to 4.
+            now: Time in seconds.
+
+        Raises:
+            ValueError: There is no such authority.
         """
 
 @final
@@ -1009,7 +1161,7 @@ class RouterCore:
     """
 
     def __new__(cls, dialect: HasCoreDialect, duplicate_window: float) -> Self: ...
-    def add_udp(self, descriptor: int, peer: tuple[str, int] | None, idle: float, max_peers: int) -> int:
+    def add_udp(self, descriptor: int, peer: tuple[str, int] | None, idle: float, max_peers: int, trusts_senders: bool) -> int:
         """Add a UDP socket, whose descriptor is duplicated; return the number of the endpoint."""
 
     def add_stream(self, descriptor: int, has_lengths: bool, queue_bytes: int) -> int:
@@ -1055,6 +1207,12 @@ class RouterCore:
 
     def set_allowed_peers(self, endpoint: int, ranges: Sequence[tuple[str, int, int, int]] | None) -> None:
         """Set the ranges of peers that a listening socket accepts."""
+
+    def set_blocked_peers(self, endpoint: int, peers: Sequence[tuple[str, int]]) -> None:
+        """Cut off peers of a listening socket, and free all others."""
+
+    def set_authority(self, endpoint: int, authority: int) -> None:
+        """Set how the identity of the peer of an endpoint is proven, 0 to 4."""
 
     def set_signing(
         self,

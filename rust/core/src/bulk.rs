@@ -272,8 +272,9 @@ fn scan_segment(source: Source<'_>, state: State, end: usize) -> Segment {
     let mut statistics = Statistics::default();
     let mut scanner = Scanner::resume(data, dialect, timestamped, state);
     while scanner.state().boundary < end {
-        let next =
-            if at_end { scanner.next_packet_at_end(&mut statistics) } else { scanner.next_packet(&mut statistics) };
+        let next = scanner.next_packet(&mut statistics);
+        // Usually there is a packet: the end of the bytes is a separate call, so that this one is inlined.
+        let next = if next.is_none() && at_end { scanner.next_packet_at_end(&mut statistics) } else { next };
         let Some(found) = next else {
             break;
         };

@@ -6,9 +6,11 @@
 #![forbid(unsafe_code)]
 
 pub mod bulk;
+pub mod claims;
 pub mod crc;
 pub mod encode;
 pub mod header;
+pub mod index_set;
 pub mod layout;
 pub mod parser;
 mod running_crc;

@@ -5,7 +5,7 @@ use fuzz_dialect::{dialect, stream};
 use libfuzzer_sys::fuzz_target;
 use mavstack_core::parser::Parser;
 use mavstack_router::ports::PortId;
-use mavstack_router::router::{Origin, QueueFull, Router, Sink, Time};
+use mavstack_router::router::{Origin, Router, Sink, Time, Unsent};
 use std::sync::Arc;
 
 const PORTS: usize = 5;
@@ -17,7 +17,7 @@ const RADIO_STATUS: u32 = 109;
 struct Sent(Vec<(PortId, Vec<u8>)>);
 
 impl Sink for Sent {
-    fn send(&mut self, port: PortId, packet: &[u8], _: Origin) -> Result<(), QueueFull> {
+    fn send(&mut self, port: PortId, packet: &[u8], _: Origin) -> Result<(), Unsent> {
         self.0.push((port, packet.to_vec()));
         Ok(())
     }

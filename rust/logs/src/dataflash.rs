@@ -8,6 +8,7 @@
 
 pub mod format;
 pub mod index;
+mod neighbours;
 pub mod row;
 #[cfg(test)]
 mod samples;
@@ -16,3 +17,4 @@ pub mod scan;
 mod segment;
 
 pub use index::{Index, Request};
+pub use neighbours::Timed;

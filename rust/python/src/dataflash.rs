@@ -214,6 +214,27 @@ impl DataFlashIndex {
         Ok(positions)
     }
 
+    /// Return a time for each record of a slot whose records have none: the time of the record before it.
+    ///
+    /// Records before all timed ones get the time of the first timed record; without any it is -2**63 (NaT).
+    ///
+    /// Args:
+    ///     slot: The slot.
+    ///     timed: The slots whose records have a time, each with a layout that has it.
+    fn neighbour_times(
+        &self,
+        py: Python<'_>,
+        slot: usize,
+        timed: Vec<(usize, Py<DataFlashLayout>)>,
+    ) -> PyResult<Vec<i64>> {
+        let mut found = vec![0; self.core.rows(slot)];
+        let clocks: Vec<_> = timed.iter().map(|(slot, layout)| (*slot, &layout.get().0)).collect();
+        // SAFETY: as in `new`.
+        let data = unsafe { shared(&self.data) }?;
+        py.detach(|| self.core.neighbour_times(data, slot, &clocks, &mut found));
+        Ok(found)
+    }
+
     /// Decode rows of several tables in one pass.
     ///
     /// Args:

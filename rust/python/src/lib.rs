@@ -5,6 +5,7 @@
 //! by its bytes.
 
 mod buffers;
+mod claims;
 mod class;
 mod construct;
 mod dataflash;
@@ -63,10 +64,12 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<dataflash::DataFlashIndex>()?;
     module.add_class::<dataflash::DataFlashLayout>()?;
     module.add_class::<ulog::UlogIndex>()?;
+    module.add_class::<claims::Claims>()?;
     module.add_class::<router::RouterCore>()?;
     module.add_class::<packet_router::PacketRouter>()?;
     module.add("MessageMeta", class::metaclass(py)?)?;
     module.add("MessageBase", message::base_class(py)?)?;
+    module.add("TOOLCHAIN", env!("MAVSTACK_TOOLCHAIN"))?;
     module.add_function(wrap_pyfunction!(crc16, module)?)?;
     module.add_function(wrap_pyfunction!(class::new_message_class, module)?)?;
     module.add_function(wrap_pyfunction!(encode::encode, module)?)?;

@@ -6,7 +6,7 @@ use mavstack_core::header::Header;
 use mavstack_core::layout;
 use mavstack_core::parser::Packet;
 use mavstack_router::ports::PortId;
-use mavstack_router::router::{Origin, QueueFull, Router, Sink, Time};
+use mavstack_router::router::{Origin, Router, Sink, Time, Unsent};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ pub struct PacketRouter {
 struct Ports(Vec<PortId>);
 
 impl Sink for Ports {
-    fn send(&mut self, port: PortId, _packet: &[u8], _origin: Origin) -> Result<(), QueueFull> {
+    fn send(&mut self, port: PortId, _packet: &[u8], _origin: Origin) -> Result<(), Unsent> {
         self.0.push(port);
         Ok(())
     }

@@ -44,9 +44,16 @@ impl RouterCore {
     }
 
     /// Add a UDP socket, whose descriptor is duplicated; return the number of the endpoint.
-    fn add_udp(&self, descriptor: i64, peer: Option<(String, u16)>, idle: f64, max_peers: usize) -> PyResult<u32> {
+    fn add_udp(
+        &self,
+        descriptor: i64,
+        peer: Option<(String, u16)>,
+        idle: f64,
+        max_peers: usize,
+        trusts_senders: bool,
+    ) -> PyResult<u32> {
         let peer = peer.map(|(host, port)| address(&host, port)).transpose()?;
-        let options = UdpOptions { peer, idle: microseconds(idle), max_peers };
+        let options = UdpOptions { peer, idle: microseconds(idle), max_peers, trusts_senders };
         Ok(self.engine.add_udp(udp_of(descriptor)?, options)?)
     }
 
@@ -128,6 +135,19 @@ impl RouterCore {
     /// Set the ranges of peers that a listening socket accepts.
     fn set_allowed_peers(&self, endpoint: u32, ranges: Option<Vec<PeerTuple>>) -> PyResult<()> {
         self.engine.set_allowed_peers(endpoint, ranges.map(peer_ranges).transpose()?);
+        Ok(())
+    }
+
+    /// Cut off peers of a listening socket, and free all others.
+    fn set_blocked_peers(&self, endpoint: u32, peers: Vec<(String, u16)>) -> PyResult<()> {
+        let peers = peers.iter().map(|(host, port)| address(host, *port)).collect::<PyResult<_>>()?;
+        self.engine.set_blocked_peers(endpoint, peers);
+        Ok(())
+    }
+
+    /// Set how the identity of the peer of an endpoint is proven, 0 to 4.
+    fn set_authority(&self, endpoint: u32, authority: u8) -> PyResult<()> {
+        self.engine.set_authority(endpoint, crate::claims::authority_of(authority)?);
         Ok(())
     }
 

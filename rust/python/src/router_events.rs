@@ -14,9 +14,10 @@ pub fn to_tuple<'py>(py: Python<'py>, event: &Event) -> PyResult<Bound<'py, PyTu
         Event::Closed { endpoint, reason } => ("closed", *endpoint, reason).into_pyobject(py),
         Event::Ended => ("ended",).into_pyobject(py),
         Event::Readable { endpoint } => ("readable", *endpoint).into_pyobject(py),
-        Event::Inspect { token, endpoint, outgoing, packet } => {
+        Event::Inspect { token, endpoint, outgoing, peer, verified, packet } => {
             let kind = if *outgoing { "inspect_out" } else { "inspect" };
-            (kind, *token, *endpoint, PyBytes::new(py, packet)).into_pyobject(py)
+            let peer = peer.as_ref().map(host_and_port);
+            (kind, *token, *endpoint, PyBytes::new(py, packet), peer, *verified).into_pyobject(py)
         }
         Event::PeerOpened { endpoint, address } => ("peer", *endpoint, host_and_port(address)).into_pyobject(py),
         Event::PeerClosed { endpoint, address } => ("peer_closed", *endpoint, host_and_port(address)).into_pyobject(py),
@@ -28,6 +29,7 @@ pub fn to_tuple<'py>(py: Python<'py>, event: &Event) -> PyResult<Bound<'py, PyTu
                 }
                 Notice::Loop => ("loop", *endpoint, packet).into_pyobject(py),
                 Notice::Spoofed => ("spoofed", *endpoint, packet).into_pyobject(py),
+                Notice::Contested => ("contested", *endpoint, packet).into_pyobject(py),
                 Notice::SigningKey => ("signing_key", *endpoint, packet).into_pyobject(py),
                 Notice::Refused(reason) => ("refused", *endpoint, packet, *reason).into_pyobject(py),
                 Notice::Rebooted => ("rebooted", *endpoint, packet).into_pyobject(py),

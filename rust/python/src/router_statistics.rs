@@ -48,7 +48,10 @@ fn endpoint<'py>(py: Python<'py>, endpoint: &EndpointSnapshot) -> PyResult<Bound
     dict.set_item("bad_crc", endpoint.totals.bad_checksum)?;
     dict.set_item("unknown", endpoint.totals.unknown)?;
     dict.set_item("queued", endpoint.queued)?;
-    let peers = endpoint.peers.iter().map(|(address, age)| (address.ip().to_string(), address.port(), *age));
+    let peers = endpoint
+        .peers
+        .iter()
+        .map(|peer| (peer.address.ip().to_string(), peer.address.port(), peer.age, peer.accepted, peer.bad_bytes));
     dict.set_item("peers", peers.collect::<Vec<_>>())?;
     let status = &endpoint.radio_status;
     dict.set_item("radio_status", (!status.is_empty()).then(|| PyBytes::new(py, status)))?;
@@ -64,8 +67,10 @@ impl Statistics<'_> {
         }
         dict.set_item("endpoints", endpoints)?;
         let routes = self.0.routes.iter();
-        let routes =
-            routes.map(|route| (route.system, route.component, route.endpoints.clone(), route.verified, route.age));
+        let routes = routes.map(|route| {
+            let (endpoints, verified, contested) = (route.endpoints.clone(), route.verified, route.contested);
+            (route.system, route.component, endpoints, verified, contested, route.age)
+        });
         dict.set_item("routes", routes.collect::<Vec<_>>())?;
         dict.set_item("dropped_events", self.0.dropped_events)?;
         Ok(dict.into_any())

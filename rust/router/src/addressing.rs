@@ -8,6 +8,8 @@ const RADIO_STATUS: u32 = 109;
 const RADIO: u32 = 166;
 const SETUP_SIGNING: u32 = 256;
 const SYSTEM_TIME: u32 = 2;
+/// MAV_TYPE_GCS.
+const STATION_TYPE: u8 = 6;
 /// COMMAND_INT and COMMAND_LONG.
 pub const COMMAND_IDS: [u32; 2] = [75, 76];
 
@@ -22,6 +24,8 @@ pub enum Kind {
     SigningKey,
     /// SYSTEM_TIME: its boot time falls when its sender reboots.
     BootTime,
+    /// HEARTBEAT: ground stations may share an address.
+    Heartbeat,
 }
 
 /// Positions of the fields of one message that routing reads.
@@ -32,6 +36,7 @@ struct Fields {
     target_component: Option<u8>,
     command: Option<u8>,
     boot_time: Option<u8>,
+    vehicle_type: Option<u8>,
 }
 
 impl Fields {
@@ -44,6 +49,7 @@ impl Fields {
             (RADIO_STATUS, "RADIO_STATUS") | (RADIO, "RADIO") => Kind::LinkStatus,
             (SETUP_SIGNING, "SETUP_SIGNING") => Kind::SigningKey,
             (SYSTEM_TIME, "SYSTEM_TIME") => Kind::BootTime,
+            (HEARTBEAT, "HEARTBEAT") => Kind::Heartbeat,
             _ => Kind::Ordinary,
         };
         let command = COMMAND_IDS.contains(&layout.id).then(|| offset("command", FieldType::U16));
@@ -53,6 +59,7 @@ impl Fields {
             target_component: offset("target_component", FieldType::U8),
             command: command.flatten(),
             boot_time: offset("time_boot_ms", FieldType::U32),
+            vehicle_type: offset("type", FieldType::U8),
         }
     }
 
@@ -82,6 +89,8 @@ pub struct Summary {
     pub command: Option<u16>,
     /// The boot time of a SYSTEM_TIME in milliseconds.
     pub boot_time: Option<u32>,
+    /// A HEARTBEAT of type MAV_TYPE_GCS.
+    pub is_station: bool,
 }
 
 impl Summary {
@@ -117,6 +126,7 @@ impl Addressing {
         let payload = packet.payload();
         let byte = |offset: u8| payload.get(usize::from(offset)).copied().unwrap_or(0);
         let boot_time = fields.boot_time.filter(|_| fields.kind == Kind::BootTime);
+        let vehicle_type = fields.vehicle_type.filter(|_| fields.kind == Kind::Heartbeat);
         Summary {
             message_id: header.message_id,
             slot: packet.slot,
@@ -127,6 +137,7 @@ impl Addressing {
             target_component: fields.target_component.map_or(0, byte),
             command: fields.command.map(|offset| u16::from_le_bytes([byte(offset), byte(offset + 1)])),
             boot_time: boot_time.map(|at| u32::from_le_bytes([byte(at), byte(at + 1), byte(at + 2), byte(at + 3)])),
+            is_station: vehicle_type.is_some_and(|at| byte(at) == STATION_TYPE),
         }
     }
 }
@@ -152,7 +163,7 @@ mod tests {
         let read = summary(&packet_bytes(76, &payload, (255, 190, 0)));
         assert_eq!((read.target_system, read.target_component), (2, 0));
         let read = summary(&packet_bytes(0, &[0; 9], (1, 1, 0)));
-        assert_eq!((read.target_system, read.command, read.kind), (0, None, Kind::Ordinary));
+        assert_eq!((read.target_system, read.command, read.kind), (0, None, Kind::Heartbeat));
     }
 
     #[test]

@@ -42,11 +42,13 @@ pub enum Cause {
     OtherPeer,
     /// A datagram of a new peer, of which there are too many.
     TooManyPeers,
+    /// For a new peer that answered nothing so far.
+    Unanswered,
 }
 
 impl Cause {
     /// All causes with their names in statistics.
-    pub const ALL: [(Self, &'static str); 23] = [
+    pub const ALL: [(Self, &'static str); 24] = [
         (Self::RuleIn, "rule_in"),
         (Self::RuleOut, "rule_out"),
         (Self::Rate, "rate"),
@@ -70,6 +72,7 @@ impl Cause {
         (Self::NotInspected, "not_inspected"),
         (Self::OtherPeer, "other_peer"),
         (Self::TooManyPeers, "too_many_peers"),
+        (Self::Unanswered, "unanswered"),
     ];
 
     /// The name in statistics.

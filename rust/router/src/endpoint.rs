@@ -6,6 +6,7 @@ use crate::counters::{Cause, Counters};
 use crate::event::EndpointNumber;
 use crate::gateway::Gateway;
 use crate::rules::Rules;
+use mavstack_core::claims::Authority;
 use mavstack_core::parser::Packet;
 
 /// Seconds of its byte rate that an endpoint sends in a burst, and the shortest burst in bytes.
@@ -29,6 +30,8 @@ pub struct Endpoint {
     /// Packets from it and to it are dropped.
     pub paused: bool,
     pub gateway: Gateway,
+    /// How the identity of its peer is proven; see [`crate::router::Router::set_authority`].
+    pub(crate) authority: Authority,
     pub counters: Counters,
     /// The payload of the last RADIO_STATUS.
     pub radio_status: Vec<u8>,
@@ -50,6 +53,7 @@ impl Endpoint {
             monitor: false,
             paused: false,
             gateway: Gateway::default(),
+            authority: Authority::None,
             counters: Counters::default(),
             radio_status: Vec::new(),
             bucket: None,

@@ -32,6 +32,10 @@ pub enum Event {
         token: u64,
         endpoint: EndpointNumber,
         outgoing: bool,
+        /// The remote address of its sender, if that is a peer of a listening socket.
+        peer: Option<SocketAddr>,
+        /// It has a valid signature.
+        verified: bool,
         packet: Vec<u8>,
     },
     PeerOpened {
@@ -62,7 +66,10 @@ pub enum Notice {
         dry_run: bool,
     },
     Loop,
+    /// From an address that an authenticated sender holds.
     Spoofed,
+    /// Another sender, which is no better proven, holds its address: there is a conflict.
+    Contested,
     SigningKey,
     Refused(&'static str),
     Rebooted,

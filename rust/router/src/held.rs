@@ -70,6 +70,11 @@ impl HeldPackets {
         (Some(self.last_token), expired)
     }
 
+    /// Returns whether a packet from a port waits.
+    pub fn is_waiting(&self, from: u64) -> bool {
+        self.waiting.keys().any(|(sender, _)| *sender == from)
+    }
+
     pub fn remove(&mut self, token: u64) -> Option<Held> {
         let held = self.packets.remove(&token)?;
         self.release(&held);

@@ -16,7 +16,6 @@ mod held;
 pub mod ports;
 pub mod router;
 pub mod rules;
-pub mod table;
 
 #[cfg(test)]
 mod tests;

@@ -9,9 +9,14 @@
 //! copies that they deliver are dropped. A packet that comes back over a redundant path, because it was sent to the port
 //! on which it arrives, is reported and dropped, and teaches nothing.
 //!
+//! A port is a sender, and each packet is a claim on its address (see [`mavstack_core::claims`]). Only a sender that holds
+//! an address, or shares it, gets the packets for it: naming oneself as a vehicle leads nothing astray. Packets of a
+//! contested claim are forwarded, and reported as a conflict if it lasts; those from an address that an authenticated
+//! sender holds are dropped.
+//!
 //! A monitor gets every accepted packet, whatever its target. It is never a route, and nothing comes from it.
 
-use crate::addressing::{Addressing, Summary};
+use crate::addressing::{Addressing, Kind, Summary};
 use crate::counters::Cause;
 use crate::duplicates::Duplicates;
 use crate::endpoint::Endpoint;
@@ -20,16 +25,21 @@ use crate::gateway::{Admission, rewrite};
 use crate::held::{Held, HeldPackets};
 use crate::ports::{MAX_PORTS, PortId, PortSet};
 use crate::rules::{Rules, Verdict};
-use crate::table::{Learned, Table};
+use mavstack_core::claims::{Authority, BootClock, Claims, Contradiction, Paths, Standing};
 use mavstack_core::layout::Dialect;
 use mavstack_core::parser::Packet;
 use slab::Slab;
+use std::net::SocketAddr;
 use std::sync::Arc;
 
 mod members;
 
 /// Microseconds within which a packet that comes back is recognised, and a copy on a link of its group.
 const COPY_WINDOW: u64 = 1_000_000;
+/// Microseconds for which a claim is contested before it is a conflict.
+const CONTEST_TIME: u64 = 3_000_000;
+/// Messages without a target that answer one: PARAM_VALUE, COMMAND_ACK, TIMESYNC, AUTOPILOT_VERSION.
+const ANSWERS: [u32; 4] = [22, 77, 111, 148];
 
 /// The current time.
 #[derive(Clone, Copy, Debug, Default)]
@@ -44,6 +54,20 @@ pub struct Time {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct QueueFull;
 
+/// The reason why a packet is not sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unsent {
+    QueueFull,
+    /// The peer answered nothing so far, and got as much as it may get.
+    Unanswered,
+}
+
+impl From<QueueFull> for Unsent {
+    fn from(_: QueueFull) -> Self {
+        Self::QueueFull
+    }
+}
+
 /// The endpoint that a packet came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Origin {
@@ -56,15 +80,59 @@ pub struct Origin {
 /// Where packets go to.
 pub trait Sink {
     /// Sends the bytes of one packet to a port.
-    fn send(&mut self, port: PortId, packet: &[u8], origin: Origin) -> Result<(), QueueFull>;
+    fn send(&mut self, port: PortId, packet: &[u8], origin: Origin) -> Result<(), Unsent>;
+}
+
+/// The conclusion from a packet of a peer that is not proven.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Evidence {
+    /// It was accepted.
+    Accepted,
+    /// It may answer something that was sent to the peer.
+    Answered,
+    /// Its signature is valid.
+    Verified,
+}
+
+/// The stage of a peer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    /// No packet of it was accepted: it gets nothing.
+    Refused,
+    /// It gets only urgent packets, in proportion to its own, since its address may be invented.
+    Accepted,
+    /// It answered something, or has a key.
+    Proven,
 }
 
 /// A place that packets come from and go to.
 #[derive(Clone, Copy, Debug)]
 struct Port {
     endpoint: usize,
+    stage: Stage,
+    /// The remote address, of a peer of a listening socket.
+    peer: Option<SocketAddr>,
+    /// Packets of it that were accepted.
+    accepted: u64,
     /// Never used again, unlike the index.
     serial: u64,
+}
+
+/// The ports as senders: those of one endpoint are peers of one socket, and a group has redundant links.
+struct Senders<'a> {
+    ports: &'a Slab<Port>,
+    endpoints: &'a Slab<Endpoint>,
+}
+
+impl Paths for Senders<'_> {
+    fn place(&self, sender: PortId) -> usize {
+        self.ports.get(sender).map_or(usize::MAX, |port| port.endpoint)
+    }
+
+    fn shares_group(&self, one: PortId, other: PortId) -> bool {
+        let endpoint = |port| self.ports.get(port).and_then(|port| self.endpoints.get(port.endpoint));
+        endpoint(one).zip(endpoint(other)).is_some_and(|(one, other)| one.shares_group(other))
+    }
 }
 
 /// A packet on its way through the router.
@@ -86,13 +154,15 @@ pub struct Router {
     /// The ports of monitors, which get every accepted packet.
     monitors: PortSet,
     serials: u64,
-    table: Table,
+    claims: Claims,
     duplicates: Duplicates,
     duplicate_window: u64,
     held: HeldPackets,
     /// Kept between packets, so that none allocates memory.
     outputs: Vec<PortId>,
     rewritten: Vec<u8>,
+    /// The ports of peers that may be at a later stage now.
+    progress: Vec<(PortId, Evidence)>,
     pub events: Events,
 }
 
@@ -108,12 +178,13 @@ impl Router {
             open: PortSet::default(),
             monitors: PortSet::default(),
             serials: 0,
-            table: Table::default(),
+            claims: Claims::default(),
             duplicates: Duplicates::default(),
             duplicate_window,
             held: HeldPackets::default(),
             outputs: Vec::new(),
             rewritten: Vec::new(),
+            progress: Vec::new(),
             events: Events::default(),
         }
     }
@@ -154,27 +225,94 @@ impl Router {
     /// Accepts a packet that the incoming rules pass.
     fn accept(&mut self, from: PortId, passing: &Passing<'_>, time: Time, sink: &mut impl Sink) {
         let summary = &passing.summary;
+        self.ports[from].accepted += 1;
         let copy = self.copy_of(from, passing, time);
         if copy == Some(Cause::Loop) {
             return self.drop_received(from, Cause::Loop, Notice::Loop, summary, time);
         }
         if passing.admission.teaches {
-            let verified = passing.admission.verified;
-            let learned = self.table.learn(summary.system, summary.component, from, verified, time.now);
-            if learned == Learned::Spoofed {
-                self.duplicates.forget(passing.packet.raw, self.ports[from].serial);
-                return self.drop_received(from, Cause::Spoofed, Notice::Spoofed, summary, time);
+            match self.hear(from, passing, time) {
+                Standing::Outranked => {
+                    self.duplicates.forget(passing.packet.raw, self.ports[from].serial);
+                    return self.drop_received(from, Cause::Spoofed, Notice::Spoofed, summary, time);
+                }
+                Standing::Held | Standing::New => {}
+                standing => self.note_other(from, standing, passing, time),
             }
-        }
-        if let Some(boot_time) = summary.boot_time.filter(|_| copy.is_none() && passing.admission.teaches)
-            && self.table.note_boot_time(summary.system, summary.component, from, boot_time)
-        {
-            self.notice(from, Notice::Rebooted, summary, time);
+            if self.ports[from].stage != Stage::Proven {
+                self.advance(from, passing);
+            }
+            if copy.is_none() {
+                self.learn(from, summary, time);
+            }
         }
         if let Some(cause) = copy {
             self.endpoint_of(from).counters.drop_packet(cause);
         } else {
             self.forward(from, passing, time, sink);
+        }
+    }
+
+    /// Records the claim of a packet on its address.
+    #[inline]
+    fn hear(&mut self, from: PortId, passing: &Passing<'_>, time: Time) -> Standing {
+        let own = self.endpoints[self.ports[from].endpoint].authority;
+        let authority = if passing.admission.verified { Authority::Key } else { own };
+        let address = (passing.summary.system, passing.summary.component);
+        let senders = Senders { ports: &self.ports, endpoints: &self.endpoints };
+        self.claims.hear(address, from, authority, time.now, &senders)
+    }
+
+    /// Notes that a peer that is not proven sent a packet that is accepted.
+    #[cold]
+    fn advance(&mut self, from: PortId, passing: &Passing<'_>) {
+        let summary = &passing.summary;
+        let has_target = summary.target_system != 0
+            && self.targets(summary).is_some_and(|ports| ports.iter().any(|port| port != from));
+        let evidence = if passing.admission.verified {
+            Evidence::Verified
+        } else if has_target || ANSWERS.contains(&summary.message_id) {
+            Evidence::Answered
+        } else {
+            Evidence::Accepted
+        };
+        if !self.progress.contains(&(from, evidence)) {
+            self.progress.push((from, evidence));
+        }
+    }
+
+    /// Learns from the content of a packet whose claim was recorded.
+    #[inline]
+    fn learn(&mut self, from: PortId, summary: &Summary, time: Time) {
+        let address = (summary.system, summary.component);
+        if summary.kind == Kind::Heartbeat {
+            self.claims.note_ground_station(address, from, summary.is_station);
+        }
+        if let Some(boot_time) = summary.boot_time {
+            match self.claims.note_boot_time(address, from, boot_time, time.now) {
+                BootClock::Rebooted => self.notice(from, Notice::Rebooted, summary, time),
+                BootClock::Agrees | BootClock::Differs => {}
+            }
+        }
+    }
+
+    /// Takes note of a packet from a sender that does not hold its address.
+    ///
+    /// One that does not lead there must not hide the packet of the holder, if it guessed its bytes and came first. A
+    /// claim that stays contested is reported: the boot clock of a redundant link needs a moment to be known.
+    fn note_other(&mut self, from: PortId, standing: Standing, passing: &Passing<'_>, time: Time) {
+        let summary = &passing.summary;
+        let address = (summary.system, summary.component);
+        let own = self.claims.claims_on(address.0, address.1).find(|claim| claim.sender == from);
+        let (since, leads) = own.map_or((time.now, false), |claim| (claim.since, claim.leads));
+        if !leads {
+            self.duplicates.forget(passing.packet.raw, self.ports[from].serial);
+        }
+        if standing == Standing::Contested
+            && time.now.saturating_sub(since) >= CONTEST_TIME
+            && self.claims.contradict(address, from, Contradiction::Sender, time.now)
+        {
+            self.notice(from, Notice::Contested, summary, time);
         }
     }
 
@@ -200,7 +338,7 @@ impl Router {
     fn targets(&self, summary: &Summary) -> Option<&PortSet> {
         match summary.target_system {
             0 => Some(&self.open),
-            system => self.table.ports_to(system, summary.target_component),
+            system => self.claims.routes(system, summary.target_component),
         }
     }
 
@@ -254,7 +392,8 @@ impl Router {
         let origin = Origin { endpoint: source, is_urgent: summary.is_urgent() };
         match sink.send(port, bytes, origin) {
             Ok(()) => endpoint.count_sent(summary, bytes.len()),
-            Err(QueueFull) => endpoint.counters.drop_packet(Cause::FullQueue),
+            Err(Unsent::QueueFull) => endpoint.counters.drop_packet(Cause::FullQueue),
+            Err(Unsent::Unanswered) => endpoint.counters.drop_packet(Cause::Unanswered),
         }
     }
 
@@ -278,6 +417,7 @@ impl Router {
     fn hold(&mut self, from: PortId, port: PortId, outgoing: bool, passing: &Passing<'_>, time: Time) {
         let raw = passing.packet.raw.to_vec();
         let endpoint = self.endpoint_of(port).number;
+        let (peer, verified) = (self.ports[from].peer, passing.admission.verified);
         let to = port;
         let (from, port) = (self.ports[from].serial, self.ports[port].serial);
         let held = Held { from, port, outgoing, admission: passing.admission, raw: raw.clone(), at: time.now };
@@ -288,7 +428,7 @@ impl Router {
             }
         }
         match token {
-            Some(token) => self.events.push(Event::Inspect { token, endpoint, outgoing, packet: raw }),
+            Some(token) => self.events.push(Event::Inspect { token, endpoint, outgoing, peer, verified, packet: raw }),
             None => self.endpoint_of(to).counters.drop_packet(Cause::NotInspected),
         }
     }

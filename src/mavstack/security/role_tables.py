@@ -2,8 +2,9 @@
 
 A message or command that is in no table needs `administer`. Some decisions:
 
-- An observer may ask for streams, parameters and plans, as ground stations do when they connect. It cannot
-  answer for others, and its MISSION_ACK ends its own download. It can change the rates of a shared link.
+- An observer may ask for messages and parameters, as ground stations do when they connect, but each question
+  reaches a vehicle once for all observers (`observer_requests`). It cannot change the streams of a vehicle,
+  and it begins no transfer of a plan, which would delay those of a pilot.
 - Every message that tells a vehicle where it is or what is around it (HIL_GPS, GPS_INPUT, odometry, ADSB,
   obstacles) needs `administer`; corrections for its own receiver (GPS_RTCM_DATA) are part of a flight.
 - Everything that carries bytes which are not checked here (files, tunnels, serial ports, CAN, V2_EXTENSION)
@@ -21,12 +22,12 @@ if TYPE_CHECKING:
 MESSAGES: Final[Mapping[str, str]] = MappingProxyType(
     {
         "observe": """
-        HEARTBEAT PING TIMESYNC PARAM_REQUEST_READ PARAM_REQUEST_LIST MISSION_REQUEST_LIST
-        MISSION_REQUEST MISSION_REQUEST_INT MISSION_ACK REQUEST_DATA_STREAM COMMAND_INT COMMAND_LONG
+        HEARTBEAT PING TIMESYNC PARAM_REQUEST_READ PARAM_REQUEST_LIST COMMAND_INT COMMAND_LONG
         PARAM_EXT_REQUEST_READ PARAM_EXT_REQUEST_LIST REQUEST_EVENT
         """,
         "operate": """
-        CHANGE_OPERATOR_CONTROL SET_MODE MISSION_REQUEST_PARTIAL_LIST MISSION_WRITE_PARTIAL_LIST
+        CHANGE_OPERATOR_CONTROL SET_MODE MISSION_REQUEST_LIST MISSION_REQUEST MISSION_REQUEST_INT
+        MISSION_ACK REQUEST_DATA_STREAM MISSION_REQUEST_PARTIAL_LIST MISSION_WRITE_PARTIAL_LIST
         MISSION_ITEM MISSION_SET_CURRENT MISSION_COUNT MISSION_CLEAR_ALL SET_GPS_GLOBAL_ORIGIN
         MANUAL_CONTROL RC_CHANNELS_OVERRIDE MISSION_ITEM_INT COMMAND_ACK COMMAND_CANCEL
         MANUAL_SETPOINT SET_ATTITUDE_TARGET SET_POSITION_TARGET_LOCAL_NED
@@ -81,13 +82,14 @@ MESSAGES: Final[Mapping[str, str]] = MappingProxyType(
 COMMANDS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "observe": """
-        GET_HOME_POSITION GET_MESSAGE_INTERVAL SET_MESSAGE_INTERVAL REQUEST_MESSAGE
+        GET_HOME_POSITION GET_MESSAGE_INTERVAL REQUEST_MESSAGE
         REQUEST_PROTOCOL_VERSION REQUEST_AUTOPILOT_CAPABILITIES REQUEST_CAMERA_INFORMATION
         REQUEST_CAMERA_SETTINGS REQUEST_STORAGE_INFORMATION REQUEST_CAMERA_CAPTURE_STATUS
         REQUEST_FLIGHT_INFORMATION REQUEST_CAMERA_IMAGE_CAPTURE REQUEST_VIDEO_STREAM_INFORMATION
         REQUEST_VIDEO_STREAM_STATUS UAVCAN_GET_NODE_INFO
         """,
         "operate": """
+        SET_MESSAGE_INTERVAL
         NAV_WAYPOINT NAV_LOITER_UNLIM NAV_LOITER_TURNS NAV_LOITER_TIME NAV_RETURN_TO_LAUNCH NAV_LAND
         NAV_TAKEOFF NAV_LAND_LOCAL NAV_TAKEOFF_LOCAL NAV_FOLLOW NAV_CONTINUE_AND_CHANGE_ALT
         NAV_LOITER_TO_ALT DO_FOLLOW DO_FOLLOW_REPOSITION DO_ORBIT DO_FIGURE_EIGHT NAV_ARC_WAYPOINT

@@ -2,7 +2,7 @@
 
 A role allows the messages and commands of its own table and of those before it (see `role_tables`).
 
-- **observe** reads: heartbeats, PING and TIMESYNC, requests for messages, streams, parameters and plans.
+- **observe** reads: heartbeats, PING and TIMESYNC, requests for messages and parameters.
 - **operate** flies: flight commands, missions, manual control, payloads, corrections of positions.
 - **administer** does everything else: parameters, reboot, calibration, files, firmware, tunnels, and each
   message and command that is not in a table.
@@ -19,6 +19,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import Dialect
+from mavstack.security.observer_requests import ObserverRequests
 from mavstack.security.role_tables import COMMANDS, MESSAGES
 from mavstack.wire import Parser
 
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
 COMMAND_MESSAGES: Final = ("COMMAND_LONG", "COMMAND_INT", "MISSION_ITEM", "MISSION_ITEM_INT")
 #: The name in statistics of all messages and commands that are in no table.
 UNKNOWN: Final = "unknown"
+#: MAV_AUTOPILOT_INVALID.
+_NO_AUTOPILOT: Final = 8
 
 
 class Role(IntEnum):
@@ -110,32 +113,50 @@ def command_ids(role: Role) -> frozenset[int]:
 class RoleFilter:
     """Removes from a client's bytes the packets that its role does not allow.
 
+    An observer speaks with one pair of ids, those of its first packet, and its heartbeats are those of a
+    ground station. Its requests pass once for all observers of the link.
+
     Args:
         role: The role of the client.
+        requests: The requests of all observers of the link; None: those of this client alone.
 
     Attributes:
         refused: Removed packets by the name of the message, or of the command.
     """
 
-    def __init__(self, role: Role) -> None:
+    def __init__(self, role: Role, requests: ObserverRequests | None = None) -> None:
         self.role = role
         self.refused: Counter[str] = Counter()
         self._parser = Parser(_dialect())
+        self._requests = requests or ObserverRequests()
+        self._sender: tuple[int, int] | None = None
 
-    def filter(self, data: bytes) -> bytes:
+    def filter(self, data: bytes, now: float) -> bytes:
         """Return the allowed packets; a packet in parts comes with its last part, other bytes are removed.
 
         Args:
             data: Bytes of the client: any number of packets.
+            now: The time in seconds.
 
         Returns:
             The packets as received.
         """
-        return b"".join(packet.raw for packet in self.packets(data))
+        return b"".join([packet.raw for packet in self.packets(data) if self._passes(packet, now)])
 
     def packets(self, data: bytes) -> list[Packet]:
-        """Return the allowed packets in the bytes of a client; see `filter`."""
+        """Return the packets of a client that its role allows, before the limit on requests."""
         return [packet for packet in self._parser.feed(data) if self._allows(packet)]
+
+    def _passes(self, packet: Packet, now: float) -> bool:
+        """Return whether a packet of an observer has its own ids, and is no request too many."""
+        if self.role is not Role.OBSERVE:
+            return True
+        sender = packet.system, packet.component
+        self._sender = self._sender or sender
+        if sender != self._sender or _is_of_autopilot(packet):
+            self.refused["ids of another"] += 1
+            return False
+        return self._requests.passes(packet.message, now)
 
     def _allows(self, packet: Packet) -> bool:
         command = packet.message.command if packet.message_id in _command_messages() else None
@@ -146,6 +167,11 @@ class RoleFilter:
             name += f" {int(command)}" if command in _command_roles() else f" {UNKNOWN}"
         self.refused[name] += 1
         return False
+
+
+def _is_of_autopilot(packet: Packet) -> bool:
+    """Return whether a packet is a heartbeat of an autopilot."""
+    return packet.name == "HEARTBEAT" and packet.message.autopilot != _NO_AUTOPILOT
 
 
 @cache

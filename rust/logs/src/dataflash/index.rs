@@ -9,6 +9,7 @@
 //! at exactly this place with these types. The first invalid run and all runs after it are divided again.
 
 use super::format::{Definition, Formats, HEADER, Redefinition, Types};
+use super::neighbours::{Timed, neighbour_times};
 use super::row::Layout;
 use super::scan::{Damage, Place, Walk};
 use super::segment::{SEGMENT, Segment, by_slot, count};
@@ -176,6 +177,11 @@ impl Index {
                 }
             }
         }
+    }
+
+    /// Writes the times of records without a time: the time of the record before each, or else after it.
+    pub fn neighbour_times(&self, data: &[u8], slot: usize, clocks: &[Timed<'_>], times: &mut [i64]) {
+        neighbour_times(&self.segments, &self.formats, data, slot, clocks, times);
     }
 
     /// The same index in less memory: segments are walked again when their rows are needed.

@@ -1,6 +1,7 @@
 use super::*;
-use crate::dataflash::row::{Conversion, Field};
+use crate::dataflash::row::{Conversion, Field, HeaderField, Time};
 use crate::dataflash::samples::{Log, random_log};
+use crate::rows::NO_TIME;
 
 /// Everything of an index that does not depend on the number of threads.
 fn content(index: &Index, data: &[u8]) -> (Vec<Vec<u64>>, Damage, Vec<Redefinition>, Vec<Definition>) {
@@ -160,5 +161,43 @@ fn damaged_bytes_of_an_index_give_none_or_one_that_can_be_used() {
                 index.decode(&data, vec![Request { slot: 1, first: 0, layout: &layout(), rows: &mut rows }], 1);
             }
         }
+    }
+}
+
+/// A log of timed records (type 1, `T`) and records without a time (type 2, `E`).
+fn mixed_log(time: impl Fn(u64) -> Option<u64>, count: u64) -> Vec<u8> {
+    let mut log = Log::default();
+    log.define(1, "T", "Q", "TimeUS", 11).define(2, "E", "B", "Id", 4);
+    for number in 0..count {
+        match time(number) {
+            Some(time) => log.record(1, &time.to_le_bytes()),
+            None => log.record(2, &[0]),
+        };
+    }
+    log.0
+}
+
+#[test]
+fn records_without_a_time_take_the_time_of_the_record_before_them() {
+    let layout = Layout::new(
+        11,
+        12,
+        &[],
+        Some(Time { field: HeaderField { character: b'Q', source: 3 }, factor: 1, offset: 0 }),
+        None,
+    )
+    .expect("a valid layout");
+    let count = 5 * SEGMENT as u64 / 11;
+    // The first record, and each seventh, has no time.
+    let data = mixed_log(|number| (number % 7 != 0).then_some(1000 + number), count);
+    for index in [Index::build(&data, 1), Index::build(&data, 3), Index::build(&data, 1).without_positions()] {
+        let slot = index.definitions().iter().position(|each| each.name.starts_with(b"E")).expect("a slot");
+        let other = index.definitions().iter().position(|each| each.name.starts_with(b"T")).expect("a slot");
+        let mut times = vec![0; index.rows(slot)];
+        index.neighbour_times(&data, slot, &[(other, &layout)], &mut times);
+        let expected: Vec<_> = (0..count).step_by(7).map(|number| 1000 + number.max(2) as i64 - 1).collect();
+        assert_eq!(times, expected);
+        index.neighbour_times(&data, slot, &[], &mut times);
+        assert!(times.iter().all(|&time| time == NO_TIME));
     }
 }

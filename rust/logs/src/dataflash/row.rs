@@ -100,6 +100,12 @@ impl Layout {
         self.row_size
     }
 
+    /// The time of the record at `position` of `data`, if the layout has one and the record is whole.
+    #[must_use]
+    pub fn time_at(&self, data: &[u8], position: usize) -> Option<i64> {
+        self.time?.of(data.get(position..)?.get(..self.record_length)?)
+    }
+
     /// Converts the records at `offsets` of `data`.
     pub fn decode(&self, data: &[u8], offsets: &[u32], rows: &mut [u8]) {
         let empty = &[0; MAX_LENGTH][..self.record_length];

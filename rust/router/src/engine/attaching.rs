@@ -72,14 +72,26 @@ impl Worker {
     }
 
     /// Adds a port to a link; `None`: there are too many.
-    pub(super) fn open_port(&mut self, index: usize, address: Option<SocketAddr>) -> Option<PortId> {
+    fn open_port(&mut self, index: usize, address: Option<SocketAddr>) -> Option<PortId> {
         let port = self.router.add_port(self.links.all[index].endpoint)?;
+        self.connect_port(port, index, address);
+        Some(port)
+    }
+
+    /// Adds the port of a sender that is not known; `None`: there are too many.
+    pub(super) fn open_peer(&mut self, index: usize, address: SocketAddr) -> Option<PortId> {
+        let port = self.router.add_peer(self.links.all[index].endpoint, address)?;
+        self.connect_port(port, index, Some(address));
+        self.links.limit(port);
+        Some(port)
+    }
+
+    fn connect_port(&mut self, port: PortId, index: usize, address: Option<SocketAddr>) {
         self.links.connect_port(port, index, address);
         if self.parsers.len() <= port {
             self.parsers.resize_with(port + 1, || None);
         }
         self.parsers[port] = Some(Parser::new(false));
-        Some(port)
     }
 
     pub(super) fn close_port(&mut self, port: PortId) {

@@ -8,9 +8,11 @@ use crate::engine::stream::{Framing, RawStream};
 use crate::engine::udp::{PeerRange, UdpOptions};
 use crate::event::{EndpointNumber, Event, Events};
 use crate::gateway::Gateway;
+use mavstack_core::claims::Authority;
 use mio::{Poll, Token, Waker};
-use std::collections::VecDeque;
+use std::collections::{HashSet, VecDeque};
 use std::io;
+use std::net::SocketAddr;
 use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -34,6 +36,8 @@ pub enum Command {
     SetMonitor(EndpointNumber, bool),
     SetGateway(EndpointNumber, Box<Gateway>),
     SetAllowedPeers(EndpointNumber, Option<Vec<PeerRange>>),
+    SetBlockedPeers(EndpointNumber, HashSet<SocketAddr>),
+    SetAuthority(EndpointNumber, Authority),
     Decide(u64, bool),
     Statistics(SyncSender<Snapshot>),
 }

@@ -5,12 +5,15 @@ use crate::engine::stream::StreamLink;
 use crate::engine::udp::UdpLink;
 use crate::event::EndpointNumber;
 use crate::ports::PortId;
-use crate::router::{Origin, QueueFull, Sink};
+use crate::router::{Origin, QueueFull, Sink, Unsent};
 use mio::event::Source;
 use mio::{Interest, Registry, Token};
 use slab::Slab;
 use std::io;
 use std::net::SocketAddr;
+
+/// Bytes that a peer which answered nothing may get for each byte that it sent, as in QUIC (RFC 9000, 8.1).
+pub const AMPLIFICATION: usize = 3;
 
 /// The transport of one endpoint.
 #[derive(Debug)]
@@ -47,6 +50,15 @@ pub struct Link {
 struct Destination {
     link: usize,
     address: Option<SocketAddr>,
+    /// The bytes that a peer which answered nothing so far may get; `None`: any number.
+    allowance: Option<Allowance>,
+}
+
+/// The bytes that a peer may get before it answers: an invented sender must not have more sent to its victim.
+#[derive(Clone, Copy, Debug, Default)]
+struct Allowance {
+    bytes: usize,
+    has_sent: bool,
 }
 
 /// All links.
@@ -76,7 +88,43 @@ impl Links {
         if self.ports.len() <= port {
             self.ports.resize(port + 1, None);
         }
-        self.ports[port] = Some(Destination { link, address });
+        self.ports[port] = Some(Destination { link, address, allowance: None });
+    }
+
+    /// Limits what a new peer gets, until [`Links::lift`].
+    pub fn limit(&mut self, port: PortId) {
+        if let Some(Some(place)) = self.ports.get_mut(port) {
+            place.allowance = Some(Allowance::default());
+        }
+    }
+
+    /// Notes that a peer sent a datagram.
+    #[inline]
+    pub fn earn(&mut self, port: PortId, bytes: usize) {
+        if let Some(Some(Destination { allowance: Some(allowance), .. })) = self.ports.get_mut(port) {
+            allowance.bytes += AMPLIFICATION * bytes;
+        }
+    }
+
+    /// Returns whether something was sent to a new peer that it could answer.
+    #[must_use]
+    pub fn has_sent(&self, port: PortId) -> bool {
+        let place = self.ports.get(port).copied().flatten();
+        place.is_some_and(|place| place.allowance.is_none_or(|allowance| allowance.has_sent))
+    }
+
+    /// Ends the limit of a peer.
+    pub fn lift(&mut self, port: PortId) {
+        if let Some(Some(place)) = self.ports.get_mut(port) {
+            place.allowance = None;
+        }
+    }
+
+    /// The link and the address of a peer.
+    #[must_use]
+    pub fn peer_of(&self, port: PortId) -> Option<(usize, SocketAddr)> {
+        let place = self.ports.get(port).copied().flatten()?;
+        Some((place.link, place.address?))
     }
 
     pub fn disconnect_port(&mut self, port: PortId) {
@@ -114,8 +162,14 @@ impl Links {
 
 impl Sink for Links {
     #[inline]
-    fn send(&mut self, port: PortId, packet: &[u8], origin: Origin) -> Result<(), QueueFull> {
-        let place = self.ports.get(port).copied().flatten().ok_or(QueueFull)?;
+    fn send(&mut self, port: PortId, packet: &[u8], origin: Origin) -> Result<(), Unsent> {
+        let place = self.ports.get_mut(port).and_then(Option::as_mut).ok_or(QueueFull)?;
+        if let Some(allowance) = &mut place.allowance {
+            if !origin.is_urgent || packet.len() > allowance.bytes {
+                return Err(Unsent::Unanswered);
+            }
+            *allowance = Allowance { bytes: allowance.bytes - packet.len(), has_sent: true };
+        }
         let link = self.all.get_mut(place.link).ok_or(QueueFull)?;
         match &mut link.transport {
             Transport::Udp(udp) => udp.send(packet, place.address, origin)?,

@@ -29,12 +29,13 @@ use crate::event::{EndpointNumber, Event};
 use crate::gateway::Gateway;
 use crate::rules::{Action, Rule};
 use command::{CloseAtEnd, Command, Shared};
+use mavstack_core::claims::Authority;
 use mavstack_core::layout::Dialect;
 use queue::Queue;
 use snapshot::Snapshot;
-use std::collections::{HashMap, VecDeque};
+use std::collections::{HashMap, HashSet, VecDeque};
 use std::io;
-use std::net::UdpSocket;
+use std::net::{SocketAddr, UdpSocket};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::thread::JoinHandle;
@@ -167,6 +168,16 @@ impl Engine {
     /// Accepts only peers of these ranges on a listening socket; `None`: all.
     pub fn set_allowed_peers(&self, endpoint: EndpointNumber, ranges: Option<Vec<PeerRange>>) {
         self.shared.send(Command::SetAllowedPeers(endpoint, ranges));
+    }
+
+    /// Cuts off peers of a listening socket; those of an earlier call that are not among them are free again.
+    pub fn set_blocked_peers(&self, endpoint: EndpointNumber, addresses: HashSet<SocketAddr>) {
+        self.shared.send(Command::SetBlockedPeers(endpoint, addresses));
+    }
+
+    /// Sets how the identity of the peer of an endpoint is proven.
+    pub fn set_authority(&self, endpoint: EndpointNumber, authority: Authority) {
+        self.shared.send(Command::SetAuthority(endpoint, authority));
     }
 
     /// Decides about a packet that waits for a decision.

@@ -7,11 +7,11 @@ use crate::engine::batch_linux::Batches;
 use crate::engine::batch_std::Batches;
 use crate::engine::datagrams::{ReceiveBuffer, TURN_BYTES};
 use crate::engine::links::Transport;
-use crate::engine::udp::{NoRoom, Sender};
+use crate::engine::udp::{Accepted, Sender};
 use crate::engine::worker::Worker;
 use crate::event::{EndpointNumber, Event};
 use crate::ports::PortId;
-use crate::router::Time;
+use crate::router::{Evidence, Stage, Time};
 use mavstack_core::parser::Parser;
 use std::io;
 use std::net::SocketAddr;
@@ -95,7 +95,10 @@ impl Worker {
         for number in 0..reading.buffer.received.len() {
             let (datagram, address) = reading.buffer.datagram(number);
             match last {
-                Some((sender, port)) if sender == address => self.feed(port, datagram, time),
+                Some((sender, port)) if sender == address => {
+                    self.links.earn(port, datagram.len());
+                    self.feed(port, datagram, time);
+                }
                 _ => last = self.receive_datagram(index, datagram, address, time).map(|port| (address, port)),
             }
         }
@@ -120,11 +123,16 @@ impl Worker {
             }
             Sender::New => self.admit_peer(index, datagram, address, time.now)?,
         };
+        self.links.earn(port, datagram.len());
         self.feed(port, datagram, time);
+        if self.router.stage(port) == Some(Stage::Refused) && !self.router.is_in_progress(port) {
+            self.close_peer(index, address); // a refused sender is no peer
+            return None;
+        }
         Some(port)
     }
 
-    /// Makes a new sender a peer, if its datagram has a valid packet and there is room.
+    /// Gives a new sender a port, if its datagram has a valid packet; it is a peer when a packet of it is accepted.
     #[cold]
     fn admit_peer(&mut self, index: usize, datagram: &[u8], address: SocketAddr, now: u64) -> Option<PortId> {
         let mut packets = 0;
@@ -136,25 +144,62 @@ impl Worker {
         let Transport::Udp(udp) = &self.links.all[index].transport else {
             return None;
         };
-        match udp.make_room(now) {
-            Err(NoRoom) => {
-                self.count(index, Cause::TooManyPeers);
-                return None;
-            }
-            Ok(Some(silent)) => self.close_peer(index, silent),
-            Ok(None) => {}
+        if let Some(waiting) = udp.make_room_to_wait() {
+            self.close_peer(index, waiting);
         }
-        let Some(port) = self.open_port(index, Some(address)) else {
+        let Some(port) = self.open_peer(index, address) else {
             self.count(index, Cause::TooManyPeers);
             return None;
         };
+        if let Transport::Udp(udp) = &mut self.links.all[index].transport {
+            udp.add_peer(address, port, now);
+        }
+        Some(port)
+    }
+
+    /// Gives the peers what they may get since their packets were accepted, or answered something.
+    pub(super) fn note_progress(&mut self) {
+        for (port, evidence) in self.router.take_progress() {
+            let Some((index, address)) = self.links.peer_of(port) else {
+                continue;
+            };
+            self.accept_peer(index, address, evidence == Evidence::Verified);
+            let trusts_senders = matches!(&self.links.all[index].transport, Transport::Udp(udp) if udp.trusts_senders);
+            let is_proven = match evidence {
+                Evidence::Verified => true,
+                Evidence::Answered => trusts_senders || self.links.has_sent(port),
+                Evidence::Accepted => trusts_senders,
+            };
+            if is_proven {
+                self.links.lift(port);
+            }
+            self.router.set_stage(port, if is_proven { Stage::Proven } else { Stage::Accepted });
+        }
+    }
+
+    /// Makes a sender a peer, of which a packet was accepted, if there is room.
+    fn accept_peer(&mut self, index: usize, address: SocketAddr, is_verified: bool) {
+        let now = self.time().now;
+        let Transport::Udp(udp) = &mut self.links.all[index].transport else {
+            return;
+        };
+        let room = udp.accept(&address, is_verified, now);
+        match room {
+            Accepted::Known => return,
+            Accepted::NoRoom => {
+                self.count(index, Cause::TooManyPeers);
+                return self.close_peer(index, address);
+            }
+            Accepted::InPlaceOf(silent) => self.close_peer(index, silent),
+            Accepted::New => {}
+        }
         let link = &mut self.links.all[index];
-        if let Transport::Udp(udp) = &mut link.transport {
-            let is_hearing = udp.add_peer(address, port, now);
-            self.router.set_hearing(port, is_hearing);
+        if let Transport::Udp(udp) = &link.transport
+            && let Some(peer) = udp.peers.get(&address)
+        {
+            self.router.set_hearing(peer.port, peer.is_hearing);
         }
         self.router.events.push(Event::PeerOpened { endpoint: link.number, address });
-        Some(port)
     }
 
     pub(super) fn close_peer(&mut self, index: usize, address: SocketAddr) {
@@ -162,9 +207,11 @@ impl Worker {
         let Transport::Udp(udp) = &mut link.transport else {
             return;
         };
-        if let Some(port) = udp.remove_peer(&address) {
-            self.router.events.push(Event::PeerClosed { endpoint: link.number, address });
-            self.close_port(port);
+        if let Some(peer) = udp.remove_peer(&address) {
+            if peer.is_accepted {
+                self.router.events.push(Event::PeerClosed { endpoint: link.number, address });
+            }
+            self.close_port(peer.port);
         }
     }
 

@@ -24,11 +24,23 @@ pub struct EndpointSnapshot {
     pub sources: BTreeMap<(u8, u8), SourceCounts>,
     /// Totals of the received bytes.
     pub totals: Statistics,
-    /// Peers of a listening socket, with the seconds since each was heard.
-    pub peers: Vec<(SocketAddr, f64)>,
+    /// Peers of a listening socket.
+    pub peers: Vec<PeerSnapshot>,
     /// Packets or bytes that wait to be sent.
     pub queued: usize,
     pub radio_status: Vec<u8>,
+}
+
+/// One peer of a listening socket.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PeerSnapshot {
+    pub address: SocketAddr,
+    /// Seconds since it was heard.
+    pub age: f64,
+    /// Packets of it that were accepted.
+    pub accepted: u64,
+    /// Bytes outside packets; 0 where signatures are verified, since anyone can send such bytes in its name.
+    pub bad_bytes: u64,
 }
 
 /// The counters of one source on one endpoint.
@@ -55,7 +67,10 @@ pub struct RouteSnapshot {
     pub system: u8,
     pub component: u8,
     pub endpoints: Vec<EndpointNumber>,
+    /// An authenticated sender holds the address.
     pub verified: bool,
+    /// Several senders that are no redundant links claim it.
+    pub contested: bool,
     /// Seconds since it was heard.
     pub age: f64,
 }
@@ -96,15 +111,19 @@ impl EndpointSnapshot {
 
 /// The learned routes, with the numbers of endpoints.
 pub(super) fn routes(router: &Router, now: u64) -> Vec<RouteSnapshot> {
-    let known = router.table().addresses().into_iter();
+    let claims = router.claims();
+    let known =
+        claims.addresses().into_iter().filter_map(|address| Some((address, claims.holder(address.0, address.1)?)));
     known
-        .map(|address| {
-            let mut endpoints: Vec<_> = address.ports.iter().filter_map(|&port| router.number_of(port)).collect();
+        .map(|((system, component), holder)| {
+            let leading = claims.claims_on(system, component).filter(|claim| claim.leads);
+            let mut endpoints: Vec<_> = leading.filter_map(|claim| router.number_of(claim.sender)).collect();
             endpoints.sort_unstable();
             endpoints.dedup();
-            let age = now.saturating_sub(address.heard_at) as f64 * 1e-6;
-            let (system, component) = (address.system, address.component);
-            RouteSnapshot { system, component, endpoints, verified: address.verified, age }
+            let age = now.saturating_sub(holder.heard_at) as f64 * 1e-6;
+            let contested = claims.conflict(system, component).is_some();
+            let verified = holder.authority.is_authenticated();
+            RouteSnapshot { system, component, endpoints, verified, contested, age }
         })
         .collect()
 }

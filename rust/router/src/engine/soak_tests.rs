@@ -3,8 +3,8 @@
 use super::*;
 use crate::ports::MAX_PORTS;
 use crate::rules::{Action, Rule};
-use crate::table::MAX_ADDRESSES;
 use crate::tests::packet_bytes;
+use mavstack_core::claims::MAX_ADDRESSES;
 
 const SECOND: u64 = 1_000_000;
 const DAY: u64 = 86_400;
@@ -39,7 +39,7 @@ impl Day {
         let listener = UdpSocket::bind("127.0.0.1:0").expect("a port");
         let address = listener.local_addr().expect("an address");
         listener.set_nonblocking(true).expect("an option");
-        let options = UdpOptions { peer: None, idle: 60 * SECOND, max_peers: MAX_PEERS };
+        let options = UdpOptions { peer: None, idle: 60 * SECOND, max_peers: MAX_PEERS, trusts_senders: false };
         let listener = mio::net::UdpSocket::from_std(listener);
         let ground = engine.add(|number| Command::AddUdp(number, listener, options));
         let inspect = Rule { action: Action::Inspect, messages: vec![76], name: "commands".into(), ..Rule::default() };

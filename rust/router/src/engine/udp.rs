@@ -4,7 +4,7 @@ use crate::engine::datagrams::{BATCH, ReceiveBuffer, SendQueue, TURN_BYTES};
 use crate::ports::PortId;
 use crate::router::{Origin, QueueFull};
 use mio::net::UdpSocket;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::io;
 use std::net::{IpAddr, SocketAddr};
 
@@ -22,6 +22,9 @@ const MIN_PEER_TIME: u64 = 1_000_000;
 /// Peers with one datagram that get packets without a target. A flood from invented addresses would otherwise have each
 /// packet sent to as many addresses as there may be peers.
 pub const MAX_UNCONFIRMED: usize = 8;
+/// Senders whose first packets wait for a decision, and microseconds for which they may.
+const MAX_WAITING: usize = 64;
+const MAX_WAITING_TIME: u64 = 5_000_000;
 /// Microseconds of silence for which any peer is kept. Longer silence is allowed to a peer that was heard as long before:
 /// datagrams with an invented sender must not have telemetry sent there for a minute.
 const MIN_IDLE: u64 = 10_000_000;
@@ -58,10 +61,13 @@ pub struct UdpOptions {
     /// Microseconds of silence after which a peer is removed.
     pub idle: u64,
     pub max_peers: usize,
+    /// New peers get everything at once, whether they answer or not.
+    pub trusts_senders: bool,
 }
 
 /// A sender to a listening socket.
 #[derive(Clone, Copy, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "independent flags")]
 pub struct Peer {
     pub port: PortId,
     opened_at: u64,
@@ -69,7 +75,25 @@ pub struct Peer {
     /// Datagrams came from it more than once.
     is_confirmed: bool,
     /// It gets packets without a target.
-    is_hearing: bool,
+    pub is_hearing: bool,
+    /// A packet of it was accepted.
+    pub is_accepted: bool,
+    /// Its signature was verified.
+    is_verified: bool,
+}
+
+impl Peer {
+    fn new(port: PortId, now: u64) -> Self {
+        Self {
+            port,
+            opened_at: now,
+            heard_at: now,
+            is_confirmed: false,
+            is_hearing: false,
+            is_accepted: false,
+            is_verified: false,
+        }
+    }
 }
 
 /// The result of looking a sender up.
@@ -83,9 +107,17 @@ pub enum Sender {
     Refused,
 }
 
-/// A socket has as many peers as it may have.
+/// The result of accepting a sender as a peer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct NoRoom;
+pub enum Accepted {
+    /// It was accepted before.
+    Known,
+    New,
+    /// Another peer must make room.
+    InPlaceOf(SocketAddr),
+    /// The socket has as many peers as it may have.
+    NoRoom,
+}
 
 /// A UDP socket with its peers. Times are monotonic, in microseconds.
 #[derive(Debug)]
@@ -99,8 +131,11 @@ pub struct UdpLink {
     is_connected: bool,
     idle: u64,
     max_peers: usize,
+    pub trusts_senders: bool,
     /// Peers that are accepted; `None`: all.
     pub allowed: Option<Vec<PeerRange>>,
+    /// Peers that are cut off for a time.
+    pub blocked: HashSet<SocketAddr>,
     pub fixed: Option<PortId>,
     pub peers: HashMap<SocketAddr, Peer>,
     pub queue: SendQueue,
@@ -134,7 +169,9 @@ impl UdpLink {
             is_connected,
             idle: options.idle,
             max_peers: options.max_peers,
+            trusts_senders: options.trusts_senders,
             allowed: None,
+            blocked: HashSet::new(),
             fixed: None,
             peers: HashMap::new(),
             queue: SendQueue::default(),
@@ -178,10 +215,13 @@ impl UdpLink {
             let is_peer = self.is_connected || self.is_group || self.peer == Some(address);
             return if is_peer && self.allows(&address) { Sender::Port(fixed) } else { Sender::Refused };
         }
+        if !self.blocked.is_empty() && self.blocked.contains(&address) {
+            return Sender::Refused;
+        }
         if let Some(peer) = self.peers.get_mut(&address) {
             peer.is_confirmed |= now > peer.opened_at;
             peer.heard_at = now;
-            if peer.is_confirmed && !peer.is_hearing {
+            if peer.is_confirmed && peer.is_accepted && !peer.is_hearing {
                 peer.is_hearing = true;
                 return Sender::Confirmed(peer.port);
             }
@@ -192,21 +232,70 @@ impl UdpLink {
 
     #[inline]
     fn allows(&self, address: &SocketAddr) -> bool {
-        self.allowed.as_ref().is_none_or(|ranges| ranges.iter().any(|range| range.contains(address)))
+        let is_allowed = self.allowed.as_ref().is_none_or(|ranges| ranges.iter().any(|range| range.contains(address)));
+        is_allowed && (self.blocked.is_empty() || !self.blocked.contains(address))
     }
 
-    /// Returns a peer that must make room for a new one; `Err`: there is no room.
-    pub fn make_room(&self, now: u64) -> Result<Option<SocketAddr>, NoRoom> {
-        if self.peers.len() < self.max_peers {
-            return Ok(None);
+    /// Returns a sender that must make room for another one whose packets wait for a decision.
+    #[must_use]
+    pub fn make_room_to_wait(&self) -> Option<SocketAddr> {
+        let waiting = || self.peers.iter().filter(|(_, peer)| !peer.is_accepted);
+        let is_full = waiting().count() >= MAX_WAITING;
+        is_full.then(|| waiting().min_by_key(|(_, peer)| peer.heard_at).map(|(address, _)| *address)).flatten()
+    }
+
+    /// Accepts a sender as a peer, if there is room: a verified one replaces any other that is not.
+    pub fn accept(&mut self, address: &SocketAddr, is_verified: bool, now: u64) -> Accepted {
+        match self.peers.get_mut(address) {
+            None => return Accepted::NoRoom,
+            Some(peer) => {
+                peer.is_verified |= is_verified;
+                if peer.is_accepted {
+                    return Accepted::Known;
+                }
+            }
         }
-        let (address, oldest) = self
-            .peers
-            .iter()
-            .filter(|(_, peer)| !peer.is_confirmed || self.is_idle(peer, now))
-            .min_by_key(|(_, peer)| peer.heard_at)
-            .ok_or(NoRoom)?;
-        if oldest.heard_at + MIN_PEER_TIME <= now { Ok(Some(*address)) } else { Err(NoRoom) }
+        let unconfirmed = self.peers.values().filter(|peer| peer.is_hearing && !peer.is_confirmed).count();
+        let room = self.room(address, is_verified, now);
+        let Some(peer) = self.peers.get_mut(address) else {
+            return Accepted::NoRoom;
+        };
+        if room != Accepted::NoRoom {
+            peer.is_accepted = true;
+            peer.is_hearing = peer.is_confirmed || unconfirmed < MAX_UNCONFIRMED;
+        }
+        room
+    }
+
+    fn room(&self, address: &SocketAddr, is_verified: bool, now: u64) -> Accepted {
+        let accepted = || self.peers.iter().filter(|(_, peer)| peer.is_accepted);
+        if accepted().count() < self.max_peers {
+            return Accepted::New;
+        }
+        let is_weak = |peer: &Peer| !peer.is_verified && (is_verified || !peer.is_confirmed || self.is_idle(peer, now));
+        let weakest = accepted().filter(|(_, peer)| is_weak(peer)).min_by_key(|(_, peer)| peer.heard_at);
+        match weakest {
+            Some((address, peer)) if is_verified || peer.heard_at + MIN_PEER_TIME <= now => {
+                Accepted::InPlaceOf(*address)
+            }
+            _ => self.excess(address.ip()).map_or(Accepted::NoRoom, Accepted::InPlaceOf),
+        }
+    }
+
+    /// Returns the unverified peer, silent for longest, of the address that has more than half of the places, for a
+    /// peer of another address.
+    fn excess(&self, newcomer: IpAddr) -> Option<SocketAddr> {
+        let mut counts = HashMap::new();
+        for (address, _) in self.peers.iter().filter(|(_, peer)| peer.is_accepted) {
+            *counts.entry(address.ip()).or_insert(0_usize) += 1;
+        }
+        let (largest, count) = counts.into_iter().max_by_key(|&(_, count)| count)?;
+        if largest == newcomer || count <= self.max_peers / 2 {
+            return None;
+        }
+        let of_largest =
+            |(address, peer): &(&SocketAddr, &Peer)| address.ip() == largest && peer.is_accepted && !peer.is_verified;
+        self.peers.iter().filter(of_largest).min_by_key(|(_, peer)| peer.heard_at).map(|(address, _)| *address)
     }
 
     fn is_idle(&self, peer: &Peer, now: u64) -> bool {
@@ -214,22 +303,22 @@ impl UdpLink {
         now.saturating_sub(peer.heard_at) >= idle
     }
 
-    /// Adds a peer; returns whether it gets packets without a target already.
-    pub fn add_peer(&mut self, address: SocketAddr, port: PortId, now: u64) -> bool {
-        let unconfirmed = self.peers.values().filter(|peer| peer.is_hearing && !peer.is_confirmed).count();
-        let is_hearing = unconfirmed < MAX_UNCONFIRMED;
-        self.peers.insert(address, Peer { port, opened_at: now, heard_at: now, is_confirmed: false, is_hearing });
-        is_hearing
+    /// Adds a sender, which is no peer before a packet of it is accepted.
+    pub fn add_peer(&mut self, address: SocketAddr, port: PortId, now: u64) {
+        self.peers.insert(address, Peer::new(port, now));
     }
 
-    pub fn remove_peer(&mut self, address: &SocketAddr) -> Option<PortId> {
-        self.peers.remove(address).map(|peer| peer.port)
+    pub fn remove_peer(&mut self, address: &SocketAddr) -> Option<Peer> {
+        self.peers.remove(address)
     }
 
     /// The peers that are silent for too long, or no longer allowed.
     #[must_use]
     pub fn expired(&self, now: u64) -> Vec<SocketAddr> {
-        let is_expired = |(address, peer): &(&SocketAddr, &Peer)| self.is_idle(peer, now) || !self.allows(address);
+        let is_refused = |peer: &Peer| !peer.is_accepted && now.saturating_sub(peer.opened_at) >= MAX_WAITING_TIME;
+        let is_expired = |(address, peer): &(&SocketAddr, &Peer)| {
+            self.is_idle(peer, now) || is_refused(peer) || !self.allows(address)
+        };
         self.peers.iter().filter(is_expired).map(|(address, _)| *address).collect()
     }
 
@@ -274,9 +363,12 @@ mod tests {
     #[test]
     fn a_peer_is_kept_for_as_long_as_it_was_heard() {
         let socket = UdpSocket::bind(([127, 0, 0, 1], 0).into()).expect("a port");
-        let mut link = UdpLink::new(socket, UdpOptions { peer: None, idle: 60_000_000, max_peers: 8 }).expect("a link");
+        let mut link = UdpLink::new(socket, options(8)).expect("a link");
         let address = |port| SocketAddr::from(([127, 0, 0, 1], port));
-        (1..=4u16).for_each(|port| assert!(link.add_peer(address(port), usize::from(port), 0)));
+        for port in 1..=4u16 {
+            link.add_peer(address(port), usize::from(port), 0);
+            assert_eq!(link.accept(&address(port), false, 0), Accepted::New);
+        }
         let (twice, long, longer) = (address(2), address(3), address(4));
         assert_eq!(link.sender(twice, 1), Sender::Port(2));
         assert_eq!(link.sender(long, 30_000_000), Sender::Port(3));
@@ -290,6 +382,48 @@ mod tests {
         assert_eq!((expired(MIN_IDLE + 1), expired(59_999_999)), (vec![twice], vec![]));
         assert_eq!((expired(60_000_000), expired(959_999_999)), (vec![long], vec![]));
         assert_eq!(expired(960_000_000), [longer]);
+    }
+
+    fn options(max_peers: usize) -> UdpOptions {
+        UdpOptions { peer: None, idle: 60_000_000, max_peers, trusts_senders: false }
+    }
+
+    #[test]
+    fn a_verified_sender_replaces_any_that_is_not() {
+        let socket = UdpSocket::bind(([127, 0, 0, 1], 0).into()).expect("a port");
+        let mut link = UdpLink::new(socket, options(8)).expect("a link");
+        let address = |port| SocketAddr::from(([127, 0, 0, 1], port));
+        let add = |link: &mut UdpLink, port: u16, is_verified| {
+            link.add_peer(address(port), usize::from(port), 0);
+            link.sender(address(port), 1);
+            link.accept(&address(port), is_verified, 1)
+        };
+        assert!((1..=8).all(|port| add(&mut link, port, false) == Accepted::New));
+        assert_eq!(add(&mut link, 9, false), Accepted::NoRoom);
+        let Accepted::InPlaceOf(replaced) = add(&mut link, 10, true) else { panic!("no room") };
+        assert!(link.remove_peer(&replaced).is_some_and(|peer| !peer.is_verified));
+        assert_eq!(link.accept(&address(10), true, 1), Accepted::Known);
+        (100..400).for_each(|port| assert_eq!(add(&mut link, port, false), Accepted::NoRoom));
+        assert!(link.peers[&address(10)].is_accepted && link.make_room_to_wait().is_some());
+        assert!(!link.expired(MAX_WAITING_TIME).contains(&address(10)));
+    }
+
+    #[test]
+    fn one_address_leaves_half_of_the_places_to_others() {
+        let socket = UdpSocket::bind(([127, 0, 0, 1], 0).into()).expect("a port");
+        let options = UdpOptions { peer: None, idle: 60_000_000, max_peers: 4, trusts_senders: true };
+        let mut link = UdpLink::new(socket, options).expect("a link");
+        let mut add = |host, port: u16, is_verified| {
+            let address = SocketAddr::from(([10, 0, 0, host], port));
+            link.add_peer(address, usize::from(port), 0);
+            link.sender(address, u64::from(port));
+            link.accept(&address, is_verified, 10)
+        };
+        assert_eq!(add(1, 1, true), Accepted::New);
+        assert!((2..=4).all(|port| add(1, port, false) == Accepted::New));
+        assert_eq!(add(1, 5, false), Accepted::NoRoom, "another port of the same address");
+        let second = SocketAddr::from(([10, 0, 0, 1], 2));
+        assert_eq!(add(2, 6, false), Accepted::InPlaceOf(second), "not the verified one");
     }
 
     #[test]

@@ -6,8 +6,10 @@ use crate::engine::command::{Command, Shared, WAKE};
 use crate::engine::links::{Link, Links, Transport, await_writable};
 use crate::engine::moderation::{Moderation, REST};
 use crate::engine::reading::Reading;
-use crate::engine::snapshot::{EndpointSnapshot, Snapshot, routes};
+use crate::engine::snapshot::{EndpointSnapshot, PeerSnapshot, Snapshot, routes};
+use crate::engine::udp::UdpLink;
 use crate::event::{EndpointNumber, Event};
+use crate::ports::PortId;
 use crate::router::{Router, Time};
 use crate::rules::Rules;
 use mavstack_core::layout::Dialect;
@@ -122,6 +124,7 @@ impl Worker {
         }
         self.read_links(&ready);
         self.spare = ready;
+        self.note_progress();
         self.flush();
         let now = self.time().now;
         self.expire_peers(now);
@@ -215,15 +218,24 @@ impl Worker {
                 }
                 self.with(number, |endpoint| endpoint.gateway = *gateway);
             }
-            Command::SetAllowedPeers(number, ranges) => {
-                if let Some(&index) = self.numbers.get(&number)
-                    && let Transport::Udp(udp) = &mut self.links.all[index].transport
-                {
-                    udp.allowed = ranges;
-                    self.expiry_at = 0;
+            Command::SetAllowedPeers(number, ranges) => self.with_udp(number, |udp| udp.allowed = ranges),
+            Command::SetBlockedPeers(number, addresses) => self.with_udp(number, |udp| udp.blocked = addresses),
+            Command::SetAuthority(number, authority) => {
+                if let Some(&index) = self.numbers.get(&number) {
+                    self.router.set_authority(self.links.all[index].endpoint, authority);
                 }
             }
             _ => {}
+        }
+    }
+
+    /// Changes the peers that a UDP socket accepts.
+    fn with_udp(&mut self, number: EndpointNumber, change: impl FnOnce(&mut UdpLink)) {
+        if let Some(&index) = self.numbers.get(&number)
+            && let Transport::Udp(udp) = &mut self.links.all[index].transport
+        {
+            change(udp);
+            self.expiry_at = 0;
         }
     }
 
@@ -293,6 +305,7 @@ impl Worker {
             return;
         }
         self.expiry_at = now + EXPIRY_INTERVAL;
+        self.router.end_conflicts(now);
         for index in self.links.all.iter().map(|(index, _)| index).collect::<Vec<_>>() {
             let expired = match &self.links.all[index].transport {
                 Transport::Udp(udp) => udp.expired(now),
@@ -324,8 +337,20 @@ impl Worker {
             Transport::Udp(udp) => {
                 snapshot.queued = udp.queue.len();
                 let age = |heard_at: u64| now.saturating_sub(heard_at) as f64 * 1e-6;
-                snapshot.peers = udp.peers.iter().map(|(&address, peer)| (address, age(peer.heard_at))).collect();
-                snapshot.peers.sort_unstable_by_key(|(address, _)| *address);
+                let bad_bytes = |port: PortId| {
+                    let parser = self.parsers[port].as_ref().filter(|_| !self.router.is_verifying(port));
+                    parser.map_or(0, |parser| parser.statistics().bad_bytes)
+                };
+                let peers = udp.peers.iter().filter(|(_, peer)| peer.is_accepted);
+                snapshot.peers = peers
+                    .map(|(&address, peer)| PeerSnapshot {
+                        address,
+                        age: age(peer.heard_at),
+                        accepted: self.router.accepted(peer.port),
+                        bad_bytes: bad_bytes(peer.port),
+                    })
+                    .collect();
+                snapshot.peers.sort_unstable_by_key(|peer| peer.address);
             }
             Transport::Stream(stream) => snapshot.queued = stream.queued(),
             Transport::Queue(queue) => snapshot.queued = queue.shared.queued(),

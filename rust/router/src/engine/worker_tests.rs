@@ -76,7 +76,7 @@ fn a_command_passes_in_one_turn_beside_floods_of_all_kinds() {
     let listener = UdpSocket::bind("127.0.0.1:0").expect("a port");
     let address = listener.local_addr().expect("an address");
     listener.set_nonblocking(true).expect("an option");
-    let options = UdpOptions { peer: None, idle: 1 << 40, max_peers: 8 };
+    let options = UdpOptions { peer: None, idle: 1 << 40, max_peers: 8, trusts_senders: false };
     let listener = mio::net::UdpSocket::from_std(listener);
     engine.add(|number| Command::AddUdp(number, listener, options));
     let sender = UdpSocket::bind("127.0.0.1:0").expect("a port");
@@ -103,7 +103,7 @@ fn a_batch_of_long_datagrams_is_followed_by_smaller_ones() {
     let listener = UdpSocket::bind("127.0.0.1:0").expect("a port");
     let address = listener.local_addr().expect("an address");
     listener.set_nonblocking(true).expect("an option");
-    let options = UdpOptions { peer: None, idle: 1 << 40, max_peers: 8 };
+    let options = UdpOptions { peer: None, idle: 1 << 40, max_peers: 8, trusts_senders: false };
     let listener = mio::net::UdpSocket::from_std(listener);
     engine.add(|number| Command::AddUdp(number, listener, options));
     let sender = UdpSocket::bind("127.0.0.1:0").expect("a port");
@@ -118,6 +118,105 @@ fn a_batch_of_long_datagrams_is_followed_by_smaller_ones() {
     }
     let in_turns: Vec<_> = received.windows(2).map(|pair| pair[1] - pair[0]).collect();
     assert!(received[0] > 5000 && in_turns.iter().all(|&packets| packets <= 5000), "{in_turns:?}");
+}
+
+/// Adds a listening socket; returns its number and address.
+fn add_listener(engine: &mut Engine) -> (EndpointNumber, std::net::SocketAddr) {
+    let listener = UdpSocket::bind("127.0.0.1:0").expect("a port");
+    let address = listener.local_addr().expect("an address");
+    listener.set_nonblocking(true).expect("an option");
+    let options = UdpOptions { peer: None, idle: 60_000_000, max_peers: 8, trusts_senders: false };
+    let listener = mio::net::UdpSocket::from_std(listener);
+    (engine.add(|number| Command::AddUdp(number, listener, options)), address)
+}
+
+fn stranger() -> UdpSocket {
+    let socket = UdpSocket::bind("127.0.0.1:0").expect("a port");
+    socket.set_nonblocking(true).expect("an option");
+    socket
+}
+
+/// Receives what waits at a socket; returns its bytes.
+fn received(socket: &UdpSocket) -> usize {
+    let mut buffer = [0; 2048];
+    std::iter::from_fn(|| socket.recv(&mut buffer).ok()).sum()
+}
+
+#[test]
+fn a_sender_whose_packets_are_refused_is_no_peer() {
+    let mut engine = Engine::new();
+    let vehicle = engine.add_queue();
+    let (ground, address) = add_listener(&mut engine);
+    let signing = mavstack_core::signing::Signing::new(
+        mavstack_core::signing::Key::new([1; 32]),
+        1,
+        0,
+        mavstack_core::signing::Policy::default(),
+    );
+    let gateway = crate::gateway::Gateway { incoming: Some(signing), ..Default::default() };
+    engine.worker.execute(Command::SetGateway(ground, Box::new(gateway)));
+    let sender = stranger();
+    for number in 0..30u8 {
+        sender.send_to(&heartbeat((255, 190, number)), address).expect("sent");
+        engine.push(&vehicle, &flood(1, 3));
+        engine.turn();
+        engine.turn();
+        engine.clock.fetch_add(500_000, Ordering::Relaxed);
+    }
+    let snapshot = engine.worker.snapshot();
+    let endpoint = &snapshot.endpoints[1];
+    assert_eq!((endpoint.peers.len(), endpoint.counters.dropped(Cause::Unsigned), received(&sender)), (0, 30, 0));
+    assert!(engine.worker.shared.take_events().iter().all(|event| !matches!(event, Event::PeerOpened { .. })));
+}
+
+#[test]
+fn a_new_peer_gets_three_times_what_it_sent_until_it_answers() {
+    let mut engine = Engine::new();
+    let vehicle = engine.add_queue();
+    let (_, address) = add_listener(&mut engine);
+    let sender = stranger();
+    let system_time = |number| crate::tests::packet_bytes(2, &[9; 12], (1, 1, number));
+    let mut sent = 0;
+    for number in 0..10u8 {
+        sent += sender.send_to(&heartbeat((255, 190, number)), address).expect("sent");
+        engine.turn();
+        engine.push(&vehicle, &[flood(1, 40), system_time(number)].concat());
+        engine.turn();
+        engine.turn();
+        engine.clock.fetch_add(100_000, Ordering::Relaxed);
+    }
+    let before = received(&sender);
+    assert!(before > sent && before <= 3 * sent, "{before} bytes for {sent}");
+    sender.send_to(&command((1, 1), (255, 190, 99)), address).expect("sent");
+    engine.turn();
+    engine.push(&vehicle, &flood(1, 1000));
+    engine.turn();
+    engine.turn();
+    assert!(received(&sender) > 10 * sent, "it answered");
+    assert!(engine.worker.snapshot().endpoints[1].counters.dropped(Cause::Unanswered) > 300);
+}
+
+#[test]
+fn a_blocked_peer_gets_and_sends_nothing() {
+    let mut engine = Engine::new();
+    let vehicle = engine.add_queue();
+    let (ground, address) = add_listener(&mut engine);
+    let (pilot, other) = (stranger(), stranger());
+    let hello = |engine: &mut Engine, number| {
+        pilot.send_to(&heartbeat((255, 190, number)), address).expect("sent");
+        other.send_to(&heartbeat((254, 190, number)), address).expect("sent");
+        engine.turn();
+        engine.turn();
+        engine.clock.fetch_add(1_000_000, Ordering::Relaxed);
+        vehicle.1.pull().len()
+    };
+    assert_eq!(hello(&mut engine, 1), 2);
+    let blocked = [other.local_addr().expect("an address")].into();
+    engine.worker.execute(Command::SetBlockedPeers(ground, blocked));
+    assert_eq!((hello(&mut engine, 2), hello(&mut engine, 3)), (1, 1));
+    assert_eq!(engine.worker.snapshot().endpoints[1].peers.len(), 1);
+    engine.worker.execute(Command::SetBlockedPeers(ground, std::collections::HashSet::new()));
+    assert_eq!(hello(&mut engine, 4), 2);
 }
 
 #[test]

@@ -1,10 +1,11 @@
 //! The endpoints and ports of the router.
 
-use super::{Port, Router};
+use super::{Evidence, Port, Router, Stage};
 use crate::endpoint::Endpoint;
 use crate::event::EndpointNumber;
 use crate::ports::{MAX_PORTS, PortId};
-use crate::table::Table;
+use mavstack_core::claims::{Authority, Claims};
+use std::net::SocketAddr;
 
 impl Router {
     /// Adds an endpoint without ports, and returns its index.
@@ -14,14 +15,63 @@ impl Router {
 
     /// Adds a port to an endpoint; `None`: there are too many.
     pub fn add_port(&mut self, endpoint: usize) -> Option<PortId> {
+        let port = self.insert_port(endpoint, Stage::Proven, None)?;
+        self.set_hearing(port, true);
+        Some(port)
+    }
+
+    /// Adds the port of a peer that is not known, and gets nothing until a packet of it is accepted.
+    pub fn add_peer(&mut self, endpoint: usize, address: SocketAddr) -> Option<PortId> {
+        self.insert_port(endpoint, Stage::Refused, Some(address))
+    }
+
+    /// Returns whether the endpoint of a port verifies signatures.
+    #[must_use]
+    pub fn is_verifying(&self, port: PortId) -> bool {
+        let endpoint = self.endpoint_index(port).and_then(|index| self.endpoints.get(index));
+        endpoint.is_some_and(|endpoint| endpoint.gateway.incoming.is_some())
+    }
+
+    /// Number of accepted packets of a port.
+    #[must_use]
+    pub fn accepted(&self, port: PortId) -> u64 {
+        self.ports.get(port).map_or(0, |port| port.accepted)
+    }
+
+    fn insert_port(&mut self, endpoint: usize, stage: Stage, peer: Option<SocketAddr>) -> Option<PortId> {
         if self.ports.len() >= MAX_PORTS {
             return None;
         }
         self.serials += 1;
-        let port = self.ports.insert(Port { endpoint, serial: self.serials * MAX_PORTS as u64 });
+        let port =
+            self.ports.insert(Port { endpoint, stage, peer, accepted: 0, serial: self.serials * MAX_PORTS as u64 });
         self.ports[port].serial += port as u64;
-        self.set_hearing(port, true);
         Some(port)
+    }
+
+    /// Takes what the packets of peers that are not proven showed.
+    pub fn take_progress(&mut self) -> Vec<(PortId, Evidence)> {
+        std::mem::take(&mut self.progress)
+    }
+
+    /// Returns whether a peer has progress that was not taken, or a packet that waits for a decision.
+    #[must_use]
+    pub fn is_in_progress(&self, port: PortId) -> bool {
+        let serial = self.ports.get(port).map(|port| port.serial);
+        self.progress.iter().any(|(known, _)| *known == port)
+            || serial.is_some_and(|serial| self.held.is_waiting(serial))
+    }
+
+    /// The stage of a port.
+    #[must_use]
+    pub fn stage(&self, port: PortId) -> Option<Stage> {
+        self.ports.get(port).map(|port| port.stage)
+    }
+
+    /// Sets the stage of a peer; returns whether it is a later one than before.
+    pub fn set_stage(&mut self, port: PortId, stage: Stage) -> bool {
+        let known = self.ports.get_mut(port).filter(|known| known.stage < stage);
+        known.map(|known| known.stage = stage).is_some()
     }
 
     /// Sends packets without a target to a port, or no longer. A port of a monitor gets all packets.
@@ -48,7 +98,7 @@ impl Router {
         for port in ports.collect::<Vec<_>>() {
             self.open.remove(port);
             self.monitors.remove(port);
-            self.table.remove_port(port);
+            self.claims.remove(port);
             self.set_hearing(port, true);
         }
     }
@@ -57,7 +107,8 @@ impl Router {
         if self.ports.try_remove(port).is_some() {
             self.open.remove(port);
             self.monitors.remove(port);
-            self.table.remove_port(port);
+            self.claims.remove(port);
+            self.progress.retain(|(known, _)| *known != port);
         }
     }
 
@@ -75,16 +126,30 @@ impl Router {
         self.endpoints.get_mut(endpoint)
     }
 
-    /// Forgets the routes that an endpoint's signatures verified.
+    /// Forgets what authenticated the claims of an endpoint's ports.
     pub fn unverify(&mut self, endpoint: usize) {
         for (port, _) in self.ports.iter().filter(|(_, port)| port.endpoint == endpoint) {
-            self.table.unverify(port);
+            self.claims.withdraw(port);
         }
     }
 
+    /// Sets how the identity of the peer of an endpoint is proven; what an earlier identity claimed is withdrawn.
+    pub fn set_authority(&mut self, endpoint: usize, authority: Authority) {
+        if let Some(known) = self.endpoints.get_mut(endpoint)
+            && std::mem::replace(&mut known.authority, authority) != authority
+        {
+            self.unverify(endpoint);
+        }
+    }
+
+    /// Ends the conflicts that nothing contradicted for a time.
+    pub fn end_conflicts(&mut self, now: u64) {
+        self.claims.end_conflicts(now);
+    }
+
     #[must_use]
-    pub fn table(&self) -> &Table {
-        &self.table
+    pub fn claims(&self) -> &Claims {
+        &self.claims
     }
 
     /// The index of the endpoint of a port.
