@@ -6,7 +6,8 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.node.engine import Engine
-from mavstack.node.pacing import ESTIMATE_TIMEOUT, MIN_ESTIMATE
+from mavstack.node.pacing import DEFAULT_ESTIMATE, ESTIMATE_TIMEOUT, MIN_ESTIMATE
+from mavstack.security import SigningKey
 from mavstack.services import Address, Priority
 from mavstack.wire import encode
 from tests.services.network import GROUND, START
@@ -78,3 +79,22 @@ def test_a_bandwidth_of_the_url_is_never_forgotten():
     channel.pacer.radio_status(0, START)
     channel.pacer.sent(100, START + 1000)
     assert channel.pacer.bandwidth == 5000
+
+
+def test_a_radio_with_an_empty_queue_ends_a_forged_throttle():
+    channel = Channel()
+    for number in range(30):
+        channel.receive(SIK, START + number)
+    assert channel.state.pacer.bandwidth == MIN_ESTIMATE
+    for number in range(30, 60):  # the radio's own reports continue, and nothing uses the bandwidth
+        channel.receive(SIK, START + number, common.RadioStatus(txbuf=100, remrssi=100, rssi=100))
+    assert channel.state.pacer.bandwidth >= DEFAULT_ESTIMATE
+
+
+def test_an_unsigned_report_changes_nothing_on_a_link_that_signs():
+    engine = Engine(GROUND)
+    signing = SigningKey.from_passphrase("field").signing(accept_unsigned=True)
+    state = engine.open_channel("udpin 10.0.0.255:14550", signing=signing)
+    for number in range(30):
+        engine.receive(state, encode(FULL, system=SIK.system, component=SIK.component), START + number)
+    assert state.pacer.bandwidth is None

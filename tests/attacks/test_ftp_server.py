@@ -251,6 +251,23 @@ def test_many_busy_clients_leave_others_a_session(serve) -> None:
     assert opened_after <= MIN_SESSION_DURATION
 
 
+def test_a_signed_client_has_a_session_at_once_and_keeps_it() -> None:
+    pilot, now = GROUND, START
+    server = FtpServer(VEHICLE, MemoryStore({"f": b"x"}), is_authenticated=lambda source: source == pilot)
+    for number in range(MAX_SESSIONS):
+        ask(server, Opcode.OPENFILERO, b"f", source=client(number), now=now + number / 100)
+    (opened,) = ask(server, Opcode.OPENFILERO, b"f", source=pilot, now=now + 1)
+    assert opened.error is None
+    for turn in range(100):
+        now += 1
+        stranger = client(turn % 300)
+        for number in range(MAX_SESSIONS):
+            ask(server, Opcode.READFILE, size=1, source=client(number), sequence=turn, now=now)
+        ask(server, Opcode.OPENFILERO, b"f", source=stranger, sequence=500 + turn, session=1, now=now)
+        (read,) = ask(server, Opcode.READFILE, size=1, source=pilot, sequence=2 + turn, now=now)
+        assert read.data == b"x"
+
+
 def test_bursts_share_a_slow_link(serve) -> None:
     """Before: the first session got all the room of the link."""
     server = serve(MemoryStore({"f": bytes(30_000)}))

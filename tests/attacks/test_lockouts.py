@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import socket
 from contextlib import ExitStack, contextmanager
+from time import time
 from typing import TYPE_CHECKING
 
 import pytest
@@ -12,7 +13,10 @@ import pytest
 from mavstack import Encoder
 from mavstack.dialects import common
 from mavstack.node import Node
+from mavstack.router.config import parse_config
+from mavstack.router.router import Router
 from mavstack.security import SigningKey
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -86,3 +90,49 @@ async def test_idle_tcp_connections_lock_out_no_vehicle(key) -> None:
             assert len(ground.links[0].channels) == 64
         for _, writer in idle:
             writer.close()
+
+
+async def test_a_signed_vehicle_gets_in_while_unsigned_ports_keep_coming() -> None:
+    """Before: new ports took the places that a full link frees per second, and the vehicle got none."""
+    with udp_ports(400) as ports:
+        async with Node("udpin://127.0.0.1:0?max_peers=16", signing=KEY) as ground:
+            link = ground.links[0]
+            host, port = link.address
+            await send_from(ports, HEARTBEAT, (host, port))
+            link._admission._admission._allowance = -1e9  # the others have used it up
+            async with vehicle(f"udpout://{host}:{port}", KEY):
+                await ground.wait_for_autopilot(1, timeout=FOUND_TIMEOUT)
+            assert len(link.channels) == 16
+
+
+@pytest.mark.parametrize("count", [20, 300])
+async def test_a_signed_pilot_gets_into_a_full_port_of_a_router(count, tmp_path) -> None:
+    """Before: unsigned heartbeats from 300 ports took all places, and the pilot heard nothing."""
+    KEY.save(tmp_path / "field.key")
+    config = parse_config(
+        f'''
+        [endpoint.vehicle]
+        url = "udpin://127.0.0.1:0"
+        [endpoint.ground]
+        url = "udpin://127.0.0.1:0?max_peers=16"
+        [endpoint.ground.signing]
+        in = "{tmp_path}/field.key"
+        '''
+    )
+    async with Router(config) as router:
+        ports = {name: endpoint.address for name, endpoint in router.endpoints.items()}
+        with udp_ports(count) as attackers, udp_ports(2) as (pilot, flying):
+            await send_from(attackers, HEARTBEAT, ports["ground"])
+            signed, plain = Encoder(255, 190, signing=KEY.signing()), Encoder(1, 1)
+            pilot.setblocking(False)
+
+            def is_heard() -> bool:
+                beat = signed.encode(common.Heartbeat(type=common.MavType.GCS), time())
+                pilot.sendto(beat, ports["ground"])
+                flying.sendto(plain.encode(common.Heartbeat(autopilot=3)), ports["vehicle"])
+                try:
+                    return bool(pilot.recv(4096))
+                except BlockingIOError:
+                    return False
+
+            await wait_until(is_heard, timeout=FOUND_TIMEOUT)

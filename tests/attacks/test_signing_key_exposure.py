@@ -91,8 +91,8 @@ class Peer:
 @pytest.mark.parametrize("dialect", [common, minimal], ids=["common", "minimal"])
 async def test_a_key_is_not_forwarded_in_either_direction(dialect):
     async with (
-        Peer("udpin://127.0.0.1:0") as vehicle,
-        Peer("udpin://127.0.0.1:0") as station,
+        Peer("udpin://127.0.0.1:0?trust_senders=yes") as vehicle,
+        Peer("udpin://127.0.0.1:0?trust_senders=yes") as station,
         Node(vehicle.url, dialect=dialect) as node,
         Forwarding(node) as forwarding,
     ):

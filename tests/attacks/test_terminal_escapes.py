@@ -51,7 +51,7 @@ WITH_VEHICLE = [
     "vehicle events --for 2",
     "vehicle servo 9 1500", "vehicle relay 1 on", "vehicle actuator 1 0.5", "vehicle motor-test 1 --yes",
     "vehicle gripper grip", "vehicle winch relax", "vehicle roi none", "vehicle transition multicopter",
-    "vehicle ekf-source 1", "vehicle calibrate gyroscope", "vehicle terminate --yes",
+    "vehicle ekf-source 1", "vehicle renumber 7", "vehicle calibrate gyroscope", "vehicle terminate --yes",
     "param list", "param get RALLY_LIMIT_KM NOSUCH", "param set NOSUCH 1", "param set LOG_BACKEND_TYPE 2",
     "param save - --format mavproxy", "param load hostile.param", "param diff hostile.param",
     "terrain check 47.3985 8.546", "terrain serve --height 488 --for 0.5",

@@ -10,7 +10,8 @@ from starlette.responses import PlainTextResponse
 from starlette.routing import Route
 
 from mavstack.errors import LinkError
-from mavstack.http.server import Certificate, _Protocol, serving
+from mavstack.http.connections import Connection
+from mavstack.http.server import Certificate, serving
 
 REQUEST = b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n"
 
@@ -29,13 +30,13 @@ async def test_an_address_in_use_is_an_error():
 async def test_answers_do_not_wait_for_the_acknowledgement_of_their_head(monkeypatch):
     options = []
 
-    class Protocol(_Protocol):
+    class Protocol(Connection):
         def connection_made(self, transport):
             super().connection_made(transport)
             sock = transport.get_extra_info("socket")
             options.append(sock.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY))
 
-    monkeypatch.setattr("mavstack.http.server._Protocol", Protocol)
+    monkeypatch.setattr("mavstack.http.connections.Connection", Protocol)
     app = Starlette(routes=[Route("/", answer)])
     async with asyncio.timeout(20), serving(app, "127.0.0.1:0", name="a service") as (host, port):
         reader, writer = await asyncio.open_connection(host, port)
@@ -55,7 +56,7 @@ async def test_a_missing_certificate_is_an_error():
 
 @pytest.mark.parametrize(("requests", "beginning"), [(0, b""), (0, REQUEST[:9]), (1, REQUEST[:9])])
 async def test_connections_whose_requests_do_not_arrive_are_closed(monkeypatch, requests, beginning):
-    monkeypatch.setattr("mavstack.http.server.HEAD_TIMEOUT", 0.05)
+    monkeypatch.setattr("mavstack.http.connections.HEAD_TIMEOUT", 0.05)
     app = Starlette(routes=[Route("/", answer)])
     async with asyncio.timeout(20), serving(app, "127.0.0.1:0", name="a service") as (host, port):
         reader, writer = await asyncio.open_connection(host, port)
@@ -69,7 +70,7 @@ async def test_connections_whose_requests_do_not_arrive_are_closed(monkeypatch, 
 
 
 async def test_a_request_that_arrived_has_no_deadline(monkeypatch):
-    monkeypatch.setattr("mavstack.http.server.HEAD_TIMEOUT", 0.05)
+    monkeypatch.setattr("mavstack.http.connections.HEAD_TIMEOUT", 0.05)
 
     async def answer_late(request):
         await asyncio.sleep(0.2)
@@ -104,7 +105,7 @@ async def test_the_address_of_a_client_is_that_of_its_connection_but_for_a_proxy
 
 
 async def test_connections_beyond_the_limit_are_closed(monkeypatch):
-    monkeypatch.setattr("mavstack.http.server.MAX_CONNECTIONS", 1)
+    monkeypatch.setattr("mavstack.http.connections.MAX_CONNECTIONS", 1)
     app = Starlette(routes=[Route("/", answer)])
     async with asyncio.timeout(20), serving(app, "127.0.0.1:0", name="a service") as (host, port):
         first_reader, first = await asyncio.open_connection(host, port)

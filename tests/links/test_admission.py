@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from mavstack.links.admission import MIN_STAY, VALID_TIMEOUT, Admission
+from mavstack.links.admission import PeerAdmission as Admission
 from mavstack.links.channel import Channel
+from mavstack.security.admission import MIN_STAY
+from mavstack.security.admission import USE_TIMEOUT as VALID_TIMEOUT
 
 NOW = 1_790_000_000.0
 

@@ -49,7 +49,7 @@ class TestImpairedByUrl(Conformance):
 
     @asynccontextmanager
     async def pair(self, query=""):
-        link = open_link(f"udpin://127.0.0.1:0?latency=1ms&{query}")
+        link = open_link(f"udpin://127.0.0.1:0?trust_senders=yes&latency=1ms&{query}")
 
         async def peer():
             return UdpPeer(link.address)

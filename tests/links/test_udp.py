@@ -24,7 +24,7 @@ class TestUdpin(Conformance):
 
     @asynccontextmanager
     async def pair(self, query=""):
-        link = open_link(f"udpin://127.0.0.1:0?{query}" if query else "udpin://127.0.0.1:0")
+        link = open_link(f"udpin://127.0.0.1:0?trust_senders=yes&{query}".rstrip("&"))
 
         async def peer():
             return UdpPeer(link.address)
@@ -119,7 +119,7 @@ async def test_a_full_queue_counts_each_datagram_that_it_drops(joined):
 
 
 async def test_each_remote_address_is_a_channel():
-    async with open_link("udpin://127.0.0.1:0") as link:
+    async with open_link("udpin://127.0.0.1:0", trust_senders=True) as link:
         peers = [UdpPeer(link.address) for _ in range(3)]
         for number, peer in enumerate(peers):
             await peer.send(bytes([number]))

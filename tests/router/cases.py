@@ -24,6 +24,7 @@ OURS = frozenset({PURE, ENGINE, NODE})
 
 VEHICLE, CAMERA, OTHER, STATION = (1, 1), (1, 100), (2, 1), (255, 190)
 HEARTBEAT = common.Heartbeat(type=common.MavType.QUADROTOR)
+STATION_HEARTBEAT = common.Heartbeat(type=common.MavType.GCS)
 #: A message id that no dialect has.
 UNKNOWN = None
 
@@ -178,19 +179,31 @@ CASES = (
         "two ground stations with one address",
         (
             Step("A", VEHICLE, HEARTBEAT, "BC"),
-            Step("B", STATION, HEARTBEAT, "AC"),
-            Step("C", STATION, common.Heartbeat(type=common.MavType.GCS), "AB"),
+            Step("B", STATION, STATION_HEARTBEAT, "AC"),
+            Step("C", STATION, STATION_HEARTBEAT, "AB"),
             Step("A", VEHICLE, command(255, 190), "BC"),
         ),
         by=OURS,
     ),
     Case(
-        "a reboot clears the routes of the vehicle",
+        "a reboot clears the routes over the other links of its group",
+        (
+            Step("A", VEHICLE, common.SystemTime(time_boot_ms=90_000), "CD"),
+            Step("B", VEHICLE, common.SystemTime(time_boot_ms=90_100), "CD"),
+            Step("C", STATION, command(1, 1), "AB"),
+            Step("B", VEHICLE, common.SystemTime(time_boot_ms=500), "CD"),
+            Step("C", STATION, command(1, 1), "B"),
+        ),
+        groups={"A": "radio", "B": "radio"},
+        by=OURS - {NODE},
+    ),
+    Case(
+        "a reboot that another link claims moves no route while the vehicle is heard",
         (
             Step("A", VEHICLE, common.SystemTime(time_boot_ms=90_000), "BC"),
             Step("B", VEHICLE, common.SystemTime(time_boot_ms=500), "AC"),
-            Step("C", STATION, command(1, 1), "B"),
+            Step("C", STATION, command(1, 1), "A"),
         ),
-        by=OURS - {NODE},
+        by=OURS,
     ),
 )

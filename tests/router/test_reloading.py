@@ -49,3 +49,18 @@ async def test_a_missing_file_changes_nothing(path):
         assert not await file.look()
         assert not await file.look()
         assert sorted(router.endpoints) == ["a"]
+
+
+@pytest.mark.parametrize("content", ["", "# nothing\n", "[router]\n"])
+async def test_an_empty_file_changes_nothing(path, caplog, content):
+    path.write_text(ENDPOINT.format("a"))
+    async with routing() as router:
+        file = ConfigFile(str(path), router)
+        await file.reload()
+        path.write_text(content)
+        await file.look()
+        assert await file.look()
+        assert "has no endpoints" in caplog.text
+        assert sorted(router.endpoints) == ["a"]
+        with pytest.raises(RouterConfigError, match="no endpoints"):
+            await file.reload()

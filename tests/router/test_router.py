@@ -15,7 +15,7 @@ from mavstack.security import SigningKey
 from mavstack.wire import Encoder
 from tests.router.peers import UdpPeer, arm, heartbeat, names, port, routing, until
 
-UDP = "udpin://127.0.0.1:0"
+UDP = "udpin://127.0.0.1:0?trust_senders=yes"
 VEHICLE, GROUND = EndpointConfig("vehicle", UDP), EndpointConfig("ground", UDP)
 
 
@@ -109,7 +109,7 @@ async def test_apply_opens_again_only_what_changed():
 
 async def test_a_reload_takes_the_new_key_of_a_name(tmp_path):
     path = tmp_path / "field.key"
-    signed = replace(VEHICLE, url=f"{VEHICLE.url}?signing_key={path}")
+    signed = replace(VEHICLE, url=f"{VEHICLE.url}&signing_key={path}")
     keys = [SigningKey.from_passphrase(word) for word in ("old", "new")]
 
     async def passes(vehicle, key):
@@ -142,7 +142,7 @@ async def test_reloads_lose_nothing_on_unchanged_links(times):
             ground.send(heartbeat(255, 190))
             await until(lambda: router.statistics().routes)
             for turn in range(times):
-                third = EndpointConfig("third", f"{UDP}?idle={5 + turn % 2}", group="x" if turn % 3 else "")
+                third = EndpointConfig("third", f"{UDP}&idle={5 + turn % 2}", group="x" if turn % 3 else "")
                 changed = replace(GROUND, rates=((30, 1.0 + turn),))
                 sending = asyncio.create_task(send_some(vehicle, turn))
                 await router.apply(RouterConfig((VEHICLE, changed, *((third,) if turn % 4 else ()))))
@@ -197,7 +197,7 @@ class WithoutReaders(asyncio.SelectorEventLoop):
 
 def test_an_event_loop_without_socket_readers():
     """Packets pass, and an endpoint that Python carries gets those for it."""
-    carried = replace(GROUND, url=f"{UDP}?latency=0")
+    carried = replace(GROUND, url=f"{UDP}&latency=0")
 
     async def exchange():
         async with routing(VEHICLE, carried) as router:

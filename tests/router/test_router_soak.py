@@ -21,7 +21,7 @@ DURATION = 600.0
 RATE, MAX_GROWTH = 500, 20_000
 #: Place of the system id in a packet of MAVLink 2.
 SYSTEM = 5
-UDP = "udpin://127.0.0.1:0"
+UDP = "udpin://127.0.0.1:0?trust_senders=yes"
 NAMES = ("vehicle", "ground", "tablet", "box")
 
 

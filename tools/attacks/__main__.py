@@ -10,6 +10,7 @@ from tools.attacks.gates import GATES
 from tools.attacks.range import opened
 from tools.attacks.routers import RouterProgram, available, with_gates
 from tools.attacks.scenarios import FLOOD, PASSED, flood
+from tools.child_processes import end_children_with_this_process
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -28,6 +29,7 @@ def main() -> int:
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--no-flood", action="store_true", help="leave the flood out")
     arguments = parser.parse_args()
+    end_children_with_this_process()
     results = {
         program.name: attack(program, with_flood=not arguments.no_flood)
         for program in available(arguments.router)

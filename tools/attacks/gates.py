@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import socket
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from time import monotonic, time
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
@@ -36,6 +36,10 @@ Sec-WebSocket-Version: 13\r
 """
 #: Commands in the test of a sealed link.
 _COMMANDS: Final = 10
+#: Requests of each observer, silent connections, and commands of a station behind them.
+_REQUESTS: Final = 1000
+_SILENT: Final = 80
+_ATTEMPTS: Final = 5
 _REBOOT: Final = common.MavCmd.PREFLIGHT_REBOOT_SHUTDOWN
 _VEHICLE: Final = {"target_system": 1, "target_component": 1}
 
@@ -108,11 +112,39 @@ def sealed_link(field: Range) -> int:
     return passed - _COMMANDS
 
 
+def observers(field: Range) -> int:
+    """Ask for all parameters a thousand times as each of two observers; one request may pass."""
+    request = common.ParamRequestList(**_VEHICLE)
+    with _connected(field, "observe") as first, _connected(field, "observe") as second:
+        for observer in (first, second):
+            observer(*[request] * _REQUESTS)
+        passed = sum(packet.name == "PARAM_REQUEST_LIST" for packet in field.vehicle.receive())
+    _require(passed >= 1, "the request of an observer reaches the vehicle")
+    return passed - 1
+
+
+def silent_connections(field: Range) -> int:
+    """Fill a TCP endpoint with silent connections; return 1 if a station that comes then is locked out."""
+    address = ("127.0.0.1", field.ports.tcp)
+    with ExitStack() as stack:
+        for _ in range(_SILENT):
+            stack.enter_context(socket.create_connection(address, timeout=5))
+        encoder = Encoder(*STATION)
+        for _ in range(_ATTEMPTS):  # stations connect again; a full endpoint takes some clients per second
+            with suppress(OSError), socket.create_connection(address, timeout=5) as station:
+                station.sendall(encoder.encode(common.CommandLong(**_VEHICLE, command=ARM, param1=1)))
+                if field.passed():
+                    return 0
+    return 1
+
+
 #: Attacks on gates, by their names in the table.
 GATES: Final[Mapping[str, Callable[[Range], int]]] = MappingProxyType(
     {
         "tickets: forged, expired, foreign, used": tickets,
         "role escalation": roles,
+        "requests of observers beyond the first": observers,
+        "silent connections: stations locked out": silent_connections,
         "sealed link: altered, replayed, reordered": sealed_link,
     }
 )

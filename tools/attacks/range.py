@@ -93,11 +93,17 @@ class Range:
             self.vehicle.send(common.Heartbeat(type=2, autopilot=common.MavAutopilot.PX4))
             self.pilot.heartbeat()
             self.pilot.receive(0.2)
+            # A vehicle that answers may get more than three times what it sent.
+            self.vehicle.send(common.CommandAck(command=512))
         self.vehicle.receive()
 
     def attacker(self, source: tuple[int, int] = (255, 190), *, version: int = 2) -> Station:
         """Return another program on the ground side, without the key."""
         return self._keep(Station(self.ports.ground, source, version=version))
+
+    def attacker_of_vehicle(self, source: tuple[int, int]) -> Station:
+        """Return another program on the port of the vehicle."""
+        return self._keep(Station(self.ports.vehicle, source))
 
     def passed(self) -> int:
         """Return the number of packets that reached the vehicle, without those of the router itself."""

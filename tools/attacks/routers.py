@@ -23,37 +23,26 @@ KEY: Final = SigningKey.from_passphrase("attacks")
 #: The text that makes tickets for the WebSocket gate, and the address of the stations behind gates.
 TICKET_KEY: Final = "attacks on the gate"
 STATION: Final = (250, 190)
-#: A firewall and a signing gateway for one ground station, as the how-to guide shows them.
-_CONFIG: Final = """\
-[endpoint.vehicle]
-url = "udpin://127.0.0.1:{vehicle}"
-[endpoint.ground]
-url = "udpin://127.0.0.1:{ground}"
-[endpoint.ground.signing]
-in = "{key}"
-out = "{key}"
-[firewall]
-default = "deny"
-[[firewall.rule]]
-name = "vehicle"
-endpoints = ["vehicle"]
-systems = [1]
-[[firewall.rule]]
-name = "pilot"
-endpoints = ["ground"]
-from = ["127.0.0.1"]
-ports = {pilot}
-systems = [255]
-"""
+#: The how-to guide whose configuration is attacked, and what differs on this machine.
+_GUIDE: Final = Path(__file__).parents[2] / "docs" / "guides" / "firewall.md"
+_CHANGES: Final = {
+    '"serial:///dev/ttyACM0?baud=921600"': '"udpin://127.0.0.1:{vehicle}"',
+    '"udpin://0.0.0.0:14550"': '"udpin://127.0.0.1:{ground}"',
+    '"10.1.0.0/16"': '"127.0.0.0/8"',
+    'in = "field"': 'in = "{key}"',
+    'out = "field"': 'out = "{key}"',
+}
 #: The same router with a WebSocket gate and a sealed link.
 _GATES: Final = """\
 [endpoint.gate]
 url = "wsin://127.0.0.1:{gate}?ticket_key={folder}/ticket.key&role=operate"
 [endpoint.sealed]
 url = "sealed+udpin://127.0.0.1:{sealed}?shared_key={folder}/field.key"
+[endpoint.tcp]
+url = "tcpin://127.0.0.1:{tcp}"
 [[firewall.rule]]
 name = "stations behind gates"
-endpoints = ["gate", "sealed"]
+endpoints = ["gate", "sealed", "tcp"]
 systems = [250]
 """
 _MAVLINK_ROUTER: Final = """\
@@ -80,6 +69,7 @@ class Ports:
         pilot: The port of the ground station.
         gate: The port of the WebSocket gate.
         sealed: The port of the sealed link.
+        tcp: The port of a TCP endpoint.
     """
 
     vehicle: int
@@ -87,6 +77,7 @@ class Ports:
     pilot: int
     gate: int = 0
     sealed: int = 0
+    tcp: int = 0
 
     @classmethod
     def free(cls) -> Self:
@@ -166,16 +157,28 @@ def with_gates() -> RouterProgram:
     return RouterProgram("mavstack", _ours_with_gates)
 
 
+def _guide() -> str:
+    """Return the firewall and the gateway of the how-to guide, for this machine."""
+    blocks = _GUIDE.read_text("utf-8").split("```toml\n")[1:]
+    rules, gateway = (block.split("```")[0] for block in blocks[:2])
+    text = rules + "".join(gateway.partition("[endpoint.ground.signing]")[1:])
+    for before, after in _CHANGES.items():
+        if before not in text:
+            raise SystemExit(f"{_GUIDE}: {before} is missing; the attacks run the configuration of the guide")
+        text = text.replace(before, after)
+    return text
+
+
 def _ours(ports: Ports, folder: Path) -> list[str]:
     KEY.save(folder / "field.key")
-    return _route(ports, folder, _CONFIG)
+    return _route(ports, folder, _guide())
 
 
 def _ours_with_gates(ports: Ports, folder: Path) -> list[str]:
     (folder / "ticket.key").write_text(TICKET_KEY)
     (folder / "ticket.key").chmod(0o600)
     KEY.save(folder / "field.key")
-    return _route(ports, folder, _CONFIG + _GATES)
+    return _route(ports, folder, _guide() + _GATES)
 
 
 def _route(ports: Ports, folder: Path, text: str) -> list[str]:

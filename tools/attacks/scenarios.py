@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from statistics import median, pstdev
-from time import time
+from time import monotonic, sleep, time
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
@@ -20,6 +20,10 @@ if TYPE_CHECKING:
 
 #: Commands whose acknowledgement is timed.
 _COMMANDS: Final = 40
+#: Ports of an attacker.
+_PORTS: Final = 300
+#: Seconds of a flood that should have the pilot cut off.
+_FLOOD_TIME: Final = 2.0
 #: Packets of telemetry that are timed.
 _TELEMETRY: Final = 200
 
@@ -136,6 +140,71 @@ def flood(field: Range) -> dict[str, float]:
     return {name: round(value * 1000, 2) for name, value in zip(FLOOD, values, strict=True)}
 
 
+def many_ports(field: Range) -> int:
+    """Send unsigned heartbeats from 300 ports; return 1 if the pilot is locked out."""
+    for number in range(_PORTS):
+        field.attacker((100 + number % 100, 190)).heartbeat()
+    return int(not field.command_works())
+
+
+def quarantine_as_a_weapon(field: Range) -> int:
+    """Have the pilot cut off: a flood of unsigned datagrams, and malformed packets with the pilot's ids."""
+    attacker = field.attacker()
+    heartbeat = attacker.encoder.encode(common.Heartbeat(type=common.MavType.GCS))
+    end = monotonic() + _FLOOD_TIME
+    while monotonic() < end:
+        for _ in range(50):
+            attacker.send_raw(heartbeat)
+        sleep(0.01)
+    attacker.send(common.SerialControl(count=200))
+    on_vehicle_port = field.attacker_of_vehicle((255, 190))
+    on_vehicle_port.send(common.SerialControl(count=200))
+    sleep(1.5)  # counters are looked at once a second
+    return int(not field.command_works())
+
+
+def stolen_route(field: Range) -> int:
+    """Name oneself as the vehicle on its own port, and count the stripped commands of the pilot that come."""
+    stranger = field.attacker_of_vehicle((1, 1))
+    commands = 0
+    for number in range(30):
+        field.vehicle.send(common.Attitude(time_boot_ms=number))
+        stranger.send(common.Attitude(time_boot_ms=number), common.CommandAck(command=ARM))
+        field.pilot.send(common.CommandLong(target_system=1, target_component=1, command=ARM))
+        if number % 10 == 9:
+            commands += sum(packet.name == "COMMAND_LONG" for packet in stranger.receive(0.1))
+    return commands
+
+
+def reflection(field: Range) -> int:
+    """Send two datagrams from a new address; count the bytes that come beyond three times those."""
+    victim = field.attacker_of_vehicle((1, 200))
+    victim.send(common.Attitude(), common.Attitude())
+    for number in range(300):
+        field.vehicle.send(common.Attitude(time_boot_ms=number))
+    received = sum(len(packet.raw) for packet in victim.receive())
+    return max(0, received - 3 * sum(map(len, victim.sent)))
+
+
+def acting_in_the_pilots_name(field: Range) -> int:
+    """Steer, upload and reconfigure with the pilot's ids from the vehicle's port."""
+    attacker = field.attacker_of_vehicle((255, 190))
+    target = {"target_system": 1, "target_component": 1}
+    attacker.send(
+        common.RcChannelsOverride(**target),
+        common.ManualControl(target=1),
+        common.SetPositionTargetLocalNed(**target),
+        common.SetAttitudeTarget(target_system=1, target_component=1),
+        common.SerialControl(count=1),
+        common.MissionItemInt(**target),
+        common.ParamExtSet(target_system=1, target_component=1),
+        common.LogErase(**target),
+        common.SetHomePosition(target_system=1),
+        common.FileTransferProtocol(target_system=1),
+    )
+    return field.passed()
+
+
 #: Attacks that count what passed, by their names in the table.
 PASSED: Final[Mapping[str, Callable[[Range], int]]] = MappingProxyType(
     {
@@ -148,6 +217,11 @@ PASSED: Final[Mapping[str, Callable[[Range], int]]] = MappingProxyType(
         "counts above their arrays": malformed,
         "id hijack: commands diverted": id_hijack,
         "SETUP_SIGNING through the router": setup_signing,
+        "300 ports: pilots locked out": many_ports,
+        "quarantine as a weapon: pilot cut off": quarantine_as_a_weapon,
+        "stolen route: 30 commands, vehicle's port": stolen_route,
+        "reflection: bytes beyond three times": reflection,
+        "acting in the pilot's name, 10 messages": acting_in_the_pilots_name,
     }
 )
 

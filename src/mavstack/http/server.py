@@ -10,11 +10,10 @@ from contextlib import asynccontextmanager, contextmanager
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from mavstack.errors import LinkError, MissingExtraError
+from mavstack.http.connections import connection_factory
 
 try:
-    import h11
     import uvicorn
-    from uvicorn.protocols.http.h11_impl import H11Protocol
 except ImportError as error:
     raise MissingExtraError("an HTTP server", "web") from error
 
@@ -28,10 +27,6 @@ if TYPE_CHECKING:
 MAX_WEBSOCKET_MESSAGE: Final = 1 << 20
 #: Seconds between two pings of a WebSocket, and for their answers: a client that has vanished is closed.
 PING_INTERVAL: Final = 20.0
-#: Open connections; further ones are closed, so that clients leave descriptors to the links of the program.
-MAX_CONNECTIONS: Final = 512
-#: Seconds for the head of a request.
-HEAD_TIMEOUT: Final = 20.0
 
 
 class Certificate(NamedTuple):
@@ -57,39 +52,6 @@ class _ClientFaults(logging.Filter):
 
 
 _CLIENT_FAULTS: Final = _ClientFaults()
-
-
-class _Protocol(H11Protocol):
-    """Closes connections that are too many, and those whose requests do not arrive."""
-
-    _deadline: asyncio.TimerHandle | None = None
-
-    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        super().connection_made(transport)
-        if len(self.connections) > MAX_CONNECTIONS:
-            transport.abort()
-        else:
-            self._watch_head()
-
-    def data_received(self, data: bytes) -> None:
-        super().data_received(data)
-        self._watch_head()
-
-    def connection_lost(self, exc: Exception | None) -> None:
-        super().connection_lost(exc)
-        self._stop_watching()
-
-    def _watch_head(self) -> None:
-        """Begin to wait for the head of a request, or end it."""
-        if self.conn.their_state is not h11.IDLE:
-            self._stop_watching()
-        elif self._deadline is None:
-            self._deadline = self.loop.call_later(HEAD_TIMEOUT, self.transport.abort)
-
-    def _stop_watching(self) -> None:
-        if self._deadline is not None:
-            self._deadline.cancel()
-            self._deadline = None
 
 
 class _Server(uvicorn.Server):
@@ -159,7 +121,7 @@ def _config(app: Starlette, tls: Certificate | None, *, websockets: bool, proxy:
         access_log=False,
         lifespan="off",
         server_header=False,
-        http=_Protocol,
+        http=connection_factory(),  # type: ignore[arg-type]
         ws="websockets-sansio" if websockets else "none",
         ws_max_size=MAX_WEBSOCKET_MESSAGE,
         ws_ping_interval=PING_INTERVAL,

@@ -52,6 +52,10 @@ class Link(ABC):
     #: True if the reader parses the bytes of a channel as a stream: datagrams of one sender that wait
     #: together may then become one event, which costs much less.
     joins_datagrams = False
+    #: Returns whether the first bytes of a new peer are signed: a full link prefers it. None: unknown.
+    authenticates: Callable[[bytes], bool] | None = None
+    #: Sets what the peers have proved, before a full link chooses those that it keeps; None: not needed.
+    before_choice: Callable[[], None] | None = None
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         self.url = url
@@ -65,6 +69,9 @@ class Link(ABC):
         self._tasks: set[asyncio.Task[None]] = set()
         self._opened = False
         self._closed = False
+
+    def trust_senders(self) -> None:  # noqa: B027 - only some links have senders that are not known
+        """Send everything to new peers at once; call it before `open`."""
 
     @property
     def closed(self) -> bool:

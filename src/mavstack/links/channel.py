@@ -13,6 +13,7 @@ from time import time
 from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.errors import LinkClosedError
+from mavstack.security.admission import Proof
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -86,6 +87,7 @@ class Channel(ABC):
         last_received: Unix time of the last received bytes in seconds; before any, of the opening.
         last_valid: Unix time of the last valid packet in seconds, set by the node of the link; 0: none yet.
             A full link closes peers without one first, to make room for new peers.
+        is_authenticated: Its packets have valid signatures, which the node of the link checks.
     """
 
     def __init__(self, name: str, peer: str, on_closed: Callable[[Channel, str], None]) -> None:
@@ -98,12 +100,20 @@ class Channel(ABC):
         self.closed = False
         self.last_received = time()
         self.last_valid = 0.0
+        self.is_authenticated = False
         self._on_closed = on_closed
 
     @property
     def host(self) -> str:
         """The host in the peer's address."""
         return self.peer.rpartition(":")[0]
+
+    @property
+    def proof(self) -> Proof:
+        """The proof of the peer, by which a full link chooses the peers that it keeps."""
+        if self.is_authenticated or self.identity:
+            return Proof.AUTHENTICATED
+        return Proof.SPEAKING if self.last_valid > 0 else Proof.SILENT
 
     def write(self, data: Data) -> bool:
         """Send a chunk, or queue it.
@@ -147,7 +157,7 @@ class Channel(ABC):
 
     def _allowed(self, data: bytes) -> bytes:
         """Return received bytes without packets that the role of the peer does not allow."""
-        return data if self.role_filter is None else self.role_filter.filter(data)
+        return data if self.role_filter is None else self.role_filter.filter(data, time())
 
     @abstractmethod
     def _send(self, data: Data) -> bool:

@@ -19,7 +19,7 @@ from time import time
 from typing import TYPE_CHECKING
 
 from mavstack.errors import LinkError
-from mavstack.links.admission import Admission
+from mavstack.links.admission import PeerAdmission
 from mavstack.links.base import Link
 from mavstack.links.channel import Channel
 from mavstack.links.os_errors import open_error
@@ -99,11 +99,13 @@ class ServerLink(ConnectionLink):
         super().__init__(url, options)
         #: Maximum number of connections.
         self.max_peers = options.integer("max_peers", 64)
-        self._admission = Admission(self.max_peers)
+        self._admission = PeerAdmission(self.max_peers)
 
     def _admit(self, connection: ConnectionChannel) -> bool:
         """Add a new connection as a channel, unless there are too many peers or the receive queue is full."""
         is_full = self._closed or self._inbox.full
+        if self.before_choice is not None and len(self.channels) >= self.max_peers:
+            self.before_choice()
         if is_full or not self._admission.admit(connection.host, self.channels, time()):
             connection.close("too many peers")
             connection.abort()

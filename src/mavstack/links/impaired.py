@@ -124,6 +124,10 @@ class ImpairedLink(Link):
         inner = self._inner.counters
         return super().counters + Counters(dropped_in=inner.dropped_in, dropped_out=inner.dropped_out)
 
+    def trust_senders(self) -> None:
+        """Send everything to new peers at once; call it before `open`."""
+        self._inner.trust_senders()
+
     async def _open(self) -> None:
         await self._inner.open()
         for channel in self._inner.channels:  # channels that are open from the start

@@ -32,7 +32,7 @@ Backend: TypeAlias = "Callable[[LinkURL, Options], Link]"
 BACKENDS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "udpin": "udp:UdpListener",
-        "udpout": "udp:UdpSender",
+        "udpout": "udp_sender:UdpSender",
         "tcpin": "tcp:TcpServer",
         "tcpout": "tcp:TcpClient",
         "tls": "tls:TlsClient",

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.bounded_file import read_file_bounded
 from mavstack.errors import LinkError
+from mavstack.security.observer_requests import ObserverRequests
 from mavstack.security.roles import Role, RoleFilter
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ class RoleGate:
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         self._limit = Role.from_word(options.choice("role", WORDS))
+        self._requests = ObserverRequests()
         path = options.text("roles")
         self._roles = _read_roles(url, path) if path else None
 
@@ -42,7 +44,7 @@ class RoleGate:
     def filter_of(self, identity: str, ticket: Role = Role.ADMINISTER) -> RoleFilter | None:
         """Return the filter for the packets of a client; None if it may send everything."""
         role = self.role_of(identity, ticket)
-        return None if role is Role.ADMINISTER else RoleFilter(role)
+        return None if role is Role.ADMINISTER else RoleFilter(role, self._requests)
 
 
 def _read_roles(url: LinkURL, path: str) -> dict[str, Role]:

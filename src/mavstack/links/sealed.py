@@ -138,6 +138,7 @@ class SealedLink(Link):
         scheme = url.scheme.removeprefix(SEALED)
         inner_url = LinkURL(scheme, url.host, url.port, url.path, url.options)
         self._inner = impaired_link(inner_url, options)
+        self._inner.trust_senders()  # the handshake proves the address of a peer before packets are sent
         #: Bytes of a joined datagram.
         self.mtu = max(options.size("mtu", _DEFAULT_MTU.get(scheme, 1200)), OVERHEAD + 1)
         self._config = _read_config(url, options)
@@ -218,6 +219,7 @@ class SealedLink(Link):
             self._inbox.add_channel(channel)
         for content in contents:
             inner.last_valid = channel.last_received = time
+            inner.is_authenticated = True
             if allowed := channel.allowed(content):
                 self._inbox.deliver(channel, allowed, time)
 

@@ -1,9 +1,10 @@
 """UDP links: `udpin://host:port` listens, `udpout://host:port` sends to one peer.
 
-With udpin each remote address is a channel, up to `max_peers` (see `admission`); a channel that is silent for
-`idle` seconds is closed. A multicast group as the host is joined. With udpout there is one channel, open from
-the start: it receives datagrams from any port of the peer, and from any sender if the peer is a broadcast or
-multicast address.
+With udpin each remote address is a channel, up to `max_peers` (see `admission`); a channel that is silent
+for `idle` seconds is closed. With `trust_senders=no`, the default of a router, a new peer gets no more than
+three times what it sent until it answers, since its address may be invented (see `probation`). A multicast
+group as the host is joined. With udpout there is one channel, open from the start: it receives datagrams
+from any port of the peer, and from any sender if that is a group's address.
 
 Each datagram becomes one event, or, for a reader that parses streams (`Link.joins_datagrams`), those of one
 sender that wait together become one. If many wait, they are first read into a `backlog`, which is fair to all
@@ -27,14 +28,16 @@ from contextlib import suppress
 from time import monotonic, time
 from typing import TYPE_CHECKING
 
-from mavstack.links.address import Address, format_address, ip_of, local_address, resolve_datagram
-from mavstack.links.admission import Admission
+from mavstack.links.address import Address, format_address, ip_of, resolve_datagram
+from mavstack.links.admission import PeerAdmission
 from mavstack.links.backlog import Backlog
 from mavstack.links.base import Link
 from mavstack.links.channel import Channel, Data
 from mavstack.links.flood_filter import ADJUST_INTERVAL, FloodFilter
 from mavstack.links.joined_datagrams import join_datagrams
 from mavstack.links.os_errors import open_error
+from mavstack.links.probation import Probation
+from mavstack.security.admission import Proof
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -62,8 +65,12 @@ class UdpChannel(Channel):
         super().__init__(name, format_address(address), on_closed)
         self.address = address
         self._link = link
+        #: The limit for a new peer; None: there is no limit.
+        self.probation: Probation | None = None
 
     def _send(self, data: Data) -> bool:
+        if self.probation is not None and not self.probation.may_send(data):
+            return False
         return self._link.send_to(data, self.address)
 
     def _close_transport(self) -> None:
@@ -93,12 +100,10 @@ class UdpLink(Link):
         """Number of datagrams dropped by the kernel because the socket buffer was full; None if unknown."""
         if self._socket is None or sys.platform != "linux":
             return None
-        try:
-            return int(
-                struct.unpack_from("9I", self._socket.getsockopt(socket.SOL_SOCKET, _SO_MEMINFO, 64))[8]
-            )
-        except (OSError, struct.error):
-            return None
+        with suppress(OSError, struct.error):
+            info = self._socket.getsockopt(socket.SOL_SOCKET, _SO_MEMINFO, 64)
+            return int(struct.unpack_from("9I", info)[8])
+        return None
 
     def send_to(self, data: Data, address: Address) -> bool:
         """Send one datagram; return false if the kernel refuses it."""
@@ -172,17 +177,16 @@ class UdpLink(Link):
 
     def _read_joined(self, sock: socket.socket) -> bool:
         """As `_read_singly`, but datagrams of one sender that follow each other are passed on as one."""
-        receive, now = sock.recvfrom, time()
+        receive, now, emptied = sock.recvfrom, time(), False
         datagrams: list[Datagram] = []
-        emptied = False
         for _ in range(MAX_DIRECT):
             try:
                 datagrams.append((*receive(MAX_DATAGRAM), now))
             except (BlockingIOError, InterruptedError):
                 emptied = True
                 break
-            except OSError:  # as above
-                continue
+            except OSError:
+                pass
         for joined in join_datagrams(datagrams):
             self._datagram(*joined)
         return emptied
@@ -256,14 +260,22 @@ class UdpListener(UdpLink):
     Attributes:
         max_peers: Maximum number of channels.
         idle: Seconds of silence after which a channel is closed; 0: never.
+        trusts_senders: New peers get everything at once, whether they answer or not (see `probation`).
+        router_trusts_senders: The same for the socket of a router's endpoint, whose default is no.
     """
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
         self.max_peers = options.integer("max_peers", 256)
-        self._admission = Admission(self.max_peers)
+        self._admission = PeerAdmission(self.max_peers)
         self.idle = options.seconds("idle", 60.0)
+        self.trusts_senders = options.flag("trust_senders", default=True)
+        self.router_trusts_senders = options.flag("trust_senders", default=False)
         self._peers: dict[Address, UdpChannel] = {}
+
+    def trust_senders(self) -> None:
+        """Send everything to new peers at once; call it before `open`."""
+        self.trusts_senders = True
 
     async def open_socket(self) -> socket.socket:
         """Open the bound socket alone, for a program that reads it itself; `close` closes it.
@@ -296,25 +308,36 @@ class UdpListener(UdpLink):
         sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group_address.packed + bytes(4))
 
     def _datagram(self, data: bytes, address: Address, now: float, count: int = 1) -> None:
-        channel = self._peers.get(address) or self._admit(address, now)
+        channel = self._peers.get(address) or self._admit(address, data, now)
         if channel is not None:
             channel.last_received = now
+            if channel.probation is not None:
+                channel.probation.received(data)
+                channel.probation = None if channel.probation.is_over else channel.probation
             self._inbox.deliver(channel, data, now, count)
         else:
             self._inbox.drop(count=count)
 
-    def _admit(self, address: Address, now: float) -> UdpChannel | None:
+    def _admit(self, address: Address, data: bytes, now: float) -> UdpChannel | None:
+        if self._inbox.full or self._closed:
+            return None
         host = format_address(address).rpartition(":")[0]
-        if self._inbox.full or self._closed or not self._admission.admit(host, self._peers.values(), now):
+        if not self._admission.admit(host, self._peers.values(), now, self._proof_of(data)):
             return None
         channel = UdpChannel(f"udpin {format_address(address)}", address, self._inbox.remove_channel, self)
+        channel.probation = None if self.trusts_senders else Probation()
         self._peers[address] = channel
         self._inbox.add_channel(channel)
         return channel
 
+    def _proof_of(self, data: bytes) -> Proof:
+        """Return what a new peer has proved, if that decides on its admission."""
+        is_full = len(self._peers) >= self.max_peers
+        is_signed = is_full and self.authenticates is not None and self.authenticates(data)
+        return Proof.AUTHENTICATED if is_signed else Proof.SILENT
+
     def _knows(self, address: Address) -> bool:
-        channel = self._peers.get(address)
-        return channel is not None and channel.last_valid > 0
+        return address in self._peers and self._peers[address].last_valid > 0
 
     def remove_channel(self, channel: UdpChannel) -> None:
         """Remove a closed channel; the peer gets a new one if it sends again."""
@@ -326,64 +349,6 @@ class UdpListener(UdpLink):
             oldest = time() - self.idle
             for channel in [peer for peer in self._peers.values() if peer.last_received < oldest]:
                 channel.close(f"silent for {self.idle:g} s")
-
-
-class UdpSender(UdpLink):
-    """A udpout link: one channel to a fixed peer."""
-
-    def __init__(self, url: LinkURL, options: Options) -> None:
-        super().__init__(url, options)
-        self._channel: UdpChannel | None = None
-        self._accepts_any_sender = False
-
-    async def open_socket(self) -> tuple[socket.socket, Address]:
-        """Open the socket alone, for a program that reads it itself; `close` closes it.
-
-        Returns:
-            The socket, and the address of the peer.
-
-        Raises:
-            LinkError: The socket cannot be opened.
-        """
-        try:
-            family, address = await resolve_datagram(self.url.host, self.url.port)
-            sock = self._make_socket(family)
-            self._accepts_any_sender = self._is_broadcast_or_multicast(sock, address)
-            sock.bind((local_address(address), 0))
-        except OSError as error:
-            raise open_error(self.url, error) from error
-        return sock, address
-
-    async def _open(self) -> None:
-        sock, address = await self.open_socket()
-        await self._start_reading(sock)
-        self._channel = UdpChannel(
-            f"udpout {format_address(address)}", address, self._inbox.remove_channel, self
-        )
-        self._inbox.add_channel(self._channel)
-
-    def _knows(self, address: Address) -> bool:
-        return self._channel is not None and address == self._channel.address
-
-    def _is_broadcast_or_multicast(self, sock: socket.socket, address: Address) -> bool:
-        """Return whether the address is a multicast group or looks like a broadcast address."""
-        target = ip_of(address)
-        if target.version == 4 and target.packed[3] == 255:
-            sock.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
-            return True
-        return target.is_multicast
-
-    def _datagram(self, data: bytes, address: Address, now: float, count: int = 1) -> None:
-        channel = self._channel
-        if channel is not None and (self._accepts_any_sender or address[0] == channel.address[0]):
-            self._inbox.deliver(channel, data, now, count)
-        else:
-            self._inbox.drop(count=count)
-
-    def remove_channel(self, channel: UdpChannel) -> None:
-        """End the link with its only channel."""
-        self._channel = None
-        asyncio.get_running_loop().call_soon(self._inbox.end)
 
 
 class _Protocol(asyncio.DatagramProtocol):

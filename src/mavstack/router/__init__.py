@@ -4,7 +4,8 @@ The packets are forwarded by the native engine (`engine.py`); everything here de
 are, which filters they have, what is recorded and told.
 """
 
-from mavstack.router.engine import RouterEngine, RouterEvent
+from mavstack.router.engine import RouterEngine
+from mavstack.router.engine_events import RouterEvent
 from mavstack.router.engine_statistics import (
     EndpointStatistics,
     PeerState,

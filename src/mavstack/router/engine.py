@@ -8,8 +8,14 @@
 
 An endpoint is a UDP socket, a stream, or a queue whose bytes the program carries. Each sender to a listening
 UDP socket is a peer with routes of its own. Descriptors are duplicated, so the caller may close its own; they
-become non-blocking. Of the peers that sent one datagram so far, eight get packets without a target, for ten
-seconds; the others get them from their second datagram on.
+become non-blocking.
+
+A sender to a listening UDP socket is a peer when a packet of it was accepted: one that is refused, by its
+signature or by a rule, gets nothing. The address of a new peer may be invented, so it gets no more than
+three times the bytes that it sent, and only heartbeats and packets with a target, until it answers: it sends
+a packet to an address of another port, a COMMAND_ACK, PARAM_VALUE, TIMESYNC or AUTOPILOT_VERSION, or one
+with a verified signature. Of the peers that sent one datagram so far, eight get packets without a
+target, for ten seconds; the others get them from their second datagram on.
 
 Packets leave as they came, byte for byte. A packet with a target goes to every endpoint on which its target
 was heard, or, if only the system of the target is known, to every endpoint on which that was heard; a packet
@@ -29,7 +35,7 @@ turns, so that a packet waits for those of its own endpoint, and for one turn of
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from mavstack._core import RouterCore
 from mavstack.errors import InvalidArgumentError, InvalidStateError
@@ -38,12 +44,14 @@ from mavstack.router.engine_statistics import RouterStatistics
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from types import TracebackType
-    from typing import Any, Literal, Self
+    from typing import Literal, Self
 
     from typing_extensions import Buffer
 
     from mavstack._core import HasCoreDialect, RuleLayout, Signing
+    from mavstack.router.engine_events import RouterEvent
     from mavstack.router.rules import Rule, RuleSet
+    from mavstack.security.senders import Authority
 
 #: Seconds of silence after which a peer of a listening UDP socket is removed.
 DEFAULT_IDLE = 60.0
@@ -54,30 +62,6 @@ DEFAULT_QUEUE_PACKETS = 4096
 
 #: The text of the error when the engine ended by itself.
 ENDED = "the router engine ended by an internal error: start the router again"
-
-#: Source system, source component and message id of the packet that an event is about.
-PacketKey: TypeAlias = tuple[int, int, int]
-
-#: An event: its kind, the endpoint, and what belongs to the kind.
-#:
-#: | event | when |
-#: |---|---|
-#: | `("closed", endpoint, reason)` | the endpoint failed or its stream ended; it is removed |
-#: | `("ended",)` | the engine ended by an internal error: nothing is forwarded any more |
-#: | `("readable", endpoint)` | a queue endpoint, which had none, has packets to `pull` |
-#: | `("inspect", token, endpoint, packet)` | a packet from the endpoint waits for `decide(token, …)` |
-#: | `("inspect_out", token, endpoint, packet)` | a packet to the endpoint waits for `decide(token, …)` |
-#: | `("peer", endpoint, (host, port))` | a new peer of a listening socket |
-#: | `("peer_closed", endpoint, (host, port))` | a peer was silent for too long |
-#: | `("rule", endpoint, packet_key, name, is_outgoing, is_dry_run)` | a rule dropped a packet |
-#: | `("loop", endpoint, packet_key)` | a packet of the router came back |
-#: | `("spoofed", endpoint, packet_key)` | its source is verified on another endpoint |
-#: | `("signing_key", endpoint, packet_key)` | a SETUP_SIGNING, which is not forwarded |
-#: | `("refused", endpoint, packet_key, reason)` | its signature is missing or wrong |
-#: | `("rebooted", endpoint, packet_key)` | the boot time of the source fell; its routes are learned again |
-#:
-#: Those about packets come at most once a second for each endpoint and kind, or rule.
-RouterEvent: TypeAlias = "tuple[Any, ...]"
 
 
 class RouterEngine:
@@ -111,6 +95,7 @@ class RouterEngine:
         peer: tuple[str, int] | None = None,
         idle: float = DEFAULT_IDLE,
         max_peers: int = DEFAULT_MAX_PEERS,
+        trusts_senders: bool = False,
         start: bool = True,
     ) -> int:
         """Add a UDP socket.
@@ -119,9 +104,11 @@ class RouterEngine:
             fd: Descriptor of a bound socket.
             name: Name in statistics.
             peer: IP address and port of the only peer; other senders are ignored, unless it is a broadcast or
-                multicast address. None: every sender of a valid packet becomes a peer.
+                multicast address. None: every sender of a packet that is accepted becomes a peer.
             idle: Seconds of silence after which a peer is removed.
-            max_peers: Maximum number of peers; a new one replaces a silent one, or is refused.
+            max_peers: Maximum number of peers; a new one replaces a silent one, or is refused; one with a
+                verified signature replaces any that has none.
+            trusts_senders: Send everything to new peers at once; False: see the head of the module.
             start: False: nothing passes the endpoint before `start`.
 
         Returns:
@@ -134,7 +121,9 @@ class RouterEngine:
         """
         self._check_open()
         try:
-            return self._named(self._core.add_udp(fd, peer, idle, max_peers), name, start=start)
+            return self._named(
+                self._core.add_udp(fd, peer, idle, max_peers, trusts_senders), name, start=start
+            )
         except ValueError as error:
             raise InvalidArgumentError(f"adding endpoint {name} failed: {error}") from None
 
@@ -280,6 +269,32 @@ class RouterEngine:
             self._core.set_allowed_peers(endpoint, None if ranges is None else list(ranges))
         except ValueError as error:
             raise InvalidArgumentError(f"allowing peers failed: {error}") from None
+
+    def set_blocked_peers(self, endpoint: int, peers: Iterable[tuple[str, int]]) -> None:
+        """Cut off peers of a listening UDP socket: nothing comes from them, and nothing goes to them.
+
+        Args:
+            endpoint: The endpoint.
+            peers: IP address and port of each; those of an earlier call that are not among them are free.
+
+        Raises:
+            InvalidArgumentError: An address is not an IP address.
+        """
+        try:
+            self._core.set_blocked_peers(endpoint, list(peers))
+        except ValueError as error:
+            raise InvalidArgumentError(f"blocking peers failed: {error}") from None
+
+    def set_authority(self, endpoint: int, authority: Authority) -> None:
+        """Set how the identity of the peer of an endpoint is proven.
+
+        Addresses that an authenticated peer uses are its own: packets of others in their name are dropped.
+
+        Args:
+            endpoint: The endpoint.
+            authority: The proof; `Authority.NONE` withdraws it.
+        """
+        self._core.set_authority(endpoint, authority)
 
     def set_signing(
         self,

@@ -31,11 +31,22 @@ class RuleCounts:
 
 @dataclass(frozen=True, slots=True)
 class PeerState:
-    """A peer of a listening UDP socket; `age` is the time in seconds since it was heard."""
+    """A peer of a listening UDP socket.
+
+    Attributes:
+        host: Its IP address.
+        port: Its port.
+        age: Seconds since it was heard.
+        accepted: Packets of it that were accepted.
+        bad_bytes: Bytes of it outside packets; 0 where signatures are verified, since any program can send
+            such bytes in its name.
+    """
 
     host: str
     port: int
     age: float
+    accepted: int = 0
+    bad_bytes: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,10 +56,10 @@ class EndpointStatistics:
     `dropped` has the number of packets by cause: `rule_in`, `rule_out`, `rate`, `full_queue`, `not_sent`,
     `duplicate`, `loop`, `no_route`, `link_status`, `signing_key`, `listen_only`, `paused`, `spoofed`,
     `unsigned`, `forged`, `replayed`, `stale`, `future`, `too_many_streams`, `inspected`, `not_inspected`,
-    `other_peer`, `too_many_peers`. Causes that did not occur are absent. `messages` has received and sent
-    packets by message id, None for messages that the dialect lacks. `radio_status` is the payload of the last
-    RADIO_STATUS, or None. `queued` counts datagrams, bytes of a stream, or packets of a queue that wait to be
-    sent.
+    `other_peer`, `too_many_peers`, `unanswered`. Causes that did not occur are absent. `messages` has
+    received and sent packets by message id, None for messages that the dialect lacks. `radio_status` is the
+    payload of the last RADIO_STATUS, or None. `queued` counts datagrams, bytes of a stream, or packets of a
+    queue that wait to be sent.
     """
 
     name: str
@@ -71,12 +82,18 @@ class EndpointStatistics:
 
 @dataclass(frozen=True, slots=True)
 class Route:
-    """A learned address, the endpoints that lead to it, and its age: seconds since it was heard."""
+    """A learned address, the endpoints that lead to it, and its age: seconds since it was heard.
+
+    Attributes:
+        verified: An authenticated sender holds the address: others cannot claim it.
+        contested: Several senders that are no redundant links claim it.
+    """
 
     system: int
     component: int
     endpoints: tuple[int, ...]
     verified: bool
+    contested: bool
     age: float
 
 
@@ -96,8 +113,8 @@ class RouterStatistics:
             for number, values in counted["endpoints"].items()
         }
         routes = tuple(
-            Route(system, component, tuple(numbers), verified, age)
-            for system, component, numbers, verified, age in counted["routes"]
+            Route(system, component, tuple(numbers), verified, contested, age)
+            for system, component, numbers, verified, contested, age in counted["routes"]
         )
         return cls(endpoints, routes, counted["dropped_events"])
 

@@ -22,8 +22,10 @@ from mavstack.errors import RouterConfigError, SigningError
 from mavstack.router.config.names import Names
 from mavstack.router.firewall import Alert, Firewall, Peer, Traffic, read_firewall
 from mavstack.router.firewall.compiler import ambiguous_rules, peer_ranges
+from mavstack.router.firewall.quarantine import Remote
 from mavstack.router.gateway import STORE_INTERVAL, Gateway
 from mavstack.router.rules import RuleSet
+from mavstack.security.senders import Authority
 from mavstack.services import Address
 from mavstack.wire import Encoder, Packet
 
@@ -33,7 +35,8 @@ if TYPE_CHECKING:
 
     from mavstack.dialects import Dialect
     from mavstack.router.config import EndpointConfig, RouterConfig
-    from mavstack.router.engine import RouterEngine, RouterEvent
+    from mavstack.router.engine import RouterEngine
+    from mavstack.router.engine_events import RouterEvent
     from mavstack.router.firewall.id_store import IdStore
     from mavstack.security import TimestampStore
 
@@ -129,6 +132,8 @@ class Guard:
             credential: The verified identity of the peer; empty: none.
         """
         self._links[number] = _Link(name, peer, listening, credential)
+        if credential:
+            self._engine.set_authority(number, Authority.CERTIFICATE)
 
     def configure(self, number: int, config: EndpointConfig) -> None:
         """Set the rules and the keys of a link.
@@ -145,8 +150,16 @@ class Guard:
         self._engine.set_rules(number, self._rules(link, config))
         if link.listening:
             self._admit_peers(number, config.name)
+            self._block_peers(number, link)
         if (keys := config.keys) is not None or was_signed:
             self.gateway.apply(self._engine, number, keys, self._now)
+
+    def _block_peers(self, number: int, link: _Link) -> None:
+        """Cut off the peers of a listening UDP socket that are in quarantine."""
+        if link.listening and self.firewall is not None and self.firewall.knows(link.name):
+            self._engine.set_blocked_peers(number, self.firewall.blocked(link.name))
+        elif link.listening:
+            self._engine.set_blocked_peers(number, ())
 
     def _admit_peers(self, number: int, endpoint: str) -> None:
         """Limit the peers of a listening UDP socket to those that the firewall allows."""
@@ -207,14 +220,18 @@ class Guard:
             now: Time in seconds.
         """
         match event:
-            case ("inspect", token, number, raw):
-                self._engine.decide(token, self._passes(number, raw, now))
+            case ("inspect", token, number, raw, peer, verified):
+                remote = Remote(*peer) if peer is not None else None
+                self._engine.decide(token, self._passes(number, raw, now, remote, verified=verified))
             case ("inspect_out", token, *_):
                 self._engine.decide(token, passed=True)
             case ("closed", number, _):
                 self.remove(number)
             case ("rule", number, key, name, False, dry_run):
                 self._matched(number, key, name, dry_run=dry_run, now=now)
+            case ("contested", number, (system, component, _)):
+                self._log_contest(number, Address(system, component))
+                return
             case _:
                 return
         self._report(now)
@@ -232,6 +249,9 @@ class Guard:
                 if link is not None:
                     traffic = Traffic(counters.received, counters.bad_bytes)
                     self.firewall.measure(link.name, traffic, now)
+                    for each in counters.peers:
+                        of_peer = Traffic(each.accepted, each.bad_bytes)
+                        self.firewall.measure(link.name, of_peer, now, peer=Remote(each.host, each.port))
             self.firewall.handle_timeout(now)
             self._report(now)
         if now >= self._next_store:
@@ -269,7 +289,7 @@ class Guard:
             bytes_per_second=own.bytes_per_second,
         )
 
-    def _passes(self, number: int, raw: bytes, now: float) -> bool:
+    def _passes(self, number: int, raw: bytes, now: float, peer: Remote | None, *, verified: bool) -> bool:
         link = self._links.get(number)
         if link is None or self.firewall is None:
             return False
@@ -277,7 +297,7 @@ class Guard:
             packet = Packet(raw, self._dialect)
         except ValueError:
             return False
-        return self.firewall.decide(link.name, packet, now)
+        return self.firewall.decide(link.name, packet, now, peer=peer, verified=verified)
 
     def _matched(
         self, number: int, key: tuple[int, int, int], rule: str, *, dry_run: bool, now: float
@@ -288,6 +308,14 @@ class Guard:
             source, text = Address(system, component), self._message(message)
             self.firewall.matched(link.name, rule, source, text, dry_run=dry_run, now=now)
 
+    def _log_contest(self, number: int, address: Address) -> None:
+        link = self._links.get(number)
+        text = (
+            "several senders claim %s, the last one on %s: packets for it go to the first one; "
+            "give redundant links the same group"
+        )
+        logger.warning(text, address, link.name if link is not None else f"link {number}")
+
     def _report(self, now: float) -> None:
         """Raise the alerts, and give the engine the rules that changed by them."""
         if self.firewall is None:
@@ -296,6 +324,7 @@ class Guard:
         for number, link in self._links.items():
             if link.name in changed and link.config is not None:
                 self._engine.set_rules(number, self._with_rules(link, self._rules_of(link.config)))
+                self._block_peers(number, link)
         for alert in self.firewall.alerts():
             logger.warning("%s", alert)
             self.on_alert(alert)

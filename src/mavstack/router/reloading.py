@@ -11,7 +11,7 @@ import logging
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mavstack.errors import MavstackError
+from mavstack.errors import MavstackError, RouterConfigError
 from mavstack.router.config import load_config
 
 if TYPE_CHECKING:
@@ -56,6 +56,12 @@ class ConfigFile:
         """
         self._loaded = self._seen = self._signature()
         config = self._load(self._path)
+        if self._router.config.endpoints and not config.endpoints:
+            raise RouterConfigError(
+                "the file has no endpoints: it was truncated, or is being written. "
+                "Nothing was changed; to remove all endpoints, stop the router",
+                self._path,
+            )
         notes = await self._router.apply(config)
         _log.info("%s: loaded again", self._path)
         for note in notes:

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
     from mavstack.router.config import EndpointConfig, RouterConfig
     from mavstack.router.endpoints import Endpoint
-    from mavstack.router.engine import RouterEvent
+    from mavstack.router.engine_events import RouterEvent
     from mavstack.router.engine_statistics import RouterStatistics
     from mavstack.router.firewall import Alert
 

@@ -73,12 +73,19 @@ class EndpointState:
 
 @dataclass(frozen=True, slots=True)
 class RouteState:
-    """A learned address, the endpoints that lead to it, and the seconds since it was heard."""
+    """A learned address, the endpoints that lead to it, and the seconds since it was heard.
+
+    Attributes:
+        verified: An authenticated sender holds the address: others cannot claim it.
+        contested: Several senders that are no redundant links claim it; only the first one gets its packets.
+    """
 
     system: int
     component: int
     endpoints: tuple[str, ...]
     age: float
+    verified: bool = False
+    contested: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +109,14 @@ def take_snapshot(router: Router) -> Snapshot:
     owners = {number: name for name, each in router.endpoints.items() for number in each.numbers}
     endpoints = tuple(_endpoint(config, router, statistics) for config in router.config.endpoints)
     routes = tuple(
-        RouteState(each.system, each.component, _names(each.endpoints, owners), each.age)
+        RouteState(
+            each.system,
+            each.component,
+            _names(each.endpoints, owners),
+            each.age,
+            each.verified,
+            each.contested,
+        )
         for each in sorted(statistics.routes, key=lambda route: (route.system, route.component))
     )
     now = time()

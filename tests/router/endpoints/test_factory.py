@@ -4,10 +4,13 @@ import asyncio
 
 import pytest
 
+from mavstack import encode
+from mavstack.dialects import common
 from mavstack.pytest_plugin import flight_controller  # noqa: F401 (the fixture)
 from mavstack.router.config import EndpointConfig
 from mavstack.router.endpoints.carried import CarriedEndpoint
-from mavstack.router.endpoints.native import ServerEndpoint, UdpEndpoint
+from mavstack.router.endpoints.native import UdpEndpoint
+from mavstack.router.endpoints.server import ServerEndpoint
 from tests.router.peers import UdpPeer, arm, heartbeat, port, routing, until
 
 
@@ -44,7 +47,9 @@ async def test_roles_hold_in_a_router():
             vehicle.send(heartbeat())
             await until(lambda: router.statistics().routes)
             _, writer = await asyncio.open_connection("127.0.0.1", port(router, "observers"))
-            writer.write(arm() + heartbeat(255, 190))
-            assert await vehicle.receive() == heartbeat(255, 190)
+            station = common.Heartbeat(type=common.MavType.GCS, autopilot=common.MavAutopilot.INVALID)
+            beat = encode(station, system=255, component=190)
+            writer.write(arm() + beat)
+            assert await vehicle.receive() == beat
             assert vehicle.waiting() == 0
             writer.close()

@@ -97,14 +97,31 @@ async def test_a_slow_tcp_client_has_no_more_than_its_send_queue_waiting():
             slow.close()
 
 
-async def test_a_full_tcp_server_refuses_clients():
+async def test_silent_connections_lock_no_client_out_of_a_tcp_server():
+    """Before: 64 of them filled the endpoint, and every further client was refused."""
+    async with routing(EndpointConfig("tcp", "tcpin://127.0.0.1:0?max_peers=4")) as router:
+        endpoint = router.endpoints["tcp"]
+        silent = [await asyncio.open_connection("127.0.0.1", port(router, "tcp")) for _ in range(4)]
+        await until(lambda: len(endpoint.numbers) == 4)
+        _, pilot = await asyncio.open_connection("127.0.0.1", port(router, "tcp"))
+        await until(lambda: endpoint.replaced == 1)
+        assert await silent[0][0].read() == b""
+        pilot.write(heartbeat(255, 190))
+        await until(lambda: router.statistics().routes)
+        assert (endpoint.refused, len(endpoint.numbers)) == (0, 4)
+        for writer in (pilot, *(writer for _, writer in silent)):
+            writer.close()
+
+
+async def test_a_full_tcp_server_keeps_clients_that_send_packets():
     async with routing(EndpointConfig("tcp", "tcpin://127.0.0.1:0?max_peers=1")) as router:
         endpoint = router.endpoints["tcp"]
         _, writer = await asyncio.open_connection("127.0.0.1", port(router, "tcp"))
-        await until(lambda: endpoint.numbers)
+        writer.write(heartbeat())
+        await until(lambda: router.statistics().routes)
         refused, other = await asyncio.open_connection("127.0.0.1", port(router, "tcp"))
         assert await refused.read() == b""
-        assert endpoint.refused == 1
+        assert (endpoint.refused, endpoint.replaced) == (1, 0)
         writer.close()
         other.close()
 

@@ -29,6 +29,7 @@ async def test_packets_with_a_target_are_in_the_file(tmp_path):
     async with routing(VEHICLE, ground_station, box) as router:
         with UdpPeer(port(router, "vehicle")) as vehicle, UdpPeer(port(router, "ground")) as ground:
             vehicle.send(heartbeat())
+            vehicle.send(heartbeat(sequence=1))  # a new peer gets three times what it sent
             await until(lambda: router.statistics().routes)
             ground.send(heartbeat(255, 190) + arm() + arm(target=99))
             assert names(await vehicle.receive() + await vehicle.receive()) == ["HEARTBEAT", "COMMAND_LONG"]
@@ -39,7 +40,7 @@ async def test_packets_with_a_target_are_in_the_file(tmp_path):
             assert await ground.receive() == ack
             await until(lambda: len(open_log(path).get("COMMAND_ACK", ())) == 1)
     log = open_log(path)
-    assert (len(log["HEARTBEAT"]), len(log["COMMAND_LONG"])) == (2, 2)
+    assert (len(log["HEARTBEAT"]), len(log["COMMAND_LONG"])) == (3, 2)
 
 
 async def test_files_of_limited_size(tmp_path):

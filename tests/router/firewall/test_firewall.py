@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib import resources
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mavstack.dialects import common, minimal
+from mavstack.dialects import Dialect, common, minimal
 from mavstack.errors import RouterConfigError
 from mavstack.router.config import Table
 from mavstack.router.config.names import Names
@@ -21,6 +22,7 @@ from mavstack.router.firewall.compiler import (
     with_filter,
 )
 from mavstack.router.firewall.detector import Detector
+from mavstack.router.firewall.quarantine import Remote
 from mavstack.router.rules import Rule, RuleSet
 from mavstack.services import message_ids
 from mavstack.wire import Packet
@@ -202,6 +204,83 @@ def test_a_flooding_endpoint_is_quarantined():
     (alert,) = made.alerts()
     assert (alert.detector, alert.source) == ("floods", None)
     assert made.rules("ground")[0].systems == frozenset()
+
+
+PILOT_AT, STRANGER = Remote("10.1.2.3", 14550), Remote("10.1.2.9", 14550)
+OPEN = '[firewall]\ndefault = "allow"\nquarantine = 30\n'
+
+
+def listening() -> Firewall:
+    """A firewall with one listening UDP socket."""
+    made = Firewall(configured(OPEN))
+    made.open_endpoint("ground", listening=True)
+    return made
+
+
+def test_a_stranger_with_the_ids_of_the_pilot_has_only_its_own_address_cut_off():
+    made, pilot, stranger = listening(), Sender(), Sender()
+    bad = stranger.packet(common.SerialControl(count=200))
+    assert not made.decide("ground", bad, 0.0, peer=STRANGER)
+    assert made.blocked("ground") == [STRANGER]
+    assert made.changed() == ["ground"]
+    assert not any(rule.name.endswith("quarantine") for rule in made.rules("ground"))
+    assert made.decide("ground", pilot.packet(command(ARM, 1)), 0.1, peer=PILOT_AT)
+    made.handle_timeout(30.0)
+    assert made.blocked("ground") == []
+
+
+def test_a_verified_sender_is_cut_off_by_its_ids():
+    made = listening()
+    assert not made.decide(
+        "ground", Sender().packet(common.SerialControl(count=200)), 0.0, peer=PILOT_AT, verified=True
+    )
+    assert made.blocked("ground") == []
+    assert made.rules("ground")[0].systems == {255}
+
+
+def test_invented_addresses_and_ids_cut_off_nothing_else():
+    made = listening()
+    for port in range(1, 3000):
+        sender = Sender(port % 250 + 1, 1)
+        bad = sender.packet(common.SerialControl(count=200))
+        assert not made.decide("ground", bad, 0.0, peer=Remote("10.9.9.9", port))
+    assert len(made.blocked("ground")) <= 1024
+    assert made.decide("ground", Sender().packet(command(ARM, 1)), 0.1, peer=PILOT_AT)
+
+
+def test_a_flood_cuts_off_its_peer_and_never_a_listening_socket():
+    made = listening()
+    for second in range(3):
+        made.measure("ground", Traffic(second * 100_000, second * 1_000_000), float(second))
+        made.measure("ground", Traffic(second * 20_000, 0), float(second), peer=STRANGER)
+        made.measure("ground", Traffic(second * 10, 0), float(second), peer=PILOT_AT)
+    assert made.counts["floods"] > 2
+    assert made.blocked("ground") == [STRANGER]
+    assert not any(rule.name.endswith("quarantine") for rule in made.rules("ground"))
+
+
+def test_quarantines_of_peers_outlive_a_changed_firewall():
+    made = listening()
+    made.decide("ground", Sender().packet(common.SerialControl(count=200)), 0.0, peer=STRANGER)
+    changed = Firewall(configured(OPEN.replace("30", "60") + "statustext = true\n"))
+    changed.inherit(made)
+    changed.open_endpoint("ground", listening=True)
+    assert changed.blocked("ground") == [STRANGER]
+
+
+def test_detectors_know_the_messages_of_a_custom_dialect(tmp_path):
+    official = resources.files("mavstack.dialects").joinpath("definitions/minimal.xml").read_text("utf-8")
+    extension = '<extensions/><field type="uint8_t" name="own">A field.</field></message>'
+    before, after = official.split('name="HEARTBEAT"', 1)
+    changed = after.replace("</message>", extension, 1)
+    (tmp_path / "own.xml").write_text(f'{before}name="HEARTBEAT"{changed}')
+    own = Dialect.from_xml(str(tmp_path / "own.xml"))
+    made = Firewall(configured('[firewall]\ndefault = "allow"\n'))
+    made.open_endpoint("cable")
+    made.open_endpoint("radio")
+    packets = [Packet(Sender(1, 1).packet(heartbeat()).raw, own) for _ in range(2)]
+    assert made.decide("cable", packets[0], 0.0)
+    assert not made.decide("radio", packets[1], 0.5)
 
 
 def test_alerts_are_limited_counted_and_texts_for_pilots():

@@ -10,14 +10,16 @@ from __future__ import annotations
 import asyncio
 import logging
 from contextlib import suppress
-from time import monotonic
+from time import monotonic, time
 from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import InvalidArgumentError, LinkClosedError
 from mavstack.links.events import BytesReceived, ChannelClosed, ChannelOpened
 from mavstack.router.endpoints.base import DOWN, ENDED, LISTENING, OPEN, Endpoint
+from mavstack.router.endpoints.client_proofs import ClientProofs
 from mavstack.router.firewall import Peer
 from mavstack.router.high_latency import HighLatency
+from mavstack.security.admission import Proof
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -53,6 +55,8 @@ class CarriedEndpoint(Endpoint):
         self._profiles: dict[int, HighLatency] = {}
         self._sent: dict[int, tuple[int, int]] = {}
         self._slow: set[int] = set()  # the channels that are waited for
+        self._proofs = ClientProofs(attachments.engine)
+        link.before_choice = self._update_proofs
         self._joins = link.url.scheme in _STREAMS
 
     @property
@@ -160,6 +164,7 @@ class CarriedEndpoint(Endpoint):
             self._profiles[number] = HighLatency(self._attachments.dialect, self.config.high_latency)
         self._channels[number], self._by_channel[channel] = channel, number
         self._dropped[number] = 0
+        self._proofs.add(number, channel.host, monotonic())
         self._attach(number, name, peer=_peer_of(channel.peer), credential=channel.identity)
         _log.info("%s connected", name)
 
@@ -169,6 +174,7 @@ class CarriedEndpoint(Endpoint):
             return
         _log.info("%s left: %s", self._numbers.get(number, self.config.name), reason)
         del self._channels[number]
+        self._proofs.remove(number)
         self._spawn(self._detach_later(number))
 
     async def _detach_later(self, number: int) -> None:
@@ -179,6 +185,15 @@ class CarriedEndpoint(Endpoint):
             table.pop(number, None)
         if not self._numbers and self.state == OPEN:
             self.state = LISTENING
+
+    def _update_proofs(self) -> None:
+        """Tell the link what its peers have proved; the engine knows it."""
+        now, wall = monotonic(), time()
+        for place in self._proofs.places(now):
+            channel = self._channels[place.owner]
+            if place.proof > Proof.SILENT:
+                channel.last_valid = wall - (now - place.used_at)
+            channel.is_authenticated = place.proof is Proof.AUTHENTICATED
 
     def _write(self, number: int, channel: Channel, packets: Sequence[bytes]) -> Sequence[bytes]:
         """Send packets; return those for which the channel has no room."""

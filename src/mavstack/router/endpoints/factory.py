@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Final, cast
 
 from mavstack.links.registry import open_link
 from mavstack.router.endpoints.carried import CarriedEndpoint
-from mavstack.router.endpoints.native import SerialEndpoint, ServerEndpoint, SocketEndpoint, UdpEndpoint
+from mavstack.router.endpoints.native import SerialEndpoint, SocketEndpoint, UdpEndpoint
 from mavstack.router.endpoints.recorder import RecorderEndpoint
+from mavstack.router.endpoints.server import ServerEndpoint
 
 if TYPE_CHECKING:
     from mavstack.links.base import Link
@@ -47,7 +48,8 @@ def _native_endpoint(config: EndpointConfig, attachments: Attachments, link: Lin
     """
     from mavstack.links.serial import SerialLink
     from mavstack.links.tcp import TcpClient, TcpServer
-    from mavstack.links.udp import UdpListener, UdpSender
+    from mavstack.links.udp import UdpListener
+    from mavstack.links.udp_sender import UdpSender
     from mavstack.links.unix import UnixClient, UnixServer
 
     kind = type(link)

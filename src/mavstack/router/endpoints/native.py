@@ -8,36 +8,28 @@ from __future__ import annotations
 import asyncio
 import logging
 from abc import abstractmethod
-from itertools import count
 from time import monotonic
 from typing import TYPE_CHECKING
 
 from mavstack.errors import LinkError
-from mavstack.links.address import format_address
 from mavstack.links.os_errors import open_error
-from mavstack.links.stream import keep_alive, send_at_once
-from mavstack.links.tcp import TcpServer
-from mavstack.links.unix import UnixServer
-from mavstack.router.endpoints.base import DOWN, ENDED, LISTENING, Endpoint
+from mavstack.links.stream import send_at_once
+from mavstack.router.endpoints.base import DOWN, ENDED, Endpoint
 from mavstack.router.firewall import Peer
 
 if TYPE_CHECKING:
-    import socket
-    from collections.abc import Sequence
-
     from serial import Serial
 
     from mavstack.links.connection import ClientLink
     from mavstack.links.serial import SerialLink
     from mavstack.links.tcp import TcpClient
-    from mavstack.links.udp import UdpListener, UdpSender
+    from mavstack.links.udp import UdpListener
+    from mavstack.links.udp_sender import UdpSender
     from mavstack.links.unix import UnixClient
     from mavstack.router.attachments import Attachments
     from mavstack.router.config import EndpointConfig
 
 _log = logging.getLogger("mavstack.router")
-#: Seconds after which a server accepts again when the system had no descriptors left.
-ACCEPT_PAUSE = 1.0
 #: A connection that lasted longer resets the delay before the next attempt, in seconds.
 STABLE_TIME = 5.0
 #: Seconds of a serial line's rate that wait to be sent on it, and the fewest bytes: those of several packets.
@@ -75,6 +67,7 @@ class UdpEndpoint(Endpoint):
                 name=name,
                 idle=idle or float(1 << 30),
                 max_peers=max_peers,
+                trusts_senders=getattr(self._link, "router_trusts_senders", False),
                 start=False,
             )
             self._attach(number, name, listening=True)
@@ -205,90 +198,6 @@ class SerialEndpoint(ClientEndpoint):
         if self._port is not None:
             self._port.close()
             self._port = None
-
-
-class ServerEndpoint(Endpoint):
-    """A listening TCP or Unix socket; each client is a link of its own, with its own routes and queue.
-
-    Attributes:
-        refused: Clients that were refused because there were too many.
-    """
-
-    def __init__(
-        self, config: EndpointConfig, attachments: Attachments, link: TcpServer | UnixServer
-    ) -> None:
-        super().__init__(config, attachments)
-        self._link = link
-        self._framed = getattr(link, "framed", False)
-        self._sockets: Sequence[socket.socket] = ()
-        self._counter = count(1)
-        self.refused = 0
-
-    @property
-    def address(self) -> tuple[str, int] | None:
-        """Host and port on which the first socket listens, or None."""
-        return self._sockets[0].getsockname()[:2] if self._sockets and not self._link.url.path else None
-
-    async def open(self) -> None:
-        """Listen."""
-        link = self._link
-        self._sockets = await link.open_sockets() if isinstance(link, TcpServer) else [link.open_socket()]
-        self.state = LISTENING
-        for sock in self._sockets:
-            self._spawn(self._accept(sock))
-
-    def link_closed(self, number: int, reason: str) -> None:
-        """Forget a client that left."""
-        name = self._numbers.get(number, "")
-        super().link_closed(number, reason)
-        _log.info("%s left: %s", name, reason)
-        self.reason = ""
-        self.state = LISTENING if not self._numbers else self.state
-
-    async def close(self) -> None:
-        """Stop listening, and close all clients."""
-        await super().close()
-        for sock in self._sockets:
-            sock.close()
-        if self._sockets and isinstance(self._link, UnixServer):
-            self._link.remove_path()
-        self._sockets = ()
-        await self._link.close()
-
-    async def _accept(self, sock: socket.socket) -> None:
-        loop = asyncio.get_running_loop()
-        while True:
-            try:
-                client, address = await loop.sock_accept(sock)
-            except OSError as error:  # such as too many open files, or a client that left already
-                _log.warning("endpoint %s: accepting a client failed: %s", self.config.name, error)
-                await asyncio.sleep(ACCEPT_PAUSE)
-                continue
-            with client:
-                self._admit(client, address)
-
-    def _admit(self, client: socket.socket, address: object) -> None:
-        if len(self._numbers) >= self._link.max_peers:
-            self.refused += 1
-            _log.warning(
-                "endpoint %s: a client was refused: there are %d", self.config.name, len(self._numbers)
-            )
-            return
-        is_tcp = isinstance(address, tuple)
-        peer = format_address(address) if isinstance(address, tuple) else f"#{next(self._counter)}"
-        name = f"{self.config.name} {peer}"
-        if is_tcp:
-            keep_alive(client)
-            send_at_once(client)
-        number = self._attachments.engine.add_stream(
-            client.fileno(),
-            name=name,
-            framing="length" if self._framed else "none",
-            queue_bytes=self._link.send_queue,
-            start=False,
-        )
-        self._attach(number, name, peer=_peer_of(address))
-        _log.info("%s connected", name)
 
 
 def queue_of_line(link: SerialLink) -> int:

@@ -162,7 +162,7 @@ def read_firewall(table: Table, names: Names, endpoints: Iterable[str] = ()) -> 
         dry_run=table.value("dry_run", bool, default=False),
         quarantine=table.converted("quarantine", duration, 0.0),
         statustext=table.value("statustext", bool, default=False),
-        detectors=_detectors(table),
+        detectors=_detectors(table, names),
         pool=ids.converted("pool", system_range, range(0)),
     )
     ids.finish()
@@ -194,7 +194,7 @@ def _rule(table: Table, names: Names, endpoints: frozenset[str], number: int) ->
     return rule
 
 
-def _detectors(table: Table) -> tuple[Detector, ...]:
+def _detectors(table: Table, names: Names) -> tuple[Detector, ...]:
     chosen = table.members("detectors", _known_detector) if table.has("detectors") else DEFAULT_DETECTORS
     options = table.table("detector")
     made = []
@@ -202,6 +202,7 @@ def _detectors(table: Table) -> tuple[Detector, ...]:
         detector = make_detector(name)
         own = options.table(name)
         detector.configure(own)
+        detector.use_dialect(names.dialect)
         own.finish()
         made.append(detector)
     options.finish()

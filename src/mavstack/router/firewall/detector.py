@@ -18,12 +18,15 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from mavstack.errors import InvalidArgumentError
 from mavstack.router.firewall.alerts import Alert
+from mavstack.security.senders import Sender
 from mavstack.services import Address
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from importlib.metadata import EntryPoints
+    from typing import Self
 
+    from mavstack.dialects import Dialect
     from mavstack.router.config import Table
     from mavstack.wire import Packet
 
@@ -43,6 +46,28 @@ class Traffic:
     bad_bytes: int
 
 
+class Origin(str):
+    """The name of the endpoint that a packet came from, or of its group, with the sender.
+
+    Args:
+        name: The name.
+        sender: The sender; None: the only one of its link.
+    """
+
+    sender: Sender
+
+    def __new__(cls, name: str, sender: Sender | None = None) -> Self:
+        """Make the name of an origin."""
+        made = super().__new__(cls, name)
+        made.sender = sender or Sender(name)
+        return made
+
+
+def sender_of(origin: str) -> Sender:
+    """Return the sender of an origin; a plain name is the only sender of its link."""
+    return origin.sender if isinstance(origin, Origin) else Sender(origin)
+
+
 class Detector:
     """The base class of detectors; a subclass overrides `inspect` or `measure`.
 
@@ -53,7 +78,7 @@ class Detector:
     """
 
     name: ClassVar[str] = ""
-    messages: ClassVar[frozenset[int]] = frozenset()
+    messages: frozenset[int] = frozenset()
     every_packet: ClassVar[bool] = False
 
     def configure(self, options: Table) -> None:
@@ -66,11 +91,19 @@ class Detector:
             RouterConfigError: An option is not valid.
         """
 
+    def use_dialect(self, dialect: Dialect) -> None:
+        """Take note of the dialect of the router, before any packet.
+
+        Args:
+            dialect: The dialect.
+        """
+
     def inspect(self, origin: str, packet: Packet, now: float) -> Iterable[Alert]:
         """Look at a packet.
 
         Args:
-            origin: Name of the endpoint that it came from, or of the group of the endpoint.
+            origin: Name of the endpoint that it came from, or of the group of the endpoint; `sender_of`
+                returns the sender, which is one peer of a UDP port.
             packet: The packet.
             now: Time in seconds.
 
@@ -105,7 +138,7 @@ class Detector:
             The alert.
         """
         source = None if packet is None else Address(packet.system, packet.component)
-        return Alert(self.name, origin, source, text, refuse)
+        return Alert(self.name, str(origin), source, text, refuse)
 
 
 #: Module and class of each built-in detector below `mavstack.router.firewall.detectors`.

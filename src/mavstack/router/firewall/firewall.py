@@ -20,6 +20,7 @@ from dataclasses import dataclass, field
 from itertools import chain
 from typing import TYPE_CHECKING, Final
 
+from mavstack.dialects import common
 from mavstack.errors import InvalidStateError
 from mavstack.router.firewall.alerts import Alert, AlertLimiter
 from mavstack.router.firewall.bucket import TokenBucket
@@ -31,17 +32,19 @@ from mavstack.router.firewall.compiler import (
     inspection,
     with_filter,
 )
-from mavstack.router.firewall.detector import messages_of
+from mavstack.router.firewall.detector import Origin, make_room, messages_of
 from mavstack.router.firewall.ids import IdAssignment
+from mavstack.router.firewall.quarantine import Quarantined, Remote, quarantine_rule
 from mavstack.router.rules import Rule, RuleSet
+from mavstack.security.senders import Authority, Sender
 from mavstack.services import Address
+from mavstack.wire import Packet
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from mavstack.router.firewall.config import FirewallConfig, Peer
     from mavstack.router.firewall.detector import Detector, Traffic
-    from mavstack.wire import Packet
 
 logger = logging.getLogger("mavstack.router.firewall")
 
@@ -49,6 +52,8 @@ logger = logging.getLogger("mavstack.router.firewall")
 MAX_ALERTS: Final = 1000
 #: Sources of one endpoint in quarantine.
 MAX_QUARANTINED: Final = 64
+#: Peers of one listening socket in quarantine.
+MAX_BLOCKED: Final = 1024
 
 
 @dataclass(slots=True)
@@ -57,8 +62,10 @@ class _Endpoint:
     credential: str
     rules: tuple[Rule, ...]
     buckets: dict[int, TokenBucket] = field(default_factory=dict)
-    #: The time at which the quarantine of each source ends; the whole endpoint is None.
-    quarantine: dict[Address | None, float] = field(default_factory=dict)
+    group: str = ""
+    listening: bool = False
+    #: The time at which each quarantine ends: that of an identity, of the whole link (None), or of a peer.
+    quarantine: dict[Quarantined, float] = field(default_factory=dict)
 
 
 class Firewall:
@@ -80,7 +87,7 @@ class Firewall:
         self._alerts: deque[Alert] = deque(maxlen=MAX_ALERTS)
         self._changed: set[str] = set()
         #: Quarantines of the firewall before a reload, by endpoint, until the endpoint is added again.
-        self._inherited: dict[str, dict[Address | None, float]] = {}
+        self._inherited: dict[str, dict[Quarantined, float]] = {}
 
     def inherit(self, previous: Firewall) -> None:
         """Take over the counts and the quarantines of the firewall that this one replaces.
@@ -133,7 +140,9 @@ class Firewall:
             return False
         known = self._endpoints.get(name)
         quarantine = self._inherited.pop(name, {}) if known is None else known.quarantine
-        self._endpoints[name] = _Endpoint(group or name, credential, rules, quarantine=quarantine)
+        self._endpoints[name] = _Endpoint(
+            group or name, credential, rules, group=group, listening=listening, quarantine=quarantine
+        )
         return True
 
     def _refusal_of(
@@ -160,6 +169,14 @@ class Firewall:
         self._inherited.pop(name, None)
         self._changed.discard(name)
 
+    def knows(self, name: str) -> bool:
+        """Return whether an endpoint is open, and admitted.
+
+        Args:
+            name: Its name.
+        """
+        return name in self._endpoints
+
     def rules(self, name: str) -> tuple[Rule, ...]:
         """Return the rules of an endpoint for the engine: quarantine, inspection, and its own.
 
@@ -170,18 +187,34 @@ class Firewall:
             The rules for packets that come from the endpoint.
         """
         endpoint = self._endpoints[name]
-        quarantine = tuple(_quarantine_rule(source) for source in endpoint.quarantine)
+        cut_off = [source for source in endpoint.quarantine if not isinstance(source, Remote)]
+        quarantine = tuple(quarantine_rule(source) for source in cut_off)
         foreign = frozenset() if not self.config.pool else frozenset(self.config.pool)
         guarded = (Rule("inspect", systems=foreign, name=f"{PREFIX}ids"),) if foreign else ()
         return (*quarantine, *inspection(self._inspected), *guarded, *endpoint.rules)
 
-    def decide(self, name: str, packet: Packet, now: float) -> bool:
+    def blocked(self, name: str) -> list[Remote]:
+        """Return the peers of a listening socket that are in quarantine.
+
+        Args:
+            name: Name of the endpoint.
+
+        Returns:
+            Their remote addresses.
+        """
+        return [source for source in self._endpoints[name].quarantine if isinstance(source, Remote)]
+
+    def decide(
+        self, name: str, packet: Packet, now: float, *, peer: Remote | None = None, verified: bool = False
+    ) -> bool:
         """Decide about a packet that the engine handed over.
 
         Args:
             name: Name of the endpoint that it came from.
             packet: The packet.
             now: Time in seconds.
+            peer: The remote address of its sender, if that is a peer of a listening socket.
+            verified: It has a valid signature.
 
         Returns:
             True to pass the packet, False to drop it.
@@ -191,12 +224,30 @@ class Firewall:
             return False
         if not self._rules_pass(endpoint, packet, now):
             return False
-        refusal = self._first_refusal(endpoint, packet, now)
+        origin = _origin(name, endpoint, peer, verified=verified)
+        refusal = self._first_refusal(endpoint, origin, self._as_common(packet), now)
         if refusal is None or self.config.dry_run:
             return True
         if self.config.quarantine:
-            self._cut_off(name, refusal.source, now)
+            # Only a proven identity, or the only sender of a link, is punished for what its ids did.
+            by_ids = origin.sender.is_authenticated or peer is None
+            self._cut_off(name, refusal.source if by_ids else peer, now)
         return False
+
+    def _as_common(self, packet: Packet) -> Packet:
+        """Return a packet of a custom dialect as the same one of `common`, which the detectors know."""
+        name, message = packet.name, packet.message
+        if (
+            message is None
+            or name is None
+            or name not in common.dialect
+            or isinstance(message, common.dialect[name])
+        ):
+            return packet
+        try:
+            return Packet(packet.raw, common)
+        except ValueError:  # the dialect has another message of this name
+            return packet
 
     def matched(
         self, name: str, rule: str, source: Address, message: str, *, dry_run: bool, now: float
@@ -217,21 +268,27 @@ class Firewall:
             text = f"{message} {verb} by this rule"
             self._raise(Alert(rule, endpoint.origin, source, text, refuse=not dry_run), now)
 
-    def measure(self, name: str, traffic: Traffic, now: float) -> None:
-        """Look at the counters of an endpoint.
+    def measure(self, name: str, traffic: Traffic, now: float, *, peer: Remote | None = None) -> None:
+        """Look at the counters of an endpoint, or of one peer of a listening socket.
+
+        A listening socket receives datagrams of any sender, so its own counters cut nothing off.
 
         Args:
             name: Name of the endpoint.
-            traffic: Its counters.
+            traffic: Its counters, or those of the peer.
             now: Time in seconds.
+            peer: The remote address of the peer; None: the whole endpoint.
         """
-        if name not in self._endpoints:
+        endpoint = self._endpoints.get(name)
+        if endpoint is None:
             return
+        origin = name if peer is None else f"{name} {peer}"
         for detector in self.config.detectors:
-            for alert in self._measured(detector, name, traffic, now):
+            for alert in self._measured(detector, origin, traffic, now):
                 self._raise(alert, now)
-                if self.config.quarantine and not self.config.dry_run:
-                    self._cut_off(name, None, now)
+                cuts_off = peer is not None or not endpoint.listening
+                if cuts_off and self.config.quarantine and not self.config.dry_run:
+                    self._cut_off(name, peer, now)
 
     @staticmethod
     def _measured(detector: Detector, name: str, traffic: Traffic, now: float) -> list[Alert]:
@@ -282,9 +339,9 @@ class Firewall:
         bucket = endpoint.buckets.setdefault(id(rule), TokenBucket(rule.rate, now))
         return not bucket.take(now)
 
-    def _first_refusal(self, endpoint: _Endpoint, packet: Packet, now: float) -> Alert | None:
+    def _first_refusal(self, endpoint: _Endpoint, origin: Origin, packet: Packet, now: float) -> Alert | None:
         """Raise the alerts about a packet; no detector learns from one that is refused."""
-        for alert in chain(self._id_alerts(endpoint, packet), self._detected(endpoint, packet, now)):
+        for alert in chain(self._id_alerts(endpoint, packet), self._detected(origin, packet, now)):
             self._raise(alert, now)
             if alert.refuse:
                 return alert
@@ -295,15 +352,15 @@ class Firewall:
         if reason is not None:
             yield Alert("ids", endpoint.origin, Address(packet.system, packet.component), reason)
 
-    def _detected(self, endpoint: _Endpoint, packet: Packet, now: float) -> Iterable[Alert]:
+    def _detected(self, origin: Origin, packet: Packet, now: float) -> Iterable[Alert]:
         for detector in self.config.detectors:
             if not (detector.every_packet or packet.message_id in detector.messages):
                 continue
             try:
-                yield from detector.inspect(endpoint.origin, packet, now)
+                yield from detector.inspect(origin, packet, now)
             except Exception:  # a defect of a detector must neither pass the packet nor stop the router
                 logger.exception("detector %s failed", detector.name)
-                yield detector.alert(endpoint.origin, packet, "the detector failed, see the log")
+                yield detector.alert(origin, packet, "the detector failed, see the log")
 
     def _raise(self, alert: Alert, now: float) -> None:
         self.counts[alert.detector] += 1
@@ -311,19 +368,21 @@ class Firewall:
         if limited is not None:
             self._alerts.append(limited)
 
-    def _cut_off(self, name: str, source: Address | None, now: float) -> None:
+    def _cut_off(self, name: str, source: Quarantined, now: float) -> None:
         quarantine = self._endpoints[name].quarantine
-        if source not in quarantine and len(quarantine) >= MAX_QUARANTINED:
+        if isinstance(source, Remote):
+            make_room(quarantine, MAX_BLOCKED)  # the oldest ones end early: peers can invent more addresses
+        elif source not in quarantine and len(quarantine) >= MAX_QUARANTINED:
+            if self._endpoints[name].listening:
+                return  # others send here too; the packet itself is dropped
             source = None  # so many sources on one link are forged: the whole link
         if source not in quarantine:
             self._changed.add(name)
         quarantine[source] = now + self.config.quarantine
 
 
-def _quarantine_rule(source: Address | None) -> Rule:
-    name = f"{PREFIX}quarantine"
-    if source is None:
-        return Rule("drop", name=name)
-    return Rule(
-        "drop", systems=frozenset({source.system}), components=frozenset({source.component}), name=name
-    )
+def _origin(name: str, endpoint: _Endpoint, peer: Remote | None, *, verified: bool) -> Origin:
+    """Return the origin of a packet: the endpoint or its group, and the sender."""
+    proof = Authority.KEY if verified else Authority.CERTIFICATE if endpoint.credential else Authority.NONE
+    remote = str(peer) if peer is not None else ""
+    return Origin(endpoint.origin, Sender(name, remote, proof, endpoint.credential, endpoint.group))

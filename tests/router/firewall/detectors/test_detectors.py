@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from mavstack.dialects import common
+from mavstack.dialects import Dialect, common
 from mavstack.errors import InvalidArgumentError
 from mavstack.router.config import Table
 from mavstack.router.firewall import Traffic, detector_names, make_detector
-from mavstack.security import SigningKey
+from mavstack.router.firewall.detector import Origin
+from mavstack.security import SigningKey, senders
+from mavstack.security.acting import acting_names
+from mavstack.wire import Packet
 from tests.router.firewall.packets import Sender, command, ground_heartbeat, heartbeat, texts
 
 ARM, RTL, FORCE = 400, 20, 21196
@@ -47,6 +50,79 @@ def test_a_command_from_an_address_of_another_link_is_refused(message):
     (alert,) = feed(made, [attacker.packet(message)], origin="radio", now=1.0)
     assert (alert.refuse, alert.text) == (True, "the address is in use on cable")
     assert feed(made, [pilot.packet(message)], origin="radio", now=10.0) == []  # it moved
+
+
+def peer(port: int, **attributes) -> Origin:
+    """The origin of a packet from one peer of a UDP port."""
+    sender = senders.Sender("ground", f"10.0.0.{port}:14550", **attributes)
+    return Origin("ground", sender)
+
+
+def acting_messages() -> list:
+    """One message of each acting kind, for vehicle 1."""
+    ardupilot = Dialect.load("ardupilotmega")
+    return [ardupilot[name]() for name in sorted(acting_names())]
+
+
+@pytest.mark.parametrize("message", acting_messages(), ids=lambda message: type(message).__name__)
+@pytest.mark.parametrize("place", ["another endpoint", "another peer of the port"])
+def test_no_acting_message_passes_in_the_name_of_the_pilot(message, place):
+    made, pilot, attacker = detector("spoofed-ids"), Sender(), Sender()
+    stranger = "radio" if place == "another endpoint" else peer(9)
+    assert feed(made, [pilot.packet(ground_heartbeat()), pilot.packet(message)], origin=peer(1)) == []
+    (alert,) = feed(made, [attacker.packet(message)], origin=stranger, now=1.0)
+    assert alert.refuse
+    assert alert.text == "the address is in use on ground from 10.0.0.1:14550"
+    assert feed(made, [pilot.packet(message)], origin=peer(1), now=2.0) == []
+
+
+def test_links_of_a_group_count_as_one_sender_with_one_peer_each():
+    made = detector("spoofed-ids")
+
+    def on(link: str, port: int) -> Origin:
+        return Origin("radios", senders.Sender(link, f"10.0.0.{port}:1", group="radios"))
+
+    vehicle = Sender(1, 1)
+    for step in range(4):
+        assert feed(made, [vehicle.packet(heartbeat())], origin=on("a", 1), now=step) == []
+        assert feed(made, [vehicle.packet(heartbeat())], origin=on("b", 1), now=step) == []
+        (alert,) = feed(made, [Sender(1, 1).packet(heartbeat())], origin=on("a", 2), now=step)
+        assert "in use on a from 10.0.0.1:1" in alert.text
+
+
+def test_an_authenticated_sender_takes_its_address_from_a_stranger_who_came_first():
+    made = detector("spoofed-ids")
+    pilot = peer(1, authority=senders.Authority.KEY)
+    assert feed(made, [Sender().packet(ground_heartbeat())], origin=peer(9)) == []
+    assert feed(made, [Sender().packet(ground_heartbeat())], origin=pilot, now=0.5) == []
+    for now in (1.0, 100.0):
+        (alert,) = feed(made, [Sender().packet(command(ARM, 1))], origin=peer(9), now=now)
+        assert alert.refuse
+    assert feed(made, [Sender().packet(command(ARM, 1))], origin=pilot, now=100.0) == []
+
+
+@pytest.mark.parametrize("name", sorted(acting_names("flight", "plan", "settings")))
+def test_a_flying_vehicle_is_changed_by_its_pilot_only(name):
+    made, pilot, other = detector("behaviour"), Sender(255, 190), Sender(254, 190)
+    message = Dialect.load("ardupilotmega")[name]
+    target = {"target_system": 1} if "target_system" in message.definition.by_name else {}
+    feed(made, [Sender(1, 1).packet(heartbeat(armed=True))], origin="vehicle")
+    assert feed(made, [pilot.packet(command(ARM, 1))]) == []
+    assert feed(made, [pilot.packet(message(**target))]) == []
+    (alert,) = feed(made, [other.packet(message(**target))])
+    assert alert.refuse
+
+
+def test_malformed_counts_of_the_dialect_in_use_are_refused():
+    made = detector("malformed")
+    ardupilot = Dialect.load("ardupilotmega")
+    write = ardupilot["DEVICE_OP_WRITE"]
+    assert write.definition.id not in made.messages
+    made.use_dialect(ardupilot)
+    assert write.definition.id in made.messages
+    (alert,) = feed(made, [Packet(Sender().packet(write(count=129)).raw, ardupilot)])
+    assert alert.text == "DEVICE_OP_WRITE: count is 129, more than the 128 of its array"
+    assert feed(made, [Packet(Sender().packet(write(count=128)).raw, ardupilot)]) == []
 
 
 def test_positions_pass_only_from_named_senders():
@@ -170,7 +246,8 @@ def test_forged_sources_do_not_fill_the_memory():
     for system in range(1, 256):
         for component in range(1, 40):
             feed(made, [Sender(system, component).packet(heartbeat())])
-    assert len(made._owners) <= 4096
+    assert len(made._vehicles) <= 4096
+    assert len(made._claims.addresses()) <= 4096
 
 
 def test_detectors_are_found_by_name():

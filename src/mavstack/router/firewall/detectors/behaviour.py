@@ -1,4 +1,4 @@
-"""Behaviour limits: who may arm, change the mode or the mission of a vehicle that flies.
+"""Behaviour limits: the ground station that may command and change a vehicle that flies.
 
 While a vehicle is armed, one ground station commands it: one of `operators`, or without that option the first
 one that sent it a command. Commands of others are refused. Its own pilot may stop the motors of a vehicle in
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 from mavstack.dialects import common
 from mavstack.router.firewall.detector import Detector, make_room
 from mavstack.router.firewall.sources import source
+from mavstack.security.acting import FLIGHT_KINDS, acting_ids
 from mavstack.services import Address, message_ids
 
 if TYPE_CHECKING:
@@ -41,14 +42,7 @@ _SENSITIVE: Final = frozenset(
         common.MavCmd.PREFLIGHT_REBOOT_SHUTDOWN,
     }
 )
-_CHANGES: Final = (
-    common.SetMode,
-    common.MissionCount,
-    common.MissionClearAll,
-    common.MissionSetCurrent,
-    common.MissionWritePartialList,
-    common.ParamSet,
-)
+_CHANGES: Final = acting_ids(*FLIGHT_KINDS)
 
 
 @dataclass(slots=True)
@@ -61,9 +55,7 @@ class FlightBehaviour(Detector):
     """Refuses changes of a flying vehicle by others than its pilot."""
 
     name: ClassVar[str] = "behaviour"
-    messages: ClassVar[frozenset[int]] = message_ids(
-        common.Heartbeat, common.CommandLong, common.CommandInt, *_CHANGES
-    )
+    messages: frozenset[int] = message_ids(common.Heartbeat, common.CommandLong, common.CommandInt) | _CHANGES
 
     def __init__(self) -> None:
         self.operators: frozenset[Address] = frozenset()
@@ -83,7 +75,7 @@ class FlightBehaviour(Detector):
         elif isinstance(message, common.CommandLong | common.CommandInt):
             if message.command in _SENSITIVE:
                 yield from self._change(origin, packet, _name(message))
-        elif isinstance(message, _CHANGES):
+        elif packet.message_id in _CHANGES:
             yield from self._change(origin, packet, str(packet.name))
 
     def _heard(self, system: int, heartbeat: common.Heartbeat) -> None:
@@ -97,7 +89,7 @@ class FlightBehaviour(Detector):
         vehicle.armed = armed
 
     def _change(self, origin: str, packet: Packet, change: str) -> Iterator[Alert]:
-        target = getattr(packet.message, "target_system", 0)
+        target = getattr(packet.message, "target_system", getattr(packet.message, "target", 0))
         targets = [target] if target else list(self._vehicles)
         sender = Address(packet.system, packet.component)
         for vehicle in (self._vehicles.get(system) for system in targets):

@@ -25,7 +25,7 @@ class InjectedPositions(Detector):
     """Refuses positions and sensor values from senders that are not allowed to send them."""
 
     name: ClassVar[str] = "injected-positions"
-    messages: ClassVar[frozenset[int]] = message_ids(
+    messages: frozenset[int] = message_ids(
         common.HilGps, common.HilSensor, common.HilStateQuaternion, common.GpsInput, common.GpsInjectData
     )
 

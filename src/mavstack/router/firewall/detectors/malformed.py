@@ -10,30 +10,26 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
-from mavstack.dialects import common
+from mavstack.dialects import Dialect, common
 from mavstack.router.firewall.detector import Detector
 from mavstack.services import message_ids
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from mavstack.dialects.model import MessageDefinition
     from mavstack.router.firewall.alerts import Alert
     from mavstack.wire import Packet
 
-#: The field with the count, and the array that it counts, of each message that has them.
-COUNTS: Final[Mapping[type, tuple[str, str]]] = MappingProxyType(
+#: Fields with a count, and their arrays. A message of the dialect in use that has both is checked.
+COUNTS: Final[Mapping[str, str]] = MappingProxyType(
     {
-        common.TrajectoryRepresentationWaypoints: ("valid_points", "pos_x"),
-        common.TrajectoryRepresentationBezier: ("valid_points", "pos_x"),
-        common.SerialControl: ("count", "data"),
-        common.GpsRtcmData: ("len", "data"),
-        common.GpsInjectData: ("len", "data"),
-        common.LogData: ("count", "data"),
-        common.Tunnel: ("payload_length", "payload"),
-        common.LoggingData: ("length", "data"),
-        common.LoggingDataAcked: ("length", "data"),
-        common.CanFrame: ("len", "data"),
-        common.CanfdFrame: ("len", "data"),
+        "valid_points": "pos_x",
+        "count": "data",
+        "len": "data",
+        "length": "data",
+        "data_length": "data",
+        "payload_length": "payload",
     }
 )
 #: Latitude and longitude in 1e-7 degrees, in messages whose frame is always global.
@@ -53,26 +49,45 @@ class MalformedFields(Detector):
     """Refuses messages whose counts or coordinates are out of their range."""
 
     name: ClassVar[str] = "malformed"
-    messages: ClassVar[frozenset[int]] = message_ids(*COUNTS, *POSITIONS, common.FileTransferProtocol)
+
+    def __init__(self) -> None:
+        self._counts: dict[int, tuple[str, str]] = {}
+        self.messages = frozenset()
+        self.use_dialect(Dialect.load("common"))
+
+    def use_dialect(self, dialect: Dialect) -> None:
+        """Look for the messages of the dialect that have counts."""
+        numbers = {number for each in dialect.with_includes for number in each.table.ids.values()}
+        counts = ((number, _count_of(dialect.message_definition(number))) for number in numbers)
+        self._counts = {number: found for number, found in counts if found is not None}
+        fixed = message_ids(*POSITIONS, common.FileTransferProtocol)
+        self.messages = frozenset(self._counts) | fixed
 
     def inspect(self, origin: str, packet: Packet, now: float) -> Iterator[Alert]:
         """Yield the alerts about a packet."""
-        problem = _problem(packet.message)
+        problem = self._problem(packet.message_id, packet.message)
         if problem is not None:
             yield self.alert(origin, packet, f"{packet.name}: {problem}")
 
-
-def _problem(message: Any) -> str | None:  # noqa: ANN401 (a message of any class)
-    """Return the reason why a message is malformed."""
-    if isinstance(message, common.FileTransferProtocol):
-        return _excess("size", message.payload[_FTP_SIZE], len(message.payload) - _FTP_DATA)
-    for kind, (count, array) in COUNTS.items():
-        if isinstance(message, kind):
+    def _problem(self, message_id: int, message: Any) -> str | None:  # noqa: ANN401 (a message of any class)
+        """Return the reason why a message is malformed."""
+        if isinstance(message, common.FileTransferProtocol):
+            return _excess("size", message.payload[_FTP_SIZE], len(message.payload) - _FTP_DATA)
+        if message_id in self._counts and message is not None:
+            count, array = self._counts[message_id]
             return _excess(count, getattr(message, count), len(getattr(message, array)))
-    for kind, (latitude, longitude) in POSITIONS.items():
-        if isinstance(message, kind):
-            return _off_the_globe(getattr(message, latitude), getattr(message, longitude))
-    return None
+        for kind, (latitude, longitude) in POSITIONS.items():
+            if isinstance(message, kind):
+                return _off_the_globe(getattr(message, latitude), getattr(message, longitude))
+        return None
+
+
+def _count_of(definition: MessageDefinition) -> tuple[str, str] | None:
+    """Return the field with a count and the array that it counts, if a message has them."""
+    scalars = {field.name for field in definition.fields if not field.array_length}
+    arrays = {field.name for field in definition.fields if field.array_length}
+    pairs = ((count, array) for count, array in COUNTS.items() if count in scalars and array in arrays)
+    return next(pairs, None)
 
 
 def _excess(name: str, count: int, size: int) -> str | None:

@@ -51,7 +51,7 @@ class Replays(Detector):
     """Refuses commands, missions, parameters and modes that were sent before."""
 
     name: ClassVar[str] = "replays"
-    messages: ClassVar[frozenset[int]] = ANSWERED | message_ids(
+    messages: frozenset[int] = ANSWERED | message_ids(
         common.Heartbeat,
         common.SetMode,
         common.MissionSetCurrent,

@@ -1,19 +1,21 @@
-"""Spoofed ids: an address that is already in use on another link, or by another vehicle on this link.
+"""Spoofed ids: an address that another sender uses, or another vehicle on this link.
 
-The link on which an address was heard first keeps it while its heartbeats arrive: heartbeats, commands and
-changes of the mission, the mode or a parameter that come from it over another link are refused. Links of one
-group carry the same packets and count as one origin. A vehicle that really moves to another link is silent on
-the first one.
+The sender whose heartbeats arrived first keeps an address while they arrive: heartbeats of the address from
+another sender are refused, and so are all messages that act upon a vehicle (`mavstack.security.acting`).
+Each peer of a UDP port is a sender, and each other link. Links of one group carry the same packets, so they
+count as one sender, with one peer each. A sender that is authenticated keeps its addresses against all that
+are not. A vehicle that really moves to another link is silent on the first one.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from mavstack.dialects import common
 from mavstack.router.config.quantities import duration
-from mavstack.router.firewall.detector import Detector, make_room
+from mavstack.router.firewall.detector import Detector, make_room, sender_of
+from mavstack.security.acting import acting_ids
+from mavstack.security.senders import Claims, Sender, Standing
 from mavstack.services import Address, message_ids
 
 if TYPE_CHECKING:
@@ -25,62 +27,68 @@ if TYPE_CHECKING:
 
 #: Seconds without a heartbeat after which another link may have an address: three heartbeats are lost.
 DEFAULT_TIMEOUT: Final = 4.0
-#: Messages that change something, which are rare.
-CHANGES: Final = (
-    common.CommandLong,
-    common.CommandInt,
-    common.SetMode,
-    common.MissionCount,
-    common.MissionClearAll,
-    common.MissionSetCurrent,
-    common.MissionWritePartialList,
-    common.ParamSet,
-)
-#: Addresses that are remembered.
+#: Addresses whose vehicle is remembered.
 MAX_ADDRESSES: Final = 4096
 
 
-@dataclass(slots=True)
-class _Owner:
-    origin: str
-    heard: float
-    vehicle: tuple[int, int]
-
-
 class SpoofedIds(Detector):
-    """Refuses heartbeats and commands of an address that another link uses at the same time."""
+    """Refuses heartbeats and acting messages of an address that another sender uses at the same time."""
 
     name: ClassVar[str] = "spoofed-ids"
-    messages: ClassVar[frozenset[int]] = message_ids(common.Heartbeat, *CHANGES)
+    messages: frozenset[int] = message_ids(common.Heartbeat) | acting_ids()
 
     def __init__(self) -> None:
         self.timeout = DEFAULT_TIMEOUT
-        self._owners: dict[Address, _Owner] = {}
+        self._claims: Claims[Sender] = Claims(DEFAULT_TIMEOUT)
+        self._vehicles: dict[Address, tuple[int, int]] = {}
 
     def configure(self, options: Table) -> None:
         """Read the options of the detector."""
         self.timeout = options.converted("timeout", duration, self.timeout)
+        self._claims = Claims(self.timeout)
 
     def inspect(self, origin: str, packet: Packet, now: float) -> Iterator[Alert]:
         """Yield the alerts about a packet."""
-        match packet.message:
-            case common.Heartbeat(type=vehicle_type, autopilot=autopilot):
-                yield from self._heard(origin, packet, (int(vehicle_type), int(autopilot)), now)
-            case _:
-                owner = self._owners.get(Address(packet.system, packet.component))
-                if owner is not None and owner.origin != origin and now - owner.heard <= self.timeout:
-                    yield self.alert(origin, packet, f"the address is in use on {owner.origin}")
-
-    def _heard(self, origin: str, packet: Packet, vehicle: tuple[int, int], now: float) -> Iterator[Alert]:
         address = Address(packet.system, packet.component)
-        owner = self._owners.get(address)
-        if owner is None or now - owner.heard > self.timeout:
-            make_room(self._owners, MAX_ADDRESSES)
-            self._owners.pop(address, None)
-            self._owners[address] = _Owner(origin, now, vehicle)
-        elif owner.origin != origin:
-            yield self.alert(origin, packet, f"the address is in use on {owner.origin}")
-        elif owner.vehicle != vehicle:
+        sender = self._known(sender_of(origin), now)
+        if sender is None:
+            yield self.alert(origin, packet, "too many senders are in use")
+            return
+        standing = self._standing(sender, address, packet, now)
+        if standing in {Standing.CONTESTED, Standing.OUTRANKED}:
+            holder = self._claims.holder(address)
+            yield self.alert(origin, packet, f"the address is in use on {holder and holder.sender}")
+        elif isinstance(packet.message, common.Heartbeat):
+            yield from self._heard(origin, packet, packet.message, standing)
+
+    def _known(self, sender: Sender, now: float) -> Sender | None:
+        """Return the sender as the key of its claims, in place of another one if there are too many."""
+        while self._claims.sender(sender) is None and not self._claims.open(sender, sender, now):
+            evicted = self._claims.first_to_evict(sender, now, everywhere=True)
+            if evicted is None:
+                return None
+            self._claims.close(evicted)
+        return sender
+
+    def _standing(self, sender: Sender, address: Address, packet: Packet, now: float) -> Standing:
+        if isinstance(packet.message, common.Heartbeat):
+            before = self._claims.standing(sender, address, now)
+            refused = before in {Standing.CONTESTED, Standing.OUTRANKED}
+            return before if refused else self._claims.hear(sender, address, now)
+        if self._claims.holder(address) is None:
+            return Standing.NEW  # its heartbeat is still to come
+        return self._claims.standing(sender, address, now)
+
+    def _heard(
+        self, origin: str, packet: Packet, heartbeat: common.Heartbeat, standing: Standing
+    ) -> Iterator[Alert]:
+        address = Address(packet.system, packet.component)
+        vehicle = (int(heartbeat.type), int(heartbeat.autopilot))
+        known = self._vehicles.get(address, vehicle)
+        holder = self._claims.holder(address)
+        moved = standing is Standing.NEW or holder is None or holder.since == holder.heard_at
+        if known != vehicle and not moved:
             yield self.alert(origin, packet, "two senders of different type have this address")
-        else:
-            owner.heard = now
+            return
+        make_room(self._vehicles, MAX_ADDRESSES)
+        self._vehicles[address] = vehicle
