@@ -23,9 +23,10 @@ from mavstack.services.addressing import Address
 from mavstack.services.service import Event, HasRoom, Outgoing, Priority, Service, always_room, earliest
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Generator, Iterator
+    from collections.abc import Callable, Iterator
 
     from mavstack.dialects import Message
+    from mavstack.errors import SystemIdConflictError
     from mavstack.wire import Packet
 
 logger = logging.getLogger("mavstack.services")
@@ -116,6 +117,11 @@ class Operation(Generic[Result]):
         """The remote component."""
         return self.client.target
 
+    @property
+    def has_timeout(self) -> bool:
+        """True if the caller gave a timeout for the whole operation."""
+        return self._timeout is not None
+
     def __str__(self) -> str:
         return self.description if self._client is None else f"{self.description} {self._client.target}"
 
@@ -144,8 +150,12 @@ class Operation(Generic[Result]):
     # Methods that an operation calls
 
     def send(self, message: Message, priority: Priority = Priority.CONTROL) -> None:
-        """Send a message to the target."""
-        self.client.send(message, self.target, priority)
+        """Send a message to the target; the operation fails if the message acts and may not be sent."""
+        error = self.client.refusal(message, self.target, self.description)
+        if error is None:
+            self.client.send(message, self.target, priority)
+        else:
+            self.fail(error)
 
     def finish(self, result: Result) -> None:
         """End with a result."""
@@ -251,6 +261,8 @@ class Client(Service):
         super().__init__(local)
         self.target = self.source_filter = target
         self._own_handles = self.handles
+        #: Returns why a message may not be sent to a target, for an operation of that description.
+        self.refusal: Callable[[Message, Address, str], SystemIdConflictError | None] = _never
         self._running: list[Operation[Any]] = []
         self._waiting: deque[Operation[Any]] = deque()
 
@@ -271,6 +283,14 @@ class Client(Service):
         operation.cancel(now)
         for child in self._children_of(operation):
             child.cancel(now)
+        self._settle(now)
+
+    def time_out(self, operation: Operation[Any], now: float, answer: str) -> None:
+        """End the current step of an operation with its timeout error; a procedure may begin another one."""
+        step = operation
+        while children := self._children_of(step):
+            step = children[0]
+        step.time_out(now, answer)
         self._settle(now)
 
     def conflicts(self, new: Operation[Any], running: Operation[Any]) -> bool:
@@ -296,6 +316,12 @@ class Client(Service):
         self._settle(now)
         while self._outbox:
             yield self._outbox.popleft()
+
+    def handle_refusal(self, error: SystemIdConflictError, now: float) -> None:
+        for operation in tuple(self._running):
+            kind = type(error)
+            operation.fail(kind(operation.description, str(operation.target), answer=error.answer))
+        self._settle(now)
 
     def next_timeout(self) -> float | None:
         deadlines = (operation.deadline for operation in self._waiting)
@@ -349,52 +375,6 @@ class Client(Service):
         ]
 
 
-class Procedure(Operation[Result]):
-    """An operation of several steps: `steps` yields operations and receives their results or errors."""
-
-    def __init__(
-        self, description: str, *, timeout: float | None = None, idle_timeout: float = 600.0
-    ) -> None:
-        super().__init__(description, timeout=timeout, idle_timeout=idle_timeout)
-        self._generator: Generator[Operation[Any], Any, Result] | None = None
-        self._now = 0.0
-
-    @abstractmethod
-    def steps(self) -> Generator[Operation[Any], Any, Result]:
-        """Yield the child operations, as in `answer = yield SomeOperation(…)`, and return the result."""
-
-    @property
-    def now(self) -> float:
-        """The time of the current step, Unix seconds."""
-        return self._now
-
-    def start(self, now: float) -> None:
-        self._generator = generator = self.steps()
-        self._advance(lambda: next(generator), now)
-
-    def child_ended(self, child: Operation[Any], now: float) -> None:
-        generator = self._generator
-        if generator is None or self.done:
-            return
-        self.attempts = max(self.attempts, child.attempts)
-        self.report_progress(now)
-        error = child.error
-        if error is not None:
-            self._advance(lambda: generator.throw(error), now)
-        else:
-            self._advance(lambda: generator.send(child.result()), now)
-
-    def clean_up(self, now: float) -> None:
-        if self._generator is not None:
-            self._generator.close()
-
-    def _advance(self, step: Callable[[], Operation[Any]], now: float) -> None:
-        self._now = now
-        try:
-            child = step()
-        except StopIteration as end:
-            self.finish(end.value)
-        except RemoteError as error:
-            self.fail(error)
-        else:
-            self.begin(child, now)
+def _never(message: Message, target: Address, description: str) -> SystemIdConflictError | None:
+    """Return None: outside of a node there is one vehicle."""
+    return None

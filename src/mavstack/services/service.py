@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.dialects import Message
+    from mavstack.errors import SystemIdConflictError
     from mavstack.wire import Packet
 
 
@@ -38,11 +39,15 @@ class Priority(IntEnum):
 
 
 class Outgoing(NamedTuple):
-    """A message to send, the address that it is routed to, and its priority."""
+    """A message to send, the address that it is routed to, its priority, and the name of its only channel.
+
+    Without a name it goes over the channels of the route.
+    """
 
     message: Message
     target: Address = BROADCAST
     priority: Priority = Priority.CONTROL
+    channel: str = ""
 
 
 class HasRoom(Protocol):
@@ -75,6 +80,8 @@ class Service:
     source_filter: Address = BROADCAST
     #: True if it also receives packets with its own address.
     accepts_own_packets = False
+    #: True if it also receives packets of senders that were not chosen, where several use one system id.
+    observes_all_senders = False
 
     def __init__(self, local: Address) -> None:
         self.local = local
@@ -116,6 +123,9 @@ class Service:
 
     def handle_timeout(self, now: float) -> None:
         """Handle the timers that are due; an early or late call does no harm."""
+
+    def handle_refusal(self, error: SystemIdConflictError, now: float) -> None:
+        """Handle that a message was not sent, because several vehicles use the system id of its target."""
 
     def send(
         self, message: Message, target: Address = BROADCAST, priority: Priority = Priority.CONTROL

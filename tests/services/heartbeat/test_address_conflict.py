@@ -127,18 +127,33 @@ def test_two_boots_are_a_conflict_and_no_reboots():
     assert [sender.channels for sender in conflict.senders] == [("one",), ("two",)]
 
 
-@pytest.mark.parametrize(("apart", "conflicts"), [(0.2, 1), (60.0, 0)])
-def test_two_unique_ids_within_seconds_are_a_conflict(apart, conflicts):
+def versions(*uids, apart=0.2):
+    """A harness that received a copter's AUTOPILOT_VERSIONs with these ids, on one channel."""
     watcher = ConflictHarness()
     watcher.receive(COPTER, 0)
-    watcher.receive(AutopilotVersion(uid=1).to_message(), 1.0)
-    watcher.receive(AutopilotVersion(uid=0).to_message(), 1.1)  # an empty id contradicts none
-    watcher.receive(AutopilotVersion(uid=1).to_message(), 1.2)
-    watcher.receive(AutopilotVersion(uid=2).to_message(), 1.2 + apart)
-    reported = watcher.events(AddressConflict)
-    assert len(reported) == conflicts
-    for conflict in reported:
-        assert [sender.unique_id for sender in conflict.senders] == [f"{1:016x}", f"{2:016x}"]
+    for number, uid in enumerate(uids):
+        watcher.receive(AutopilotVersion(uid=uid).to_message(), 1 + number * apart)
+    return watcher
+
+
+def test_two_unique_ids_in_turn_are_a_conflict():
+    (conflict,) = versions(1, 0, 1, 2, 1).events(AddressConflict)  # an empty id contradicts none
+    assert [sender.unique_id for sender in conflict.senders] == [f"{1:016x}", f"{2:016x}"]
+    assert conflict.differs == ("unique id",)
+
+
+def test_a_board_that_is_replaced_is_no_conflict():
+    assert not versions(1, 1, 2, 2).events(AddressConflict)
+    assert not versions(1, 2, 1, apart=60.0).events(AddressConflict)
+
+
+def test_the_short_id_of_mavlink_1_does_not_contradict_the_long_one():
+    watcher = ConflictHarness()
+    watcher.receive(COPTER, 0)
+    for second in range(5):
+        watcher.receive(AutopilotVersion(uid=1, uid2=b"long").to_message(), second, "two")
+        watcher.receive(AutopilotVersion(uid=1).to_message(), second + 0.5, "one")
+    assert not watcher.events(AddressConflict)
 
 
 def test_payload_with_the_autopilots_address_does_not_replace_it():

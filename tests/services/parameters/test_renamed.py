@@ -13,6 +13,7 @@ from mavstack.services.parameters import RENAMED, renaming_of
 #: The names of ArduPilot's parameters that actions and commands use, with those of 4.7, from its parameter
 #: tables (ArduCopter, ArduPlane, Rover and ArduSub 4.7.0).
 USED = {
+    "AUTO_OPTIONS": "AUTO_OPTIONS",
     "CIRCLE_OPTIONS": "CIRCLE_OPTIONS",
     "CIRCLE_RADIUS": "CIRCLE_RADIUS_M",
     "CIRCLE_RATE": "CIRCLE_RATE",
@@ -21,7 +22,10 @@ USED = {
     "RTL_ALT": "RTL_ALT_M",
     "TKOFF_ALT": "TKOFF_ALT",
 }
-_BEFORE_NAME = r"\b(?:params|parameters)(?:\.cached)?\.(?:get|set)\(|RENAMED\[|QUADPLANE_PARAMETER: Final = "
+_BEFORE_NAME = (
+    r"\b(?:params|parameters)(?:\.cached)?\.(?:get|set)\(|\bset_parameter\(|RENAMED\[|"
+    r"QUADPLANE_PARAMETER: Final = "
+)
 _NAME_IN_CALL = re.compile(rf'(?:{_BEFORE_NAME})"([A-Z][A-Z0-9_]+)"')
 _PACKAGES = ("vehicle", "cli", "node", "files")
 

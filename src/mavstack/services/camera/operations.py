@@ -21,8 +21,9 @@ from mavstack.services.camera.media import CapturedImage, VideoStream
 from mavstack.services.camera.values import CameraInformation, CaptureStatus, Storage
 from mavstack.services.command import CommandOperation
 from mavstack.services.message_request import ListInstances, RequestMessage
-from mavstack.services.operation import Operation, Procedure
+from mavstack.services.operation import Operation
 from mavstack.services.pause import Pause
+from mavstack.services.procedure import Procedure
 
 if TYPE_CHECKING:
     from collections.abc import Generator

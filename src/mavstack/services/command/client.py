@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from mavstack.services.command.command import Command
     from mavstack.wire import Packet
 
-ATTEMPTS = 6
+ATTEMPTS = 8
 #: Seconds without a message after which a command in progress fails.
 PROGRESS_TIMEOUT = 30.0
 #: Commands that a vehicle may execute before it answers, and the seconds after which they are sent again.
@@ -199,7 +199,7 @@ class CommandClient(Client):
 
     def __init__(self, local: Address, target: Address) -> None:
         super().__init__(local, target)
-        self.round_trip = RoundTrip(initial=1.0, minimum=0.2, maximum=3.0)
+        self.round_trip = RoundTrip(initial=1.0, minimum=0.2, maximum=1.5)
 
     def command(self, command: Command, now: float, *, timeout: float | None = None) -> CommandOperation:
         """Send a command; the operation's result is a `CommandResult`."""

@@ -63,7 +63,7 @@ class ExtendedParameterClient(Client):
         if not target.system or not target.component:
             raise InvalidArgumentError(f"the target of parameters must be one component, got {target}")
         super().__init__(local, target)
-        self.round_trip = RoundTrip(initial=1.0, minimum=0.05, maximum=3.0)
+        self.round_trip = RoundTrip(initial=1.0, minimum=0.05, maximum=2.0)
         #: The parameter in the packet that is being received, for the operations.
         self.received: ReceivedExtendedParameter | None = None
         self._parameters: dict[str, ExtendedParameter] = {}

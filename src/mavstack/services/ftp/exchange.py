@@ -60,7 +60,7 @@ class Exchange(Operation[FtpPayload]):
     def __init__(
         self, description: str, payload: FtpPayload, server: ServerState, *, timeout: float | None = None
     ) -> None:
-        super().__init__(description, timeout=timeout, idle_timeout=15.0)
+        super().__init__(description, timeout=timeout, idle_timeout=11.0)
         self._payload = payload
         self._server = server
         self._sent_at = 0.0

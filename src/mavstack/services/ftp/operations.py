@@ -36,7 +36,8 @@ from mavstack.services.ftp.payload import (
     path_bytes,
 )
 from mavstack.services.ftp.upload import UploadTransfer
-from mavstack.services.operation import Client, Operation, Procedure
+from mavstack.services.operation import Client, Operation
+from mavstack.services.procedure import Procedure
 
 if TYPE_CHECKING:
     from collections.abc import Generator

@@ -82,18 +82,27 @@ class FtpServer(Service):
         store: The files.
         read_only: Refuse all modifying requests.
         paced: Send bursts only as fast as the links to the client have room.
+        is_authenticated: Returns whether the packets of a client have valid signatures; its sessions come
+            before those of others.
     """
 
     handles = message_ids(common.FileTransferProtocol)
 
     def __init__(
-        self, local: Address, store: FileStore, *, read_only: bool = False, paced: bool = True
+        self,
+        local: Address,
+        store: FileStore,
+        *,
+        read_only: bool = False,
+        paced: bool = True,
+        is_authenticated: Callable[[Address], bool] = lambda _: False,
     ) -> None:
         super().__init__(local)
         self.store = store
         self.read_only = read_only
         self.sessions = Sessions()
         self._paced = paced
+        self._is_authenticated = is_authenticated
         self._replies = ReplyCache()
         self._work = WorkQueue()
         self._burst_due: float | None = None
@@ -242,11 +251,12 @@ class FtpServer(Service):
 
     def _open(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
         path = read_path(request.data)
-        if not self.sessions.make_room(source, request.session, now):
+        authenticated = self._is_authenticated(source)
+        if not self.sessions.make_room(source, request.session, now, authenticated=authenticated):
             raise RefusedError(FtpError.NOSESSIONSAVAILABLE)
         writable = request.opcode != Opcode.OPENFILERO
         file = self.store.open_file(path, write=writable, truncate=request.opcode == Opcode.CREATEFILE)
-        self.sessions.add(source, request.session, file, now, writable=writable)
+        self.sessions.add(source, request.session, file, now, writable=writable, authenticated=authenticated)
         size = min(file.size(), 0xFFFFFFFF)
         return ack(request, size.to_bytes(4, "little"))
 

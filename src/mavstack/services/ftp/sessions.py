@@ -7,6 +7,8 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from mavstack.security.admission import Admission, Place, Proof
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
@@ -20,7 +22,7 @@ MAX_CLIENTS = 64
 #: Seconds without a request after which a session is closed; the shorter time applies when all are in use.
 IDLE_TIMEOUT, IDLE_TIMEOUT_WHEN_FULL = 15.0, 3.0
 #: Seconds for which a client keeps its only session while all are in use and another client has none.
-MIN_SESSION_DURATION = 10.0
+MIN_SESSION_DURATION = 3.0
 #: The number of cached replies to one client (it may have several outstanding requests), and the seconds for
 #: which they are kept: replies to modifying requests as long as a client may repeat them, others only for
 #: duplicates of a packet.
@@ -51,6 +53,12 @@ class Session:
     used_at: float
     opened_at: float
     burst: Burst | None = None
+    authenticated: bool = False
+
+    def place(self) -> Place[Session]:
+        """Return the place of the session in the table."""
+        proof = Proof.AUTHENTICATED if self.authenticated else Proof.SPEAKING
+        return Place(self, str(self.owner), proof, self.used_at)
 
 
 class Sessions:
@@ -62,6 +70,7 @@ class Sessions:
 
     def __init__(self) -> None:
         self._open: OrderedDict[tuple[Address, int], Session] = OrderedDict()
+        self._admission = Admission(MAX_SESSIONS, timeout=IDLE_TIMEOUT_WHEN_FULL)
 
     def __iter__(self) -> Iterator[Session]:
         return iter(tuple(self._open.values()))
@@ -73,8 +82,19 @@ class Sessions:
         """Return a client's session."""
         return self._open.get((owner, number))
 
-    def make_room(self, owner: Address, number: int, now: float) -> bool:
-        """Return whether a session can be opened under a number; closes an idle one if necessary."""
+    def make_room(self, owner: Address, number: int, now: float, *, authenticated: bool = False) -> bool:
+        """Return whether a session can be opened under a number; closes another one if necessary.
+
+        Args:
+            owner: The client.
+            number: The number of the session.
+            now: Unix time in seconds.
+            authenticated: The packets of the client have valid signatures. Its sessions replace those of
+                other clients, and only authenticated clients replace them.
+
+        Returns:
+            True if it can.
+        """
         known = self._open.get((owner, number))
         own = [session for session in self._open.values() if session.owner == owner]
         if known is not None:
@@ -84,22 +104,31 @@ class Sessions:
         elif len(self._open) < MAX_SESSIONS:
             return True
         else:
-            replaced = self._replaceable(len(own), now)
+            replaced = self._replaceable(owner, len(own), now, authenticated=authenticated)
         if replaced is None:
             return False
         self.drop(replaced)
         return True
 
-    def _replaceable(self, number_of_own: int, now: float) -> Session | None:
+    def _replaceable(
+        self, owner: Address, number_of_own: int, now: float, *, authenticated: bool
+    ) -> Session | None:
         """Return the session that a client with this number of sessions may replace; None: it must wait."""
-        sessions = tuple(self._open.values())
+        if authenticated:
+            places = [session.place() for session in self._open.values()]
+            leaving = self._admission.admit(str(owner), places, now, Proof.AUTHENTICATED).leaving
+            if leaving is not None:
+                return leaving
+        sessions = [session for session in self._open.values() if authenticated or not session.authenticated]
+        if not sessions:
+            return None
         idle = _idle(sessions, now)
         if idle is not None:
             return idle
         shares = Counter(session.owner for session in sessions)
-        owner, share = shares.most_common(1)[0]
+        largest, share = shares.most_common(1)[0]
         if share > number_of_own + 1:
-            return min((each for each in sessions if each.owner == owner), key=lambda each: each.used_at)
+            return min((each for each in sessions if each.owner == largest), key=lambda each: each.used_at)
         first = min(sessions, key=lambda session: session.opened_at)
         long = now - first.opened_at >= MIN_SESSION_DURATION
         return first if not number_of_own and long else None
@@ -112,9 +141,18 @@ class Sessions:
         """Record that a session sent a packet of its burst: all others come before it."""
         self._open.move_to_end((session.owner, session.number))
 
-    def add(self, owner: Address, number: int, file: OpenFile, now: float, *, writable: bool) -> Session:
+    def add(
+        self,
+        owner: Address,
+        number: int,
+        file: OpenFile,
+        now: float,
+        *,
+        writable: bool,
+        authenticated: bool = False,
+    ) -> Session:
         """Add a session under the client's number; see `make_room`."""
-        session = Session(number, owner, file, writable, now, now)
+        session = Session(number, owner, file, writable, now, now, authenticated=authenticated)
         self._open[owner, number] = session
         return session
 

@@ -25,7 +25,8 @@ from mavstack.services.gimbal.values import (
     GimbalStatus,
 )
 from mavstack.services.message_request import ListInstances, RequestMessage
-from mavstack.services.operation import Operation, Procedure
+from mavstack.services.operation import Operation
+from mavstack.services.procedure import Procedure
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator

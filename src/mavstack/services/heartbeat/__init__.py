@@ -24,20 +24,24 @@ one that continues where the old one stopped (a paused simulator), nor one that 
 is seen even if the vehicle has been up for longer than before when it returns, and a second vehicle
 that is switched on beside the first is not reported as a reboot of the first.
 
-`address_conflict` decides whether one sender uses an address. Three things contradict that, since no field of
-a packet identifies the sender:
+`address_conflict` decides whether one sender uses an address. No field of a packet identifies the sender, so
+it looks for facts that one vehicle cannot have, from independent sources:
 
-    two boots that both continue (from `boot_tracker`)
-    HEARTBEAT's type and autopilot alternate; a single change is a new configuration
-    two different unique ids (AUTOPILOT_VERSION) within seconds: a board is not replaced that fast
+    boot_tracker         two boots, more than `MAX_PATH_DELAY` apart, both continue
+    channel_clocks       two channels show boots further apart than the round trip of the slower one explains
+    board_ids            two unique ids (AUTOPILOT_VERSION), each heard again after the other one
+    interleaved_states   positions or headings that jump to and fro between two paths at the same boot times
+    HEARTBEAT            type and autopilot alternate; a single change is a new configuration
 
-Two vehicles of one type that booted at the same moment, and whose versions are not requested, stay
-undetected.
+`sender_probe` asks for the unique ids and the round trips, on each channel of an autopilot that is heard on
+several. The same unique id on all channels outweighs `channel_clocks`: a link may be slower than it was when
+its round trip was measured. Two vehicles without unique ids that booted at the same moment, and that are at
+the same place with the same heading, stay undetected.
 """
 
-from mavstack.services.heartbeat.address_conflict import ConflictingSender
 from mavstack.services.heartbeat.component_info import ComponentInfo
 from mavstack.services.heartbeat.component_types import describe_component
+from mavstack.services.heartbeat.conflicting_sender import Conflict, ConflictingSender
 from mavstack.services.heartbeat.discovery import Discovery
 from mavstack.services.heartbeat.events import (
     AddressConflict,
@@ -60,6 +64,7 @@ __all__ = [
     "ComponentLost",
     "ComponentRebooted",
     "ComponentReturned",
+    "Conflict",
     "ConflictingSender",
     "Discovery",
     "HeartbeatSender",

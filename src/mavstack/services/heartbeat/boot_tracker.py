@@ -15,6 +15,8 @@ BOOT_SILENCE = 3.0
 #: Seconds for which two boots must continue side by side to be a conflict: longer than packets sent before a
 #: reboot stay in queues.
 CONFLICT_AFTER = 10.0
+#: The same, if messages of the older boot were surely sent after the later boot.
+CONCURRENT_AFTER = 2.0
 #: How many messages of each boot must have arrived meanwhile.
 MIN_MESSAGES = 3
 #: Seconds with messages of one boot only after which a conflict is over.
@@ -42,6 +44,7 @@ class Boot:
         "is_path",
         "is_reboot",
         "messages",
+        "moment",
         "others",
         "seen_at",
         "since_boot",
@@ -49,6 +52,7 @@ class Boot:
 
     def __init__(self, since_boot: float, now: float) -> None:
         self.since_boot, self.seen_at, self.began_at = since_boot, now, now
+        self.moment = now - since_boot  # of the boot, by the message with the least delay
         self.messages = self.others = 0  # messages of this boot, and of the current one meanwhile
         self.is_reboot = False  # True if it can follow the current one
         self.is_path = False  # True if it is the current one over another link
@@ -148,13 +152,9 @@ class BootTracker:
     def _check_conflict(self, boot: Boot, current: Boot, now: float) -> Finding:
         """Conclude whether another boot has continued for long beside the current one."""
         together = min(current.seen_at, boot.seen_at) - boot.began_at
+        needed = CONCURRENT_AFTER if _are_concurrent(boot, current) else CONFLICT_AFTER
         often = min(boot.messages, boot.others) >= MIN_MESSAGES
-        if (
-            boot is current
-            or together < CONFLICT_AFTER
-            or not often
-            or abs(_gap(boot, current)) <= MAX_PATH_DELAY
-        ):
+        if boot is current or together < needed or not often or abs(_gap(boot, current)) <= MAX_PATH_DELAY:
             return Finding.NOTHING
         self.in_conflict, self._other_seen_at = True, now
         return Finding.CONFLICT
@@ -173,6 +173,7 @@ class BootTracker:
 
 def _record(boot: Boot, since_boot: float, now: float, channel: str) -> None:
     boot.since_boot, boot.seen_at = since_boot, now
+    boot.moment = min(boot.moment, now - since_boot)
     boot.messages += 1
     if channel and len(boot.channels) < MAX_CHANNELS:
         boot.channels[channel] = None
@@ -181,6 +182,12 @@ def _record(boot: Boot, since_boot: float, now: float, channel: str) -> None:
 def _gap(boot: Boot, current: Boot) -> float:
     """Return the seconds between two boots; negative if the first is the later one."""
     return current.deviation(boot.since_boot, boot.seen_at)
+
+
+def _are_concurrent(boot: Boot, current: Boot) -> bool:
+    """Return whether the older boot sent messages after the later one, whatever their delays are."""
+    older, later = sorted((boot, current), key=lambda each: each.moment)
+    return older.moment + older.since_boot > later.moment + MAX_PATH_DELAY
 
 
 def _rebooted_early(current: Boot, since_boot: float, now: float) -> bool:

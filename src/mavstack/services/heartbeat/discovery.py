@@ -14,6 +14,7 @@ local component's own is an `OwnAddressConflict`.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
@@ -25,7 +26,7 @@ from mavstack.services.heartbeat.admission import (
     components_to_remove,
 )
 from mavstack.services.heartbeat.boot_time_filter import BootTimeFilter
-from mavstack.services.heartbeat.boot_tracker import CONFLICT_ENDS_AFTER, Finding
+from mavstack.services.heartbeat.boot_tracker import CONFLICT_ENDS_AFTER, MAX_PATH_DELAY, Finding
 from mavstack.services.heartbeat.component_info import HEARTBEAT_TIMEOUT, ComponentInfo
 from mavstack.services.heartbeat.events import (
     AddressConflict,
@@ -37,17 +38,22 @@ from mavstack.services.heartbeat.events import (
     ComponentReturned,
     OwnAddressConflict,
 )
-from mavstack.services.service import Service, earliest
+from mavstack.services.heartbeat.sender_probe import SenderProbes
+from mavstack.services.service import HasRoom, Outgoing, Service, always_room, earliest
 from mavstack.services.version import AutopilotVersion
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Iterator
 
+    from mavstack.dialects import Message
+    from mavstack.services.heartbeat.conflicting_sender import Conflict
     from mavstack.wire import Packet
 
 #: A table with more components is checked for lost ones once per this interval, in seconds, at most.
 MANY_COMPONENTS = 300
 MANY_INTERVAL = 0.5
+#: Seconds for which an address that came on another channel is being examined.
+EXAMINATION_TIME = 3.0
 
 _WITH_BOOT_TIME = (
     common.SystemTime,
@@ -56,7 +62,8 @@ _WITH_BOOT_TIME = (
     common.GlobalPositionInt,
     common.LocalPositionNed,
 )
-_BOOT_TIME_IDS = message_ids(*_WITH_BOOT_TIME)
+#: Each position is compared with those before; the others are many.
+_FILTERED_IDS = message_ids(*_WITH_BOOT_TIME) - message_ids(common.GlobalPositionInt)
 
 
 class Discovery(Service):
@@ -67,10 +74,19 @@ class Discovery(Service):
         is_echo: Returns True for a packet of the local component that came back over the network.
         channel_name: Returns the name of the channel of the packet that is being received.
         is_verified: Returns True for an address whose packets are verified by their signatures.
+        is_excluded: Returns True for a system for which another channel was chosen than the packet's.
+        asks: Ask an autopilot that is heard on several channels for its unique id and its time on each.
     """
 
-    handles = message_ids(common.Heartbeat, common.HighLatency2, common.AutopilotVersion, *_WITH_BOOT_TIME)
+    handles = message_ids(
+        common.Heartbeat,
+        common.HighLatency2,
+        common.AutopilotVersion,
+        common.Timesync,
+        *_WITH_BOOT_TIME,
+    )
     accepts_own_packets = True
+    observes_all_senders = True
 
     def __init__(
         self,
@@ -79,13 +95,21 @@ class Discovery(Service):
         is_echo: Callable[[Packet], bool] = lambda packet: True,
         channel_name: Callable[[], str] = lambda: "",
         is_verified: Callable[[Address], bool] = lambda address: False,
+        is_excluded: Callable[[int], bool] = lambda system: False,
+        asks: bool = False,
     ) -> None:
         super().__init__(local)
         self.components: dict[Address, ComponentInfo] = {}
         self._is_echo, self._channel_name, self._is_verified = is_echo, channel_name, is_verified
+        self._is_excluded = is_excluded
         self._limit = NewComponentLimit()
         self._detectors: dict[Address, AddressConflictDetector] = {}
-        self._filters: dict[tuple[int, int], BootTimeFilter] = {}  # of components that send boot times
+        #: The filters of components that send boot times, by system id, component id and channel.
+        self._filters: dict[tuple[int, int, str], BootTimeFilter] = {}
+        self._probes = SenderProbes(asks)
+        #: The autopilots whose address several vehicles use, by system id.
+        self.conflicts: dict[int, Address] = {}
+        self._now = 0.0
         self._own_address_used_at: float | None = None
         self._check_at: float | None = None  # no component is lost before; a check per packet would be slow
 
@@ -93,6 +117,44 @@ class Discovery(Service):
         """Return whether several senders use the address."""
         detector = self._detectors.get(address)
         return detector is not None and detector.in_conflict
+
+    def conflict(self, address: Address, now: float) -> Conflict | None:
+        """Return the senders that use the address and what tells them apart; None without a conflict."""
+        detector = self._detectors.get(address)
+        return None if detector is None else detector.conflict(now)
+
+    def vehicle_conflict(self, system: int) -> Conflict | None:
+        """Return the vehicles that use a system id; None if no more than one does."""
+        address = self.conflicts.get(system)
+        return None if address is None else self.conflict(address, self._now)
+
+    def autopilot_of(self, system: int) -> Address | None:
+        """Return the address of the autopilot of a system; None without one."""
+        found = (info for info in self.components.values() if info.address.system == system)
+        return next((info.address for info in found if info.is_autopilot), None)
+
+    def is_examined(self, address: Address, now: float) -> bool:
+        """Return whether it is known, or will not be known soon, that one sender uses the address.
+
+        An address that came on another channel is being examined until its unique ids were received there,
+        for `EXAMINATION_TIME` seconds at most.
+        """
+        detector = self._detectors.get(address)
+        if detector is None or detector.in_conflict or len(detector.channels(now)) < 2:
+            return True
+        is_one = detector.is_one_board(now) or self._probes.are_linked(address, detector.channels(now))
+        return is_one or now - detector.joined_at(now) >= EXAMINATION_TIME
+
+    def forget_channel(self, channel: str, now: float, address: Address | None = None) -> None:
+        """Forget what was received on a channel that was closed, or whose vehicle left the address."""
+        for known in tuple(self._detectors) if address is None else (address,):
+            self._probes.remove_channel(known, channel)
+            if (detector := self._detectors.get(known)) is not None:
+                self._report(known, detector.forget_channel(channel, now), now)
+
+    def messages_to_send(self, now: float, has_room: HasRoom = always_room) -> Iterator[Outgoing]:
+        yield from self._probes.questions(now)
+        yield from super().messages_to_send(now, has_room)
 
     def unreachable(self, addresses: Iterable[Address], reason: str) -> None:
         """Mark components as lost because no channel leads to them any more."""
@@ -102,22 +164,23 @@ class Discovery(Service):
                 self._lose(info, reason)
 
     def receive(self, packet: Packet, now: float) -> bool | None:
-        boot_time_filter = self._filters.get((packet.system, packet.component))
-        if (
-            boot_time_filter
-            and packet.message_id in _BOOT_TIME_IDS
-            and boot_time_filter.is_expected(packet.message.time_boot_ms, now)
-        ):
-            return False
+        if packet.message_id in _FILTERED_IDS:
+            boot_time_filter = self._filters.get((packet.system, packet.component, self._channel_name()))
+            if boot_time_filter and boot_time_filter.is_expected(packet.message.time_boot_ms, now):
+                return False
         self._analyse(packet, now)
         return None
 
     def _analyse(self, packet: Packet, now: float) -> None:
+        self._now = now
         address = Address(packet.system, packet.component)
         message = packet.message
         if address == self.local:
             if isinstance(message, common.Heartbeat) and not self._is_echo(packet):
                 self._own_address_used(message, now)
+            return
+        if self._is_excluded(address.system):
+            self._observe_excluded(address, message, now)
             return
         match message:
             case common.Heartbeat() as heartbeat:
@@ -127,25 +190,64 @@ class Discovery(Service):
             case common.AutopilotVersion():
                 if address in self.components:
                     self._version_received(address, AutopilotVersion.read(message), now)
+            case common.Timesync():
+                self._probes.time_received(address, message, now, self._channel_name())
             case _ if (known := self.components.get(address)) is not None:
                 self._update(replace(known, last_seen=now), now - known.last_seen)
-                boot_ms = message.time_boot_ms  # every other message in `handles` has it
-                detector = self._detectors[address]
-                self._report(address, detector.observe_boot_time(boot_ms, now, self._channel_name()), now)
-                if detector.is_one_boot:
-                    self._filters[address] = BootTimeFilter(boot_ms, now)
-                else:
-                    self._filters.pop(address, None)
+                self._boot_time_received(address, message, message.time_boot_ms, now)
+
+    def _observe_excluded(self, address: Address, message: Message, now: float) -> None:
+        """Look for contradictions in a packet of a sender that was not chosen; its state does not count."""
+        detector, channel = self._detectors.get(address), self._channel_name()
+        match message:
+            case _ if detector is None:
+                return
+            case common.Heartbeat(type=kind, autopilot=autopilot):
+                finding = detector.observe_type((int(kind), int(autopilot)), now, channel)
+            case common.AutopilotVersion():
+                finding = self._observe_version(address, AutopilotVersion.read(message), now)
+            case common.HighLatency2():
+                return
+            case common.Timesync():
+                self._probes.time_received(address, message, now, channel)
+                return
+            case _:
+                finding = detector.observe_message(message, message.time_boot_ms, now, channel)  # type: ignore[attr-defined]
+        if finding is not Finding.REBOOTED:
+            self._report(address, finding, now)
+
+    def _observe_version(self, address: Address, version: AutopilotVersion, now: float) -> Finding:
+        channel = self._channel_name()
+        if version.unique_id:
+            self._probes.answered(address, channel, now)
+        return self._detectors[address].observe_version(version, now, channel)
+
+    def _boot_time_received(self, address: Address, message: Message, boot_ms: int, now: float) -> None:
+        """Check a message with a boot time: every other message in `handles` has one."""
+        detector, channel = self._detectors[address], self._channel_name()
+        self._report(address, detector.observe_message(message, boot_ms, now, channel), now)
+        self._update_probe(address, now)
+        key = (*address, channel)
+        if detector.is_one_boot:
+            self._filters[key] = BootTimeFilter(boot_ms, now)
+        else:
+            self._filters.pop(key, None)
+
+    def _update_probe(self, address: Address, now: float) -> None:
+        """Ask on each channel of an autopilot that is heard on several, or that may be two."""
+        if self.components[address].is_autopilot:
+            detector = self._detectors[address]
+            self._probes.update(address, detector.channels(now), now, is_suspect=detector.is_suspect())
 
     def next_timeout(self) -> float | None:
-        return self._check_at
+        return earliest(self._check_at, self._probes.next_timeout())
 
     def handle_timeout(self, now: float) -> None:
         if self._check_at is None or now < self._check_at:
             return
-        for info in tuple(self.components.values()):
-            boot_time_filter = self._filters.get(info.address)
-            if boot_time_filter is not None and info.last_seen < boot_time_filter.seen_at:
+        for (system, component, _), boot_time_filter in self._filters.items():
+            info = self.components[Address(system, component)]
+            if info.last_seen < boot_time_filter.seen_at:
                 self.components[info.address] = replace(info, last_seen=boot_time_filter.seen_at)
         for info in tuple(self.components.values()):
             if info.alive and now >= info.last_seen + info.timeout:
@@ -159,8 +261,7 @@ class Discovery(Service):
         known = self.components[address]
         if known.identifier != version.identifier:
             self.components[address] = replace(known, identifier=version.identifier)
-        finding = self._detectors[address].observe_unique_id(version.unique_id, now, self._channel_name())
-        self._report(address, finding, now)
+        self._report(address, self._observe_version(address, version, now), now)
 
     def _heartbeat_received(self, address: Address, heartbeat: common.Heartbeat, now: float) -> None:
         known = self.components.get(address)
@@ -177,6 +278,7 @@ class Discovery(Service):
         if known is not None and changed and not self.has_conflict(address):
             self.emit(ComponentChanged(info, known))
         self._report(address, finding, now)
+        self._update_probe(address, now)
 
     def _is_payload_at_autopilot_address(self, known: ComponentInfo, info: ComponentInfo, now: float) -> bool:
         """Return whether a payload sends with the address of an autopilot that is alive."""
@@ -205,7 +307,9 @@ class Discovery(Service):
             for removed in components_to_remove(self.components.values(), self._is_verified):
                 self._remove(removed)
         self.components[info.address] = info
-        self._detectors[info.address] = AddressConflictDetector()
+        self._detectors[info.address] = AddressConflictDetector(
+            partial(self._probes.round_trip, info.address, unknown=MAX_PATH_DELAY)
+        )
         self._check_at = earliest(self._check_at, info.last_seen + info.timeout)
         self.emit(ComponentFound(info))
         return True
@@ -220,7 +324,7 @@ class Discovery(Service):
             self._check_at = due
 
     def _lose(self, info: ComponentInfo, reason: str) -> None:
-        self._filters.pop(info.address, None)
+        self._forget_filters(info.address)
         self.components[info.address] = lost = replace(info, alive=False)
         self.emit(ComponentLost(lost, reason))
 
@@ -228,16 +332,31 @@ class Discovery(Service):
         """Forget a component to make room for another one."""
         if info.alive:
             self._lose(info, "too many components")
-        for register in (self.components, self._detectors, self._filters):
-            register.pop(info.address, None)
+        self._probes.remove(info.address)
+        self._forget_conflict(info.address)
+        self._forget_filters(info.address)
+        del self.components[info.address], self._detectors[info.address]
+
+    def _forget_conflict(self, address: Address) -> None:
+        if self.conflicts.get(address.system) == address:
+            del self.conflicts[address.system]
+
+    def _forget_filters(self, address: Address) -> None:
+        for key in [key for key in self._filters if key[:2] == address]:
+            del self._filters[key]
 
     def _report(self, address: Address, finding: Finding, now: float) -> None:
         match finding:
             case Finding.REBOOTED:
                 self.emit(ComponentRebooted(self.components[address]))
             case Finding.CONFLICT:
-                self.emit(AddressConflict(self.components[address], self._detectors[address].senders(now)))
+                if (conflict := self.conflict(address, now)) is not None:
+                    self._forget_filters(address)
+                    if self.components[address].is_autopilot and conflict.is_between_vehicles:
+                        self.conflicts[address.system] = address
+                    self.emit(AddressConflict(self.components[address], conflict.senders, conflict.differs))
             case Finding.CONFLICT_ENDED:
+                self._forget_conflict(address)
                 self.emit(AddressConflictEnded(self.components[address]))
 
     def _own_address_used(self, heartbeat: common.Heartbeat, now: float) -> None:

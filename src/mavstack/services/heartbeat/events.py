@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from mavstack.services.service import Event
 
 if TYPE_CHECKING:
-    from mavstack.services.heartbeat.address_conflict import ConflictingSender
     from mavstack.services.heartbeat.component_info import ComponentInfo
+    from mavstack.services.heartbeat.conflicting_sender import ConflictingSender
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +56,7 @@ class AddressConflict(Event):
 
     component: ComponentInfo
     senders: tuple[ConflictingSender, ...]
+    differs: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

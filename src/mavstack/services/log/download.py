@@ -26,12 +26,13 @@ from mavstack.services.log.collector import Collector
 from mavstack.services.log.entry import CHUNK, LogEntry
 from mavstack.services.log.listing import ListLogs, LogOperation, ReadLogEntry
 from mavstack.services.log.verify_unchanged import VerifyUnchanged
-from mavstack.services.operation import Operation, Procedure
+from mavstack.services.procedure import Procedure
 from mavstack.services.timing import RoundTrip
 
 if TYPE_CHECKING:
     from collections.abc import Generator
 
+    from mavstack.services.operation import Operation
     from mavstack.wire import Packet
 
 #: Window sizes, in chunks.

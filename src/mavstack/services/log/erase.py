@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, Any
 from mavstack.dialects import common
 from mavstack.errors import LogTimeout, RemoteDenied
 from mavstack.services.log.listing import ListLogs, LogOperation
-from mavstack.services.operation import Operation, Procedure
 from mavstack.services.pause import Pause
+from mavstack.services.procedure import Procedure
 
 if TYPE_CHECKING:
     from collections.abc import Generator
 
     from mavstack.services.log.entry import LogEntry
+    from mavstack.services.operation import Operation
 
 ATTEMPTS = 5
 #: Seconds to wait after the first LOG_ERASE; doubled for each attempt.

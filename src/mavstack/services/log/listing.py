@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 #: The number of consecutive timeouts after which an operation fails.
-ATTEMPTS = 8
+ATTEMPTS = 6
 #: How often the number of logs may change during a listing.
 MAX_CHANGES = 64
 #: From this timeout on LOG_REQUEST_END is sent first: another client's transfer may block the vehicle.
@@ -60,7 +60,7 @@ class ListLogs(LogOperation[tuple[LogEntry, ...]]):
         self._changes = 0
         self._requested_until = LAST_ID
         self._timeouts = 0
-        self._round_trip = RoundTrip(initial=1.0, minimum=0.2, maximum=4.0)
+        self._round_trip = RoundTrip(initial=1.0, minimum=0.2, maximum=2.0)
 
     def start(self, now: float) -> None:
         self._request(0, LAST_ID, now)
@@ -129,7 +129,7 @@ class ReadLogEntry(LogOperation[LogEntry | None]):
     def __init__(self, number: int) -> None:
         super().__init__(f"reading the entry of log {number} of", idle_timeout=30.0)
         self._number = number
-        self._round_trip = RoundTrip(initial=1.0, maximum=4.0)
+        self._round_trip = RoundTrip(initial=1.0, maximum=2.0)
 
     def start(self, now: float) -> None:
         self._request(now)

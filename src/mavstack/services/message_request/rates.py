@@ -23,7 +23,8 @@ from mavstack.services.message_request.interval import (
     message_id_of,
     name_of,
 )
-from mavstack.services.operation import Operation, Procedure
+from mavstack.services.operation import Operation
+from mavstack.services.procedure import Procedure
 
 if TYPE_CHECKING:
     from collections.abc import Generator

@@ -33,7 +33,8 @@ from mavstack.services.modes.names import (
     px4_modes_of,
     same_name,
 )
-from mavstack.services.operation import Operation, Procedure
+from mavstack.services.operation import Operation
+from mavstack.services.procedure import Procedure
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Mapping

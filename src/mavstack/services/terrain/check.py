@@ -13,7 +13,8 @@ from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError, RemoteTimeout
 from mavstack.services.addressing import message_ids
 from mavstack.services.arguments import check_number
-from mavstack.services.operation import Client, Operation, Procedure
+from mavstack.services.operation import Client, Operation
+from mavstack.services.procedure import Procedure
 from mavstack.services.timing import RoundTrip
 
 if TYPE_CHECKING:

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Any
 from mavstack.dialects import common
 from mavstack.errors import MessageTimeout
 from mavstack.services.message_request import RequestMessage
-from mavstack.services.operation import Operation, Procedure
+from mavstack.services.procedure import Procedure
 from mavstack.services.version.autopilot_version import AutopilotVersion
 from mavstack.services.version.protocol_version import ProtocolVersion
 
 if TYPE_CHECKING:
     from collections.abc import Generator
+
+    from mavstack.services.operation import Operation
 
 
 class RequestAutopilotVersion(Procedure[AutopilotVersion]):
