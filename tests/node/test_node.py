@@ -144,7 +144,7 @@ def test_closing_the_node_ends_running_operations() -> None:
 def test_the_timeout_error_has_the_number_of_attempts() -> None:
     async def work() -> None:
         async with NodePair() as pair:
-            with pytest.raises(CommandTimeout, match=r"NAV_LAND on 7/1 failed after 6 attempts: no answer"):
+            with pytest.raises(CommandTimeout, match=r"NAV_LAND on 7/1 failed after 8 attempts: no answer"):
                 await pair.ground.component(7).command(common.MavCmd.NAV_LAND)
             with pytest.raises(TimeoutError):
                 await pair.ground.component(7).command(common.MavCmd.NAV_LAND, timeout=0.5)

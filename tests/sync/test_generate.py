@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 #: Classes of the node and the vehicle that have no blocking counterpart: values and options.
 VALUES = {
     "mavstack.node.channel_state.ChannelState",
+    "mavstack.vehicle.actions.renumber.Renumbered",
     "mavstack.vehicle.calibration.kinds.CalibrationKind",
     "mavstack.vehicle.calibration.kinds.CalibrationResult",
     "mavstack.vehicle.calibration.kinds.CalibrationStep",

@@ -19,7 +19,8 @@ QUADROTOR, PX4 = common.MavType.QUADROTOR, common.MavAutopilot.PX4
 
 @pytest.fixture
 def vehicle():
-    with Node("udpin://127.0.0.1:0", system=1, component=1, type=QUADROTOR, autopilot=PX4) as node:
+    url = "udpin://127.0.0.1:0?trust_senders=yes"
+    with Node(url, system=1, component=1, type=QUADROTOR, autopilot=PX4) as node:
         yield node
 
 

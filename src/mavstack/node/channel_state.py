@@ -8,6 +8,7 @@ signed channel always sends MAVLink 2, the only version with signatures.
 from __future__ import annotations
 
 import logging
+from itertools import count
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
@@ -17,6 +18,8 @@ from mavstack.services import message_ids
 from mavstack.wire import Encoder, Parser
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from mavstack._core import HasCoreDialect
     from mavstack.dialects import Message
     from mavstack.links.settings import Version
@@ -191,6 +194,13 @@ class ChannelState:
             encoder = Encoder(source.system, source.component, version=self.version, signing=self._signing)
             self._encoders[source] = encoder
         return encoder
+
+
+def unique_name(name: str, channels: Iterable[ChannelState]) -> str:
+    """Return a name that no other open channel has: facts about senders are kept by it."""
+    taken = {channel.name for channel in channels}
+    numbered = (f"{name} ({number})" for number in count(2))
+    return name if name not in taken else next(each for each in numbered if each not in taken)
 
 
 def _announces_version_2(packet: Packet) -> bool:

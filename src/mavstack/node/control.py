@@ -57,7 +57,10 @@ class ControlStream(ReadOnly, Generic[ControlValue]):
 
         Raises:
             InvalidStateError: The node is closed.
+            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
         """
+        if error := self._host.refusal_of(self._service.source_filter, "steering"):
+            raise error
         self._sender.set(value, self._host.now())
         self._host.wake(self._service)
 

@@ -22,6 +22,8 @@ def describe_traffic(host: NodeHost) -> str:
         more = [f"and {len(heard) - MAX_NAMED} more"] if len(heard) > MAX_NAMED else []
         return f"heard: {', '.join(names + more)}"
     channels = host.engine.channels
+    if unheard := host.engine.senders.unmet_limit():
+        return unheard
     statistics = [channel.parser.statistics for channel in channels]
     refused = sum(channel.signing.refusals.total for channel in channels if channel.signing is not None)
     if refused:

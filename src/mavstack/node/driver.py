@@ -218,10 +218,14 @@ class Driver:
                 listener(data)
 
     async def _read(self, link: Link) -> None:
+        link.authenticates = self._authenticates
         try:
             await link.read(partial(self._handle_events, link))
         except (InvalidStateError, LinkError) as error:
             self._on_event(LinkDown(str(error), float("inf")), None)
+
+    def _authenticates(self, data: bytes) -> bool:
+        return self.engine.signing_states.authenticates(data, self.engine.dialect, self.now())
 
     def _handle_events(self, link: Link, events: Iterable[LinkEvent]) -> None:
         if not self._receiving and not self._is_releasing():
@@ -241,6 +245,7 @@ class Driver:
         packets = self.engine.receive(state, event.data, self._epoch + self._time())
         if packets and state.proves_validity(packets):
             event.channel.last_valid = event.time
+            event.channel.is_authenticated |= state.verifies
         if self._receiving:
             for packet in packets:
                 self._on_packet(packet)

@@ -17,24 +17,26 @@ without an `on_failure` the exception is raised.
 
 from __future__ import annotations
 
-from collections import deque
-from heapq import heapify, heappop, heappush
 from itertools import count
 from typing import TYPE_CHECKING, TypeVar
 
 from mavstack.dialects import common
 from mavstack.errors import EncodeError, SigningError
-from mavstack.node.channel_state import ChannelState
+from mavstack.node.channel_state import ChannelState, unique_name
+from mavstack.node.chosen_senders import ChosenSenders
 from mavstack.node.duplicates import Duplicates
 from mavstack.node.key_change import apply_key_event, carries_key
 from mavstack.node.key_channels import KeyChannels
+from mavstack.node.own_heartbeats import OwnHeartbeats
 from mavstack.node.pacing import is_radio
 from mavstack.node.routes import Routes
 from mavstack.node.service_index import ServiceIndex
+from mavstack.node.service_timers import ServiceTimers
 from mavstack.node.signing_states import SigningStates
 from mavstack.security import carries_signing_key
 from mavstack.services import (
     Address,
+    Client,
     Event,
     Outgoing,
     Priority,
@@ -44,7 +46,6 @@ from mavstack.services import (
     target_of,
 )
 from mavstack.services.signing_setup import KeyEvent, KeySettled
-from mavstack.wire import Packet
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -52,17 +53,12 @@ if TYPE_CHECKING:
     from mavstack._core import HasCoreDialect
     from mavstack.dialects import Message
     from mavstack.links.settings import Version
-    from mavstack.wire import Signing
+    from mavstack.wire import Packet, Signing
 
 AnyService = TypeVar("AnyService", bound=Service)
 
 #: Seconds for which the timer of a service that failed is suspended: no busy loop, and the service recovers.
 FAILURE_INTERVAL = 0.05
-#: Outdated entries of the timer heap that are kept before the heap is rebuilt.
-MAX_OUTDATED_TIMERS = 1000
-#: Seconds for which own heartbeats are kept, to recognise their echoes over looped links, and their number.
-ECHO_TIMEOUT = 10.0
-MAX_HEARTBEATS = 256
 
 _RADIO_STATUS = next(iter(message_ids(common.RadioStatus)))
 
@@ -76,13 +72,19 @@ class Engine:
         self.routes: Routes[ChannelState] = Routes()
         self.duplicates: Duplicates[ChannelState] = Duplicates()
         self.channels: list[ChannelState] = []
+        #: The senders that were chosen where several use one system id.
+        self.senders = ChosenSenders(self.channels)
         #: The channels that lead to a target, and those that a signing key may be sent over.
-        self.key_channels = KeyChannels(self.routes, self.channels)
+        self.key_channels = KeyChannels(self.routes, self.channels, self.senders)
+        #: Called with the name of a channel that was closed.
+        self.on_channel_closed: Callable[[str], None] = lambda name: None
         #: Called with a signed packet of a verified address on a channel without a key; may give it the key.
         self.adopt_key: Callable[[ChannelState, Packet, float], bool] = lambda channel, packet, now: False
         #: The channel of the packet that is being handled; None in between.
         self.arrived_on: ChannelState | None = None
-        self._heartbeats: deque[tuple[float, int, bytes]] = deque(maxlen=MAX_HEARTBEATS)
+        self._heartbeats = OwnHeartbeats(dialect)
+        #: Returns whether a packet with the local address is an own heartbeat, echoed over looped links.
+        self.is_echo = self._heartbeats.is_echo
         self.signing_states = SigningStates()
         self._closed_clock = 0
         self._link_ids = count()
@@ -93,11 +95,9 @@ class Engine:
         self._touched: dict[Service, None] = {}
         self._to_send: list[tuple[ChannelState, bytes]] = []
         self._events: list[tuple[Service, Event]] = []
-        self._timers: list[tuple[float, int, Service]] = []
-        self._due: dict[Service, float] = {}
+        self._timers = ServiceTimers()
         self._blocked: dict[Service, float] = {}
         self._failed: dict[Service, None] = {}
-        self._order = count()
 
     # Channels
 
@@ -117,7 +117,7 @@ class Engine:
         `bulk_rate` limits bulk packets per second where the bandwidth is not known.
         """
         channel = ChannelState(
-            name,
+            unique_name(name, self.channels),
             self.dialect,
             version=version,
             signing=signing,
@@ -136,6 +136,8 @@ class Engine:
         self._closed_clock = max(self._closed_clock, channel.clock)
         self.routes.remove_channel(channel)
         self._to_send = [item for item in self._to_send if item[0] is not channel]
+        self.senders.channel_closed(channel)
+        self.on_channel_closed(channel.name)
 
     @property
     def signing_clock(self) -> int:
@@ -148,13 +150,14 @@ class Engine:
         """Return the name of the channel of the packet that is being handled."""
         return self.arrived_on.name if self.arrived_on is not None else ""
 
+    def arrived_excluded(self, system: int) -> bool:
+        """Return whether another channel than that of the handled packet was chosen for a system."""
+        senders, channel = self.senders, self.arrived_on
+        return senders.is_limited and channel is not None and senders.excludes(system, channel)
+
     def arrived_elsewhere(self, target: Address) -> bool:
         """Return whether the handled packet came over another channel than the one named for a key."""
         return self.key_channels.is_other(target, self.arrived_on)
-
-    def is_echo(self, packet: Packet) -> bool:
-        """Return whether a packet with the local address is an own heartbeat, echoed over looped links."""
-        return any(own[1:] == (packet.sequence, packet.payload) for own in self._heartbeats)
 
     def add(self, service: AnyService) -> AnyService:
         """Run a service."""
@@ -162,13 +165,16 @@ class Engine:
             self._services[service] = None
             self._index.update(service)
             self.touch(service)
+            if isinstance(service, Client):
+                service.refusal = self.senders.refusal
         return service
 
     def remove(self, service: Service) -> None:
         """Stop running a service; its unsent messages are discarded."""
         if self._services.pop(service, service) is None:
             self._index.remove(service)
-            for register in (self._touched, self._due, self._blocked, self._failed):
+            self._timers.set(service, None)
+            for register in (self._touched, self._blocked, self._failed):
                 register.pop(service, None)
 
     def touch(self, service: Service) -> None:
@@ -188,10 +194,13 @@ class Engine:
     ) -> None:
         """Send a message of the program to a target, or to the address in its target fields."""
         outgoing = Outgoing(message, target or target_of(message))
+        if error := self.senders.refusal(message, outgoing.target):
+            raise error
         if carries_key(message) and (reason := self.key_channels.refusal(outgoing.target)):
             raise SigningError(f"sending a signing key to {outgoing.target} failed: {reason}")
         for channel in self.key_channels.leading_to(outgoing.target):
-            self._encode(outgoing, channel, source or self.local, now)
+            data = channel.encode(message, source or self.local, now, outgoing.priority)
+            self._to_send.append((channel, data))
 
     def forward(self, packet: Packet, now: float) -> None:
         """Send a packet of another component unchanged to its target, over all channels that heard it.
@@ -219,9 +228,7 @@ class Engine:
 
     def next_timeout(self) -> float | None:
         """Return when to call `handle_timeout`; None: nothing is due."""
-        while self._timers and self._due.get(self._timers[0][2]) != self._timers[0][0]:
-            heappop(self._timers)
-        first = self._timers[0][0] if self._timers else None
+        first = self._timers.next_timeout()
         return earliest(first, *self._blocked.values()) if self._blocked else first
 
     @property
@@ -231,15 +238,12 @@ class Engine:
 
     def handle_timeout(self, now: float) -> None:
         """Process the services whose timers are due or whose channels have room for bulk again."""
-        while self._timers and self._timers[0][0] <= now:
-            due, _, service = heappop(self._timers)
-            if self._due.get(service) == due:
-                del self._due[service]
-                self._touched[service] = None
-                try:
-                    service.handle_timeout(now)
-                except Exception as error:  # noqa: BLE001 (the other services continue)
-                    self._fail(service, error)
+        for service in self._timers.pop_due(now):
+            self._touched[service] = None
+            try:
+                service.handle_timeout(now)
+            except Exception as error:  # noqa: BLE001 (the other services continue)
+                self._fail(service, error)
         for service in [key for key, due in self._blocked.items() if due <= now]:
             self._touched[service] = None
 
@@ -257,6 +261,8 @@ class Engine:
             if not verified and (channel.verifies or self.routes.is_verified(source)):
                 channel.unverified += 1
                 return False
+        if self.senders.is_limited and self.senders.excludes(system, channel):
+            return self._handle_excluded(packet, channel, now)
         redundant = self.routes.learn(source, channel, now, verified=verified)
         if redundant and self.duplicates.is_copy(packet, channel, now):
             return False
@@ -269,11 +275,19 @@ class Engine:
             self.arrived_on = None
         return True
 
+    def _handle_excluded(self, packet: Packet, channel: ChannelState, now: float) -> bool:
+        """Handle a packet of a sender that was not chosen: it shows only that the sender is there."""
+        if packet.message is not None:
+            self.arrived_on = channel
+            services = self._index.find(packet.message_id, packet.system)
+            self._deliver(packet, [each for each in services if each.observes_all_senders], now)
+            self.arrived_on = None
+        return False
+
     def _handle_unsigned(self, packet: Packet, channel: ChannelState, now: float) -> bool:
-        """Handle a packet accepted unsigned: only what a radio reports about its own link counts."""
+        """Handle a packet accepted unsigned: the report of a radio is shown, and changes nothing."""
         if packet.message_id != _RADIO_STATUS:
             return False
-        self._radio_status(packet, channel, now)
         return is_radio(packet.component) and not self.routes.knows_system(packet.system)
 
     def _deliver(self, packet: Packet, services: Iterable[Service], now: float) -> None:
@@ -334,7 +348,10 @@ class Engine:
             return self._has_room(service, target, priority, now)
 
         for outgoing in service.messages_to_send(now, has_room):
-            self._dispatch(outgoing, service.local, now)
+            if error := self.senders.refusal(outgoing.message, outgoing.target):
+                service.handle_refusal(error, now)
+            else:
+                self._dispatch(outgoing, service.local, now)
 
     def _has_room(self, service: Service, target: Address, priority: Priority, now: float) -> bool:
         channels = self.key_channels.leading_to(target)
@@ -354,10 +371,10 @@ class Engine:
         return bool(channels) and not full
 
     def _dispatch(self, outgoing: Outgoing, source: Address, now: float) -> None:
-        message, target, priority = outgoing
+        message, target, priority, name = outgoing
         if carries_key(message) and self.key_channels.refusal(target):
             return
-        for channel in self.key_channels.leading_to(target):
+        for channel in self.key_channels.named(name) if name else self.key_channels.leading_to(target):
             if priority is Priority.STREAM and not channel.pacer.has_room(Priority.STREAM, now):
                 channel.thinned += 1
                 continue
@@ -368,31 +385,14 @@ class Engine:
             else:
                 self._to_send.append((channel, data))
                 if source == self.local and isinstance(message, common.Heartbeat):
-                    self._record_heartbeat(data, now)
-
-    def _record_heartbeat(self, heartbeat: bytes, now: float) -> None:
-        while self._heartbeats and now - self._heartbeats[0][0] > ECHO_TIMEOUT:
-            self._heartbeats.popleft()
-        packet = Packet(heartbeat, self.dialect)
-        self._heartbeats.append((now, packet.sequence, packet.payload))
-
-    def _encode(self, outgoing: Outgoing, channel: ChannelState, source: Address, now: float) -> None:
-        data = channel.encode(outgoing.message, source, now, outgoing.priority)
-        self._to_send.append((channel, data))
+                    self._heartbeats.record(data, now)
 
     def _set_timer(self, service: Service, now: float) -> None:
         due = service.next_timeout()
         failed = self._failed.pop(service, service) is None
         if failed and due is not None:
             due = max(due, now + FAILURE_INTERVAL)
-        if due is None:
-            self._due.pop(service, None)
-        elif self._due.get(service) != due:
-            self._due[service] = due
-            heappush(self._timers, (due, next(self._order), service))
-            if len(self._timers) > len(self._due) + MAX_OUTDATED_TIMERS:
-                self._timers = [timer for timer in self._timers if self._due.get(timer[2]) == timer[0]]
-                heapify(self._timers)
+        self._timers.set(service, due)
 
 
 def _raise(service: Service, error: Exception) -> None:

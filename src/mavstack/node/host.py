@@ -6,17 +6,22 @@ A `Node` creates one host and hands it to its remote components and their parts 
 
 from __future__ import annotations
 
+import asyncio
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.errors import InvalidStateError
 from mavstack.node.dispatch import EventDispatch, PacketDispatch
+from mavstack.node.silence_timer import SilenceTimer
+from mavstack.security.roles import Role, command_ids
+from mavstack.services.command import CommandOperation
 from mavstack.services.command_names import command_of_dialect
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from mavstack.dialects import Message
+    from mavstack.errors import SystemIdConflictError
     from mavstack.node.dispatch import Listener
     from mavstack.node.driver import Driver
     from mavstack.node.engine import Engine
@@ -29,6 +34,18 @@ AnyService = TypeVar("AnyService", bound="Service")
 AnyMessage = TypeVar("AnyMessage", bound="Message")
 Result = TypeVar("Result")
 
+#: Seconds between two looks whether it is clear which vehicle an operation is for.
+EXAMINATION_INTERVAL = 0.05
+#: Seconds in which every vehicle that uses an address sends a heartbeat.
+FIRST_HEARTBEATS = 1.2
+
+
+def acts_soon(operation: Operation[Any]) -> bool:
+    """Return whether an operation begins with a command that acts."""
+    return isinstance(operation, CommandOperation) and (
+        operation.command.command not in command_ids(Role.OBSERVE)
+    )
+
 
 class NodeHost:
     """The engine of a node, its driver while the node is open, and the dispatch of packets and events."""
@@ -40,6 +57,8 @@ class NodeHost:
         self.event_dispatch = EventDispatch()
         #: Called with the bytes that are written to a channel.
         self.sent_listeners: list[Callable[[bytes], None]] = []
+        #: Returns whether the links may have several peers, so that a vehicle may come on another channel.
+        self.may_have_several_peers: Callable[[], bool] = lambda: False
         #: The driver that runs the engine; None while the node is closed.
         self.open_driver: Driver | None = None
 
@@ -100,8 +119,33 @@ class NodeHost:
         operation: Operation[Result],
         progress: Callable[[int, int], None] | None = None,
     ) -> Result:
-        """Start an operation and wait for its result."""
-        return await self.driver.run(client, operation, progress)
+        """Start an operation and wait for its result, after it is clear which vehicle it is for."""
+        await self.wait_until_examined(client.target, acting=acts_soon(operation))
+        client.begin(operation, self.driver.now())
+        return await self.finish(client, operation, progress)
+
+    async def wait_until_examined(self, target: Address, *, acting: bool) -> None:
+        """Wait until it is clear whether several vehicles use the address of a target.
+
+        That takes a moment after the address came on another channel. A target that was found a moment ago,
+        on links that may have several peers, may be heard on another channel with its next heartbeat; only
+        an operation that acts waits for that.
+        """
+        while self.open_driver is not None and self._is_in_doubt(target, acting):  # noqa: ASYNC110
+            await asyncio.sleep(EXAMINATION_INTERVAL)
+
+    def _is_in_doubt(self, target: Address, acting: bool) -> bool:
+        now = self.now()
+        if not self.discovery.is_examined(target, now):
+            return True
+        info = self.components.get(target)
+        is_new = info is not None and now - info.first_seen < FIRST_HEARTBEATS
+        return acting and is_new and self.may_have_several_peers()
+
+    @property
+    def refusal_of(self) -> Callable[[Address, str], SystemIdConflictError | None]:
+        """Returns why an operation may not act on a target now; None if it may."""
+        return self.engine.senders.refusal_of
 
     async def finish(
         self,
@@ -110,7 +154,8 @@ class NodeHost:
         progress: Callable[[int, int], None] | None = None,
     ) -> Result:
         """Wait for the result of an operation that was just started."""
-        return await self.driver.finish(client, operation, progress)
+        with SilenceTimer(client, operation, self.components, self.now, lambda: self.wake(client)):
+            return await self.driver.finish(client, operation, progress)
 
     def add_listener(
         self,

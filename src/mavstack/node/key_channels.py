@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from mavstack.node.channel_state import ChannelState
+    from mavstack.node.chosen_senders import ChosenSenders
     from mavstack.node.routes import Routes
     from mavstack.services import Address
 
@@ -22,8 +23,11 @@ if TYPE_CHECKING:
 class KeyChannels:
     """The channels of an engine, with those that were named for the first key of a target."""
 
-    def __init__(self, routes: Routes[ChannelState], channels: Sequence[ChannelState]) -> None:
+    def __init__(
+        self, routes: Routes[ChannelState], channels: Sequence[ChannelState], senders: ChosenSenders
+    ) -> None:
         self._routes = routes
+        self._senders = senders
         self._channels = channels
         self._named: dict[Address, str] = {}
 
@@ -64,10 +68,16 @@ class KeyChannels:
             return False
         return any(each.name == named for each in self._channels)
 
+    def named(self, name: str) -> Sequence[ChannelState]:
+        """Return the open channel of a name, in a list; empty if there is none."""
+        return [channel for channel in self._channels if channel.name == name]
+
     def leading_to(self, target: Address) -> Sequence[ChannelState]:
-        """Return the channels that lead to a target: the one named for its key, or those of its route."""
+        """Return the channels that lead to a target: the one named for its key or chosen, or its route's."""
         if self._named and (name := self._named.get(target)) is not None:
-            named = [channel for channel in self._channels if channel.name == name]
+            named = self.named(name)
             if named:
                 return named
+        if self._senders.is_limited and (chosen := self._senders.channels_to(target)) is not None:
+            return chosen
         return self._routes.channels_to(target, self._channels)

@@ -31,6 +31,7 @@ from mavstack.node.link_settings import heartbeat_interval, link_keys, local_add
 from mavstack.node.log_events import log_event
 from mavstack.node.messaging import Messaging
 from mavstack.node.read_only import ReadOnly
+from mavstack.node.sender_choice import SenderChoice
 from mavstack.node.serving import Serving
 from mavstack.node.version_query import VersionQueries
 from mavstack.services import DEFAULT_WAIT_TIMEOUT, Address
@@ -66,7 +67,7 @@ AnyHandler = TypeVar("AnyHandler", bound="Callable[..., Any]")
 Result = TypeVar("Result")
 
 
-class Node(Messaging, Serving, ReadOnly):
+class Node(Messaging, Serving, SenderChoice, ReadOnly):
     """The local MAVLink component; open it with `async with`, or with `open()` and `close()`.
 
     Args:
@@ -82,6 +83,8 @@ class Node(Messaging, Serving, ReadOnly):
         timestamps: The store of the signing timestamp between two runs of the program; None: not stored.
         heartbeat: Send HEARTBEAT.
         heartbeat_rate: Heartbeats per second; 0: none.
+        channel: The only channel whose packets count, by its name or its remote address, such as
+            "192.168.1.20:14550" or "/dev/ttyACM0", where several vehicles use one system id; None: all.
 
     The options `id`, `mavlink`, `signing_key` and `heartbeat_rate` of a link's URL win over the arguments.
 
@@ -107,6 +110,7 @@ class Node(Messaging, Serving, ReadOnly):
         timestamps: TimestampStore | None = None,
         heartbeat: bool = True,
         heartbeat_rate: float = 1.0,
+        channel: str | None = None,
     ) -> None:
         if version not in VERSIONS.values():
             raise InvalidArgumentError(f"version must be 1, 2 or 'auto', got {version!r}")
@@ -122,8 +126,11 @@ class Node(Messaging, Serving, ReadOnly):
                 is_echo=engine.is_echo,
                 channel_name=engine.arrival_channel,
                 is_verified=engine.routes.is_verified,
+                is_excluded=engine.arrived_excluded,
+                asks=interval is not None,
             ),
         )
+        self._follow_conflicts(channel)
         self._heartbeat = HeartbeatSender(local, type, autopilot, interval=interval or DEFAULT_INTERVAL)
         #: The services of every node: it receives status texts, and answers PING and TIMESYNC.
         self._common_services = (StatustextReceiver(local), PingServer(local), TimesyncServer(local))
@@ -338,17 +345,6 @@ class Node(Messaging, Serving, ReadOnly):
             except (TimeoutError, StopAsyncIteration):
                 raise self._wait_error(description, "none", timeout) from None
         return self.component(*found[0].address)
-
-    def has_address_conflict(self, address: Address) -> bool:
-        """Return whether several senders use one address.
-
-        Args:
-            address: The address of a component.
-
-        Returns:
-            True while packets of that address contradict each other (boot time, type or unique id).
-        """
-        return self._host.discovery.has_conflict(address)
 
     async def serve_forever(self) -> None:
         """Wait until the task is cancelled: the last call of a program that only serves."""

@@ -10,9 +10,11 @@ streams are limited to a share.
 The bandwidth is known (`bandwidth=` of the link, a serial port's baud rate) or estimated: a radio reports in
 RADIO_STATUS how much of its queue is free (`txbuf`, percent). From the first report on, the estimate follows
 it, down quickly and up slowly, as autopilots do. With neither, there is no limit. The queue of an idle
-radio is empty at any bandwidth, so the estimate rises only while the bandwidth is used. Anybody on a shared
-link can forge a RADIO_STATUS: only reports of radio components count, at a limited rate, and an estimate that
-no report confirms is forgotten.
+radio is empty at any bandwidth, so above the first estimate it rises only while the bandwidth is used. Any
+program on a shared link can forge a RADIO_STATUS: only reports of radio components count, at a limited rate;
+an estimate that no report confirms is forgotten after 10 s, and reports of an empty queue bring it back to
+the first estimate within half a minute. On a link that verifies signatures only signed reports count: a radio
+sends none, so such a link is given its `bandwidth`.
 
 A link without a known bandwidth may have a `bulk_rate`, in packets per second: a UDP receiver buffers a few
 hundred packets and drops the tail of a large burst.
@@ -132,7 +134,8 @@ class Pacer:
         self._fill(now)
         used = self._rate_since_status(now)
         change = _estimate_factor(free_percent)
-        if change > 1 and used < MIN_USED_SHARE * self.bandwidth:
+        is_confirmed = used >= MIN_USED_SHARE * self.bandwidth or self.bandwidth < DEFAULT_ESTIMATE
+        if change > 1 and not is_confirmed:
             return
         if change < 1:
             self.bandwidth = min(self.bandwidth, max(used, MIN_ESTIMATE))

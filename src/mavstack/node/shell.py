@@ -40,7 +40,11 @@ class Shell(ReadOnly):
 
         Args:
             data: The bytes, with their line ends.
+
+        Raises:
+            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
         """
+        self._refuse_conflict()
         self._client.write(data, self._host.now())
         self._host.wake(self._client)
 
@@ -49,11 +53,20 @@ class Shell(ReadOnly):
 
         Args:
             text: The line, without its end.
+
+        Raises:
+            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
         """
+        self._refuse_conflict()
         self._client.write_line(text, self._host.now())
         self._host.wake(self._client)
 
+    def _refuse_conflict(self) -> None:
+        if error := self._host.refusal_of(self._client.target, "writing to the shell of"):
+            raise error
+
     async def __aenter__(self) -> Self:
+        self._refuse_conflict()
         self._host.serve(self._client)
         self._client.open(self._host.now())
         self._host.wake(self._client)

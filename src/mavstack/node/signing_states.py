@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.services import message_ids
+from mavstack.wire import Parser
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from mavstack._core import HasCoreDialect
     from mavstack.security import SigningKey
     from mavstack.security.timestamps import LastRun, StreamId
     from mavstack.wire import Signing
@@ -55,6 +57,19 @@ class SigningStates:
     def clock(self) -> int:
         """The newest timestamp used or received with any key; 0 without a key."""
         return max((state.timestamp for _, state in self._states), default=0)
+
+    def authenticates(self, data: bytes, dialect: HasCoreDialect, now: float) -> bool:
+        """Return whether bytes begin with a packet that has a recent signature of one of the keys.
+
+        It changes no state, so it accepts repeated packets: only `Parser` decides which packets are received.
+
+        Args:
+            data: Bytes of a sender that has no channel yet, such as one datagram.
+            dialect: The dialect of the packets.
+            now: Unix time in seconds.
+        """
+        fresh = (key.signing(timestamp=state.timestamp) for key, state in self._states)
+        return any(Parser(dialect, signing=signing).feed(data, now) for signing in fresh)
 
     def streams(self) -> list[tuple[SigningKey, Mapping[StreamId, int]]]:
         """Return the newest timestamp of each stream of each key."""

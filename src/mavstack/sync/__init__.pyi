@@ -49,6 +49,7 @@ from mavstack.services.gimbal import GimbalManagerServer
 from mavstack.services.gimbal import GimbalStatus
 from mavstack.services.gimbal import GimbalValue
 from mavstack.services.heartbeat import ComponentInfo
+from mavstack.services.heartbeat import Conflict
 from mavstack.services.log import LogEntry
 from mavstack.services.manual_control import ChannelOverride
 from mavstack.services.manual_control import ManualInput
@@ -77,6 +78,7 @@ from mavstack.services.terrain import TerrainState
 from mavstack.services.timesync import TimesyncClient
 from mavstack.services.version import AutopilotVersion
 from mavstack.services.version import ProtocolVersion
+from mavstack.vehicle.actions.renumber import Renumbered
 from mavstack.vehicle.calibration.kinds import CalibrationKind
 from mavstack.vehicle.calibration.kinds import CalibrationResult
 from mavstack.vehicle.calibration.kinds import CalibrationStep
@@ -273,6 +275,7 @@ class ControlStream(Generic[ControlValue]):
 
         Raises:
             InvalidStateError: The node is closed.
+            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
         """
 
     def stop(self) -> None:
@@ -1400,6 +1403,9 @@ class Shell:
 
         Args:
             data: The bytes, with their line ends.
+
+        Raises:
+            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
         """
 
     def write_line(self, text: str) -> None:
@@ -1407,6 +1413,9 @@ class Shell:
 
         Args:
             text: The line, without its end.
+
+        Raises:
+            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
         """
 
     def __enter__(self) -> Self:
@@ -1853,6 +1862,8 @@ class Node:
         timestamps: The store of the signing timestamp between two runs of the program; None: not stored.
         heartbeat: Send HEARTBEAT.
         heartbeat_rate: Heartbeats per second; 0: none.
+        channel: The only channel whose packets count, by its name or its remote address, such as
+            "192.168.1.20:14550" or "/dev/ttyACM0", where several vehicles use one system id; None: all.
 
     The options `id`, `mavlink`, `signing_key` and `heartbeat_rate` of a link's URL win over the arguments.
 
@@ -2114,7 +2125,83 @@ class Node:
         """
     links: list[Link]
 
-    def __init__(self, *links: str | Link, system: int=255, component: int=..., type: int=..., autopilot: int=..., dialect: HasCoreDialect | None=None, version: Version=2, signing: SigningKey | None=None, timestamps: TimestampStore | None=None, heartbeat: bool=True, heartbeat_rate: float=1.0) -> None:
+    def has_address_conflict(self, address: Address) -> bool:
+        """Return whether several senders use one address.
+
+        Args:
+            address: The address of a component.
+
+        Returns:
+            True while packets of that address contradict each other (boot time, type or unique id).
+        """
+
+    def id_conflict(self, system: int) -> Conflict | None:
+        """Return the vehicles that use one system id.
+
+        Args:
+            system: The system id.
+
+        Returns:
+            The senders and what tells them apart; None if no more than one vehicle uses the system id.
+        """
+
+    def choose_sender(self, system: int, channel: Channel | str | None) -> None:
+        """Choose the vehicle to work with, where several use one system id.
+
+        Its packets count only on that channel, and packets for it go over that channel alone, until another
+        choice or until the channel closes.
+
+        Args:
+            system: The system id.
+            channel: The channel, its name, or its remote address, such as "192.168.1.20:14550"; None: take
+                the choice back.
+
+        Raises:
+            InvalidArgumentError: No open channel is named so, or the vehicles share the channel.
+        """
+
+    def check_sender(self, system: int, operation: str='acting on') -> None:
+        """Wait until it is clear whether several vehicles use a system id, and refuse if they do.
+
+        Every call that acts is refused in any case; this one comes before it does anything.
+
+        Args:
+            system: The system id.
+            operation: The operation in the text of the error, with its preposition.
+
+        Raises:
+            SystemIdConflictError: Several vehicles use the system id, and none was chosen.
+        """
+
+    def refuse_conflict(self, system: int, operation: str='acting on') -> None:
+        """Refuse if several vehicles are known to use a system id.
+
+        Args:
+            system: The system id.
+            operation: The operation in the text of the error, with its preposition.
+
+        Raises:
+            SystemIdConflictError: Several vehicles use the system id, and none was chosen.
+        """
+
+    def forget_sender(self, system: int) -> None:
+        """Forget the chosen vehicle of a system id, because it has another system id now.
+
+        Args:
+            system: The system id that it had.
+        """
+
+    def chosen_sender(self, system: int) -> str | None:
+        """Return the name of the channel that was chosen for a system id.
+
+        Args:
+            system: The system id.
+
+        Returns:
+            The name of the channel; None if none was chosen.
+        """
+
+    def __init__(self, *links: str | Link, system: int=255, component: int=..., type: int=..., autopilot: int=..., dialect: HasCoreDialect | None=None, version: Version=2, signing: SigningKey | None=None, timestamps: TimestampStore | None=None, heartbeat: bool=True, heartbeat_rate: float=1.0, channel: str | None=None) -> None:
         ...
 
     @property
@@ -2220,16 +2307,6 @@ class Node:
             RemoteTimeout: No such component was discovered in time; the text names the traffic received.
         """
 
-    def has_address_conflict(self, address: Address) -> bool:
-        """Return whether several senders use one address.
-
-        Args:
-            address: The address of a component.
-
-        Returns:
-            True while packets of that address contradict each other (boot time, type or unique id).
-        """
-
     def serve_forever(self) -> None:
         """Wait until the task is cancelled: the last call of a program that only serves."""
 
@@ -2314,8 +2391,9 @@ class ValueStream(Generic[TelemetryValue]):
 class GuidedSession:
     """A block during which a vehicle follows setpoints; made by `Vehicle.guided`.
 
-    Every setpoint raises `ActionInterrupted`, `ContactLost` or `RemoteCancelled` if the vehicle does not
-    follow any more, and `SetpointError` for numbers that are not finite.
+    Every setpoint raises `ActionUnsupported` if the vehicle ignores setpoints of its type, and
+    `ActionInterrupted`, `ContactLost` or `RemoteCancelled` if it does not follow any more, and
+    `SetpointError` for numbers that are not finite.
     """
 
     @property
@@ -2329,6 +2407,7 @@ class GuidedSession:
             ActionInterrupted: The vehicle left the mode.
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
+            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
         """
 
     def set(self, setpoint: Setpoint) -> None:
@@ -2339,6 +2418,7 @@ class GuidedSession:
                 left to the vehicle.
 
         Raises:
+            ActionUnsupported: The vehicle ignores setpoints of this type; it was not sent.
             ActionInterrupted: The vehicle left the mode.
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
@@ -2532,14 +2612,17 @@ class Mission(VehiclePlan):
             MissionTimeout: The vehicle did not answer.
         """
 
-    def start(self, *, timeout: float | None=None) -> None:
-        """Fly the mission, from its start or from where it was paused; the vehicle must be armed.
+    def start(self, *, arm: bool=False, timeout: float | None=None) -> None:
+        """Fly the mission, from its start or from where it was paused.
 
         Args:
+            arm: Arm a disarmed vehicle first, as `Vehicle.arm` does; it leaves a mode in which it does not
+                arm or would start by itself, and is disarmed again if it refuses the mission.
             timeout: Seconds for the whole call; None: until retries are exhausted.
 
         Raises:
-            CommandDenied: The vehicle refused.
+            ActionRefused: The vehicle is not armed, and `arm` is False; nothing was sent.
+            CommandDenied: The vehicle refused; it is as it was before.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted its mission mode and did not enter it.
             ActionTimeout: The call did not end within `timeout`.
@@ -2552,6 +2635,7 @@ class Mission(VehiclePlan):
             timeout: Seconds for the whole call; None: until retries are exhausted.
 
         Raises:
+            ActionRefused: The vehicle is not armed; nothing was sent.
             CommandDenied: The vehicle refused.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted the mode and did not enter it.
@@ -2567,7 +2651,7 @@ class Mission(VehiclePlan):
             timeout: Seconds for the whole call; None sets no overall limit.
 
         Raises:
-            CommandDenied: The vehicle refused to be armed, or to start the mission.
+            CommandDenied: The vehicle refused to be armed, or to start the mission; it is as it was before.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted its mission mode and did not enter it.
             MissionDenied: The vehicle refused the download of its mission.
@@ -3143,7 +3227,7 @@ class Vehicle:
 
     @property
     def rc(self) -> values.Rc | None:
-        """The radio control input, in microseconds per channel (RC_CHANNELS)."""
+        """The radio control input, in microseconds per channel (RC_CHANNELS or RC_CHANNELS_RAW)."""
 
     @property
     def battery(self) -> values.Battery | None:
@@ -3163,7 +3247,7 @@ class Vehicle:
 
     @property
     def in_air(self) -> bool | None:
-        """True if the vehicle flies (EXTENDED_SYS_STATE or HEARTBEAT)."""
+        """True if the vehicle flies (EXTENDED_SYS_STATE, HEARTBEAT, or its height with speed or throttle)."""
 
     @property
     def landed_state(self) -> common.MavLandedState | int | None:
@@ -3301,7 +3385,7 @@ class Vehicle:
         """
 
     def stream_rc(self, rate: float | None=None) -> ValueStream[values.Rc]:
-        """Stream the radio control input, in microseconds per channel (RC_CHANNELS).
+        """Stream the radio control input, in microseconds per channel (RC_CHANNELS or RC_CHANNELS_RAW).
 
         Args:
             rate: Hertz; None: as the vehicle sends it, or a default rate.
@@ -3373,6 +3457,28 @@ class Vehicle:
         """True if another vehicle uses the same system id; see `SystemIdConflict`."""
 
     @property
+    def id_conflict(self) -> Conflict | None:
+        """The vehicles that use the same system id, and what tells them apart; None: only this one does."""
+
+    @property
+    def chosen_sender(self) -> str | None:
+        """The name of the channel that `choose_sender` chose; None: none was chosen."""
+
+    def choose_sender(self, channel: Channel | str | None) -> None:
+        """Choose the vehicle to work with, where several use this system id.
+
+        Its packets count only on that channel, and packets for it go over that channel alone, until another
+        choice or until the channel closes. Values that were received before are forgotten.
+
+        Args:
+            channel: The channel, its name, or its remote address, such as "192.168.1.20:14550"; None: take
+                the choice back.
+
+        Raises:
+            InvalidArgumentError: No open channel is named so, or the vehicles share the channel.
+        """
+
+    @property
     def autopilot(self) -> int:
         """The MAV_AUTOPILOT of the heartbeat."""
 
@@ -3386,7 +3492,7 @@ class Vehicle:
 
     @property
     def health(self) -> Health:
-        """The readiness to arm and the problems that the vehicle reports."""
+        """The readiness to arm, and the problems and warnings that the vehicle reports."""
 
     @property
     def heading(self) -> float | None:
@@ -3544,16 +3650,19 @@ class Vehicle:
     def takeoff(self, altitude: float=10.0, *, override_limits: bool=False, wait: bool=True, timeout: float | None=None) -> None:
         """Take off to an altitude and stay there; the vehicle must be armed.
 
+        It ends when a vehicle that hovers has settled within half a metre of the altitude.
+
         Args:
             altitude: Metres above home.
             override_limits: Send an altitude above the limit of plausible flights.
-            wait: Wait until the altitude is reached.
+            wait: Wait until the altitude is reached and kept.
             timeout: Seconds for the whole call; None sets no overall limit.
 
         Raises:
             InvalidTypeError: An argument is not a number.
             InvalidArgumentError: The altitude is not positive, or implausibly high.
-            CommandDenied: The vehicle refused; the text holds its status texts.
+            ActionRefused: The vehicle is not armed; nothing was sent.
+            CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted a mode and did not enter it.
             ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
@@ -3571,7 +3680,8 @@ class Vehicle:
             timeout: Seconds for the whole call; None sets no overall limit.
 
         Raises:
-            CommandDenied: The vehicle refused; the text holds its status texts.
+            ActionRefused: The vehicle is not armed; nothing was sent.
+            CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted a mode and did not enter it.
             ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
@@ -3581,15 +3691,19 @@ class Vehicle:
             RemoteCancelled: The connection was closed.
         """
 
-    def rtl(self, *, wait: bool=True, timeout: float | None=None) -> None:
+    def rtl(self, *, tolerance: float | None=None, wait: bool=True, timeout: float | None=None) -> None:
         """Return to home, and land there if the vehicle does that.
 
+        A plane has returned when it circles home and does not climb or sink any more.
+
         Args:
+            tolerance: Metres from home at which a vehicle that does not land has arrived; None: see `goto`.
             wait: Wait until the vehicle has landed, or has arrived where it does not land.
             timeout: Seconds for the whole call; None sets no overall limit.
 
         Raises:
-            CommandDenied: The vehicle refused; the text holds its status texts.
+            ActionRefused: The vehicle is not armed; nothing was sent.
+            CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted a mode and did not enter it.
             ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
@@ -3606,14 +3720,21 @@ class Vehicle:
             timeout: Seconds for the whole call; None: until retries are exhausted.
 
         Raises:
+            ActionRefused: The vehicle is not armed; nothing was sent.
             CommandDenied: The vehicle refused the mode.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted the mode and did not enter it.
             ActionTimeout: The call did not end within `timeout`.
         """
 
-    def goto(self, latitude: float, longitude: float, altitude: float | None=None, *, yaw: float | None=None, radius: float | None=None, override_limits: bool=False, wait: bool=True, timeout: float | None=None) -> None:
+    def goto(self, latitude: float, longitude: float, altitude: float | None=None, *, yaw: float | None=None, radius: float | None=None, tolerance: float | None=None, override_limits: bool=False, wait: bool=True, timeout: float | None=None) -> None:
         """Go to a global position and stay there (MAV_CMD_DO_REPOSITION).
+
+        A vehicle that stops has arrived when it is within the tolerance and slow. By default that is 0.5 m
+        for copters, submarines (0.2 m of depth) and rovers, 1 m for boats and hovering VTOLs; rovers and
+        boats that stop within a larger radius by their parameters (WP_RADIUS, LOIT_RADIUS, NAV_ACC_RAD)
+        arrive within it. Rovers and boats have no altitude. A wing has arrived when it circles the position
+        within 5 m of the altitude, or within `tolerance`; with it, passing that closely is enough too.
 
         Args:
             latitude: Degrees.
@@ -3621,6 +3742,8 @@ class Vehicle:
             altitude: Metres above home; None keeps the present altitude.
             yaw: Heading in degrees; None leaves it to the vehicle.
             radius: Metres of the circle that a wing flies around the position; None: the vehicle's default.
+            tolerance: Metres from the position, over ground and in altitude, at which the vehicle has
+                arrived; None: the default of its type.
             override_limits: Send a position or an altitude that lies beyond the limits of plausible flights.
             wait: Wait until the vehicle has arrived.
             timeout: Seconds for the whole call; None sets no overall limit.
@@ -3628,23 +3751,27 @@ class Vehicle:
         Raises:
             InvalidTypeError: An argument is not a number.
             InvalidArgumentError: The position is not one on Earth, or implausibly far, high or low.
-            CommandDenied: The vehicle refused; the text holds its status texts.
+            ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
+            CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted a mode and did not enter it.
-            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
-            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
+            ActionUnsupported: The vehicle type or the firmware does not support it, such as a radius that the
+                version ignores, or a tolerance below the radius within which it stops; nothing was changed.
+            ActionTimeout: It was not complete within `timeout`, or its progress stalled, such as a vehicle
+                that does not meet the tolerance; the text says by how much.
             ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
         """
 
-    def move(self, north: float=0.0, east: float=0.0, up: float=0.0, *, override_limits: bool=False, wait: bool=True, timeout: float | None=None) -> None:
+    def move(self, north: float=0.0, east: float=0.0, up: float=0.0, *, tolerance: float | None=None, override_limits: bool=False, wait: bool=True, timeout: float | None=None) -> None:
         """Move by a distance from the present position (MAV_CMD_DO_REPOSITION).
 
         Args:
             north: Metres to the north.
             east: Metres to the east.
-            up: Metres upwards.
+            up: Metres upwards; rovers and boats have no altitude.
+            tolerance: Metres from the position at which the vehicle has arrived; None: as for `goto`.
             override_limits: Send a position or an altitude that lies beyond the limits of plausible flights.
             wait: Wait until the vehicle has arrived.
             timeout: Seconds for the whole call; None sets no overall limit.
@@ -3653,17 +3780,19 @@ class Vehicle:
             InvalidTypeError: An argument is not a number.
             InvalidArgumentError: The position is implausibly far, high or low.
             MessageTimeout: The vehicle did not report its position.
-            CommandDenied: The vehicle refused; the text holds its status texts.
+            ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
+            CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted a mode and did not enter it.
-            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
-            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
+            ActionUnsupported: The vehicle type or the firmware does not support it, such as a change of
+                altitude by a rover; nothing was changed.
+            ActionTimeout: It was not complete within `timeout`, or its progress stalled, as for `goto`.
             ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
         """
 
-    def orbit(self, latitude: float, longitude: float, altitude: float | None=None, *, radius: float=20.0, speed: float | None=None, override_limits: bool=False, wait: bool=True, timeout: float | None=None) -> None:
+    def orbit(self, latitude: float, longitude: float, altitude: float | None=None, *, radius: float=20.0, speed: float | None=None, tolerance: float | None=None, override_limits: bool=False, wait: bool=True, timeout: float | None=None) -> None:
         """Circle a global position (MAV_CMD_DO_ORBIT, or the firmware's mode for it).
 
         Args:
@@ -3672,18 +3801,23 @@ class Vehicle:
             altitude: Metres above home; None keeps the present altitude.
             radius: Metres; negative: counter-clockwise.
             speed: Metres per second; None leaves it to the vehicle.
+            tolerance: Metres by which radius and altitude may differ; None: a tenth of the radius, at
+                least 1; on a wing a quarter of it, at least 10.
             override_limits: Send a position or an altitude that lies beyond the limits of plausible flights.
-            wait: Wait until the vehicle is on the circle.
+            wait: Wait until the vehicle is on the circle, in the direction that was asked for.
             timeout: Seconds for the whole call; None sets no overall limit.
 
         Raises:
             InvalidTypeError: An argument is not a number.
             InvalidArgumentError: The position is not one on Earth, or implausible, or the radius is 0.
-            CommandDenied: The vehicle refused; the text holds its status texts.
+            ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
+            CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted a mode and did not enter it.
-            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
-            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
+            ActionUnsupported: The vehicle type or the firmware does not support it, such as a radius that the
+                version ignores; the text names the parameter that sets it. Nothing was changed.
+            ActionTimeout: It was not complete within `timeout`, its progress stalled, or the vehicle flies
+                another circle, or the other way round.
             ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
@@ -3715,7 +3849,8 @@ class Vehicle:
         Raises:
             InvalidTypeError: The heading is not a number.
             InvalidArgumentError: The heading is not finite.
-            CommandDenied: The vehicle refused; the text holds its status texts.
+            ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
+            CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted a mode and did not enter it.
             ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
@@ -3733,6 +3868,7 @@ class Vehicle:
             timeout: Seconds for the whole call; None sets no overall limit.
 
         Raises:
+            ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
             CommandDenied: The vehicle refused, such as on the ground or in a mode without forward flight.
             CommandTimeout: The vehicle did not answer.
             ActionUnsupported: The vehicle is no VTOL; nothing was sent.
@@ -3750,6 +3886,7 @@ class Vehicle:
             timeout: Seconds for the whole call; None sets no overall limit.
 
         Raises:
+            ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
             CommandDenied: The vehicle refused, such as on the ground.
             CommandTimeout: The vehicle did not answer.
             ActionUnsupported: The vehicle is no VTOL; nothing was sent.
@@ -3780,16 +3917,19 @@ class Vehicle:
     def capabilities(self) -> Capabilities:
         """The capabilities as far as they are known now; `get_version` requests AUTOPILOT_VERSION."""
 
-    def wait_until_ready(self, *, mode: str | None=None, timeout: float | None=...) -> Health:
+    def wait_until_ready(self, *, mode: str | None=None, keep_mode: bool=False, timeout: float | None=...) -> Health:
         """Wait until the vehicle will accept arming.
 
-        A disarmed PX4 vehicle without radio control leaves a mode that needs sticks for its hold mode.
+        A disarmed vehicle leaves a mode in which its firmware does not arm, such as the one that it landed
+        in, as `arm` does. A disarmed PX4 vehicle without radio control leaves a mode that needs sticks for
+        its hold mode.
         A vehicle that does not report its checks, such as ArduPilot before 4.1, is ready when it has a
         position and has reported no problem for some seconds.
 
         Args:
             mode: The name of the mode to be flown, such as "ALT_HOLD"; None: one that needs a position, as
                 takeoff and all other actions do; a submarine needs one only for a mode that is named here.
+            keep_mode: Change no mode; then a vehicle in such a mode does not get ready.
             timeout: Seconds to wait; None waits for ever.
 
         Returns:
@@ -3800,14 +3940,22 @@ class Vehicle:
             RemoteCancelled: The connection was closed.
         """
 
-    def arm(self, *, force: bool=False, timeout: float | None=None) -> None:
+    def arm(self, *, force: bool=False, allow_flight: bool=False, keep_mode: bool=False, timeout: float | None=None) -> None:
         """Arm the vehicle: let its motors run (MAV_CMD_COMPONENT_ARM_DISARM).
+
+        A vehicle stays in RTL, LAND or AUTO after its landing, where most firmwares do not arm. Then it first
+        enters the mode in which it waits on the ground: GUIDED (ArduPilot's copters), FBWA (planes), HOLD
+        (rovers) or LOITER (PX4). In a mode that starts by itself, such as TAKEOFF or MISSION, arming is
+        refused. If the vehicle refuses to arm, its mode is restored.
 
         Args:
             force: Skip the firmware's checks, as far as it allows that.
+            allow_flight: Arm in a mode in which the vehicle starts to fly or drive at once.
+            keep_mode: Refuse instead of leaving a mode in which the firmware does not arm.
             timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
 
         Raises:
+            ActionRefused: The mode would start a flight, or does not allow arming; nothing was sent.
             CommandDenied: The vehicle refused; the text holds the failed checks.
             CommandTimeout: The vehicle did not answer.
             ActionTimeout: The vehicle accepted, and its heartbeat did not confirm it in time.
@@ -3899,12 +4047,14 @@ class Vehicle:
 
         Args:
             rate: The rate at which the last setpoint is sent, in hertz.
-            first: The setpoint at the start; the default stays where the vehicle is.
+            first: The setpoint at the start; the default stays where the vehicle is, which a wing cannot do:
+                it needs another one, such as an `AttitudeSetpoint`.
             timeout: Seconds to enter the mode; None: until retries are exhausted.
 
         Returns:
-            The session. Entering it raises `CommandDenied`, `CommandTimeout`, `ModeTimeout`, `ActionTimeout`
-            or `ActionUnsupported` if the vehicle does not enter the mode.
+            The session. Entering it raises `ActionRefused` if the vehicle is not armed, and `CommandDenied`,
+            `CommandTimeout`, `ModeTimeout`, `ActionTimeout` or `ActionUnsupported` if it does not enter the
+            mode; the last one, before anything is sent, also if it ignores setpoints of the type of `first`.
         """
 
     def set_home(self, latitude: float | None=None, longitude: float | None=None, altitude: float | None=None, *, timeout: float | None=None) -> None:
@@ -3937,6 +4087,28 @@ class Vehicle:
             ContactLost: Without `wait`: the vehicle fell silent and did not acknowledge.
             ActionTimeout: The vehicle did not come back in time.
             RemoteCancelled: The connection was closed.
+        """
+
+    def renumber(self, system: int | None=None, *, timeout: float | None=None) -> Renumbered:
+        """Give the vehicle another system id, reboot it if that is needed, and wait until it speaks with it.
+
+        Where several vehicles use its system id, choose one with `choose_sender` first.
+
+        Args:
+            system: The new system id, 1 to 255; None: the lowest one that no component uses.
+            timeout: Seconds for the whole call; None: until retries are exhausted, or it stays away.
+
+        Returns:
+            The new system id, the parameter, and whether the vehicle rebooted.
+
+        Raises:
+            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
+            InvalidArgumentError: The system id is out of range, or a component uses it.
+            InvalidStateError: The vehicle is armed.
+            ActionUnsupported: The firmware's parameter is not known.
+            ParameterDenied: The vehicle refused the parameter.
+            CommandDenied: The vehicle refused to reboot.
+            ActionTimeout: It has no such parameter, or did not speak with the new system id in time.
         """
 
     @cached_property
@@ -4023,11 +4195,13 @@ class Group(Collection['Vehicle']):
             InvalidArgumentError: `max_concurrency` is less than 1.
         """
 
-    def arm(self, *, force: bool=False, timeout: float | None=None) -> Results[None]:
+    def arm(self, *, force: bool=False, allow_flight: bool=False, keep_mode: bool=False, timeout: float | None=None) -> Results[None]:
         """Arm all vehicles.
 
         Args:
             force: Skip the firmware's checks, as far as it allows that.
+            allow_flight: Arm also in modes in which a vehicle starts to fly or drive at once.
+            keep_mode: Refuse instead of leaving a mode in which a firmware does not arm.
             timeout: Seconds for each vehicle; None: until retries are exhausted or progress stalls.
 
         Returns:

@@ -47,6 +47,7 @@ MIXINS = {
     "PlanParts": "node.plans",
     "EventParts": "node.events",
     "ControlStreams": "node.control_streams",
+    "SenderChoice": "node.sender_choice",
     "Serving": "node.serving",
     "VehiclePayloads": "vehicle.payloads",
     "TelemetryProperties": "vehicle.telemetry.properties",
