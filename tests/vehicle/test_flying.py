@@ -7,7 +7,6 @@ from math import atan2, hypot, remainder, tau
 
 import pytest
 
-from mavstack.dialects import common
 from mavstack.errors import ActionUnsupported, CommandDenied
 from mavstack.sim.vehicle_types import VehicleType
 from tests.vehicle.world import ALL, ARDUPILOT, FLYING, PX4, fly, kind_name
@@ -131,7 +130,6 @@ def test_a_copter_that_would_sink_by_its_throttle_stick_does_not_orbit():
     async def scenario(world, vehicle):
         await vehicle.arm()
         await vehicle.takeoff(15)
-        await vehicle.wait_for_message(common.RcChannels)
         with pytest.raises(ActionUnsupported, match=r"throttle stick is at 1000 us.* center the stick"):
             await vehicle.orbit(*place(world, 30.0, 0.0), 15, radius=15)
         assert vehicle.mode == "GUIDED"

@@ -62,7 +62,8 @@ def test_the_stream_begins_before_the_mode_and_keeps_its_rate(autopilot):
         # The stream begins before the first setpoint of the program, and ends while the vehicle holds.
         assert (standing[0].vx, standing[-1].vx) == (0.0, 0.0)
 
-    run_scenario(scenario, autopilot=autopilot)
+    # The answer to the hold takes longer than the time between two setpoints.
+    run_scenario(scenario, autopilot=autopilot, latency=0.04)
 
 
 @BOTH

@@ -156,6 +156,21 @@ def test_ready_follows_the_prearm_bit(autopilot, message, ready):
     with_telemetry(scenario)
 
 
+def test_reports_from_before_the_readiness_are_no_warnings():
+    async def scenario(harness):
+        harness.heartbeat(PX)
+        harness.receive(NOT_READY, common.GpsRawInt(fix_type=1, satellites_visible=0))
+        await asyncio.sleep(1)
+        assert "GPS has no 3D fix (0 satellites)" in texts_of(harness.vehicle.health)
+        harness.receive(READY)
+        health = harness.vehicle.health
+        assert (health.ready, health.problems, health.warnings) == (True, (), ())
+        harness.receive(common.GpsRawInt(fix_type=1, satellites_visible=0))
+        assert [str(each) for each in harness.vehicle.health.warnings] == ["GPS has no 3D fix (0 satellites)"]
+
+    with_telemetry(scenario)
+
+
 def test_old_messages_do_not_count():
     async def scenario(harness):
         harness.heartbeat()
@@ -198,7 +213,10 @@ def test_ardupilot_is_ready_once_its_position_is_estimated(flag):
         await harness.vehicle.wait_until_ready(mode="ALT_HOLD", timeout=2)
         await asyncio.sleep(15)
         assert not waiting.done()
-        assert "horizontal position is not estimated" in texts_of(harness.vehicle.health)
+        health = harness.vehicle.health
+        assert health.ready
+        assert not health.problems
+        assert "horizontal position is not estimated" in map(str, health.warnings)
         flags[0] |= flag
         await asyncio.wait_for(waiting, 3)
 

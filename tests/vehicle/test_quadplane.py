@@ -12,14 +12,15 @@ from mavstack.vehicle import VehicleType
 from tests.vehicle.world import ARDUPILOT, fly
 
 
-def airborne(simulated) -> None:
-    simulated.profile.take_off(simulated.autopilot, 40.0)
+async def airborne(world, vehicle) -> None:
+    world.simulated.profile.take_off(world.simulated.autopilot, 40.0)
+    await world.wait_until(lambda: vehicle.armed)
 
 
 def test_first_action_detects_a_quadplane() -> None:
     async def flight(world, vehicle):
         assert vehicle.mav_type == common.MavType.FIXED_WING
-        airborne(world.simulated)
+        await airborne(world, vehicle)
         await vehicle.hold()
         assert vehicle.vehicle_type is VehicleType.VTOL
         await vehicle.land(wait=False)
@@ -30,7 +31,7 @@ def test_first_action_detects_a_quadplane() -> None:
 
 def test_first_action_lands_a_plane_by_its_mission() -> None:
     async def flight(world, vehicle):
-        airborne(world.simulated)
+        await airborne(world, vehicle)
         with pytest.raises(CommandDenied, match="DO_LAND_START"):
             await vehicle.land(wait=False)
         assert vehicle.vehicle_type is VehicleType.PLANE
@@ -49,7 +50,7 @@ def test_a_parameter_identifies_a_quadplane_without_vtol_state(state) -> None:
             stream.produce = lambda now: common.ExtendedSysState()
 
     async def flight(world, vehicle):
-        airborne(world.simulated)
+        await airborne(world, vehicle)
         assert vehicle.vehicle_type is VehicleType.PLANE
         await vehicle.hold()
         assert vehicle.vtol_state is None

@@ -17,6 +17,7 @@ from tests.waiting import wait_until
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 
+    from mavstack.services.version import FirmwareVersion
     from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.vehicle import Vehicle
 
@@ -52,12 +53,13 @@ async def world(
     ready: bool = True,
     payloads: bool = False,
     prepare: Callable[[SimulatedVehicle], None] | None = None,
+    version: FirmwareVersion | None = None,
     **conditions: float,
 ) -> AsyncIterator[World]:
     """Run vehicles that stand at home, ready to arm, and a connection to them."""
     simulation = Simulation(seed=5)
     for kind, firmware in kinds:
-        vehicle = simulation.add(kind, firmware, camera=payloads, gimbal=payloads)
+        vehicle = simulation.add(kind, firmware, camera=payloads, gimbal=payloads, version=version)
         if prepare is not None:
             prepare(vehicle)
     if ready:
@@ -75,13 +77,15 @@ def fly(
     ready: bool = True,
     payloads: bool = False,
     prepare: Callable[[SimulatedVehicle], None] | None = None,
+    version: FirmwareVersion | None = None,
     **conditions: float,
 ) -> World:
     """Run a scenario with a vehicle (the first of several) in virtual time."""
     kinds = [kind] if isinstance(kind[1], Firmware) else kind
 
     async def run() -> World:
-        async with world(*kinds, ready=ready, payloads=payloads, prepare=prepare, **conditions) as flown:
+        options = {"ready": ready, "payloads": payloads, "prepare": prepare, "version": version}
+        async with world(*kinds, **options, **conditions) as flown:
             await scenario(flown, await flown.node.wait_for_vehicle(1))
             return flown
 

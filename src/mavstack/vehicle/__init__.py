@@ -1,6 +1,7 @@
 """The application API: `connect`, the vehicles that it finds, groups of them, and their events."""
 
 from mavstack.services.heartbeat import OwnAddressConflict
+from mavstack.vehicle.actions.renumber import Renumbered
 from mavstack.vehicle.actuators import Actuators
 from mavstack.vehicle.calibration import (
     Calibration,
@@ -68,6 +69,7 @@ __all__ = [
     "Pose",
     "Problem",
     "RegionOfInterest",
+    "Renumbered",
     "Results",
     "SecondAutopilotFound",
     "SystemIdConflict",

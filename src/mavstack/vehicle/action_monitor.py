@@ -4,6 +4,7 @@
       ├── another mode, disarmed in the air ──► ActionInterrupted, with the vehicle's status texts
       ├── no heartbeat ───────────────────────► ContactLost
       ├── the connection is closed ───────────► RemoteCancelled
+      ├── the goal is out of reach ───────────► ActionTimeout
       └── `timeout`, or progress stalls ──────► ActionTimeout
 
 There is no default timeout, since the duration of a flight is not known; an action fails when its progress
@@ -37,6 +38,8 @@ if TYPE_CHECKING:
 STALL_TIMEOUT = 30.0
 #: A smaller fall of `remaining` is no progress.
 MIN_PROGRESS = 0.5
+#: A smaller rest is told with a decimal.
+_WHOLE_NUMBERS = 2.0
 #: The interval at which the goal is checked if no packet arrives, in seconds.
 CHECK_INTERVAL = 0.5
 #: The time in which the vehicle may still be in its former mode, in seconds.
@@ -63,6 +66,9 @@ class ActionGoal:
         armed: The armed state in which the action goes on; None: either.
         stall_timeout: The time without progress after which the action fails, in seconds.
         signs: Returns a value that changes with every other sign of progress.
+        min_progress: A smaller fall of `remaining` is no progress.
+        detail: Returns what keeps the action from its end, for the error; empty if nothing is known.
+        failure: Returns why the goal is out of reach; None as long as it is not.
         may_be_silent: True if the vehicle may be silent meanwhile, such as during a power cycle.
     """
 
@@ -73,6 +79,9 @@ class ActionGoal:
     armed: bool | None = None
     stall_timeout: float = STALL_TIMEOUT
     signs: Callable[[], object] = field(default=lambda: None)
+    min_progress: float = MIN_PROGRESS
+    detail: Callable[[], str] = field(default=lambda: "")
+    failure: Callable[[], str | None] = field(default=lambda: None)
     may_be_silent: bool = False
 
 
@@ -112,7 +121,7 @@ class ActionMonitor:
         """Wait until the goal is reached.
 
         Raises:
-            ActionTimeout: Progress stalled.
+            ActionTimeout: Progress stalled, or the goal is out of reach.
             ActionInterrupted: The vehicle changed its mode, or was armed or disarmed.
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
@@ -124,11 +133,13 @@ class ActionMonitor:
         while not goal.reached():
             now = self._connection.now()
             remaining = goal.remaining()
-            if remaining is not None and remaining < nearest - MIN_PROGRESS:
+            if remaining is not None and remaining < nearest - goal.min_progress:
                 nearest, progressed = remaining, now
             if (latest := goal.signs()) != signs:
                 signs, progressed = latest, now
             self._check_vehicle(goal, started, now)
+            if (failure := goal.failure()) is not None:
+                raise self.error(ActionTimeout, failure)
             if now >= progressed + goal.stall_timeout:
                 raise self._timed_out(f"no progress for {goal.stall_timeout:g} s")
             await self._wait()
@@ -171,8 +182,12 @@ class ActionMonitor:
     def _timed_out(self, reason: str) -> RemoteError:
         goal = self._goal
         remaining = None if goal is None else goal.remaining()
-        to_go = "" if goal is None or remaining is None else f", {remaining:.0f} {goal.unit} to go"
-        return self.error(ActionTimeout, reason + to_go)
+        if goal is not None and remaining is not None:
+            digits = 0 if remaining >= _WHOLE_NUMBERS else 1
+            reason += f", {remaining:.{digits}f} {goal.unit} to go"
+        if goal is not None and (detail := goal.detail()):
+            reason += f"; {detail}"
+        return self.error(ActionTimeout, reason)
 
     def error(self, kind: type[RemoteError], answer: str) -> RemoteError:
         """Return an error of the action with the vehicle's warnings."""

@@ -21,6 +21,7 @@ from mavstack.node.read_only import ReadOnly
 from mavstack.services.arguments import check_number, check_text
 from mavstack.vehicle.action_monitor import ActionGoal, ActionMonitor
 from mavstack.vehicle.actions import winch as winching
+from mavstack.vehicle.actions.preconditions import check_preconditions
 from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import firmware_of
 from mavstack.vehicle.status_text_capture import with_status_texts
@@ -333,6 +334,7 @@ class Actuators(ReadOnly):
         """Return the firmware; raise `ActionUnsupported` if it lacks a call."""
         firmware = firmware_of(self._vehicle)
         firmware.check_supported(call)
+        check_preconditions(self._vehicle, "outputs", f"using the {call} of")
         return firmware
 
     async def _request(

@@ -14,6 +14,8 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
+from mavstack.errors import ActionUnsupported
+from mavstack.services.setpoints import LocalSetpoint
 from mavstack.services.version import AutopilotVersion
 from mavstack.vehicle.calibration.selection import procedures_of
 from mavstack.vehicle.firmware import firmware_of
@@ -31,6 +33,9 @@ _TYPE: Final = common.MavType
 
 #: A parameter of ArduPilot builds whose estimator has several sets of sources.
 _EKF_SOURCE: Final = "EK3_SRC1_POSXY"
+
+
+_SOME_POSITION: Final = LocalSetpoint(position=(0.0, 0.0, 0.0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +58,7 @@ class Capabilities:
         roi: The vehicle points at locations: `roi`.
         home: The home position can be set: `set_home`.
         manual_control: The vehicle takes the sticks of a ground station: MANUAL_CONTROL.
-        setpoints: The vehicle follows setpoints: `guided`.
+        setpoints: The vehicle follows setpoints of its position: `guided`.
         attitude_setpoints: The vehicle follows setpoints of its attitude.
         command_int: Commands may be sent as COMMAND_INT.
         mavlink2: The vehicle speaks MAVLink 2, which signing needs.
@@ -141,7 +146,11 @@ def capabilities_of(vehicle: VehicleState) -> Capabilities:
         roi=reader.action("roi", possible=True),
         home=reader.action("home", possible=True),
         manual_control=features.get("manual_control"),
-        setpoints=reader.first(features.get("setpoints"), reader.flag(_FLAG.SET_POSITION_TARGET_LOCAL_NED)),
+        setpoints=reader.first(
+            features.get("setpoints"),
+            reader.follows_positions(),
+            reader.flag(_FLAG.SET_POSITION_TARGET_LOCAL_NED),
+        ),
         attitude_setpoints=reader.first(
             features.get("attitude_setpoints"), reader.flag(_FLAG.SET_ATTITUDE_TARGET)
         ),
@@ -209,6 +218,14 @@ class _Reader:
         if call in firmware.LACKING or not possible:
             return False
         return True if firmware.FEATURES else None
+
+    def follows_positions(self) -> bool | None:
+        """Return False if the vehicle ignores setpoints of positions; None if that is not known."""
+        try:
+            firmware_of(self._vehicle).check_setpoint(_SOME_POSITION)
+        except ActionUnsupported:
+            return False
+        return None
 
     def enabled(self, equipment: str) -> bool | None:
         """Return whether a downloaded parameter enables an equipment; None if none was downloaded."""

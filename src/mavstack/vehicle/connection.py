@@ -61,6 +61,7 @@ class NodeOptions(TypedDict, total=False):
     timestamps: TimestampStore | None
     heartbeat: bool
     heartbeat_rate: float
+    channel: str | None
 
 
 class Connection(Node):

@@ -73,12 +73,15 @@ class SystemIdConflict(VehicleEvent):
 
     Attributes:
         senders: The known facts about each sender.
+        differs: What tells them apart, such as "unique id" or "position".
     """
 
     senders: tuple[ConflictingSender, ...]
+    differs: tuple[str, ...] = ()
 
     def _text(self) -> str:
-        return f"has a system id conflict: {'; '.join(map(str, self.senders))}"
+        differs = f" (different: {', '.join(self.differs)})" if self.differs else ""
+        return f"has a system id conflict: {'; '.join(map(str, self.senders))}{differs}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from mavstack.dialects import common
 from mavstack.services.arguments import check_numbers
 from mavstack.vehicle.actions import arming, flying
+from mavstack.vehicle.actions.preconditions import check_preconditions
 from mavstack.vehicle.actions.transition import transition
-from mavstack.vehicle.firmware import firmware_of
 from mavstack.vehicle.geography import Location
 from mavstack.vehicle.status_text_capture import with_status_texts
 from mavstack.vehicle.vehicle_state import VehicleState
@@ -25,16 +25,19 @@ class FlightActions(VehicleState):
     ) -> None:
         """Take off to an altitude and stay there; the vehicle must be armed.
 
+        It ends when a vehicle that hovers has settled within half a metre of the altitude.
+
         Args:
             altitude: Metres above home.
             override_limits: Send an altitude above the limit of plausible flights.
-            wait: Wait until the altitude is reached.
+            wait: Wait until the altitude is reached and kept.
             timeout: Seconds for the whole call; None sets no overall limit.
 
         Raises:
             InvalidTypeError: An argument is not a number.
             InvalidArgumentError: The altitude is not positive, or implausibly high.
-            CommandDenied: The vehicle refused; the text holds its status texts.
+            ActionRefused: The vehicle is not armed; nothing was sent.
+            CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted a mode and did not enter it.
             ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
@@ -53,7 +56,8 @@ class FlightActions(VehicleState):
             timeout: Seconds for the whole call; None sets no overall limit.
 
         Raises:
-            CommandDenied: The vehicle refused; the text holds its status texts.
+            ActionRefused: The vehicle is not armed; nothing was sent.
+            CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted a mode and did not enter it.
             ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
@@ -64,15 +68,21 @@ class FlightActions(VehicleState):
         """
         await flying.land(self, wait=wait, timeout=timeout)
 
-    async def rtl(self, *, wait: bool = True, timeout: float | None = None) -> None:
+    async def rtl(
+        self, *, tolerance: float | None = None, wait: bool = True, timeout: float | None = None
+    ) -> None:
         """Return to home, and land there if the vehicle does that.
 
+        A plane has returned when it circles home and does not climb or sink any more.
+
         Args:
+            tolerance: Metres from home at which a vehicle that does not land has arrived; None: see `goto`.
             wait: Wait until the vehicle has landed, or has arrived where it does not land.
             timeout: Seconds for the whole call; None sets no overall limit.
 
         Raises:
-            CommandDenied: The vehicle refused; the text holds its status texts.
+            ActionRefused: The vehicle is not armed; nothing was sent.
+            CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted a mode and did not enter it.
             ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
@@ -81,7 +91,7 @@ class FlightActions(VehicleState):
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
         """
-        await flying.rtl(self, wait=wait, timeout=timeout)
+        await flying.rtl(self, tolerance=tolerance, wait=wait, timeout=timeout)
 
     async def hold(self, *, timeout: float | None = None) -> None:
         """Hold the present position; a wing circles.
@@ -90,6 +100,7 @@ class FlightActions(VehicleState):
             timeout: Seconds for the whole call; None: until retries are exhausted.
 
         Raises:
+            ActionRefused: The vehicle is not armed; nothing was sent.
             CommandDenied: The vehicle refused the mode.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted the mode and did not enter it.
@@ -105,11 +116,18 @@ class FlightActions(VehicleState):
         *,
         yaw: float | None = None,
         radius: float | None = None,
+        tolerance: float | None = None,
         override_limits: bool = False,
         wait: bool = True,
         timeout: float | None = None,
     ) -> None:
         """Go to a global position and stay there (MAV_CMD_DO_REPOSITION).
+
+        A vehicle that stops has arrived when it is within the tolerance and slow. By default that is 0.5 m
+        for copters, submarines (0.2 m of depth) and rovers, 1 m for boats and hovering VTOLs; rovers and
+        boats that stop within a larger radius by their parameters (WP_RADIUS, LOIT_RADIUS, NAV_ACC_RAD)
+        arrive within it. Rovers and boats have no altitude. A wing has arrived when it circles the position
+        within 5 m of the altitude, or within `tolerance`; with it, passing that closely is enough too.
 
         Args:
             latitude: Degrees.
@@ -117,6 +135,8 @@ class FlightActions(VehicleState):
             altitude: Metres above home; None keeps the present altitude.
             yaw: Heading in degrees; None leaves it to the vehicle.
             radius: Metres of the circle that a wing flies around the position; None: the vehicle's default.
+            tolerance: Metres from the position, over ground and in altitude, at which the vehicle has
+                arrived; None: the default of its type.
             override_limits: Send a position or an altitude that lies beyond the limits of plausible flights.
             wait: Wait until the vehicle has arrived.
             timeout: Seconds for the whole call; None sets no overall limit.
@@ -124,11 +144,14 @@ class FlightActions(VehicleState):
         Raises:
             InvalidTypeError: An argument is not a number.
             InvalidArgumentError: The position is not one on Earth, or implausibly far, high or low.
-            CommandDenied: The vehicle refused; the text holds its status texts.
+            ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
+            CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted a mode and did not enter it.
-            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
-            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
+            ActionUnsupported: The vehicle type or the firmware does not support it, such as a radius that the
+                version ignores, or a tolerance below the radius within which it stops; nothing was changed.
+            ActionTimeout: It was not complete within `timeout`, or its progress stalled, such as a vehicle
+                that does not meet the tolerance; the text says by how much.
             ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
@@ -139,6 +162,7 @@ class FlightActions(VehicleState):
             location,
             yaw=yaw,
             radius=radius,
+            tolerance=tolerance,
             override_limits=override_limits,
             wait=wait,
             timeout=timeout,
@@ -150,6 +174,7 @@ class FlightActions(VehicleState):
         east: float = 0.0,
         up: float = 0.0,
         *,
+        tolerance: float | None = None,
         override_limits: bool = False,
         wait: bool = True,
         timeout: float | None = None,
@@ -159,7 +184,8 @@ class FlightActions(VehicleState):
         Args:
             north: Metres to the north.
             east: Metres to the east.
-            up: Metres upwards.
+            up: Metres upwards; rovers and boats have no altitude.
+            tolerance: Metres from the position at which the vehicle has arrived; None: as for `goto`.
             override_limits: Send a position or an altitude that lies beyond the limits of plausible flights.
             wait: Wait until the vehicle has arrived.
             timeout: Seconds for the whole call; None sets no overall limit.
@@ -168,18 +194,27 @@ class FlightActions(VehicleState):
             InvalidTypeError: An argument is not a number.
             InvalidArgumentError: The position is implausibly far, high or low.
             MessageTimeout: The vehicle did not report its position.
-            CommandDenied: The vehicle refused; the text holds its status texts.
+            ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
+            CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted a mode and did not enter it.
-            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
-            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
+            ActionUnsupported: The vehicle type or the firmware does not support it, such as a change of
+                altitude by a rover; nothing was changed.
+            ActionTimeout: It was not complete within `timeout`, or its progress stalled, as for `goto`.
             ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
         """
         check_numbers(north=north, east=east, up=up)
         offset = (north, east, up)
-        await flying.move(self, offset, override_limits=override_limits, wait=wait, timeout=timeout)
+        await flying.move(
+            self,
+            offset,
+            tolerance=tolerance,
+            override_limits=override_limits,
+            wait=wait,
+            timeout=timeout,
+        )
 
     async def orbit(
         self,
@@ -189,6 +224,7 @@ class FlightActions(VehicleState):
         *,
         radius: float = 20.0,
         speed: float | None = None,
+        tolerance: float | None = None,
         override_limits: bool = False,
         wait: bool = True,
         timeout: float | None = None,
@@ -201,18 +237,23 @@ class FlightActions(VehicleState):
             altitude: Metres above home; None keeps the present altitude.
             radius: Metres; negative: counter-clockwise.
             speed: Metres per second; None leaves it to the vehicle.
+            tolerance: Metres by which radius and altitude may differ; None: a tenth of the radius, at
+                least 1; on a wing a quarter of it, at least 10.
             override_limits: Send a position or an altitude that lies beyond the limits of plausible flights.
-            wait: Wait until the vehicle is on the circle.
+            wait: Wait until the vehicle is on the circle, in the direction that was asked for.
             timeout: Seconds for the whole call; None sets no overall limit.
 
         Raises:
             InvalidTypeError: An argument is not a number.
             InvalidArgumentError: The position is not one on Earth, or implausible, or the radius is 0.
-            CommandDenied: The vehicle refused; the text holds its status texts.
+            ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
+            CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted a mode and did not enter it.
-            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
-            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
+            ActionUnsupported: The vehicle type or the firmware does not support it, such as a radius that the
+                version ignores; the text names the parameter that sets it. Nothing was changed.
+            ActionTimeout: It was not complete within `timeout`, its progress stalled, or the vehicle flies
+                another circle, or the other way round.
             ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
@@ -223,6 +264,7 @@ class FlightActions(VehicleState):
             center,
             radius=radius,
             speed=speed,
+            tolerance=tolerance,
             override_limits=override_limits,
             wait=wait,
             timeout=timeout,
@@ -245,7 +287,7 @@ class FlightActions(VehicleState):
             CommandTimeout: The vehicle did not answer.
         """
         check_numbers(speed=speed, speed_type=speed_type)
-        firmware_of(self).check_supported("speed")
+        check_preconditions(self, "speed", "setting the speed of")
         command = self.component.command(
             common.MavCmd.DO_CHANGE_SPEED, speed_type, speed, -1, timeout=timeout
         )
@@ -262,7 +304,8 @@ class FlightActions(VehicleState):
         Raises:
             InvalidTypeError: The heading is not a number.
             InvalidArgumentError: The heading is not finite.
-            CommandDenied: The vehicle refused; the text holds its status texts.
+            ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
+            CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted a mode and did not enter it.
             ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
@@ -281,6 +324,7 @@ class FlightActions(VehicleState):
             timeout: Seconds for the whole call; None sets no overall limit.
 
         Raises:
+            ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
             CommandDenied: The vehicle refused, such as on the ground or in a mode without forward flight.
             CommandTimeout: The vehicle did not answer.
             ActionUnsupported: The vehicle is no VTOL; nothing was sent.
@@ -299,6 +343,7 @@ class FlightActions(VehicleState):
             timeout: Seconds for the whole call; None sets no overall limit.
 
         Raises:
+            ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
             CommandDenied: The vehicle refused, such as on the ground.
             CommandTimeout: The vehicle did not answer.
             ActionUnsupported: The vehicle is no VTOL; nothing was sent.

@@ -17,7 +17,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Collection, Mapping
 from contextlib import nullcontext
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from mavstack.errors import GroupError, InvalidArgumentError, RemoteCancelled
 from mavstack.node.read_only import ReadOnly
@@ -137,17 +137,27 @@ class Group(ReadOnly, Collection["Vehicle"]):
 
     # The actions of vehicles
 
-    async def arm(self, *, force: bool = False, timeout: float | None = None) -> Results[None]:
+    async def arm(
+        self,
+        *,
+        force: bool = False,
+        allow_flight: bool = False,
+        keep_mode: bool = False,
+        timeout: float | None = None,
+    ) -> Results[None]:
         """Arm all vehicles.
 
         Args:
             force: Skip the firmware's checks, as far as it allows that.
+            allow_flight: Arm also in modes in which a vehicle starts to fly or drive at once.
+            keep_mode: Refuse instead of leaving a mode in which a firmware does not arm.
             timeout: Seconds for each vehicle; None: until retries are exhausted or progress stalls.
 
         Returns:
             The outcome of each vehicle; its errors are those of `Vehicle.arm`.
         """
-        return await self.each(lambda vehicle: vehicle.arm(force=force, timeout=timeout), name="arming")
+        options: dict[str, Any] = {"force": force, "allow_flight": allow_flight, "keep_mode": keep_mode}
+        return await self.each(lambda vehicle: vehicle.arm(**options, timeout=timeout), name="arming")
 
     async def disarm(self, *, force: bool = False, timeout: float | None = None) -> Results[None]:
         """Disarm all vehicles.

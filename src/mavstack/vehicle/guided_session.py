@@ -11,19 +11,24 @@ vehicle leaves the mode meanwhile, by a failsafe or a pilot, the next setpoint r
 no hold is sent, so that the pilot keeps control. If no heartbeat arrives, the next setpoint raises
 `ContactLost`; after the connection was closed, `RemoteCancelled`. When an error or a cancellation ends the
 block, the hold is tried for a few seconds only.
+
+A plane cannot stop, and ignores some setpoints without a word: ArduPlane all but attitudes, PX4 on its wing
+velocities. Such a setpoint raises `ActionUnsupported` before it is sent, and before the mode changes.
 """
 
 from __future__ import annotations
 
 import asyncio
+from contextlib import suppress
 from math import cos, radians, sin
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
-from mavstack.errors import ActionInterrupted, ContactLost, RemoteCancelled, RemoteError
+from mavstack.errors import ActionInterrupted, ActionUnsupported, ContactLost, RemoteCancelled, RemoteError
 from mavstack.node.read_only import ReadOnly
 from mavstack.services.arguments import check_numbers
 from mavstack.services.setpoints import AttitudeSetpoint, GlobalSetpoint, LocalSetpoint
+from mavstack.vehicle.actions.preconditions import check_preconditions
 from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import firmware_of
 from mavstack.vehicle.status_text_capture import StatusTextCapture, with_status_texts
@@ -47,8 +52,9 @@ _OPERATION: Final = "following setpoints with"
 class GuidedSession(ReadOnly):
     """A block during which a vehicle follows setpoints; made by `Vehicle.guided`.
 
-    Every setpoint raises `ActionInterrupted`, `ContactLost` or `RemoteCancelled` if the vehicle does not
-    follow any more, and `SetpointError` for numbers that are not finite.
+    Every setpoint raises `ActionUnsupported` if the vehicle ignores setpoints of its type, and
+    `ActionInterrupted`, `ContactLost` or `RemoteCancelled` if it does not follow any more, and
+    `SetpointError` for numbers that are not finite.
     """
 
     def __init__(self, vehicle: VehicleState, rate: float, first: Setpoint, timeout: float | None) -> None:
@@ -72,6 +78,7 @@ class GuidedSession(ReadOnly):
             ActionInterrupted: The vehicle left the mode.
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
+            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
         """
         if not self._vehicle.connection.is_open:
             raise self._error(RemoteCancelled, "the connection was closed")
@@ -79,6 +86,7 @@ class GuidedSession(ReadOnly):
             raise self._error(ContactLost, "it fell silent")
         if self.interrupted:
             raise self._error(ActionInterrupted, f"it changed to {self._vehicle.mode}")
+        self._vehicle.connection.refuse_conflict(self._vehicle.system, _OPERATION)
 
     def set(self, setpoint: Setpoint) -> None:
         """Follow a setpoint of any type, with NED axes as on the wire.
@@ -88,10 +96,12 @@ class GuidedSession(ReadOnly):
                 left to the vehicle.
 
         Raises:
+            ActionUnsupported: The vehicle ignores setpoints of this type; it was not sent.
             ActionInterrupted: The vehicle left the mode.
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
         """
+        firmware_of(self._vehicle).check_setpoint(setpoint)
         self.check()
         self._stream.set(setpoint)
 
@@ -187,7 +197,8 @@ class GuidedSession(ReadOnly):
         self.set(AttitudeSetpoint(quaternion(radians(roll), radians(pitch), radians(yaw)), thrust=thrust))
 
     async def __aenter__(self) -> Self:
-        firmware_of(self._vehicle).check_supported("guided")
+        check_preconditions(self._vehicle, "guided", _OPERATION)
+        firmware_of(self._vehicle).check_setpoint(self._first)
         await self._stream.__aenter__()
         self._texts = StatusTextCapture(self._vehicle)
         try:
@@ -212,7 +223,9 @@ class GuidedSession(ReadOnly):
             await self._leave()
 
     async def _hold(self, *, quietly: bool) -> None:
-        self._stream.set(STANDING_STILL)
+        with suppress(ActionUnsupported):  # a wing flies on by its last setpoint until it circles
+            firmware_of(self._vehicle).check_setpoint(STANDING_STILL)
+            self._stream.set(STANDING_STILL)
         try:
             async with asyncio.timeout(HOLD_TIMEOUT if quietly else None):
                 await with_status_texts(self._vehicle, firmware_of(self._vehicle).hold())

@@ -21,9 +21,12 @@ from mavstack.node.read_only import ReadOnly
 from mavstack.services.arguments import check_number
 from mavstack.services.mission import PlanType
 from mavstack.vehicle.action_monitor import ActionGoal, ActionMonitor
-from mavstack.vehicle.actions.arming import set_armed
+from mavstack.vehicle.actions import arming
+from mavstack.vehicle.actions.arming import enter_waiting_mode
+from mavstack.vehicle.actions.preconditions import check_preconditions
 from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import firmware_of
+from mavstack.vehicle.firmware.changes import Changes, undone_on_failure
 from mavstack.vehicle.geography import distance
 from mavstack.vehicle.mission_completion import MissionCompletion
 from mavstack.vehicle.status_text_capture import with_status_texts
@@ -240,23 +243,40 @@ class Mission(VehiclePlan):
         """
         check_number("seq", seq)
         self._check_supported()
+        check_preconditions(self._vehicle, "mission current", "setting the mission item of")
         await with_status_texts(self._vehicle, self._plans.set_current(seq, restart=restart, timeout=timeout))
 
-    async def start(self, *, timeout: float | None = None) -> None:
-        """Fly the mission, from its start or from where it was paused; the vehicle must be armed.
+    async def start(self, *, arm: bool = False, timeout: float | None = None) -> None:
+        """Fly the mission, from its start or from where it was paused.
 
         Args:
+            arm: Arm a disarmed vehicle first, as `Vehicle.arm` does; it leaves a mode in which it does not
+                arm or would start by itself, and is disarmed again if it refuses the mission.
             timeout: Seconds for the whole call; None: until retries are exhausted.
 
         Raises:
-            CommandDenied: The vehicle refused.
+            ActionRefused: The vehicle is not armed, and `arm` is False; nothing was sent.
+            CommandDenied: The vehicle refused; it is as it was before.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted its mission mode and did not enter it.
             ActionTimeout: The call did not end within `timeout`.
         """
         self._check_supported()
-        async with deadline(timeout, "starting the mission of", self._vehicle.address):
-            await with_status_texts(self._vehicle, firmware_of(self._vehicle).start_mission())
+        vehicle, operation = self._vehicle, "starting the mission of"
+        check_preconditions(vehicle, "mission fly" if arm else "mission start", operation)
+        async with deadline(timeout, operation, vehicle.address):
+            await self._start(arm=arm)
+
+    async def _start(self, *, arm: bool) -> None:
+        """Arm if needed, and enter the mission; reverse both if a step fails."""
+        vehicle = self._vehicle
+        changes = Changes(vehicle)
+        async with undone_on_failure(changes):
+            if arm and vehicle.armed is not True:
+                if firmware_of(vehicle).starts_by_itself(vehicle.mode):
+                    await with_status_texts(vehicle, enter_waiting_mode(vehicle, changes))
+                await arming.arm(vehicle, changes)
+            await with_status_texts(vehicle, firmware_of(vehicle, changes).start_mission())
 
     async def pause(self, *, timeout: float | None = None) -> None:
         """Hold the present position; `start` resumes the mission.
@@ -265,13 +285,16 @@ class Mission(VehiclePlan):
             timeout: Seconds for the whole call; None: until retries are exhausted.
 
         Raises:
+            ActionRefused: The vehicle is not armed; nothing was sent.
             CommandDenied: The vehicle refused.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted the mode and did not enter it.
             ActionTimeout: The call did not end within `timeout`.
         """
         self._check_supported()
-        async with deadline(timeout, "pausing the mission of", self._vehicle.address):
+        operation = "pausing the mission of"
+        check_preconditions(self._vehicle, "mission pause", operation)
+        async with deadline(timeout, operation, self._vehicle.address):
             await with_status_texts(self._vehicle, firmware_of(self._vehicle).pause_mission())
 
     async def fly(self, *, timeout: float | None = None) -> None:
@@ -283,7 +306,7 @@ class Mission(VehiclePlan):
             timeout: Seconds for the whole call; None sets no overall limit.
 
         Raises:
-            CommandDenied: The vehicle refused to be armed, or to start the mission.
+            CommandDenied: The vehicle refused to be armed, or to start the mission; it is as it was before.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted its mission mode and did not enter it.
             MissionDenied: The vehicle refused the download of its mission.
@@ -294,18 +317,16 @@ class Mission(VehiclePlan):
             RemoteCancelled: The connection was closed.
         """
         self._check_supported()
-        vehicle = self._vehicle
+        vehicle, operation = self._vehicle, "flying the mission of"
+        check_preconditions(vehicle, "mission fly", operation)
         firmware = firmware_of(vehicle)
         completion = MissionCompletion(vehicle, firmware, self)
-        async with ActionMonitor(vehicle, "flying the mission of", timeout) as monitor:
+        async with ActionMonitor(vehicle, operation, timeout) as monitor:
             if self.count is None and (self._plans.home_first or not (self.progress and self.progress.total)):
                 await self.download()  # MISSION_CURRENT does not tell the last item of older firmwares
             await vehicle.telemetry.ensure(common.MissionCurrent, PROGRESS_RATE)
             async with self.reached_items() as reached:
-                if not vehicle.armed:
-                    await with_status_texts(vehicle, firmware.prepare_arming())
-                    await set_armed(vehicle, armed=True, force=False, timeout=None)
-                await self.start()
+                await self._start(arm=True)
                 goal = ActionGoal(
                     lambda: completion.update([item.seq for item in reached.drain()]),
                     completion.remaining,

@@ -6,11 +6,12 @@ await vehicle.roi.clear()
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from mavstack.node.read_only import ReadOnly
 from mavstack.services.arguments import check_number, check_numbers
 from mavstack.vehicle.actions.limits import check_location
+from mavstack.vehicle.actions.preconditions import check_preconditions
 from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import firmware_of
 from mavstack.vehicle.geography import Location
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 
     from mavstack.vehicle.firmware import Firmware
     from mavstack.vehicle.vehicle_state import VehicleState
+
+_OPERATION: Final = "setting the region of interest of"
 
 
 class RegionOfInterest(ReadOnly):
@@ -97,11 +100,9 @@ class RegionOfInterest(ReadOnly):
 
     @property
     def _firmware(self) -> Firmware:
-        firmware = firmware_of(self._vehicle)
-        firmware.check_supported("roi")
-        return firmware
+        check_preconditions(self._vehicle, "roi", _OPERATION)
+        return firmware_of(self._vehicle)
 
     async def _request(self, request: Coroutine[Any, Any, object], timeout: float | None) -> None:
-        operation = "setting the region of interest of"
-        async with deadline(timeout, operation, self._vehicle.address):
+        async with deadline(timeout, _OPERATION, self._vehicle.address):
             await with_status_texts(self._vehicle, request)

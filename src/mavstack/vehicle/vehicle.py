@@ -5,7 +5,8 @@ calls that are missing here; `firmware` holds the differences of its firmware.
 
 An action waits until it is complete, unless `wait=False`, and then raises `ActionTimeout` if its progress
 stalls, `ActionInterrupted` if the vehicle leaves it, `ContactLost` if no heartbeat arrives. A refusal raises
-`CommandDenied` with the vehicle's status texts. Altitudes are in metres above home, angles in degrees.
+`CommandDenied` with the vehicle's status texts, or `ActionRefused` before anything is sent; the vehicle is
+then as it was before the call. Altitudes are in metres above home, angles in degrees.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ from mavstack.services import DEFAULT_WAIT_TIMEOUT
 from mavstack.services.arguments import check_number
 from mavstack.services.mission import PlanType
 from mavstack.vehicle.actions import arming, home, readiness
+from mavstack.vehicle.actions.preconditions import check_preconditions
+from mavstack.vehicle.actions.renumber import Renumbered, renumber
 from mavstack.vehicle.actuators import Actuators
 from mavstack.vehicle.calibration import Calibration
 from mavstack.vehicle.capabilities import Capabilities, capabilities_of
@@ -52,17 +55,24 @@ class Vehicle(FlightActions):
         return capabilities_of(self)
 
     async def wait_until_ready(
-        self, *, mode: str | None = None, timeout: float | None = DEFAULT_WAIT_TIMEOUT
+        self,
+        *,
+        mode: str | None = None,
+        keep_mode: bool = False,
+        timeout: float | None = DEFAULT_WAIT_TIMEOUT,
     ) -> Health:
         """Wait until the vehicle will accept arming.
 
-        A disarmed PX4 vehicle without radio control leaves a mode that needs sticks for its hold mode.
+        A disarmed vehicle leaves a mode in which its firmware does not arm, such as the one that it landed
+        in, as `arm` does. A disarmed PX4 vehicle without radio control leaves a mode that needs sticks for
+        its hold mode.
         A vehicle that does not report its checks, such as ArduPilot before 4.1, is ready when it has a
         position and has reported no problem for some seconds.
 
         Args:
             mode: The name of the mode to be flown, such as "ALT_HOLD"; None: one that needs a position, as
                 takeoff and all other actions do; a submarine needs one only for a mode that is named here.
+            keep_mode: Change no mode; then a vehicle in such a mode does not get ready.
             timeout: Seconds to wait; None waits for ever.
 
         Returns:
@@ -72,25 +82,40 @@ class Vehicle(FlightActions):
             HealthTimeout: The vehicle was not ready in time; the text holds its problems.
             RemoteCancelled: The connection was closed.
         """
-        return await readiness.wait_until_ready(self, mode, timeout)
+        return await readiness.wait_until_ready(self, mode, timeout, keep_mode=keep_mode)
 
     # Arming and modes
 
-    async def arm(self, *, force: bool = False, timeout: float | None = None) -> None:
+    async def arm(
+        self,
+        *,
+        force: bool = False,
+        allow_flight: bool = False,
+        keep_mode: bool = False,
+        timeout: float | None = None,
+    ) -> None:
         """Arm the vehicle: let its motors run (MAV_CMD_COMPONENT_ARM_DISARM).
+
+        A vehicle stays in RTL, LAND or AUTO after its landing, where most firmwares do not arm. Then it first
+        enters the mode in which it waits on the ground: GUIDED (ArduPilot's copters), FBWA (planes), HOLD
+        (rovers) or LOITER (PX4). In a mode that starts by itself, such as TAKEOFF or MISSION, arming is
+        refused. If the vehicle refuses to arm, its mode is restored.
 
         Args:
             force: Skip the firmware's checks, as far as it allows that.
+            allow_flight: Arm in a mode in which the vehicle starts to fly or drive at once.
+            keep_mode: Refuse instead of leaving a mode in which the firmware does not arm.
             timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
 
         Raises:
+            ActionRefused: The mode would start a flight, or does not allow arming; nothing was sent.
             CommandDenied: The vehicle refused; the text holds the failed checks.
             CommandTimeout: The vehicle did not answer.
             ActionTimeout: The vehicle accepted, and its heartbeat did not confirm it in time.
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed, or a disarming came before the vehicle armed.
         """
-        await arming.set_armed(self, armed=True, force=force, timeout=timeout)
+        await arming.arm(self, force=force, allow_flight=allow_flight, keep_mode=keep_mode, timeout=timeout)
 
     async def disarm(self, *, force: bool = False, timeout: float | None = None) -> None:
         """Disarm the vehicle: stop its motors (MAV_CMD_COMPONENT_ARM_DISARM).
@@ -106,7 +131,7 @@ class Vehicle(FlightActions):
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
         """
-        await arming.set_armed(self, armed=False, force=force, timeout=timeout)
+        await arming.disarm(self, force=force, timeout=timeout)
 
     async def set_mode(self, mode: str | int, *, timeout: float | None = None) -> None:
         """Set the flight mode (MAV_CMD_DO_SET_MODE), and wait until the heartbeat confirms it.
@@ -120,6 +145,7 @@ class Vehicle(FlightActions):
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted the mode and did not enter it.
         """
+        check_preconditions(self, "mode", "setting the mode of")
         await with_status_texts(self, self.component.modes.set(mode, timeout=timeout))
 
     # Any command, and the firmware's version
@@ -151,6 +177,7 @@ class Vehicle(FlightActions):
             CommandTimeout: The vehicle did not answer.
             RemoteCancelled: The connection was closed.
         """
+        check_preconditions(self, "command", "sending a command to")
         request = self.component.command(command, *params, frame=frame, timeout=timeout, progress=progress)
         return await with_status_texts(self, request)
 
@@ -187,7 +214,9 @@ class Vehicle(FlightActions):
         check_number("source set", number)
         if number not in (1, 2, 3):
             raise InvalidArgumentError(f"source set must be 1, 2 or 3, got {number}")
-        async with deadline(timeout, "selecting the estimator's sources of", self.address):
+        operation = "selecting the estimator's sources of"
+        check_preconditions(self, "ekf sources", operation)
+        async with deadline(timeout, operation, self.address):
             await with_status_texts(self, self.firmware.set_ekf_source(number))
 
     # Setpoints
@@ -199,12 +228,14 @@ class Vehicle(FlightActions):
 
         Args:
             rate: The rate at which the last setpoint is sent, in hertz.
-            first: The setpoint at the start; the default stays where the vehicle is.
+            first: The setpoint at the start; the default stays where the vehicle is, which a wing cannot do:
+                it needs another one, such as an `AttitudeSetpoint`.
             timeout: Seconds to enter the mode; None: until retries are exhausted.
 
         Returns:
-            The session. Entering it raises `CommandDenied`, `CommandTimeout`, `ModeTimeout`, `ActionTimeout`
-            or `ActionUnsupported` if the vehicle does not enter the mode.
+            The session. Entering it raises `ActionRefused` if the vehicle is not armed, and `CommandDenied`,
+            `CommandTimeout`, `ModeTimeout`, `ActionTimeout` or `ActionUnsupported` if it does not enter the
+            mode; the last one, before anything is sent, also if it ignores setpoints of the type of `first`.
         """
         return GuidedSession(self, rate, first, timeout)
 
@@ -250,6 +281,29 @@ class Vehicle(FlightActions):
             RemoteCancelled: The connection was closed.
         """
         await arming.reboot(self, wait=wait, timeout=timeout)
+
+    async def renumber(self, system: int | None = None, *, timeout: float | None = None) -> Renumbered:
+        """Give the vehicle another system id, reboot it if that is needed, and wait until it speaks with it.
+
+        Where several vehicles use its system id, choose one with `choose_sender` first.
+
+        Args:
+            system: The new system id, 1 to 255; None: the lowest one that no component uses.
+            timeout: Seconds for the whole call; None: until retries are exhausted, or it stays away.
+
+        Returns:
+            The new system id, the parameter, and whether the vehicle rebooted.
+
+        Raises:
+            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
+            InvalidArgumentError: The system id is out of range, or a component uses it.
+            InvalidStateError: The vehicle is armed.
+            ActionUnsupported: The firmware's parameter is not known.
+            ParameterDenied: The vehicle refused the parameter.
+            CommandDenied: The vehicle refused to reboot.
+            ActionTimeout: It has no such parameter, or did not speak with the new system id in time.
+        """
+        return await renumber(self, system, timeout)
 
     # Outputs, payload and calibrations
 

@@ -22,6 +22,7 @@ from mavstack.vehicle.vehicle_type import QUADPLANE_PARAMETER, VehicleType
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from mavstack.links import Channel
     from mavstack.node import Node, RemoteComponent
     from mavstack.node.events import EventListener, EventStream
     from mavstack.node.ftp import Ftp
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from mavstack.node.terrain import Terrain
     from mavstack.services import Address
     from mavstack.services.events import DecodedEvent
-    from mavstack.services.heartbeat import ComponentInfo
+    from mavstack.services.heartbeat import ComponentInfo, Conflict
     from mavstack.services.version import AutopilotVersion
     from mavstack.vehicle.telemetry.values import HomePosition, Position
 
@@ -89,6 +90,34 @@ class VehicleState(VehiclePayloads, TelemetryStreams, ReadOnly):
         return self.connection.has_address_conflict(self.address)
 
     @property
+    def id_conflict(self) -> Conflict | None:
+        """The vehicles that use the same system id, and what tells them apart; None: only this one does."""
+        return self.connection.id_conflict(self.system)
+
+    @property
+    def chosen_sender(self) -> str | None:
+        """The name of the channel that `choose_sender` chose; None: none was chosen."""
+        return self.connection.chosen_sender(self.system)
+
+    def choose_sender(self, channel: Channel | str | None) -> None:
+        """Choose the vehicle to work with, where several use this system id.
+
+        Its packets count only on that channel, and packets for it go over that channel alone, until another
+        choice or until the channel closes. Values that were received before are forgotten.
+
+        Args:
+            channel: The channel, its name, or its remote address, such as "192.168.1.20:14550"; None: take
+                the choice back.
+
+        Raises:
+            InvalidArgumentError: No open channel is named so, or the vehicles share the channel.
+        """
+        before = self.chosen_sender
+        self.connection.choose_sender(self.system, channel)
+        if self.chosen_sender != before:
+            self.telemetry.forget()
+
+    @property
     def autopilot(self) -> int:
         """The MAV_AUTOPILOT of the heartbeat."""
         info = self.component.info
@@ -117,8 +146,8 @@ class VehicleState(VehiclePayloads, TelemetryStreams, ReadOnly):
 
     @property
     def health(self) -> Health:
-        """The readiness to arm and the problems that the vehicle reports."""
-        return health_of(self.telemetry)
+        """The readiness to arm, and the problems and warnings that the vehicle reports."""
+        return health_of(self, self.telemetry)
 
     @property
     def heading(self) -> float | None:

@@ -8,8 +8,8 @@
   it returns.
 - After a reboot the cached parameters, mode and mission progress are discarded; operations that are under way
   start again or end in their typed errors.
-- Two vehicles with one system id are reported once, not as a series of reboots. Packets to that id reach
-  both, and its telemetry is a mixture: do not fly before one of them has another id.
+- Two vehicles with one system id are reported once, not as a series of reboots. Its telemetry is a mixture,
+  and every call that acts is refused, until `choose_sender` chooses one, or one of them gets another id.
 - Cameras, gimbals, companion computers and other components with a vehicle's system id are its payloads,
   reported once the vehicle is known. Other ground stations are reported, whatever their system id; so is
   another sender with the node's own address (`OwnAddressConflict`).
@@ -86,8 +86,10 @@ class VehicleTracker:
                 for vehicle in self._with_autopilot(info):
                     vehicle.telemetry.rebooted_at = vehicle.telemetry.now()
                     yield VehicleRebooted(vehicle)
-            case AddressConflict(info, senders):
-                yield from (SystemIdConflict(vehicle, senders) for vehicle in self._with_autopilot(info))
+            case AddressConflict(info, senders, differs):
+                yield from (
+                    SystemIdConflict(vehicle, senders, differs) for vehicle in self._with_autopilot(info)
+                )
             case AddressConflictEnded(info):
                 yield from (SystemIdConflictEnded(vehicle) for vehicle in self._with_autopilot(info))
 

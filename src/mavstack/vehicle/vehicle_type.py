@@ -34,6 +34,11 @@ class VehicleType(StrEnum):
         return self in _FLYING
 
     @property
+    def has_altitude(self) -> bool:
+        """True if vehicles of this type climb or dive; others have no altitude to go to."""
+        return self not in (VehicleType.ROVER, VehicleType.BOAT)
+
+    @property
     def circles(self) -> bool:
         """True if vehicles of this type may circle a position instead of hovering over it."""
         return self in (VehicleType.PLANE, VehicleType.VTOL)
@@ -42,6 +47,12 @@ class VehicleType(StrEnum):
     def of(cls, mav_type: int) -> VehicleType:
         """Return the vehicle type of a MAV_TYPE; `OTHER` for types that are not vehicles."""
         return _BY_MAV_TYPE.get(mav_type, cls.OTHER)
+
+
+def flies_on_wing(vehicle_type: VehicleType, vtol_state: int | None) -> bool:
+    """Return whether a vehicle flies on its wing now, by its MAV_VTOL_STATE, and cannot stand still."""
+    hovers = vtol_state == common.MavVtolState.MC
+    return vehicle_type is VehicleType.PLANE or (vehicle_type is VehicleType.VTOL and not hovers)
 
 
 _FLYING: Final = frozenset({VehicleType.COPTER, VehicleType.PLANE, VehicleType.VTOL, VehicleType.OTHER})

@@ -197,6 +197,13 @@ VEHICLE = [
         5,
         why_not=NOT_WAITED,
     ),
+    Call(
+        "Vehicle.renumber",
+        lambda h: h.vehicle.renumber(7),
+        armed=False,
+        silent=None,
+        why_not="it fails as Params.set and Vehicle.reboot, of which it consists",
+    ),
     Call("Vehicle.get_home", lambda h: h.vehicle.get_home(), silent=None, why_not=PART_OF_ACTIONS),
     Call(
         "Vehicle.get_home_altitude",

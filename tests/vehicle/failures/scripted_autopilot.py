@@ -306,12 +306,13 @@ class ScriptedHarness:
 
 @asynccontextmanager
 async def scripted_harness(
-    latency: float = 0.0, network: MemoryNetwork | None = None, **options
+    latency: float = 0.0, network: MemoryNetwork | None = None, *, armed: bool = True, **options
 ) -> AsyncIterator[ScriptedHarness]:
-    """Run a scripted autopilot and a connection that has received its messages."""
+    """Run a scripted autopilot, armed and in the air, and a connection that has received its messages."""
     network = network or MemoryNetwork()
     link = impair(network.link(), Impairment(latency=latency)) if latency else network.link()
     async with ScriptedAutopilot(network.link(), **options) as autopilot, connect(link) as connection:
+        autopilot.arm(armed)
         vehicle = await connection.wait_for_vehicle(1)
         await asyncio.sleep(1.0 + 2 * latency)
         autopilot.received.clear()

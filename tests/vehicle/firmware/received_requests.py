@@ -44,5 +44,5 @@ def requests_of(harness: ScriptedHarness) -> list[tuple]:
 
 
 def mode(number: float, sub: float = 0) -> tuple:
-    """Return a DO_SET_MODE with the flag for a custom mode."""
-    return (LONG, "DO_SET_MODE", 1, number, sub, 0, 0, 0, 0)
+    """Return a DO_SET_MODE with the flag for a custom mode, for an armed vehicle."""
+    return (LONG, "DO_SET_MODE", 129, number, sub, 0, 0, 0, 0)

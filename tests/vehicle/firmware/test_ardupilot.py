@@ -8,7 +8,7 @@ from math import degrees
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import ActionUnsupported, CommandDenied, RemoteError
+from mavstack.errors import ActionRefused, ActionUnsupported, CommandDenied, RemoteError
 from mavstack.vehicle.firmware.ardupilot import ArduPilot
 from mavstack.vehicle.geography import offset_location
 from tests.vehicle.failures.scripted_autopilot import ARDUPILOT, CMD, RESULT, run_scenario
@@ -264,7 +264,7 @@ def test_a_plane_on_the_ground_is_not_sent_anywhere(act):
         harness.autopilot.arm()
         harness.autopilot.landed = common.MavLandedState.ON_GROUND
         await asyncio.sleep(1.5)
-        with pytest.raises(ActionUnsupported, match="it is on the ground; take off first"):
+        with pytest.raises(ActionRefused, match="it is on the ground; take off first"):
             await act(harness.vehicle)
         assert requests_of(harness) == []
 

@@ -101,6 +101,11 @@ KNOWN = [
         "rc",
         {"channels": (1500, 1100, None), "rssi": 200},
     ),
+    (
+        common.RcChannelsRaw(0, 0, 1500, 1100, U16, 0, 1900, 1000, 1000, 2000, 120),
+        "rc",
+        {"channels": (1500, 1100, None, None, 1900, 1000, 1000, 2000), "rssi": 120},
+    ),
     (common.WindCov(0, 3, 4, -1), "wind", {"north": 3, "east": 4, "down": -1, "speed": 5}),
     (
         ardupilotmega.Wind(90, 5, 0.5),
@@ -205,6 +210,7 @@ UNKNOWN = [
     (common.SysStatus(voltage_battery=U16, current_battery=-1, battery_remaining=-1), "battery", None),
     (common.HomePosition(), "home", None),
     (common.RcChannels(0, 2, U16, 0, rssi=U8), "rc", {"rssi"}),
+    (common.RcChannelsRaw(rssi=U8), "rc", {"rssi"}),
     (common.WindCov(0, nan, nan, nan), "wind", None),
     (common.WindCov(0, 1, 2, nan), "wind", {"down"}),
     (ardupilotmega.Wind(nan, 1), "wind", None),

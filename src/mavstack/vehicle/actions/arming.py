@@ -1,4 +1,10 @@
-"""Arming, disarming, termination and rebooting."""
+"""Arming, disarming, termination and rebooting.
+
+A vehicle that is armed in TAKEOFF, AUTO or MISSION starts to fly at once, so arming there is refused unless
+the program allows the flight. In RTL, LAND or AUTO, in which a vehicle stays after its landing, most
+firmwares do not arm; arming then enters the mode in which the vehicle waits on the ground
+(`Firmware.WAITING_MODES`). If arming is refused, the mode of before is restored.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +16,10 @@ from mavstack.dialects import common
 from mavstack.errors import ActionTimeout, CommandDenied, ContactLost, RemoteCancelled, RemoteTimeout
 from mavstack.services.heartbeat import ComponentFound, ComponentLost, ComponentRebooted, ComponentReturned
 from mavstack.vehicle.action_monitor import ActionGoal, ActionMonitor
+from mavstack.vehicle.actions.preconditions import check_preconditions, refusal
 from mavstack.vehicle.deadline import deadline
+from mavstack.vehicle.firmware import firmware_of
+from mavstack.vehicle.firmware.changes import Changes, undone_on_failure
 from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
@@ -28,23 +37,82 @@ CONFIRMATION_TIMEOUT: Final = 10.0
 REBOOT_TIMEOUT: Final = 60.0
 #: The time to wait for the vehicle's clock before a reboot, in seconds: only the clock shows a quick reboot.
 CLOCK_TIMEOUT: Final = 3.0
+_ARMING: Final = "arming"
+_ALLOW: Final = "allow_flight=True (--allow-flight) arms it anyway"
 _REBOOTING: Final = "rebooting"
 _BACK: Final = (ComponentRebooted, ComponentReturned, ComponentFound)
 
 
-async def set_armed(vehicle: VehicleState, *, armed: bool, force: bool, timeout: float | None) -> None:
-    """Arm or disarm, and wait until a heartbeat confirms it."""
-    operation = "arming" if armed else "disarming"
-    async with ActionMonitor(vehicle, operation, timeout) as monitor:
-        command = vehicle.component.command(_CMD.COMPONENT_ARM_DISARM, float(armed), FORCE if force else 0.0)
+async def arm(
+    vehicle: VehicleState,
+    changes: Changes | None = None,
+    *,
+    force: bool = False,
+    allow_flight: bool = False,
+    keep_mode: bool = False,
+    timeout: float | None = None,
+) -> None:
+    """Arm, and wait until a heartbeat confirms it; `changes` are those of a call that arms as one step."""
+    check_preconditions(vehicle, "arm", _ARMING)
+    changes = Changes(vehicle) if changes is None else changes
+    leaves = _leaves_mode(vehicle, allow_flight=allow_flight, keep_mode=keep_mode)
+    async with ActionMonitor(vehicle, _ARMING, timeout) as monitor:
+        async with undone_on_failure(changes):
+            if leaves:
+                await with_status_texts(vehicle, enter_waiting_mode(vehicle, changes))
+            await with_status_texts(vehicle, changes.arm(FORCE if force else 0.0))
+        await monitor.wait_until_reached(_confirmed(vehicle, armed=True))
+
+
+async def disarm(vehicle: VehicleState, *, force: bool, timeout: float | None) -> None:
+    """Disarm, and wait until a heartbeat confirms it."""
+    check_preconditions(vehicle, "disarm", "disarming")
+    async with ActionMonitor(vehicle, "disarming", timeout) as monitor:
+        command = vehicle.component.command(_CMD.COMPONENT_ARM_DISARM, 0.0, FORCE if force else 0.0)
         await with_status_texts(vehicle, command)
-        await monitor.wait_until_reached(
-            ActionGoal(lambda: vehicle.armed == armed, stall_timeout=CONFIRMATION_TIMEOUT)
+        await monitor.wait_until_reached(_confirmed(vehicle, armed=False))
+
+
+async def enter_waiting_mode(vehicle: VehicleState, changes: Changes) -> None:
+    """Enter the mode in which the vehicle waits on the ground when it is armed, if there is a known one."""
+    firmware = firmware_of(vehicle, changes)
+    if firmware.waiting_mode:
+        await firmware.set_mode(firmware.waiting_mode)
+
+
+def _leaves_mode(vehicle: VehicleState, *, allow_flight: bool, keep_mode: bool) -> bool:
+    """Return whether arming has to leave the present mode; raise if it may not arm there."""
+    if vehicle.armed is not False:
+        return False
+    firmware, mode = firmware_of(vehicle), vehicle.mode
+    starts, arms = firmware.starts_by_itself(mode), firmware.allows_arming(mode)
+    if allow_flight and starts:
+        return False
+    if arms:
+        if starts:
+            remedy = f"change the mode{_to(firmware.waiting_mode)} first, or {_ALLOW}"
+            raise refusal(vehicle, _ARMING, f"in mode {mode} it would start by itself; {remedy}")
+        return False
+    if keep_mode or not firmware.waiting_mode:
+        raise refusal(
+            vehicle,
+            _ARMING,
+            f"it does not arm in mode {mode}; change the mode{_to(firmware.waiting_mode)} first",
         )
+    return True
+
+
+def _to(mode: str) -> str:
+    return f" to {mode}" if mode else ""
+
+
+def _confirmed(vehicle: VehicleState, *, armed: bool) -> ActionGoal:
+    return ActionGoal(lambda: vehicle.armed == armed, stall_timeout=CONFIRMATION_TIMEOUT)
 
 
 async def terminate(vehicle: VehicleState, *, timeout: float | None) -> None:
     """Terminate the flight, and wait until a heartbeat confirms it."""
+    check_preconditions(vehicle, "terminate", "flight termination of")
 
     def terminated() -> bool:
         return vehicle.armed is False or vehicle.system_status == common.MavState.FLIGHT_TERMINATION
@@ -60,6 +128,7 @@ async def reboot(vehicle: VehicleState, *, wait: bool, timeout: float | None) ->
     It may be gone before its acknowledgement arrives; then the command is not repeated, since that would
     reboot it once more.
     """
+    check_preconditions(vehicle, "reboot", _REBOOTING)
     async with deadline(timeout, _REBOOTING, vehicle.address):
         if wait and vehicle.age(common.SystemTime) is None:
             with suppress(CommandDenied, RemoteTimeout):

@@ -32,6 +32,25 @@ class SustainedCondition:
         return now >= self._since + self._seconds
 
 
+class Settled:
+    """Detects that a value has changed by less than a span for some seconds."""
+
+    def __init__(self, vehicle: VehicleState, seconds: float, span: float) -> None:
+        self._now = vehicle.connection.now
+        self._seconds, self._span = seconds, span
+        self._anchor: tuple[float, float] | None = None
+
+    def update(self, value: float | None) -> bool:
+        """Take in the value, None to begin again; return whether it has settled."""
+        if value is None:
+            self._anchor = None
+            return False
+        now = self._now()
+        if self._anchor is None or abs(value - self._anchor[0]) > self._span:
+            self._anchor = value, now
+        return now >= self._anchor[1] + self._seconds
+
+
 class LandingDetector:
     """Detects that a vehicle has landed: it is disarmed, or it has been on the ground for a while."""
 

@@ -1,12 +1,15 @@
 """Taking off, landing, returning, going somewhere: requested as the firmware wants it, and monitored.
 
-An action is complete when the telemetry shows it, not when the firmware acknowledges it:
+Preconditions are checked before anything is sent (`preconditions`), and the steps of a request that fails are
+reversed (`firmware.changes`). An action is complete when the telemetry shows it, not when the firmware
+acknowledges it:
 
-    takeoff   within a metre or a twentieth of the altitude; a plane: from 3 metres or a sixteenth below it
+    takeoff   within half a metre of the altitude and settled there; settled for longer, within a metre or
+              a twentieth of it; a plane: from 3 metres or a sixteenth below it
     land      on the ground and disarmed, or on the ground for a while
-    rtl       the same; a vehicle that does not land there: at home, within its circle
-    goto      within the radius; a wing: on the circle around the location
-    orbit     on the circle
+    rtl       the same; a vehicle that does not land there: arrived at home (see `arrival`)
+    goto      arrived: settled within the tolerance; a wing: on the circle around the location
+    orbit     on the circle, in its direction (see `orbiting`)
     turn      within five degrees
 """
 
@@ -16,38 +19,52 @@ from contextlib import suppress
 from math import isfinite
 from typing import TYPE_CHECKING, Final
 
-from mavstack.dialects import common
-from mavstack.errors import CommandDenied, InvalidArgumentError, RemoteError
+from mavstack.errors import InvalidArgumentError, RemoteError
 from mavstack.services.arguments import check_number, check_numbers
-from mavstack.vehicle.action_monitor import STALL_TIMEOUT, ActionGoal, ActionMonitor
-from mavstack.vehicle.actions.conditions import LandingDetector, SustainedCondition
-from mavstack.vehicle.actions.limits import check_takeoff, check_target, explain_far_target
+from mavstack.vehicle.action_monitor import MIN_PROGRESS, STALL_TIMEOUT, ActionGoal, ActionMonitor
+from mavstack.vehicle.actions.arrival import (
+    Arrival,
+    Tolerance,
+    check_tolerance,
+    default_tolerance,
+    tolerance_of,
+)
+from mavstack.vehicle.actions.conditions import LandingDetector, Settled, SustainedCondition
+from mavstack.vehicle.actions.limits import (
+    check_location,
+    check_takeoff,
+    check_target,
+    explain_far_target,
+)
+from mavstack.vehicle.actions.orbiting import Orbiting
+from mavstack.vehicle.actions.preconditions import check_preconditions
 from mavstack.vehicle.actions.quadplane import detect_quadplane
 from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import firmware_of
-from mavstack.vehicle.geography import Location, distance, offset_location
+from mavstack.vehicle.firmware.changes import undone_on_failure
+from mavstack.vehicle.geography import Location, offset_location
 from mavstack.vehicle.status_text_capture import with_status_texts
-from mavstack.vehicle.vehicle_type import VehicleType
+from mavstack.vehicle.vehicle_type import VehicleType, flies_on_wing
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
     from typing import Any
 
+    from mavstack.vehicle.firmware.changes import Changes
     from mavstack.vehicle.vehicle_state import VehicleState
 
-#: The distance within which a vehicle that hovers or drives has arrived, in metres.
-ARRIVAL_RADIUS: Final = 2.0
-#: The distance within which a wing circles a location with its default radius, in metres.
-WING_ARRIVAL_RADIUS: Final = 120.0
-#: The largest ratio of the distance to a location and the radius of the circle around it.
-CIRCLE_MARGIN: Final = 1.3
-#: The distance to the circle of an orbit within which the vehicle is on it, in metres.
-ORBIT_TOLERANCE: Final = 5.0
-ALTITUDE_TOLERANCE: Final = 2.0
-WING_ALTITUDE_TOLERANCE: Final = 10.0
+#: The distance to the altitude of a takeoff within which a vehicle that hovers has reached it, in metres.
+TAKEOFF_TOLERANCE: Final = 0.5
+#: It has settled when its altitude changed by less than the span for so long, in metres and seconds; one that
+#: settles farther away, since its estimate of home drifts, needs the longer time.
+TAKEOFF_SETTLING_SPAN: Final = 0.3
+TAKEOFF_SETTLING_TIME: Final = 1.0
+TAKEOFF_RESTING_TIME: Final = 6.0
 _HEADING_TOLERANCE: Final = 5.0
 #: A vehicle that circles home for so long is not going to land, in seconds: some quadplanes do not.
 CIRCLING_TIME: Final = 30.0
+#: The time without progress of a wing, which turns and climbs on its way, in seconds.
+_WING_STALL_TIMEOUT: Final = 60.0
 #: The time in which the remaining distance of a return may not fall, in seconds.
 _RETURN_STALL_TIMEOUT: Final = 90.0
 #: The same for a wing that keeps its altitude in a landing pattern, and for a return to an unknown home.
@@ -60,13 +77,15 @@ async def _run(
     request: Coroutine[Any, Any, None],
     goal: Callable[[], ActionGoal],
     *,
+    changes: Changes,
     wait: bool,
     timeout: float | None,
 ) -> None:
-    """Request an action, and wait until its goal is reached."""
+    """Request an action, reverse the steps of a request that fails, and wait until its goal is reached."""
     try:
         async with ActionMonitor(vehicle, operation, timeout) as monitor:
-            await with_status_texts(vehicle, request)
+            async with undone_on_failure(changes):
+                await with_status_texts(vehicle, request)
             if wait:
                 await monitor.wait_until_reached(goal())
     finally:
@@ -78,12 +97,15 @@ async def takeoff(
 ) -> None:
     """Take off to an altitude in metres above home."""
     check_takeoff(altitude, override_limits=override_limits)
-    firmware_of(vehicle).check_supported("takeoff")
+    operation = f"takeoff to {altitude:g} m of"
+    check_preconditions(vehicle, "takeoff", operation)
     await detect_quadplane(vehicle)
     firmware = firmware_of(vehicle)
     wing = vehicle.vehicle_type is VehicleType.PLANE
     # ArduPlane ends its climb some metres below the altitude, which it counts from the start, not from home.
     tolerance = max(3.0, altitude / 16) if wing else max(1.0, altitude / 20)
+    near = Settled(vehicle, TAKEOFF_SETTLING_TIME, TAKEOFF_SETTLING_SPAN)
+    at_rest = Settled(vehicle, TAKEOFF_RESTING_TIME, TAKEOFF_SETTLING_SPAN)
 
     def remaining() -> float | None:
         height = _relative_altitude(vehicle)
@@ -91,25 +113,23 @@ async def takeoff(
             return None
         return max(altitude - height, 0.0) if wing else abs(altitude - height)
 
-    goal = ActionGoal(
-        lambda: (rest := remaining()) is not None and rest <= tolerance,
-        remaining,
-        modes=firmware.modes_of("takeoff"),
-        armed=True,
+    def reached() -> bool:
+        rest, height = remaining(), _relative_altitude(vehicle)
+        if wing or rest is None:
+            return rest is not None and rest <= tolerance
+        settled = near.update(height if rest <= TAKEOFF_TOLERANCE else None)
+        return at_rest.update(height if rest <= tolerance else None) or settled
+
+    goal = ActionGoal(reached, remaining, modes=firmware.modes_of("takeoff"), armed=True)
+    request = firmware.takeoff(altitude)
+    await _run(
+        vehicle, operation, request, lambda: goal, changes=firmware.changes, wait=wait, timeout=timeout
     )
-    operation = f"takeoff to {altitude:g} m of"
-    try:
-        await _run(vehicle, operation, firmware.takeoff(altitude), lambda: goal, wait=wait, timeout=timeout)
-    except CommandDenied as error:
-        if vehicle.armed is False:
-            # ArduPilot sends no status text for this reason.
-            error.status_texts = error.status_texts or ("the vehicle is disarmed",)
-        raise
 
 
 async def land(vehicle: VehicleState, *, wait: bool, timeout: float | None) -> None:
     """Land, and wait until the motors stand still."""
-    firmware_of(vehicle).check_supported("land")
+    check_preconditions(vehicle, "land", "landing")
     await detect_quadplane(vehicle)
     firmware = firmware_of(vehicle)
     plane = vehicle.vehicle_type is VehicleType.PLANE
@@ -119,16 +139,30 @@ async def land(vehicle: VehicleState, *, wait: bool, timeout: float | None) -> N
         modes=firmware.modes_of("land"),
         stall_timeout=_PATTERN_STALL_TIMEOUT if plane else STALL_TIMEOUT,
     )
-    await _run(vehicle, "landing", firmware.land(), lambda: goal, wait=wait, timeout=timeout)
+    await _run(
+        vehicle,
+        "landing",
+        firmware.land(),
+        lambda: goal,
+        changes=firmware.changes,
+        wait=wait,
+        timeout=timeout,
+    )
 
 
-async def rtl(vehicle: VehicleState, *, wait: bool, timeout: float | None) -> None:
+async def rtl(vehicle: VehicleState, *, tolerance: float | None, wait: bool, timeout: float | None) -> None:
     """Return to home, and land there if the vehicle does that; it need not report where home is."""
+    check_tolerance(tolerance)
+    operation = "return to launch of"
+    check_preconditions(vehicle, "rtl", operation)
+    started = vehicle.connection.now()
     await detect_quadplane(vehicle)
     firmware = firmware_of(vehicle)
     landing = LandingDetector(vehicle)
-    stays = not vehicle.vehicle_type.flies or vehicle.vehicle_type is VehicleType.PLANE
-    radius = WING_ARRIVAL_RADIUS if vehicle.vehicle_type.circles else ARRIVAL_RADIUS
+    kind = vehicle.vehicle_type
+    limits = await _tolerance(vehicle, tolerance, wait, timeout)
+    arrival = Arrival(vehicle, lambda: _home_of(vehicle), None, limits, tolerance)
+    timeout = _remaining_timeout(vehicle, timeout, started)
 
     async def request() -> None:
         await firmware.rtl()
@@ -136,40 +170,49 @@ async def rtl(vehicle: VehicleState, *, wait: bool, timeout: float | None) -> No
             with suppress(RemoteError):
                 await vehicle.get_home()
 
-    def home_distance() -> float | None:
-        home = vehicle.home
-        return None if home is None else _distance_to(vehicle, home.latitude, home.longitude)
-
     def remaining() -> float | None:
-        away, height = home_distance(), _relative_altitude(vehicle)
+        away = arrival.remaining()
+        height = _relative_altitude(vehicle) if kind.flies else 0.0
         return None if away is None or height is None else away + abs(height)
 
     circling = SustainedCondition(vehicle, CIRCLING_TIME)
 
     def reached() -> bool:
-        away = home_distance()
-        at_home = away is not None and away <= radius
-        landed = vehicle.vehicle_type.flies and landing.has_landed()
-        return landed or (stays and at_home) or circling.update(at_home and flies_on_wing(vehicle))
+        if not kind.flies:
+            return arrival.reached()
+        arrived = arrival.reached() and flies_on_wing(vehicle.vehicle_type, vehicle.vtol_state)
+        landed = landing.has_landed()
+        return landed or (arrived and kind is VehicleType.PLANE) or circling.update(arrived)
 
     def goal() -> ActionGoal:
         stall_timeout = _PATTERN_STALL_TIMEOUT if vehicle.home is None else _RETURN_STALL_TIMEOUT
-        return ActionGoal(reached, remaining, modes=firmware.modes_of("rtl"), stall_timeout=stall_timeout)
+        return ActionGoal(
+            reached,
+            remaining,
+            modes=firmware.modes_of("rtl"),
+            stall_timeout=stall_timeout,
+            signs=arrival.signs,
+            detail=arrival.detail,
+        )
 
-    await _run(vehicle, "return to launch of", request(), goal, wait=wait, timeout=timeout)
+    await _run(vehicle, operation, request(), goal, changes=firmware.changes, wait=wait, timeout=timeout)
 
 
 async def move(
     vehicle: VehicleState,
     offset: tuple[float, float, float],
     *,
+    tolerance: float | None,
     override_limits: bool,
     wait: bool,
     timeout: float | None,
 ) -> None:
     """Go to the location at an offset in metres (north, east, up) from the vehicle."""
-    firmware_of(vehicle).check_supported("goto")
+    check_tolerance(tolerance)
     north, east, up = offset
+    if up and not vehicle.vehicle_type.has_altitude:
+        raise firmware_of(vehicle).unsupported("move up or down")
+    check_preconditions(vehicle, "goto", "moving")
     started = vehicle.connection.now()
     async with deadline(timeout, "moving", vehicle.address):
         position = await vehicle.get_position()
@@ -177,7 +220,14 @@ async def move(
     location = Location(*offset_location(position.latitude, position.longitude, north, east), altitude)
     timeout = _remaining_timeout(vehicle, timeout, started)
     await goto(
-        vehicle, location, yaw=None, radius=None, override_limits=override_limits, wait=wait, timeout=timeout
+        vehicle,
+        location,
+        yaw=None,
+        radius=None,
+        tolerance=tolerance,
+        override_limits=override_limits,
+        wait=wait,
+        timeout=timeout,
     )
 
 
@@ -187,44 +237,43 @@ async def goto(
     *,
     yaw: float | None,
     radius: float | None,
+    tolerance: float | None,
     override_limits: bool,
     wait: bool,
     timeout: float | None,
+    changes: Changes | None = None,
 ) -> None:
-    """Go to a location and stay there."""
+    """Go to a location and stay there; `changes` are those of the call that this one is a part of."""
     check_numbers(yaw=yaw, radius=radius)
-    firmware_of(vehicle).check_supported("goto")
+    check_tolerance(tolerance)
+    check_location(location)
+    operation = f"going to {location.latitude:.6f}, {location.longitude:.6f} with"
+    check_preconditions(vehicle, "goto", operation)
     started = vehicle.connection.now()
     await check_target(vehicle, location, override_limits=override_limits, timeout=timeout)
-    timeout = _remaining_timeout(vehicle, timeout, started)
     await detect_quadplane(vehicle)
-    _check_airborne(vehicle, "go to a location")
-    firmware = firmware_of(vehicle)
-    wing_radius = WING_ARRIVAL_RADIUS if radius is None else radius * CIRCLE_MARGIN
-
-    def errors() -> tuple[float, float] | None:
-        away = _distance_to(vehicle, location.latitude, location.longitude)
-        height = _relative_altitude(vehicle)
-        if away is None or height is None:
-            return None
-        return away, 0.0 if location.altitude is None else abs(location.altitude - height)
-
-    def reached() -> bool:
-        wing = flies_on_wing(vehicle)
-        tolerances = (wing_radius, WING_ALTITUDE_TOLERANCE) if wing else (ARRIVAL_RADIUS, ALTITUDE_TOLERANCE)
-        rest = errors()
-        return rest is not None and rest[0] <= tolerances[0] and rest[1] <= tolerances[1]
-
+    firmware = firmware_of(vehicle, changes)
+    if radius is not None:
+        await firmware.check_circle(radius, orbit=False)
+    limits = await _tolerance(vehicle, tolerance, wait, timeout)
+    timeout = _remaining_timeout(vehicle, timeout, started)
+    place = location.latitude, location.longitude
+    arrival = Arrival(vehicle, lambda: place, location.altitude, limits, tolerance)
     goal = ActionGoal(
-        reached,
-        lambda: None if (rest := errors()) is None else sum(rest),
+        arrival.reached,
+        arrival.remaining,
         modes=firmware.modes_of("goto"),
         armed=True,
+        stall_timeout=_WING_STALL_TIMEOUT if vehicle.vehicle_type.circles else STALL_TIMEOUT,
+        signs=arrival.signs,
+        min_progress=min(MIN_PROGRESS, limits.ground / 2),
+        detail=arrival.detail,
     )
-    operation = f"going to {location.latitude:.6f}, {location.longitude:.6f} with"
     request = firmware.goto(location, yaw=yaw, radius=radius)
     with explain_far_target(vehicle, location):
-        await _run(vehicle, operation, request, lambda: goal, wait=wait, timeout=timeout)
+        await _run(
+            vehicle, operation, request, lambda: goal, changes=firmware.changes, wait=wait, timeout=timeout
+        )
 
 
 async def orbit(
@@ -233,59 +282,71 @@ async def orbit(
     *,
     radius: float,
     speed: float | None,
+    tolerance: float | None,
     override_limits: bool,
     wait: bool,
     timeout: float | None,
 ) -> None:
     """Circle a location."""
     check_numbers(speed=speed)
+    check_tolerance(tolerance)
     check_number("radius", radius, finite=False)
     if not (isfinite(radius) and radius):
         raise InvalidArgumentError(
             f"orbit radius must be finite and not 0 (negative: counter-clockwise), got {radius}"
         )
-    firmware_of(vehicle).check_supported("orbit")
+    operation = f"orbit of {abs(radius):g} m radius with"
+    check_preconditions(vehicle, "orbit", operation)
     started = vehicle.connection.now()
     await check_target(vehicle, center, override_limits=override_limits, timeout=timeout)
-    timeout = _remaining_timeout(vehicle, timeout, started)
-    _check_airborne(vehicle, "orbit")
     await detect_quadplane(vehicle)
     firmware = firmware_of(vehicle)
-    tolerance = max(ORBIT_TOLERANCE, abs(radius) / 4)
+    await firmware.check_circle(radius, orbit=True)
+    timeout = _remaining_timeout(vehicle, timeout, started)
+    orbiting = Orbiting(vehicle, center, radius, tolerance)
 
     async def request() -> None:
         entry = await firmware.prepare_orbit(center, radius)
         if entry is not None:
             await goto(
-                vehicle, entry.location, yaw=entry.heading, radius=None,
-                override_limits=True, wait=True, timeout=None,
+                vehicle, entry.location, yaw=entry.heading, radius=None, tolerance=None,
+                override_limits=True, wait=True, timeout=None, changes=firmware.changes,
             )  # fmt: skip
             if entry.heading is not None:
-                await turn(vehicle, entry.heading, wait=True, timeout=None)
+                await turn(vehicle, entry.heading, wait=True, timeout=None, changes=firmware.changes)
         await firmware.orbit(center, radius=radius, speed=speed)
 
-    def remaining() -> float | None:
-        away = _distance_to(vehicle, center.latitude, center.longitude)
-        return None if away is None else abs(away - abs(radius))
-
     goal = ActionGoal(
-        lambda: (rest := remaining()) is not None and rest <= tolerance,
-        remaining,
+        orbiting.reached,
+        orbiting.remaining,
         modes=firmware.modes_of("orbit"),
         armed=True,
+        stall_timeout=_WING_STALL_TIMEOUT if vehicle.vehicle_type.circles else STALL_TIMEOUT,
+        signs=orbiting.signs,
+        detail=orbiting.detail,
+        failure=orbiting.failure,
     )
-    operation = f"orbit of {abs(radius):g} m radius with"
     with explain_far_target(vehicle, center):
-        await _run(vehicle, operation, request(), lambda: goal, wait=wait, timeout=timeout)
+        await _run(
+            vehicle, operation, request(), lambda: goal, changes=firmware.changes, wait=wait, timeout=timeout
+        )
 
 
-async def turn(vehicle: VehicleState, heading: float, *, wait: bool, timeout: float | None) -> None:
-    """Turn to a heading in degrees."""
+async def turn(
+    vehicle: VehicleState,
+    heading: float,
+    *,
+    wait: bool,
+    timeout: float | None,
+    changes: Changes | None = None,
+) -> None:
+    """Turn to a heading in degrees; `changes` are those of the call that this one is a part of."""
     check_number("heading", heading)
-    firmware_of(vehicle).check_supported("turn")
     heading %= 360.0
+    operation = f"turn to {heading:g} degrees of"
+    check_preconditions(vehicle, "turn", operation)
     await detect_quadplane(vehicle)
-    firmware = firmware_of(vehicle)
+    firmware = firmware_of(vehicle, changes)
 
     def remaining() -> float | None:
         now = vehicle.heading
@@ -297,28 +358,29 @@ async def turn(vehicle: VehicleState, heading: float, *, wait: bool, timeout: fl
         "degrees",
         modes=firmware.modes_of("turn"),
     )
-    operation = f"turn to {heading:g} degrees of"
-    await _run(vehicle, operation, firmware.turn(heading), lambda: goal, wait=wait, timeout=timeout)
+    request = firmware.turn(heading)
+    await _run(
+        vehicle, operation, request, lambda: goal, changes=firmware.changes, wait=wait, timeout=timeout
+    )
 
 
 async def hold(vehicle: VehicleState, *, timeout: float | None) -> None:
     """Stay at the present position."""
-    async with deadline(timeout, "holding the position of", vehicle.address):
+    operation = "holding the position of"
+    check_preconditions(vehicle, "hold", operation)
+    async with deadline(timeout, operation, vehicle.address):
         await detect_quadplane(vehicle)
         await with_status_texts(vehicle, firmware_of(vehicle).hold())
 
 
-def flies_on_wing(vehicle: VehicleState) -> bool:
-    """Return whether the vehicle flies on its wing now, and cannot stand still."""
-    hovers = vehicle.vtol_state == common.MavVtolState.MC
-    kind = vehicle.vehicle_type
-    return kind is VehicleType.PLANE or (kind is VehicleType.VTOL and not hovers)
-
-
-def _check_airborne(vehicle: VehicleState, action: str) -> None:
-    """Raise if a plane stands on the ground: it would run along it at full throttle."""
-    if vehicle.vehicle_type is VehicleType.PLANE and vehicle.armed and vehicle.in_air is False:
-        raise firmware_of(vehicle).unsupported(action, "it is on the ground; take off first")
+async def _tolerance(
+    vehicle: VehicleState, asked: float | None, wait: bool, timeout: float | None
+) -> Tolerance:
+    """Return the tolerance of a call; without `wait` nothing is read for it."""
+    if not wait:
+        return default_tolerance(vehicle)
+    async with deadline(timeout, "reading the tolerance of", vehicle.address):
+        return await tolerance_of(vehicle, asked)
 
 
 def _remaining_timeout(vehicle: VehicleState, timeout: float | None, started: float) -> float | None:
@@ -330,8 +392,6 @@ def _relative_altitude(vehicle: VehicleState) -> float | None:
     return None if position is None else position.relative_altitude
 
 
-def _distance_to(vehicle: VehicleState, latitude: float, longitude: float) -> float | None:
-    position = vehicle.position
-    if position is None:
-        return None
-    return distance(position.latitude, position.longitude, latitude, longitude)
+def _home_of(vehicle: VehicleState) -> tuple[float, float] | None:
+    home = vehicle.home
+    return None if home is None else (home.latitude, home.longitude)

@@ -9,8 +9,8 @@ from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError, RemoteError
 from mavstack.services.arguments import check_numbers
 from mavstack.vehicle.actions.limits import check_location
+from mavstack.vehicle.actions.preconditions import check_preconditions
 from mavstack.vehicle.deadline import deadline
-from mavstack.vehicle.firmware import firmware_of
 from mavstack.vehicle.geography import Location
 from mavstack.vehicle.status_text_capture import with_status_texts
 
@@ -34,8 +34,9 @@ async def set_home(
         )
     if latitude is not None and longitude is not None:
         check_location(Location(latitude, longitude, altitude))
-    firmware_of(vehicle).check_supported("home")
-    async with deadline(timeout, "setting the home position of", vehicle.address):
+    operation = "setting the home position of"
+    check_preconditions(vehicle, "home", operation)
+    async with deadline(timeout, operation, vehicle.address):
         if latitude is None or longitude is None:
             command = component.command(common.MavCmd.DO_SET_HOME, 1)
         else:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Final
 
-from mavstack.errors import CommandDenied, InvalidArgumentError, RemoteDenied, RemoteTimeout
+from mavstack.errors import ActionRefused, CommandDenied, InvalidArgumentError, RemoteDenied, RemoteTimeout
 from mavstack.services.arguments import check_number, check_numbers
 from mavstack.vehicle.geography import distance
 
@@ -85,7 +85,7 @@ def explain_far_target(vehicle: VehicleState, location: Location) -> Iterator[No
     try:
         yield
     except CommandDenied as error:
-        away = _distance_to(vehicle, location)
+        away = None if isinstance(error, ActionRefused) else _distance_to(vehicle, location)
         if away is not None and away >= _FAR_DISTANCE:
             error.status_texts = error.status_texts or (f"the target is {away / 1000:,.0f} km away",)
         raise

@@ -5,7 +5,9 @@ refuse arming in GUIDED. So the estimate of the position counts too, unless the 
 ArduPilot before 4.1 reports no such bit and does not run its checks on request: it sends the failed ones as
 status texts twice per minute. Such a vehicle is ready when it has reported no problem for a while.
 PX4's bit speaks of the present mode as well: after a reboot without radio control that may be one that needs
-sticks. Then the disarmed vehicle is put into its hold mode, in which it can be armed.
+sticks. Then the disarmed vehicle is put into its hold mode, in which it can be armed. A vehicle that stayed
+in RTL, LAND or AUTO after its landing is put into the mode in which it waits on the ground, as by arming. If
+the vehicle does not get ready, its mode is restored.
 
 The messages that report its health are requested, and the vehicle is commanded to run its checks repeatedly,
 so that it reports the failed ones immediately.
@@ -20,8 +22,10 @@ from typing import TYPE_CHECKING, Final
 from mavstack.dialects import ardupilotmega, common
 from mavstack.errors import HealthTimeout, MavstackError, RemoteCancelled
 from mavstack.services.arguments import check_timeout
+from mavstack.vehicle.actions.arming import enter_waiting_mode
 from mavstack.vehicle.actions.conditions import SustainedCondition
 from mavstack.vehicle.firmware import firmware_of
+from mavstack.vehicle.firmware.changes import Changes, undone_on_failure
 from mavstack.vehicle.telemetry.problems import recent
 
 if TYPE_CHECKING:
@@ -57,14 +61,28 @@ _RADIO: Final = common.MavSysStatusSensor.SENSOR_RC_RECEIVER
 _OPERATION = "waiting for the readiness of"
 
 
-async def wait_until_ready(vehicle: VehicleState, mode: str | None, timeout: float | None) -> Health:
+async def wait_until_ready(
+    vehicle: VehicleState, mode: str | None, timeout: float | None, *, keep_mode: bool = False
+) -> Health:
     """Wait until a vehicle is ready to arm; see `Vehicle.wait_until_ready`."""
     needs_position = firmware_of(vehicle).needs_position(mode)
     if (health := vehicle.health).ready and (not needs_position or _is_estimated(vehicle)):
         return health
     check_timeout(timeout)
     readiness = _Readiness(vehicle, mode, needs_position)
-    requests = asyncio.get_running_loop().create_task(_request_reports(vehicle))
+    changes = Changes(vehicle)
+    async with undone_on_failure(changes):
+        reports = _request_reports(vehicle, None if keep_mode else changes)
+        requests = asyncio.get_running_loop().create_task(reports)
+        try:
+            return await _health_when(vehicle, readiness, timeout)
+        finally:
+            requests.cancel()
+            await asyncio.gather(requests, return_exceptions=True)
+
+
+async def _health_when(vehicle: VehicleState, readiness: _Readiness, timeout: float | None) -> Health:
+    """Return the health once the vehicle is ready."""
     try:
         async with asyncio.timeout(timeout):
             while not readiness.reached():
@@ -74,11 +92,16 @@ async def wait_until_ready(vehicle: VehicleState, mode: str | None, timeout: flo
                     raise RemoteCancelled(_OPERATION, str(vehicle.address), answer=answer)
             return vehicle.health
     except TimeoutError:
-        answer = f"not in {timeout:g} s: {vehicle.health}"
+        answer = f"not in {timeout:g} s: {_unready_text(vehicle.health)}"
         raise HealthTimeout(_OPERATION, str(vehicle.address), answer=answer) from None
-    finally:
-        requests.cancel()
-        await asyncio.gather(requests, return_exceptions=True)
+
+
+def _unready_text(health: Health) -> str:
+    """Return why a vehicle is not ready to fly; one that can be armed lacks a position."""
+    if not health.ready:
+        return str(health)
+    warnings = "; ".join(map(str, health.warnings)) or "its position is not known"
+    return f"it can be armed in mode {health.mode}, but not fly by position: {warnings}"
 
 
 class _Readiness:
@@ -126,20 +149,28 @@ def _lacks_radio(vehicle: VehicleState) -> bool:
     return bool(wrong & _RADIO)
 
 
-async def _leave_stick_mode(vehicle: VehicleState) -> None:
-    """Let a vehicle without radio control leave a mode in which it needs sticks to be armed."""
+async def _leave_mode(vehicle: VehicleState, changes: Changes) -> None:
+    """Let a disarmed vehicle leave a mode in which its firmware does not arm.
+
+    Without radio control that may be one that needs sticks, which takes a while to know.
+    """
     while True:
+        firmware = firmware_of(vehicle, changes)
+        with suppress(MavstackError):
+            if vehicle.armed is False and not firmware.allows_arming(vehicle.mode):
+                await enter_waiting_mode(vehicle, changes)
         await asyncio.sleep(_RADIO_TIMEOUT)
         if vehicle.health.ready is False and vehicle.armed is False and _lacks_radio(vehicle):
             with suppress(MavstackError):
-                await firmware_of(vehicle).leave_stick_mode()
+                await firmware_of(vehicle, changes).leave_stick_mode()
 
 
-async def _request_reports(vehicle: VehicleState) -> None:
+async def _request_reports(vehicle: VehicleState, changes: Changes | None) -> None:
     telemetry = vehicle.telemetry
     async with asyncio.TaskGroup() as group:
         group.create_task(_run_checks(vehicle))
-        group.create_task(_leave_stick_mode(vehicle))
+        if changes is not None:
+            group.create_task(_leave_mode(vehicle, changes))
         for message, rate in (*_HEALTH_RATES, (telemetry.firmware.ESTIMATOR_MESSAGE, _ESTIMATOR_RATE)):
             group.create_task(telemetry.ensure(message, rate))
         group.create_task(telemetry.request_home())

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.vehicle.action_monitor import ActionGoal, ActionMonitor
+from mavstack.vehicle.actions.preconditions import check_preconditions
 from mavstack.vehicle.actions.quadplane import detect_quadplane
 from mavstack.vehicle.firmware import firmware_of
 from mavstack.vehicle.status_text_capture import with_status_texts
@@ -24,11 +25,12 @@ async def transition(
     vehicle: VehicleState, state: common.MavVtolState, *, wait: bool, timeout: float | None
 ) -> None:
     """Change to a MAV_VTOL_STATE, and wait until EXTENDED_SYS_STATE reports it."""
-    firmware_of(vehicle).check_supported("transition")
+    operation = f"transition to {_NAMES[state]} of"
+    check_preconditions(vehicle, "transition", operation)
     await detect_quadplane(vehicle)
     if vehicle.vehicle_type is not VehicleType.VTOL:
         raise firmware_of(vehicle).unsupported(f"change to {_NAMES[state]}")
-    async with ActionMonitor(vehicle, f"transition to {_NAMES[state]} of", timeout) as monitor:
+    async with ActionMonitor(vehicle, operation, timeout) as monitor:
         command = vehicle.component.command(common.MavCmd.DO_VTOL_TRANSITION, state)
         await with_status_texts(vehicle, command)
         if wait:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 from mavstack.errors import InvalidStateError, MavstackError
 from mavstack.node.read_only import ReadOnly
 from mavstack.vehicle.action_monitor import ActionMonitor
+from mavstack.vehicle.actions.preconditions import check_preconditions
 from mavstack.vehicle.calibration.changed_parameters import ChangedParameters
 from mavstack.vehicle.calibration.conversation import Conversation
 
@@ -73,6 +74,7 @@ class CalibrationSession(ReadOnly):
     async def _run(self) -> CalibrationResult:
         operation = f"{self._kind} calibration of"
         try:
+            check_preconditions(self._vehicle, "calibration", operation)
             async with ActionMonitor(self._vehicle, operation, self._timeout, rates={}) as monitor:
                 return await self._converse(Conversation(self._vehicle, self._kind, monitor, self._steps))
         finally:

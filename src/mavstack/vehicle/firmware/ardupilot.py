@@ -2,15 +2,31 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from math import cos, degrees, radians, sin
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from mavstack.dialects import ardupilotmega, common
-from mavstack.errors import CommandDenied, ParameterDenied, ParameterTimeout, RemoteDenied, RemoteTimeout
+from mavstack.errors import (
+    CommandDenied,
+    ParameterDenied,
+    ParameterTimeout,
+    RemoteDenied,
+    RemoteError,
+    RemoteTimeout,
+)
 from mavstack.services.parameters import RENAMED
-from mavstack.services.setpoints import GlobalSetpoint
-from mavstack.vehicle.firmware.firmware import CHANGE_MODE, CMD, FRAME, Firmware, OrbitEntry
+from mavstack.services.setpoints import AttitudeSetpoint, GlobalSetpoint
+from mavstack.vehicle.firmware.firmware import (
+    CHANGE_MODE,
+    CMD,
+    FRAME,
+    GROUNDED,
+    REQUEST_TIMEOUT,
+    Firmware,
+    OrbitEntry,
+)
 from mavstack.vehicle.geography import Location, offset_location
 from mavstack.vehicle.vehicle_type import VehicleType
 
@@ -20,8 +36,15 @@ if TYPE_CHECKING:
     from mavstack.dialects import Message
     from mavstack.dialects.enums import MavEnum
     from mavstack.services.heartbeat import ComponentInfo
+    from mavstack.services.setpoints import Setpoint
 
 _GUIDED: Final = frozenset({"guided"})
+_WINGED: Final = frozenset({VehicleType.PLANE, VehicleType.VTOL})
+#: The version of ArduPlane whose DO_REPOSITION has a radius.
+_REPOSITION_RADIUS: Final = (4, 3)
+_ATTITUDE_ONLY: Final = (
+    "ArduPlane follows attitudes only: use goto(), or begin with guided(first=AttitudeSetpoint(...))"
+)
 #: The mode in which each vehicle type stays where it is; it needs no throttle stick where there is a choice.
 _HOLD_MODES: Final[Mapping[VehicleType, str]] = MappingProxyType(
     {
@@ -33,8 +56,9 @@ _HOLD_MODES: Final[Mapping[VehicleType, str]] = MappingProxyType(
         VehicleType.SUB: "POSHOLD",
     }
 )
-#: Modes in which a copter or a rover refuses arming, though it stays in them after it came home.
-_NO_ARMING_MODES: Final = frozenset({"rtl", "smart_rtl", "land", "brake", "circle"})
+_QUADPLANE: Final = frozenset({"qrtl", "qland"})
+_WINGS: Final = frozenset({"takeoff", "auto", "autoland", "circle", "avoid_adsb", "thermal"})
+_SURFACE: Final = frozenset({"auto", "circle", "follow", "dock"})
 #: Modes in which arming needs no position.
 _NO_POSITION_MODES: Final = frozenset(
     {"stabilize", "acro", "alt_hold", "sport", "flip", "autotune", "manual", "hold", "steering", "flowhold"}
@@ -43,6 +67,8 @@ _NO_POSITION_MODES: Final = frozenset(
 _LAND_MODES: Final[Mapping[VehicleType, str]] = MappingProxyType(
     {VehicleType.COPTER: "LAND", VehicleType.VTOL: "QLAND"}
 )
+#: AUTO_OPTIONS: arming is allowed in AUTO.
+_ARMING_IN_AUTO: Final = 1
 #: CIRCLE_OPTIONS: the centre of the circle is the position where the mode is entered.
 _CENTER_AT_ENTRY: Final = 4
 _NO_LANDING: Final = (
@@ -74,6 +100,45 @@ class ArduPilot(Firmware):
             "mission": frozenset({"auto", "auto_rtl", "rtl", "qrtl"}),
         }
     )
+    LACKING_TYPES: ClassVar[Mapping[str, frozenset[VehicleType]]] = MappingProxyType(
+        dict.fromkeys(("takeoff", "land", "orbit"), GROUNDED) | {"rtl": frozenset({VehicleType.SUB})}
+    )
+    #: A copter stays in RTL, LAND or AUTO after its landing, and does not arm there (ArduCopter's
+    #: `allows_arming`); so does a plane in RTL since 4.2, and a rover in RTL.
+    NO_ARMING_MODES: ClassVar[Mapping[VehicleType, frozenset[str]]] = MappingProxyType(
+        {
+            VehicleType.COPTER: frozenset(
+                {"auto", "auto_rtl", "rtl", "smart_rtl", "land", "brake", "circle", "flip", "autotune"}
+                | {"follow"}
+            ),
+            VehicleType.PLANE: frozenset({"rtl", "initializing"}),
+            VehicleType.VTOL: _QUADPLANE | {"rtl", "initializing"},
+            **dict.fromkeys(
+                (VehicleType.ROVER, VehicleType.BOAT), frozenset({"rtl", "smart_rtl", "initializing"})
+            ),
+        }
+    )
+    #: A wing with automatic throttle runs along the ground as soon as it moves.
+    SELF_STARTING_MODES: ClassVar[Mapping[VehicleType, frozenset[str]]] = MappingProxyType(
+        {
+            VehicleType.COPTER: frozenset({"auto", "throw"}),
+            VehicleType.PLANE: _WINGS | {"guided", "loiter"},
+            VehicleType.VTOL: _WINGS,
+            VehicleType.ROVER: _SURFACE,
+            VehicleType.BOAT: _SURFACE,
+            VehicleType.SUB: frozenset({"auto", "circle"}),
+        }
+    )
+    WAITING_MODES: ClassVar[Mapping[VehicleType, str]] = MappingProxyType(
+        {
+            VehicleType.COPTER: "GUIDED",
+            VehicleType.PLANE: "FBWA",
+            VehicleType.VTOL: "GUIDED",
+            VehicleType.ROVER: "HOLD",
+            VehicleType.BOAT: "HOLD",
+            VehicleType.SUB: "POSHOLD",
+        }
+    )
     FEATURES: ClassVar[Mapping[str, bool]] = MappingProxyType(
         dict.fromkeys(
             ("parameters", "mission", "logs", "servos", "relays", "motor_test", "manual_control"), True
@@ -85,6 +150,10 @@ class ArduPilot(Firmware):
     )
     COMMANDS: ClassVar[type[MavEnum]] = ardupilotmega.MavCmd
     ESTIMATOR_MESSAGE: ClassVar[type[Message]] = ardupilotmega.EkfStatusReport
+    #: A boat drifts in its circle before it uses its motors again.
+    STOPPING_RADII: ClassVar[Mapping[VehicleType, Mapping[str, float]]] = MappingProxyType(
+        {VehicleType.ROVER: {"WP_RADIUS": 2.0}, VehicleType.BOAT: {"WP_RADIUS": 2.0, "LOIT_RADIUS": 2.0}}
+    )
     #: All failed checks are sent in one run, when requested and every half minute.
     PREARM_RUN: ClassVar[float] = 3.0
     PREARM_LIFETIME: ClassVar[float] = 40.0
@@ -112,7 +181,7 @@ class ArduPilot(Firmware):
         if not self._type.flies:
             raise self.unsupported("take off")
         if self._type is VehicleType.PLANE:
-            await self.vehicle.params.set("TKOFF_ALT", altitude)
+            await self.changes.set_parameter("TKOFF_ALT", altitude)
             await self.set_mode("TAKEOFF")
             return
         await self.set_mode("GUIDED")
@@ -153,16 +222,15 @@ class ArduPilot(Firmware):
         """Go by DO_REPOSITION, or by a setpoint where an older version does not support the command."""
         await self.set_mode("GUIDED")
         altitude = await self._altitude_of(location)
-        heading = 0.0 if yaw is None else self.yaw_of(yaw)
-        if self._type in (VehicleType.PLANE, VehicleType.VTOL):
-            heading = 0.0  # the direction of the circle
+        # Of a wing this parameter is the direction of its circle.
+        heading = 0.0 if yaw is None or self._type in _WINGED else self.yaw_of(yaw)
         try:
             await self.command(
                 CMD.DO_REPOSITION, -1, CHANGE_MODE, radius or 0.0, heading,
                 location.latitude, location.longitude, altitude, frame=FRAME.GLOBAL_RELATIVE_ALT,
             )  # fmt: skip
         except CommandDenied as error:
-            if error.code != common.MavResult.UNSUPPORTED:
+            if error.code != common.MavResult.UNSUPPORTED or self._type in _WINGED:
                 raise
             setpoint = GlobalSetpoint(location.latitude, location.longitude, altitude)
             self.vehicle.component.send(setpoint.to_message(self.vehicle.address))
@@ -172,18 +240,34 @@ class ArduPilot(Firmware):
     @property
     def can_orbit(self) -> bool:
         """True if vehicles of this type circle locations with this firmware."""
-        return self._type in (VehicleType.COPTER, VehicleType.PLANE, VehicleType.VTOL)
+        return self._type is VehicleType.COPTER or self._type in _WINGED
+
+    def check_setpoint(self, setpoint: Setpoint) -> None:
+        """Raise unless ArduPlane follows a setpoint: of positions it takes the altitude only."""
+        if self._type in _WINGED and not isinstance(setpoint, AttitudeSetpoint):
+            raise self.unsupported("follow setpoints of positions and velocities", _ATTITUDE_ONLY)
+
+    async def check_circle(self, radius: float, *, orbit: bool) -> None:
+        """Raise if the version of ArduPlane ignores the radius of DO_REPOSITION, as before 4.3."""
+        version = await self.read_flight_version() if self._type in _WINGED else None
+        if version is None or version[:2] >= _REPOSITION_RADIUS:
+            return
+        plane = f"ArduPlane {version.major}.{version.minor}"
+        await self._check_parameter_circle(radius, "WP_LOITER_RAD", plane)
+        if orbit and radius > 0 and (await self.read_number("WP_LOITER_RAD") or 0.0) < 0:
+            reason = f"{plane} circles counter-clockwise while WP_LOITER_RAD is negative; set that parameter"
+            raise self.unsupported("orbit clockwise", reason)
 
     async def prepare_orbit(self, center: Location, radius: float) -> OrbitEntry | None:
         """Return the centre for a copter, which circles the position where it enters CIRCLE.
 
         Without CIRCLE_OPTIONS, which 4.1 introduced, the centre lies ahead of it by the radius.
         """
-        if self._type in (VehicleType.PLANE, VehicleType.VTOL):
+        if self._type in _WINGED:
             return None
         if not self.can_orbit:
             raise self.unsupported("orbit")
-        self._check_throttle()
+        await self._check_throttle()
         if await self._circle_around_entry():
             return OrbitEntry(center)
         heading = self.vehicle.heading or 0.0
@@ -197,7 +281,7 @@ class ArduPilot(Firmware):
         params = self.vehicle.params
         try:
             options = int((await params.get("CIRCLE_OPTIONS")).value)
-            await params.set("CIRCLE_OPTIONS", options | _CENTER_AT_ENTRY)
+            await self.changes.set_parameter("CIRCLE_OPTIONS", options | _CENTER_AT_ENTRY)
         except (ParameterDenied, ParameterTimeout):
             return False
         return True
@@ -228,10 +312,11 @@ class ArduPilot(Firmware):
         navigates = self._type in (VehicleType.COPTER, VehicleType.ROVER, VehicleType.BOAT)
         return navigates and (mode or "guided").lower() not in _NO_POSITION_MODES
 
-    async def prepare_arming(self) -> None:
-        mode = (self.vehicle.mode or "").lower()
-        if mode in _NO_ARMING_MODES or (mode == "auto" and self._type is VehicleType.COPTER):
-            await self.guide()
+    def allows_arming(self, mode: str | None) -> bool:
+        """Return whether it arms in a mode; a copter arms in AUTO if AUTO_OPTIONS says so."""
+        if (mode or "").lower() == "auto" and (options := self.vehicle.params.cached.get("AUTO_OPTIONS")):
+            return bool(int(options.value) & _ARMING_IN_AUTO)
+        return super().allows_arming(mode)
 
     async def start_mission(self) -> None:
         """Enter AUTO, and send MISSION_START: on the ground a copter would wait for the throttle stick."""
@@ -264,11 +349,15 @@ class ArduPilot(Firmware):
         await self.command(ardupilotmega.MavCmd.SET_EKF_SOURCE_SET, number)
 
     async def _altitude_of(self, location: Location) -> float:
+        if not self._type.has_altitude:  # ArduRover 4.1 reports one above the sea as one above home
+            return 0.0
         altitude = location.altitude
         return await self.vehicle.get_relative_altitude() if altitude is None else altitude
 
-    def _check_throttle(self) -> None:
+    async def _check_throttle(self) -> None:
         """Raise if the throttle stick is off its middle: in CIRCLE a copter climbs and sinks by it."""
+        with suppress(RemoteError):  # an older one, or one without a receiver, does not send it
+            await self.vehicle.component.request_message(common.RcChannels, timeout=REQUEST_TIMEOUT)
         channel = self.vehicle.params.cached.get("RCMAP_THROTTLE")
         pulse = self.vehicle.rc_pulse(_DEFAULT_THROTTLE_CHANNEL if channel is None else int(channel.value))
         if pulse is not None and abs(pulse - _THROTTLE_MIDDLE) > _THROTTLE_DEAD_ZONE:
@@ -292,7 +381,7 @@ class ArduPilot(Firmware):
             rate = abs(float((await params.get("CIRCLE_RATE")).value))
         else:
             rate = degrees(speed / abs(radius))
-        await params.set("CIRCLE_RATE", clockwise * rate)
+        await self.changes.set_parameter("CIRCLE_RATE", clockwise * rate)
 
     async def _set_circle_radius(self, metres: float) -> None:
         """Set the radius by the name and in the unit of the version.
@@ -302,9 +391,9 @@ class ArduPilot(Firmware):
         params = self.vehicle.params
         try:
             if _RADIUS.name not in params.cached:
-                await params.set(_RADIUS.earlier, metres / _RADIUS.factor)
+                await self.changes.set_parameter(_RADIUS.earlier, metres / _RADIUS.factor)
                 return
         except (ParameterDenied, ParameterTimeout) as error:
             if isinstance(error, ParameterDenied) and error.code != _NO_SUCH_PARAMETER:
                 raise
-        await params.set(_RADIUS.name, metres)
+        await self.changes.set_parameter(_RADIUS.name, metres)

@@ -6,11 +6,13 @@ the action through is the same for all firmwares and stands in `mavstack.vehicle
 modes in which an action goes on: the action was interrupted when the vehicle is in another mode.
 
 The methods raise `CommandDenied`, `CommandTimeout` or `ModeTimeout` as the commands that they send do, and
-`ActionUnsupported`, before anything is sent, where the vehicle type or the firmware lacks the action.
+`ActionUnsupported`, before anything is sent, where the vehicle type or the firmware lacks the action. Steps
+that change a mode or a parameter go through `changes`, so that a call that fails later can reverse them.
 """
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from math import inf, nan
 from types import MappingProxyType
@@ -18,7 +20,8 @@ from typing import TYPE_CHECKING, ClassVar, Final
 
 from mavstack.dialects import common
 from mavstack.dialects.enums import official_names
-from mavstack.errors import ActionUnsupported
+from mavstack.errors import ActionUnsupported, RemoteError
+from mavstack.vehicle.firmware.changes import Changes
 from mavstack.vehicle.vehicle_type import VehicleType
 
 if TYPE_CHECKING:
@@ -27,7 +30,8 @@ if TYPE_CHECKING:
     from mavstack.dialects import Message
     from mavstack.dialects.enums import MavEnum
     from mavstack.services.heartbeat import ComponentInfo
-    from mavstack.services.version import AutopilotVersion
+    from mavstack.services.setpoints import Setpoint
+    from mavstack.services.version import AutopilotVersion, FirmwareVersion
     from mavstack.vehicle.firmware.interface import FirmwareVehicle
     from mavstack.vehicle.geography import Location
 
@@ -37,7 +41,17 @@ _STANDARD: Final = common.MavStandardMode
 _PREARM: Final = common.MavSysStatusSensor.PREARM_CHECK
 #: Param 2 of DO_REPOSITION: change the mode for it.
 CHANGE_MODE: Final = float(common.MavDoRepositionFlags.CHANGE_MODE)
+#: The words for calls that some vehicle types lack.
+WORDS: Final[Mapping[str, str]] = MappingProxyType(
+    {"takeoff": "take off", "land": "land", "rtl": "return by itself", "orbit": "orbit"}
+)
+#: The vehicle types that do not fly.
+GROUNDED: Final = frozenset(kind for kind in VehicleType if not kind.flies)
 _ACTUATORS_PER_SET: Final = 6
+#: The time in which a parameter or a message is requested before an action, in seconds.
+REQUEST_TIMEOUT: Final = 3.0
+#: The part by which a circle may differ from the one that was asked for.
+_CIRCLE_DEVIATION: Final = 0.1
 #: Param 2 of DO_MOTOR_TEST: the throttle is in percent.
 _PERCENT: Final = float(common.MotorTestThrottleType.THROTTLE_PERCENT)
 
@@ -59,6 +73,15 @@ class Firmware:
     NAME: ClassVar[str] = ""
     #: The modes that end on the ground, in lower case.
     LANDING_MODES: ClassVar[frozenset[str]] = frozenset({"rtl", "land", "qrtl", "qland", "auto_rtl"})
+    #: The modes in which the firmware does not arm, in lower case, by vehicle type; a type that is missing
+    #: arms in all of its modes.
+    NO_ARMING_MODES: ClassVar[Mapping[VehicleType, frozenset[str]]] = MappingProxyType({})
+    #: The modes in which an armed vehicle on the ground starts to fly or drive without a further command.
+    SELF_STARTING_MODES: ClassVar[Mapping[VehicleType, frozenset[str]]] = MappingProxyType(
+        dict.fromkeys(VehicleType, frozenset({"takeoff", "mission", "auto", "rtl", "return", "offboard"}))
+    )
+    #: The mode in which each vehicle type waits on the ground when it is armed; empty: none is known.
+    WAITING_MODES: ClassVar[Mapping[VehicleType, str]] = MappingProxyType({})
 
     #: The commands of the firmware's dialect.
     COMMANDS: ClassVar[type[MavEnum]] = common.MavCmd
@@ -85,13 +108,19 @@ class Firmware:
     EQUIPMENT_PARAMETERS: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
     #: The calls that no vehicle of the firmware has, and their words in errors: "takeoff": "take off".
     LACKING: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    #: The parameters that set how close to a place a vehicle type stops, in metres, with their usual values.
+    STOPPING_RADII: ClassVar[Mapping[VehicleType, Mapping[str, float]]] = MappingProxyType({})
+    #: The vehicle types that lack a call with this firmware.
+    LACKING_TYPES: ClassVar[Mapping[str, frozenset[VehicleType]]] = MappingProxyType({})
     #: The longest motor test that one command starts, in seconds.
     MAX_MOTOR_TEST: ClassVar[float] = inf
     #: True if the heartbeat of a vehicle says that it is armed while a motor is tested.
     MOTOR_TEST_ARMS: ClassVar[bool] = False
 
-    def __init__(self, vehicle: FirmwareVehicle) -> None:
+    def __init__(self, vehicle: FirmwareVehicle, changes: Changes | None = None) -> None:
         self.vehicle = vehicle
+        #: The changes that the steps of the present call made.
+        self.changes = Changes(vehicle) if changes is None else changes
 
     @classmethod
     def named_command(cls, number: int) -> int:
@@ -130,15 +159,28 @@ class Firmware:
         return bool(version.vendor_id)
 
     def check_supported(self, call: str) -> None:
-        """Raise `ActionUnsupported` if the firmware lacks a call; does not ask the vehicle."""
+        """Raise `ActionUnsupported` if the firmware or the vehicle type lacks a call; asks no vehicle."""
         words = self.LACKING.get(call)
         if words is not None:
             raise self.unsupported(words, "its firmware has no command for that")
+        if self.vehicle.vehicle_type in self.LACKING_TYPES.get(call, ()):
+            raise self.unsupported(WORDS[call])
 
     @property
     def can_orbit(self) -> bool:
         """True if vehicles of this type circle locations with this firmware."""
         return self.vehicle.vehicle_type.flies
+
+    def check_setpoint(self, setpoint: Setpoint) -> None:
+        """Raise `ActionUnsupported` if the vehicle ignores setpoints of a type; does not ask the vehicle."""
+
+    async def check_circle(self, radius: float, *, orbit: bool) -> None:
+        """Raise `ActionUnsupported` if a wing cannot circle with a radius in metres; may read parameters.
+
+        Args:
+            radius: Negative: counter-clockwise.
+            orbit: True for `orbit`, False for the circle at the end of `goto`.
+        """
 
     def modes_of(self, action: str) -> frozenset[str] | None:
         """Return the modes in which an action goes on, in lower case; None if any mode will do."""
@@ -150,6 +192,21 @@ class Firmware:
         # A plane that returned circles home until it gets another command.
         circles = name == "rtl" and self.vehicle.vehicle_type is VehicleType.PLANE
         return name in self.LANDING_MODES and not circles
+
+    # Arming
+
+    def allows_arming(self, mode: str | None) -> bool:
+        """Return whether the firmware arms in a mode; True if that is not known."""
+        return (mode or "").lower() not in self.NO_ARMING_MODES.get(self.vehicle.vehicle_type, ())
+
+    def starts_by_itself(self, mode: str | None) -> bool:
+        """Return whether a vehicle that is armed in a mode starts to fly or drive without a command."""
+        return (mode or "").lower() in self.SELF_STARTING_MODES.get(self.vehicle.vehicle_type, ())
+
+    @property
+    def waiting_mode(self) -> str:
+        """The mode in which the vehicle waits on the ground when it is armed; empty: none is known."""
+        return self.WAITING_MODES.get(self.vehicle.vehicle_type, "")
 
     # Actions
 
@@ -207,9 +264,6 @@ class Firmware:
 
     async def leave_stick_mode(self) -> None:
         """Leave a mode that needs the sticks of a radio control, if the vehicle is in one."""
-
-    async def prepare_arming(self) -> None:
-        """Leave a mode in which the firmware refuses arming, such as the one that the vehicle landed in."""
 
     async def start_mission(self) -> None:
         """Fly the mission."""
@@ -269,6 +323,31 @@ class Firmware:
 
     # Parts of actions
 
+    async def read_number(self, name: str) -> float | None:
+        """Return a parameter, read from the vehicle if it is not known; None if it does not answer."""
+        params = self.vehicle.params
+        if name not in params.cached:
+            with suppress(RemoteError):
+                await params.get(name, timeout=REQUEST_TIMEOUT)
+        found = params.cached.get(name)
+        return None if found is None else float(found.value)
+
+    async def read_flight_version(self) -> FirmwareVersion | None:
+        """Return the version of the firmware, requested if it is not known; None if it is not told."""
+        if self.vehicle.version is None:
+            with suppress(RemoteError):
+                await self.vehicle.component.get_version(timeout=REQUEST_TIMEOUT)
+        version = self.vehicle.version
+        return None if version is None or not version.flight.major else version.flight
+
+    async def _check_parameter_circle(self, radius: float, name: str, firmware: str) -> None:
+        """Raise unless a circle is about the one that a parameter sets, where commands have no radius."""
+        value = await self.read_number(name)
+        if value is None or abs(abs(value) - abs(radius)) <= max(_CIRCLE_DEVIATION * abs(radius), 1.0):
+            return
+        reason = f"{firmware} ignores the radius and circles at {name}, {abs(value):g} m; set that parameter"
+        raise self.unsupported(f"circle with a radius of {abs(radius):g} m", reason)
+
     def yaw_of(self, heading: float) -> float:
         """Return a heading in degrees as DO_REPOSITION needs it, in radians from -pi to pi."""
         return (heading + 180.0) % 360.0 / 180.0 * 3.141592653589793 - 3.141592653589793
@@ -283,11 +362,11 @@ class Firmware:
 
     async def set_standard_mode(self, mode: int) -> None:
         """Enter a MAV_STANDARD_MODE."""
-        await self.vehicle.component.modes.set_standard(mode)
+        await self.changes.set_standard_mode(mode)
 
     async def set_mode(self, mode: str) -> None:
         """Enter a mode of the firmware."""
-        await self.vehicle.component.modes.set(mode)
+        await self.changes.set_mode(mode)
 
     def unsupported(self, action: str, reason: str | None = None) -> ActionUnsupported:
         """Return the error for an action that the vehicle type or the firmware lacks."""

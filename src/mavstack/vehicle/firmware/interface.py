@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from mavstack.node.component import RemoteComponent
     from mavstack.node.params import Params
     from mavstack.services import Address
+    from mavstack.services.version import AutopilotVersion
     from mavstack.vehicle.vehicle_type import VehicleType
 
 
@@ -45,8 +46,23 @@ class FirmwareVehicle(Protocol):
         ...
 
     @property
+    def vtol_state(self) -> int | None:
+        """The MAV_VTOL_STATE; None if it is not known."""
+        ...
+
+    @property
+    def version(self) -> AutopilotVersion | None:
+        """The versions; None if they were not requested."""
+        ...
+
+    @property
     def mode(self) -> str | None:
         """The name of its flight mode; None if it is not known."""
+        ...
+
+    @property
+    def armed(self) -> bool | None:
+        """True if the motors may run; None if that is not known."""
         ...
 
     @property

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, ClassVar, Final
 
 from mavstack.dialects import common
 from mavstack.vehicle.firmware.firmware import Firmware
+from mavstack.vehicle.vehicle_type import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -84,6 +85,9 @@ class Betaflight(MspFirmware):
     NAME: ClassVar[str] = "Betaflight"
     MODES: ClassVar[Mapping[str, frozenset[str]]] = MappingProxyType({"rtl": frozenset({"gps rescue"})})
     LANDING_MODES: ClassVar[frozenset[str]] = frozenset({"gps rescue"})
+    SELF_STARTING_MODES: ClassVar[Mapping[VehicleType, frozenset[str]]] = MappingProxyType(
+        dict.fromkeys(VehicleType, frozenset({"gps rescue"}))
+    )
     LACKING: ClassVar[Mapping[str, str]] = MappingProxyType({**_LACKING, "mission": "fly missions"})
 
 
@@ -95,4 +99,7 @@ class Inav(MspFirmware):
         {"rtl": frozenset({"nav rth"}), "mission": frozenset({"nav wp", "nav rth"})}
     )
     LANDING_MODES: ClassVar[frozenset[str]] = frozenset({"nav rth"})
+    SELF_STARTING_MODES: ClassVar[Mapping[VehicleType, frozenset[str]]] = MappingProxyType(
+        dict.fromkeys(VehicleType, frozenset({"nav wp", "nav rth", "nav launch"}))
+    )
     FEATURES: ClassVar[Mapping[str, bool]] = MappingProxyType({**_FEATURES, "mission": True})

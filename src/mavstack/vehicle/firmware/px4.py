@@ -7,12 +7,14 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from mavstack.dialects import common
-from mavstack.vehicle.firmware.firmware import CHANGE_MODE, CMD, FRAME, Firmware
-from mavstack.vehicle.vehicle_type import VehicleType
+from mavstack.services.setpoints import AttitudeSetpoint, LocalSetpoint
+from mavstack.vehicle.firmware.firmware import CHANGE_MODE, CMD, FRAME, GROUNDED, Firmware
+from mavstack.vehicle.vehicle_type import VehicleType, flies_on_wing
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from mavstack.services.setpoints import GlobalSetpoint, Setpoint
     from mavstack.vehicle.geography import Location
 
 _HOLD = frozenset({"loiter"})
@@ -23,6 +25,9 @@ _STICK_MODES = frozenset(
 )
 #: HIGH_LATENCY2 holds the upper half of the custom mode: the main mode and the sub mode.
 _CUSTOM_MODE_SHIFT = 16
+_NO_VELOCITIES: Final = (
+    "on its wing it follows positions and attitudes; begin with guided(first=...) that is one of these"
+)
 _FIRST_MOTOR: Final = int(common.ActuatorOutputFunction.MOTOR1)
 
 
@@ -44,6 +49,21 @@ class Px4(Firmware):
             "end of mission": _HOLD,
         }
     )
+    LACKING_TYPES: ClassVar[Mapping[str, frozenset[VehicleType]]] = MappingProxyType(
+        dict.fromkeys(("takeoff", "land", "orbit"), GROUNDED)
+    )
+    #: The modes that PX4 marks as `mode_req_prevent_arming`.
+    NO_ARMING_MODES: ClassVar[Mapping[VehicleType, frozenset[str]]] = MappingProxyType(
+        dict.fromkeys(VehicleType, frozenset({"rtl", "land", "precland", "descend", "orbit", "termination"}))
+    )
+    SELF_STARTING_MODES: ClassVar[Mapping[VehicleType, frozenset[str]]] = MappingProxyType(
+        dict.fromkeys(
+            VehicleType, frozenset({"takeoff", "vtol_takeoff", "mission", "offboard", "follow_target"})
+        )
+    )
+    WAITING_MODES: ClassVar[Mapping[VehicleType, str]] = MappingProxyType(
+        dict.fromkeys(VehicleType, "LOITER")
+    )
     FEATURES: ClassVar[Mapping[str, bool]] = MappingProxyType(
         dict.fromkeys(
             ("parameters", "mission", "logs", "shell", "actuators", "motor_test", "manual_control"), True
@@ -52,6 +72,9 @@ class Px4(Firmware):
     )
     EQUIPMENT_PARAMETERS: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         {"gripper": ("PD_GRIPPER_EN",), "osd": ("OSD_ATXXXX_CFG", "MSP_OSD_CONFIG")}
+    )
+    STOPPING_RADII: ClassVar[Mapping[VehicleType, Mapping[str, float]]] = MappingProxyType(
+        {kind: {"NAV_ACC_RAD": 0.5} for kind in (VehicleType.ROVER, VehicleType.BOAT)}
     )
     HIGH_LATENCY_WIND_TO: ClassVar[bool] = True
     #: PX4 shortens longer tests, so that a motor stops soon after contact is lost.
@@ -93,6 +116,21 @@ class Px4(Firmware):
             raise self.unsupported("orbit")
         await super().orbit(center, radius=radius, speed=speed)
 
+    def check_setpoint(self, setpoint: Setpoint) -> None:
+        """Raise if a wing ignores a setpoint: it follows attitudes and whole positions, no velocities."""
+        vehicle = self.vehicle
+        on_wing = flies_on_wing(vehicle.vehicle_type, vehicle.vtol_state)
+        if isinstance(setpoint, AttitudeSetpoint) or not on_wing:
+            return
+        if None in _position_of(setpoint):
+            raise self.unsupported("follow setpoints of velocities", _NO_VELOCITIES)
+
+    async def check_circle(self, radius: float, *, orbit: bool) -> None:
+        """Raise for a radius in `goto`, which DO_REPOSITION ignores; DO_ORBIT has one."""
+        vehicle = self.vehicle
+        if not orbit and flies_on_wing(vehicle.vehicle_type, vehicle.vtol_state):
+            await self._check_parameter_circle(radius, "NAV_LOITER_RAD", "PX4")
+
     async def turn(self, heading: float) -> None:
         """Turn by a DO_REPOSITION to the present position: PX4 takes CONDITION_YAW in missions only."""
         if self.vehicle.vehicle_type is VehicleType.PLANE:
@@ -116,3 +154,9 @@ class Px4(Firmware):
     def stop_motor(self, number: int) -> None:
         function = _FIRST_MOTOR + number - 1
         self.vehicle.component.send(common.CommandLong(command=CMD.ACTUATOR_TEST, param5=function))
+
+
+def _position_of(setpoint: LocalSetpoint | GlobalSetpoint) -> tuple[float | None, ...]:
+    if isinstance(setpoint, LocalSetpoint):
+        return setpoint.position
+    return setpoint.latitude, setpoint.longitude, setpoint.altitude

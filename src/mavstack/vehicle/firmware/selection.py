@@ -19,6 +19,7 @@ from mavstack.vehicle.firmware.px4 import Px4
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from mavstack.vehicle.firmware.changes import Changes
     from mavstack.vehicle.firmware.interface import FirmwareVehicle
 
 _CLASSES: Final[Mapping[int, type[Firmware]]] = MappingProxyType(
@@ -42,6 +43,14 @@ def firmware_class(autopilot: int | None, identifier: str = "") -> type[Firmware
     return Firmware if autopilot is None else _CLASSES.get(autopilot, Firmware)
 
 
-def firmware_of(vehicle: FirmwareVehicle) -> Firmware:
-    """Return the firmware of a vehicle, by its last heartbeat and its AUTOPILOT_VERSION."""
-    return firmware_class(vehicle.autopilot, vehicle.identifier)(vehicle)
+def firmware_of(vehicle: FirmwareVehicle, changes: Changes | None = None) -> Firmware:
+    """Return the firmware of a vehicle, by its last heartbeat and its AUTOPILOT_VERSION.
+
+    Args:
+        vehicle: The vehicle.
+        changes: The changes of a call that this one is a part of; None: the call stands alone.
+
+    Returns:
+        The firmware, for one call.
+    """
+    return firmware_class(vehicle.autopilot, vehicle.identifier)(vehicle, changes)

@@ -50,9 +50,16 @@ class Problem:
 
 
 def recent(telemetry: Telemetry, message: type[AnyMessage]) -> AnyMessage | None:
-    """Return the last message of a class, or None if it is too old to count, or from before a reboot."""
+    """Return the last message of a class, or None if it is too old to count.
+
+    A message from before a reboot is too old, and one from before the vehicle became ready: then its GPS may
+    have had no fix yet.
+    """
     received_at = telemetry.received_at(message)
-    if received_at is None or received_at < max(telemetry.now() - MAX_AGE, telemetry.rebooted_at):
+    since = max(telemetry.now() - MAX_AGE, telemetry.rebooted_at)
+    if message is not common.SysStatus:
+        since = max(since, telemetry.ready_since or since)
+    if received_at is None or received_at < since:
         return None
     return telemetry.latest(message)
 

@@ -188,7 +188,7 @@ class TelemetryProperties:
 
     @property
     def rc(self) -> values.Rc | None:
-        """The radio control input, in microseconds per channel (RC_CHANNELS)."""
+        """The radio control input, in microseconds per channel (RC_CHANNELS or RC_CHANNELS_RAW)."""
         return readers.read_rc(self.telemetry)
 
     @property
@@ -215,7 +215,7 @@ class TelemetryProperties:
 
     @property
     def in_air(self) -> bool | None:
-        """True if the vehicle flies (EXTENDED_SYS_STATE or HEARTBEAT)."""
+        """True if the vehicle flies (EXTENDED_SYS_STATE, HEARTBEAT, or its height with speed or throttle)."""
         return readers.read_in_air(self.telemetry)
 
     @property

@@ -36,6 +36,8 @@ Third = TypeVar("Third", bound=Message)
 
 #: The number of messages that are stored, of all components together; beyond it the oldest are dropped.
 MAX_MESSAGES = 2048
+#: The number of ports of RC_CHANNELS_RAW that are stored; each has 8 channels.
+MAX_RC_PORTS = 4
 #: A coarse message counts if the finer one is older by more than this, in seconds.
 FINE_LIFETIME = 10.0
 #: Components that are batteries of their own; the autopilot's report of a battery is preferred.
@@ -57,6 +59,8 @@ class Telemetry:
         self.status_texts = StatusTexts(node.address, self.now)
         #: The time when the vehicle last reported that it is ready to arm, in Unix seconds.
         self.ready_at: float | None = None
+        #: The time since which it reports that without a break, in Unix seconds; None: it does not.
+        self.ready_since: float | None = None
         #: The time of the last reboot, in Unix seconds; the health is not read from messages before it.
         self.rebooted_at = 0.0
         #: True if HOME_POSITION was requested and the vehicle had none.
@@ -64,11 +68,13 @@ class Telemetry:
         self._set_rates: dict[int, RateRequest] = {}
         self._latest: dict[int, tuple[Packet, float]] = {}
         self._batteries: dict[tuple[int, int], common.BatteryStatus] = {}
+        self._rc_ports: dict[int, common.RcChannelsRaw] = {}
         system = component.address.system
         self._listeners: tuple[Listener, ...] = (
             node.add_packet_listener(None, self._store, system=system),
             node.add_packet_listener(common.Statustext, self.status_texts.receive, system=system),
             node.add_packet_listener(common.BatteryStatus, self._store_battery, system=system),
+            node.add_packet_listener(common.RcChannelsRaw, self._store_rc_port, system=system),
             node.add_packet_listener(common.SysStatus, self._receive_status, system=system),
         )
         _ = component.modes.current  # the first use starts to follow the mode
@@ -90,6 +96,11 @@ class Telemetry:
         """The AUTOPILOT_VERSION; None before it was received."""
         message = self.latest(common.AutopilotVersion)
         return None if message is None else AutopilotVersion.read(message)
+
+    def forget(self) -> None:
+        """Forget the messages: they may be those of another vehicle with the same system id."""
+        self._latest.clear()
+        self._batteries.clear()
 
     # The latest messages
 
@@ -149,6 +160,10 @@ class Telemetry:
         for source in (*_BATTERIES, self.component.address.component):
             found |= {each.id: each for (sender, _), each in self._batteries.items() if sender == source}
         return found
+
+    def rc_ports(self) -> dict[int, common.RcChannelsRaw]:
+        """Return the last RC_CHANNELS_RAW of each port; port 0 holds the first eight channels."""
+        return dict(self._rc_ports)
 
     # New messages
 
@@ -247,11 +262,18 @@ class Telemetry:
         if packet.component == own or packet.component in _BATTERIES:
             self._batteries[packet.component, packet.message.id] = packet.message
 
+    def _store_rc_port(self, packet: Packet) -> None:
+        port = packet.message.port
+        if packet.component == self.component.address.component and port < MAX_RC_PORTS:
+            self._rc_ports[port] = packet.message
+
     def _receive_status(self, packet: Packet) -> None:
         if packet.component == self.component.address.component:
             health = packet.message.onboard_control_sensors_health
-            if health & common.MavSysStatusSensor.PREARM_CHECK:
-                self.ready_at = self.node.now()
+            ready = bool(health & common.MavSysStatusSensor.PREARM_CHECK)
+            now = self.node.now()
+            self.ready_at = now if ready else self.ready_at
+            self.ready_since = (self.ready_since or now) if ready else None
 
     def _key(self, message: type[Message], component: int | None) -> int:
         source = self.component.address.component if component is None else component

@@ -174,7 +174,7 @@ class TelemetryStreams(TelemetryProperties):
         return self._stream_value(readers.read_imu, messages, rate)
 
     def stream_rc(self, rate: float | None = None) -> ValueStream[values.Rc]:
-        """Stream the radio control input, in microseconds per channel (RC_CHANNELS).
+        """Stream the radio control input, in microseconds per channel (RC_CHANNELS or RC_CHANNELS_RAW).
 
         Args:
             rate: Hertz; None: as the vehicle sends it, or a default rate.
@@ -182,7 +182,7 @@ class TelemetryStreams(TelemetryProperties):
         Returns:
             The stream.
         """
-        messages = (common.RcChannels,)
+        messages = (common.RcChannels, common.RcChannelsRaw)
         return self._stream_value(readers.read_rc, messages, rate)
 
     def stream_battery(self, rate: float | None = None) -> ValueStream[values.Battery]:

@@ -66,3 +66,40 @@ def test_a_rover_is_never_in_the_air():
         assert harness.vehicle.in_air is False
 
     with_telemetry(scenario)
+
+
+ARMED = common.MavModeFlag.SAFETY_ARMED
+
+
+@pytest.mark.parametrize(
+    ("height", "speed", "throttle", "in_air"),
+    [(60, 20, 55, True), (60, 20, 0, True), (60, 1, 40, True), (60, 1, 0, None), (1, 20, 90, None)],
+)
+@pytest.mark.parametrize("landed_state", [None, common.MavLandedState.UNDEFINED])
+def test_a_plane_without_a_landed_state_flies_by_its_height_and_speed(
+    height, speed, throttle, in_air, landed_state
+):
+    async def scenario(harness):
+        plane = common.MavType.FIXED_WING
+        harness.heartbeat(type=plane, base_mode=ARMED, system_status=common.MavState.CRITICAL)
+        if landed_state is not None:
+            harness.receive(common.ExtendedSysState(landed_state=landed_state))
+        harness.receive(
+            common.GlobalPositionInt(relative_alt=height * 1000),
+            common.VfrHud(airspeed=speed, groundspeed=speed, throttle=throttle),
+        )
+        assert harness.vehicle.in_air is in_air
+        harness.heartbeat(type=plane, base_mode=0, system_status=common.MavState.CRITICAL)
+        assert harness.vehicle.in_air is False
+
+    with_telemetry(scenario)
+
+
+def test_old_height_and_speed_show_no_flight():
+    async def scenario(harness):
+        harness.receive(common.GlobalPositionInt(relative_alt=60_000), common.VfrHud(airspeed=20))
+        await asyncio.sleep(6)
+        harness.heartbeat(type=common.MavType.FIXED_WING, base_mode=ARMED, system_status=5)
+        assert harness.vehicle.in_air is None
+
+    with_telemetry(scenario)

@@ -26,6 +26,7 @@ _CIRCLE = 360.0
 _MILLI_G = 9.80665 / 1000.0
 _FIX_2D = 2
 _MAX_CHANNELS = 18
+_PORT_CHANNELS = 8
 
 
 def read_gps(telemetry: Telemetry) -> Gps | None:
@@ -87,14 +88,29 @@ def _of_integers(message: common.ScaledImu | common.RawImu) -> Imu:
 
 
 def read_rc(telemetry: Telemetry) -> Rc | None:
-    """Return the pulses of RC_CHANNELS; 0, which ArduPilot sends without a receiver, is no pulse."""
-    message = telemetry.latest(common.RcChannels)
+    """Return the pulses of RC_CHANNELS, or of all ports of RC_CHANNELS_RAW where it is missing."""
+    message = telemetry.finest(common.RcChannels, common.RcChannelsRaw)
+    if isinstance(message, common.RcChannelsRaw):
+        return _read_ports(telemetry)
     if message is None:
         return None
     count = min(message.chancount, _MAX_CHANNELS)
+    return Rc(_pulses(message, count), known(message.rssi, UINT8_MAX))
+
+
+def _read_ports(telemetry: Telemetry) -> Rc:
+    ports = telemetry.rc_ports()
+    channels: list[int | None] = []
+    for port in range(max(ports) + 1):
+        message = ports.get(port)
+        channels += (None,) * _PORT_CHANNELS if message is None else _pulses(message, _PORT_CHANNELS)
+    return Rc(tuple(channels), known(ports[min(ports)].rssi, UINT8_MAX))
+
+
+def _pulses(message: common.RcChannels | common.RcChannelsRaw, count: int) -> tuple[int | None, ...]:
+    """Return the pulses of the first channels; 0, which ArduPilot sends without a receiver, is unused."""
     pulses = (int(getattr(message, f"chan{number}_raw")) for number in range(1, count + 1))
-    channels = tuple(None if pulse in (0, UINT16_MAX) else pulse for pulse in pulses)
-    return Rc(channels, known(message.rssi, UINT8_MAX))
+    return tuple(None if pulse in (0, UINT16_MAX) else pulse for pulse in pulses)
 
 
 def read_odometry(telemetry: Telemetry) -> Odometry | None:

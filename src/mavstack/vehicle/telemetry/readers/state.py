@@ -15,10 +15,17 @@ from mavstack.vehicle.telemetry.values import HomePosition
 from mavstack.vehicle.vehicle_type import VehicleType
 
 if TYPE_CHECKING:
+    from mavstack.services.heartbeat import ComponentInfo
     from mavstack.vehicle.telemetry.telemetry import Telemetry
 
 _ON_GROUND: Final = common.MavLandedState.ON_GROUND
 _MILLI = 1000.0
+#: The height in metres, the speed in m/s and the throttle in percent that only a flight has, and the age of
+#: their messages up to which they count, in seconds.
+_FLIGHT_HEIGHT: Final = 5.0
+_FLIGHT_SPEED: Final = 8.0
+_FLIGHT_THROTTLE: Final = 15
+_EVIDENCE_AGE: Final = 5.0
 #: EXTENDED_SYS_STATE is preferred to the heartbeat up to this age, in seconds.
 _MAX_AGE = 15.0
 
@@ -64,16 +71,36 @@ def read_vtol_state(telemetry: Telemetry) -> common.MavVtolState | int | None:
 
 
 def read_in_air(telemetry: Telemetry) -> bool | None:
-    """Return whether the vehicle flies, from EXTENDED_SYS_STATE or the heartbeat."""
+    """Return whether the vehicle flies, from EXTENDED_SYS_STATE, the heartbeat, or its height and speed."""
     info = telemetry.component.info
     if info is not None and not VehicleType.of(info.type).flies:
         return False
     landed, age = read_landed_state(telemetry), telemetry.age(common.ExtendedSysState)
     if landed is not None and age is not None and age <= _MAX_AGE:
         return landed != _ON_GROUND
-    if info is None or info.high_latency or not telemetry.firmware.HEARTBEAT_SHOWS_IN_AIR:
+    if info is None or info.high_latency:
         return None if landed is None else landed != _ON_GROUND
-    return telemetry.firmware.in_air(info)
+    if _shows_flight(telemetry, info):
+        return True
+    if telemetry.firmware.HEARTBEAT_SHOWS_IN_AIR:
+        return telemetry.firmware.in_air(info)
+    return None if landed is None else landed != _ON_GROUND
+
+
+def _shows_flight(telemetry: Telemetry, info: ComponentInfo) -> bool:
+    """Return whether an armed vehicle is so high that with its speed or its throttle it can only fly.
+
+    ArduPilot sends EXTENDED_SYS_STATE on request only, and its heartbeat leaves the flight open in a
+    failsafe. A vehicle that hovers needs throttle; a wing may glide. Armed on a hill, it does neither.
+    """
+    height, hud = telemetry.latest(common.GlobalPositionInt), telemetry.latest(common.VfrHud)
+    if not info.armed or height is None or hud is None:
+        return False
+    ages = telemetry.age(common.GlobalPositionInt), telemetry.age(common.VfrHud)
+    if any(age is None or age > _EVIDENCE_AGE for age in ages):
+        return False
+    fast = max(hud.airspeed, hud.groundspeed) >= _FLIGHT_SPEED
+    return height.relative_alt / _MILLI >= _FLIGHT_HEIGHT and (fast or hud.throttle >= _FLIGHT_THROTTLE)
 
 
 def read_home(telemetry: Telemetry) -> HomePosition | None:

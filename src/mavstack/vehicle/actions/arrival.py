@@ -1,0 +1,228 @@
+"""Arrival: when a vehicle is where it was sent, by the way it moves.
+
+    hovers, dives, drives   within the tolerance of the place, and of the altitude if it has one, and settled:
+                            slow for a second, or within the tolerance for `LINGERING_TIME`
+    flies on its wing       on a circle around the place, within the tolerance of the altitude; or within a
+                            tolerance that was asked for, since then passing the place is enough
+
+Vehicles that drive have no altitude: some firmwares report one above home that is none (ArduRover 4.1).
+
+The default tolerances are what the firmwares keep while they stay at a place. Rovers and boats stop within a
+radius that a parameter of the firmware sets (`Firmware.STOPPING_RADII`), so their tolerance is at least that;
+a smaller one that is asked for is refused before anything is sent.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final
+
+from mavstack.errors import InvalidArgumentError
+from mavstack.services.arguments import check_number
+from mavstack.vehicle.actions.circling import CircleTracker
+from mavstack.vehicle.actions.conditions import SustainedCondition
+from mavstack.vehicle.firmware import firmware_of
+from mavstack.vehicle.geography import distance
+from mavstack.vehicle.vehicle_type import VehicleType, flies_on_wing
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from mavstack.vehicle.vehicle_state import VehicleState
+
+#: The time in which a vehicle has to be slow within its tolerance, in seconds.
+SETTLED_TIME: Final = 1.0
+#: A vehicle that stays within its tolerance for so long has arrived though it is not slow, in seconds: a boat
+#: in waves, a copter in gusts.
+LINGERING_TIME: Final = 15.0
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerance:
+    """The largest errors at which a vehicle has arrived.
+
+    Attributes:
+        ground: Metres over ground; of a wing: from the place that it passes.
+        height: Metres of altitude; None: the altitude does not count.
+        speed: Metres per second at which the vehicle is settled.
+    """
+
+    ground: float
+    height: float | None
+    speed: float
+
+
+#: The tolerances of vehicles that can stop.
+DEFAULTS: Final[Mapping[VehicleType, Tolerance]] = MappingProxyType(
+    {
+        VehicleType.COPTER: Tolerance(0.5, 0.5, 0.5),
+        VehicleType.VTOL: Tolerance(1.0, 1.0, 0.5),
+        VehicleType.ROVER: Tolerance(0.5, None, 0.3),
+        VehicleType.BOAT: Tolerance(1.0, None, 0.3),
+        VehicleType.SUB: Tolerance(0.5, 0.2, 0.2),
+    }
+)
+_OTHER: Final = Tolerance(1.0, 1.0, 0.5)
+#: The tolerance of the altitude of a wing, in metres.
+WING_HEIGHT: Final = 5.0
+
+
+def default_tolerance(vehicle: VehicleState) -> Tolerance:
+    """Return the default tolerance of a vehicle that can stop, by its type."""
+    return DEFAULTS.get(vehicle.vehicle_type, _OTHER)
+
+
+def check_tolerance(tolerance: float | None) -> None:
+    """Raise unless a tolerance in metres is one that can be met."""
+    if tolerance is None:
+        return
+    check_number("tolerance", tolerance, finite=False)
+    if not 0 < tolerance < inf:
+        raise InvalidArgumentError(f"tolerance must be positive and finite, got {tolerance}")
+
+
+async def tolerance_of(vehicle: VehicleState, asked: float | None) -> Tolerance:
+    """Return the tolerance of a vehicle that stops at a place.
+
+    Raises:
+        ActionUnsupported: It stops within a larger radius than `asked`; nothing but reads was sent.
+    """
+    default = default_tolerance(vehicle)
+    name, radius, is_read = await _stopping_radius(vehicle)
+    if asked is None:
+        return Tolerance(max(default.ground, radius), default.height, default.speed)
+    if is_read and asked < radius:
+        reason = f"it stops within {name}, {radius:g} m; set that parameter, or allow a larger tolerance"
+        raise firmware_of(vehicle).unsupported(f"stop within {asked:g} m of a location", reason)
+    return Tolerance(asked, None if default.height is None else asked, default.speed)
+
+
+async def _stopping_radius(vehicle: VehicleState) -> tuple[str, float, bool]:
+    """Return the parameter that sets how close a vehicle stops, its metres, and whether it was read."""
+    firmware = firmware_of(vehicle)
+    radii = []
+    for name, usual in firmware.STOPPING_RADII.get(vehicle.vehicle_type, {}).items():
+        value = await firmware.read_number(name)
+        radii.append((usual if value is None else value, name, value is not None))
+    radius, name, is_read = max(radii, default=(0.0, "", False))
+    return name, radius, is_read
+
+
+class Arrival:
+    """The arrival of a vehicle at a place.
+
+    Args:
+        vehicle: The vehicle.
+        place: Returns latitude and longitude of the place; None while they are not known.
+        altitude: The altitude in metres above home; None if it does not count.
+        tolerance: The tolerance of a vehicle that stops.
+        asked: The tolerance that was asked for, in metres; None: the default.
+    """
+
+    def __init__(
+        self,
+        vehicle: VehicleState,
+        place: Callable[[], tuple[float, float] | None],
+        altitude: float | None,
+        tolerance: Tolerance,
+        asked: float | None = None,
+    ) -> None:
+        self._vehicle, self._place, self._tolerance = vehicle, place, tolerance
+        self._altitude = None if tolerance.height is None else altitude
+        self._asked = asked
+        self._settled = SustainedCondition(vehicle, SETTLED_TIME)
+        self._lingering = SustainedCondition(vehicle, LINGERING_TIME)
+        self.circle = CircleTracker(vehicle)
+
+    def reached(self) -> bool:
+        """Return whether the vehicle has arrived."""
+        place = self._place()
+        if place is None:
+            return False
+        self.circle.update(*place)
+        if not self._on_wing:
+            return self._has_stopped()
+        self._settled.update(False)
+        self._lingering.update(False)
+        return self._has_passed_or_circles()
+
+    def remaining(self) -> float | None:
+        """Return the metres to go, over ground and in altitude; None if they are not known."""
+        away, height = self._away(), self._height()
+        if away is None or height is None:
+            return None
+        if self._on_wing and self.circle.established:
+            return height
+        return away + height
+
+    def signs(self) -> object:
+        """Return a value that changes while a wing makes progress towards its circle."""
+        circle = self.circle
+        return None if circle.established else round(circle.swept / 15.0)
+
+    def detail(self) -> str:
+        """Return where the vehicle stays that does not arrive, for an error; empty if it is on its way."""
+        away, height = self._away(), self._height()
+        if away is None or height is None:
+            return ""
+        if self._on_wing:
+            return _excess("its altitude is {:.1f} m off", height, self._wing_height)
+        limits = self._tolerance
+        parts = (
+            _excess("it is {:.2f} m away", away, limits.ground),
+            _excess("its altitude is {:.2f} m off", height, limits.height),
+        )
+        return "; ".join(filter(None, parts))
+
+    @property
+    def _on_wing(self) -> bool:
+        return flies_on_wing(self._vehicle.vehicle_type, self._vehicle.vtol_state)
+
+    @property
+    def _wing_height(self) -> float:
+        return WING_HEIGHT if self._asked is None else self._asked
+
+    def _has_passed_or_circles(self) -> bool:
+        away, height, circle = self._away(), self._height(), self.circle
+        if away is None or height is None or height > self._wing_height:
+            return False
+        if self._asked is not None and away <= self._asked:
+            return True
+        level = self._altitude is not None or (circle.climbed or 0.0) <= self._wing_height
+        return circle.established and level
+
+    def _has_stopped(self) -> bool:
+        away, height, limits = self._away(), self._height(), self._tolerance
+        near = away is not None and away <= limits.ground
+        near = near and height is not None and height <= (inf if limits.height is None else limits.height)
+        settled = self._settled.update(near and self._is_slow())
+        return self._lingering.update(near) or settled
+
+    def _is_slow(self) -> bool:
+        speed, climb = self._vehicle.ground_speed, self._vehicle.climb_rate
+        limit = self._tolerance.speed
+        dives_or_flies = self._tolerance.height is not None
+        return (speed or 0.0) <= limit and (not dives_or_flies or abs(climb or 0.0) <= limit)
+
+    def _away(self) -> float | None:
+        place, position = self._place(), self._vehicle.position
+        if place is None or position is None:
+            return None
+        return distance(position.latitude, position.longitude, *place)
+
+    def _height(self) -> float | None:
+        """Return the error of the altitude in metres; 0 if the altitude does not count."""
+        if self._altitude is None:
+            return 0.0
+        position = self._vehicle.position
+        height = None if position is None else position.relative_altitude
+        return None if height is None else abs(self._altitude - height)
+
+
+def _excess(text: str, error: float, limit: float | None) -> str:
+    """Return by how much an error exceeds its tolerance; empty if it does not."""
+    if limit is None or error <= limit:
+        return ""
+    return f"{text.format(error)}, the tolerance is {limit:g} m"

@@ -1,0 +1,88 @@
+"""The preconditions of each call that acts on a vehicle: one table, checked before anything is sent.
+
+A row names what a call needs: an armed vehicle, or one that flies. A precondition that the telemetry leaves
+open counts as met; then the vehicle decides. `ALWAYS` holds for every acting call. A call whose precondition
+is not met raises `ActionRefused`, and the vehicle stays as it is.
+"""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+from mavstack.dialects import common
+from mavstack.errors import ActionRefused
+from mavstack.vehicle.firmware import firmware_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from mavstack.vehicle.vehicle_state import VehicleState
+
+    #: Returns why a call is not possible now, and what to do; None if it is, or if that is not known.
+    Precondition: TypeAlias = Callable[[VehicleState], str | None]
+
+
+def armed(vehicle: VehicleState) -> str | None:
+    """Require a vehicle that is armed."""
+    return "it is not armed; arm it first" if vehicle.armed is False else None
+
+
+def airborne(vehicle: VehicleState) -> str | None:
+    """Require that a vehicle that flies is in the air: on the ground a plane would run at full throttle."""
+    grounded = vehicle.vehicle_type.flies and vehicle.in_air is False
+    return "it is on the ground; take off first" if grounded else None
+
+
+#: The call of any command: one that reads is allowed while several vehicles use one system id.
+ANY_COMMAND: Final = "command"
+#: The preconditions of every call that acts on a vehicle.
+ALWAYS: Final[tuple[Precondition, ...]] = ()
+#: The preconditions of each call; the calls without any need only `ALWAYS`.
+PRECONDITIONS: Final[Mapping[str, tuple[Precondition, ...]]] = MappingProxyType(
+    {
+        "takeoff": (armed,),
+        "land": (armed,),
+        "rtl": (armed,),
+        "hold": (armed,),
+        "goto": (armed, airborne),
+        "orbit": (armed, airborne),
+        "turn": (armed, airborne),
+        "transition": (armed, airborne),
+        "guided": (armed,),
+        "mission start": (armed,),
+        "mission pause": (armed,),
+        **dict.fromkeys(("arm", "disarm", "mode", "speed", "home", "terminate", "mission fly"), ()),
+        **dict.fromkeys(
+            ("command", "mission current", "roi", "outputs", "ekf sources", "reboot", "calibration"), ()
+        ),
+    }
+)
+
+
+def check_preconditions(vehicle: VehicleState, call: str, operation: str) -> None:
+    """Raise unless a vehicle can take a call now; nothing is sent.
+
+    Args:
+        vehicle: The vehicle.
+        call: The key of the call in `PRECONDITIONS`.
+        operation: The operation as errors name it, with its preposition.
+
+    Raises:
+        SystemIdConflictError: Several vehicles use the system id, and none was chosen.
+        ActionUnsupported: The firmware lacks the call.
+        ActionRefused: A precondition is not met; the text names it and the remedy.
+    """
+    if call != ANY_COMMAND:
+        vehicle.connection.refuse_conflict(vehicle.system, operation)
+    firmware_of(vehicle).check_supported(call)
+    for precondition in (*ALWAYS, *PRECONDITIONS[call]):
+        reason = precondition(vehicle)
+        if reason is not None:
+            raise refusal(vehicle, operation, reason)
+
+
+def refusal(vehicle: VehicleState, operation: str, reason: str) -> ActionRefused:
+    """Return the error for an action that was refused before anything was sent."""
+    code = common.MavResult.TEMPORARILY_REJECTED
+    return ActionRefused(operation, str(vehicle.address), answer=reason, code=code)

@@ -1,0 +1,130 @@
+"""The changes that the steps of one call make on a vehicle, and their reversal if a later step fails.
+
+An action may need several steps: a parameter, a mode, the command itself. A call that is refused at its last
+step must leave the vehicle as it was before the first. So every step of a firmware class that changes a mode,
+a parameter or the armed state goes through its `Changes`, and `undone_on_failure` reverses them, the last one
+first:
+
+    changes = Changes(vehicle)
+    async with undone_on_failure(changes):
+        await changes.set_parameter("TKOFF_ALT", 12.0)
+        await changes.set_mode("TAKEOFF")
+
+Only what a step changed is changed back: a mode that a pilot or a failsafe has selected since is kept. A step
+whose outcome is not known, since its acknowledgement was lost, is not reversed: the vehicle may fly by it.
+The error names each difference that remains (`RemoteError.not_restored`).
+"""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING, Final
+
+from mavstack.dialects import common
+from mavstack.errors import MavstackError, RemoteError, RemoteTimeout
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Awaitable, Callable
+
+    from mavstack.vehicle.firmware.interface import FirmwareVehicle
+
+#: The time in which the changes of a failed call are reversed, in seconds.
+UNDO_TIMEOUT: Final = 8.0
+
+
+class Changes:
+    """The changes of one call."""
+
+    def __init__(self, vehicle: FirmwareVehicle) -> None:
+        self._vehicle = vehicle
+        #: How to reverse each change: returns the text of a change that could not be reversed.
+        self._reversals: list[Callable[[], Awaitable[str | None]]] = []
+
+    @property
+    def mode(self) -> str | None:
+        """The mode of the vehicle now."""
+        return self._vehicle.mode
+
+    async def set_mode(self, mode: str | int) -> None:
+        """Enter a mode of the firmware."""
+        before = self._vehicle.mode
+        await self._vehicle.component.modes.set(mode)
+        self._note_mode(before)
+
+    async def set_standard_mode(self, mode: int) -> None:
+        """Enter a MAV_STANDARD_MODE."""
+        before = self._vehicle.mode
+        await self._vehicle.component.modes.set_standard(mode)
+        self._note_mode(before)
+
+    async def set_parameter(self, name: str, value: float) -> None:
+        """Set a parameter, unless it has the value."""
+        before = (await self._vehicle.params.get(name)).value
+        if before == value:
+            return
+        await self._vehicle.params.set(name, value)
+        self._reversals.append(lambda: self._restore_parameter(name, before))
+
+    async def arm(self, force: float) -> None:
+        """Arm, with the second parameter of COMPONENT_ARM_DISARM."""
+        before = self._vehicle.armed
+        await self._vehicle.component.command(common.MavCmd.COMPONENT_ARM_DISARM, 1.0, force)
+        if before is False:
+            self._reversals.append(self._disarm)
+
+    async def undo(self) -> tuple[str, ...]:
+        """Reverse the changes, the last one first; return the texts of those that could not be reversed."""
+        kept = []
+        while self._reversals:
+            text = await self._reversals.pop()()
+            if text is not None:
+                kept.append(text)
+        return tuple(kept)
+
+    def _note_mode(self, before: str | None) -> None:
+        entered = self._vehicle.mode
+        if before is not None and entered is not None and entered != before:
+            self._reversals.append(lambda: self._restore_mode(before, entered))
+
+    async def _restore_mode(self, before: str, entered: str) -> str | None:
+        if self._vehicle.mode != entered:
+            return None
+        restoring = self._vehicle.component.modes.set(before, timeout=UNDO_TIMEOUT)
+        return await _outcome(restoring, f"mode {before} (it is in {entered})")
+
+    async def _restore_parameter(self, name: str, before: float) -> str | None:
+        restoring = self._vehicle.params.set(name, before, timeout=UNDO_TIMEOUT)
+        return await _outcome(restoring, f"parameter {name} {before:g}")
+
+    async def _disarm(self) -> str | None:
+        disarming = self._vehicle.component.command(
+            common.MavCmd.COMPONENT_ARM_DISARM, 0.0, 0.0, timeout=UNDO_TIMEOUT
+        )
+        return await _outcome(disarming, "disarmed (it is armed)")
+
+
+@asynccontextmanager
+async def undone_on_failure(changes: Changes) -> AsyncIterator[None]:
+    """Reverse the changes of a block that fails or is cancelled; the error names what remains changed."""
+    mode = changes.mode
+    try:
+        yield
+    except BaseException as error:
+        kept = await changes.undo()
+        if not kept and isinstance(error, RemoteTimeout) and mode and mode != changes.mode:
+            kept = (f"mode {mode} (it is in {changes.mode})",)
+        if kept and isinstance(error, RemoteError):
+            error.not_restored = (*error.not_restored, *kept)
+        elif kept:
+            error.add_note(f"not restored: {', '.join(kept)}")
+        raise
+
+
+async def _outcome(restoring: Awaitable[object], text: str) -> str | None:
+    try:
+        async with asyncio.timeout(UNDO_TIMEOUT):
+            await restoring
+    except (MavstackError, TimeoutError):
+        return text
+    return None
