@@ -172,16 +172,18 @@ def test_a_key_that_was_set_up_replaces_those_of_the_links(tmp_path):
     fly(Field(Firmware.ARDUPILOT), work, keys={"first": str(tmp_path / "link.key")})
 
 
-def test_radio_status_is_accepted_unsigned():
+@pytest.mark.parametrize("key", [None, KEY], ids=["unsigned link", "signed link"])
+def test_an_unsigned_radio_status_counts_only_where_the_link_does_not_sign(key):
     async def work(field):
-        async with field.ground() as ground:
-            await field.setup_signing(ground, KEY)
+        if key is not None:
+            async with field.ground() as ground:
+                await field.setup_signing(ground, key)
         async with Node(field.network.link("memory://second"), system=51, component=68) as radio:
             await asyncio.sleep(0.5)
             port = field.vehicle.ports[-1]
-            assert port.state.verifies
+            assert port.state.verifies is (key is not None)
             radio.send(common.RadioStatus(txbuf=50))
             await asyncio.sleep(0.5)
-            assert port.state.pacer.learned
+            assert port.state.pacer.learned is (key is None)
 
     fly(Field(Firmware.ARDUPILOT), work)

@@ -9,6 +9,7 @@ first vehicle has taken off before the port opens: that flight is simulated as f
 
 from __future__ import annotations
 
+from secrets import randbits
 from typing import TYPE_CHECKING, TypeVar
 
 from mavstack.errors import InvalidStateError
@@ -16,7 +17,7 @@ from mavstack.links import Impairment, impair, open_link
 from mavstack.node.blocking_portal import BlockingPortal
 from mavstack.sim.runner import Runner
 from mavstack.sim.scenarios import take_off
-from mavstack.sim.simulation import Simulation
+from mavstack.sim.simulation import SITE_BITS, Simulation
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ class BackgroundSimulator:
     ) -> None:
         self._impairment = Impairment(loss=loss, latency=latency, bandwidth=bandwidth, seed=seed)
         self._impaired = bool(loss or latency or bandwidth)
-        self.simulation = Simulation(seed=seed)
+        self.simulation = Simulation(seed=seed, site=randbits(SITE_BITS))
         for _ in range(count):
             self.simulation.add(vehicle_type, firmware, home=home)
         if airborne:

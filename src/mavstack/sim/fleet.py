@@ -26,6 +26,7 @@ from mavstack.sim.vehicle_types import (
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from mavstack.services.version import FirmwareVersion
     from mavstack.sim.msp import SimulatedFlightController
     from mavstack.sim.rangefinders import Rangefinder
     from mavstack.sim.simulation import Simulation
@@ -48,6 +49,8 @@ class Fleet:
     gimbal: bool = False
     rangefinders: Sequence[Rangefinder] = ()
     terrain: TerrainSource = TerrainSource.FLAT
+    #: The version of ArduPilot; None for the newest.
+    version: FirmwareVersion | None = None
     #: Firmwares of vehicles that speak MSP, for `add_flight_controllers_to`.
     controllers: Sequence[ControllerFirmware] = ()
 
@@ -75,6 +78,7 @@ class Fleet:
                 gimbal=self.gimbal,
                 rangefinders=self.rangefinders,
                 terrain=self.terrain,
+                version=self.version if firmware is Firmware.ARDUPILOT else None,
             )
             for number, ((vehicle_type, firmware), home) in enumerate(zip(types, self.homes(), strict=True))
         ]

@@ -84,7 +84,9 @@ class Services:
         self.sticks = engine.add(ManualControlReceiver(local))
         self.setpoints = engine.add(SetpointReceiver(local))
         self.shell = engine.add(ShellServer(local))
-        self.files = engine.add(FtpServer(local, vehicle.storage.files))
+        self.files = engine.add(
+            FtpServer(local, vehicle.storage.files, is_authenticated=engine.routes.is_verified)
+        )
         self.logs = engine.add(LogServer(local, vehicle.storage.logs))
         for service in (PingServer(local), TimesyncServer(local)):
             engine.add(service)

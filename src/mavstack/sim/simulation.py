@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
+    from mavstack.services.version import FirmwareVersion
     from mavstack.sim.faults import FaultTarget
     from mavstack.sim.motion.obstacles import Obstacle
     from mavstack.sim.msp import SimulatedFlightController
@@ -49,6 +50,8 @@ RATE = 50.0
 #: Default Unix time of the start, constant so that runs are equal.
 EPOCH = 1_767_225_600.0
 MAX_SYSTEMS = 255
+#: Bits of the number of a simulation in the unique ids of its vehicles.
+SITE_BITS = 40
 #: Values of RNGFND_TYPE and PRX_TYPE: a simulated rangefinder, a proximity sensor that speaks MAVLink.
 _SIMULATED, _OVER_MAVLINK = 100, 2
 #: Tolerance of comparisons, above the resolution of Unix times in floats (0.25 µs).
@@ -63,13 +66,22 @@ class Simulation:
         rate: Steps per second.
         start: The simulated Unix time of the start.
         storage: The folder of the vehicles' files and logs, one subfolder each; None keeps them in memory.
+        site: A number that the unique ids of the vehicles' boards contain, so that the vehicles of two
+            simulations can be told apart as real ones can; 0 to 2**40 - 1.
     """
 
     def __init__(
-        self, *, seed: int = 1, rate: float = RATE, start: float = EPOCH, storage: Path | None = None
+        self,
+        *,
+        seed: int = 1,
+        rate: float = RATE,
+        start: float = EPOCH,
+        storage: Path | None = None,
+        site: int = 0,
     ) -> None:
         self.world = World(seed=seed, rate=rate)
         self.seed = seed
+        self.site = site
         #: The folder of the vehicles' files and logs; None keeps them in memory.
         self.storage = storage
         self.vehicles: list[SimulatedVehicle] = []
@@ -104,6 +116,7 @@ class Simulation:
         rangefinders: Sequence[Rangefinder] = (),
         proximity: bool | None = None,
         terrain: TerrainSource | str = TerrainSource.FLAT,
+        version: FirmwareVersion | None = None,
     ) -> SimulatedVehicle:
         """Add a vehicle to the world.
 
@@ -117,24 +130,26 @@ class Simulation:
             rangefinders: Its rangefinders, at most six; none for the firmware's default.
             proximity: Give the vehicle a proximity sensor; None if there are obstacles.
             terrain: Where an ArduPilot vehicle has the heights of the terrain from.
+            version: The version of ArduPilot; None for the newest. Rovers before 4.2 report the altitude
+                above the sea as the one above home, planes before 4.3 ignore the radius of DO_REPOSITION.
 
         Returns:
             The vehicle, disarmed on the ground.
 
         Raises:
-            InvalidArgumentError: The system id is taken or out of range, or there are too many rangefinders.
+            InvalidArgumentError: The system id is taken or out of range, there are too many rangefinders, or
+                the version is one of PX4.
         """
         system = self._free_system(system)
         if len(rangefinders) > MAX_RANGEFINDERS:
             raise InvalidArgumentError(f"a vehicle has at most {MAX_RANGEFINDERS} rangefinders")
         vehicle_type, firmware = VehicleType(vehicle_type), Firmware(firmware)
-        asks = TerrainSource(terrain) is TerrainSource.REQUEST and firmware is Firmware.ARDUPILOT
         vehicle = SimulatedVehicle(
             self.world.add(vehicle_type, home),
             vehicle_type,
             firmware,
             Address(system, common.MavComponent.AUTOPILOT1),
-            profile_of(firmware, vehicle_type),
+            profile_of(firmware, vehicle_type, version),
             Parameters(firmware, vehicle_type, system),
             now=self.now,
             folder=self.storage and self.storage / str(system),
@@ -142,10 +157,10 @@ class Simulation:
             gimbal=gimbal,
             rangefinders=rangefinders,
             proximity=bool(self.world.obstacles) if proximity is None else proximity,
-            terrain=TerrainMap() if asks else None,
+            terrain=_terrain_of(firmware, terrain),
+            serial=_serial(self.site, len(self.vehicles) + 1),
         )
-        _enable_payloads(vehicle)
-        _enable_distance_sensors(vehicle)
+        _enable_equipment(vehicle)
         self.vehicles.append(vehicle)
         _LOG.info("vehicle %d added: %s %s", system, firmware, vehicle_type)
         return vehicle
@@ -238,6 +253,22 @@ class Simulation:
     def data_to_send(self) -> list[tuple[SimulatedVehicle, Port, bytes]]:
         """Return the data sent by all vehicles since the last call."""
         return [(vehicle, port, data) for vehicle in self.vehicles for port, data in vehicle.data_to_send()]
+
+
+def _serial(site: int, number: int) -> bytes:
+    """Return the unique id of a board, which stays if its vehicle gets another system id."""
+    return b"Mv" + site.to_bytes(SITE_BITS // 8, "big") + bytes([number & 0xFF])
+
+
+def _terrain_of(firmware: Firmware, terrain: TerrainSource | str) -> TerrainMap | None:
+    """Return the map of a vehicle that asks for terrain; None for one that knows the flat ground."""
+    asks = TerrainSource(terrain) is TerrainSource.REQUEST and firmware is Firmware.ARDUPILOT
+    return TerrainMap() if asks else None
+
+
+def _enable_equipment(vehicle: SimulatedVehicle) -> None:
+    _enable_payloads(vehicle)
+    _enable_distance_sensors(vehicle)
 
 
 def _enable_payloads(vehicle: SimulatedVehicle) -> None:

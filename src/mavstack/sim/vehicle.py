@@ -68,6 +68,7 @@ class SimulatedVehicle:
         rangefinders: The chosen rangefinders; empty for those of the firmware's default.
         proximity: True if the vehicle has a proximity sensor.
         terrain: The terrain that the vehicle has from ground stations; None: it knows the flat ground.
+        serial: The unique id of the board, eight bytes.
     """
 
     #: The vehicle speaks MAVLink.
@@ -89,11 +90,12 @@ class SimulatedVehicle:
         rangefinders: Sequence[Rangefinder] = (),
         proximity: bool = False,
         terrain: TerrainMap | None = None,
+        serial: bytes = b"Mavstack",
     ) -> None:
         self.body, self.vehicle_type, self.firmware, self.address = body, vehicle_type, firmware, address
         self.profile = profile
         self.rangefinders: Sequence[Rangefinder] = tuple(rangefinders)
-        self.proximity, self.terrain = proximity, terrain
+        self.proximity, self.terrain, self.serial = proximity, terrain, serial
         self.parameters = parameters
         self.plans = PlanStore()
         self.now = self.booted_at = now

@@ -44,6 +44,15 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         """Return virtual seconds."""
         return self._jumping.now
 
+    async def shutdown_default_executor(self, timeout: float | None = None) -> None:  # noqa: ASYNC109
+        """Wait until the threads of the executor end, as long as they work.
+
+        Args:
+            timeout: Ignored: `asyncio.Runner` of Python 3.12 and later passes a limit in seconds, which
+                virtual time would reach at once.
+        """
+        await super().shutdown_default_executor()
+
 
 def run_virtually(work: Coroutine[Any, Any, T]) -> T:
     """Run a coroutine to its end in virtual time.

@@ -10,6 +10,7 @@ from mavstack.services.mission import MissionItem
 from tests.sim.harness import RESULT, SimulationHarness, VehicleHarness
 
 if TYPE_CHECKING:
+    from mavstack.services.version import FirmwareVersion
     from mavstack.sim.vehicle_types import VehicleType
 
 CMD = ardupilotmega.MavCmd
@@ -22,9 +23,15 @@ class ArdupilotHarness(VehicleHarness):
     answer_time = 0.3
     default_timeout = 120.0
 
-    def __init__(self, vehicle_type: VehicleType | str = "copter", *, settle: float = 2.3) -> None:
+    def __init__(
+        self,
+        vehicle_type: VehicleType | str = "copter",
+        *,
+        settle: float = 2.3,
+        version: FirmwareVersion | None = None,
+    ) -> None:
         harness = SimulationHarness()
-        super().__init__(harness, harness.simulation.add(vehicle_type, "ardupilot"))
+        super().__init__(harness, harness.simulation.add(vehicle_type, "ardupilot", version=version))
         harness.attach(self)
         self.sends_heartbeats, self.receiving = False, True
         assert self.port

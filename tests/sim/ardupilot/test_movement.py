@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from math import hypot
+from math import hypot, nan
 
 import pytest
 
 from mavstack.dialects import common
+from mavstack.services.setpoints import GlobalSetpoint, LocalSetpoint
+from mavstack.services.version import FirmwareVersion
 
-from .harness import CMD, RESULT, ArdupilotHarness
+from .harness import CMD, RELATIVE, RESULT, ArdupilotHarness
 
 
 def position(harness: ArdupilotHarness) -> tuple[float, float, float]:
@@ -146,3 +148,38 @@ def test_guided_mission_item() -> None:
     harness.send(item)
     answers = [message.type for message in harness.received if isinstance(message, common.MissionAck)]
     assert answers[-1] == common.MavMissionResult.ERROR
+
+
+@pytest.mark.parametrize(("version", "radius"), [((4, 2), 60.0), ((4, 3), 90.0)])
+def test_the_radius_of_reposition_depends_on_the_version(version: tuple[int, int], radius: float) -> None:
+    plane = ArdupilotHarness("plane", version=FirmwareVersion(*version))
+    plane.take_off(60.0)
+    place = plane.at(0.0, 0.0)
+    plane.accepted(CMD.DO_REPOSITION, -1, 1, 90.0, nan, *place, 60.0, frame=RELATIVE)
+    plane.run(60.0)
+    north, east, _ = plane.autopilot.maneuvers.place
+    assert hypot(north, east) == pytest.approx(radius, abs=5.0)
+
+
+def test_a_plane_takes_the_altitude_of_position_setpoints_only() -> None:
+    plane = ArdupilotHarness("plane")
+    plane.take_off(60.0)
+    plane.accepted(CMD.DO_REPOSITION, -1, 1, 0, nan, *plane.at(0.0, 0.0), 60.0, frame=RELATIVE)
+    plane.run(10.0)
+    guided, target = plane.autopilot.guided, plane.autopilot.target
+    assert not guided.set(LocalSetpoint(velocity=(10.0, 0.0, 0.0)))
+    assert not guided.set(LocalSetpoint(position=(500.0, 0.0, -80.0)))
+    assert plane.autopilot.target == target
+    assert guided.set(GlobalSetpoint(*plane.at(500.0, 0.0), 80.0))
+    plane.run(2.0)
+    assert plane.autopilot.target == pytest.approx((target[0], target[1], -80.0), abs=0.5)
+
+
+@pytest.mark.parametrize("kind", ["rover", "boat"])
+def test_an_older_rover_reports_the_altitude_above_the_sea_as_the_one_above_home(kind: str) -> None:
+    for version, height in ((FirmwareVersion(4, 1), 488.0), (None, 0.0)):
+        rover = ArdupilotHarness(kind, version=version)
+        rover.run(12.0)
+        reported = rover.received_of(common.GlobalPositionInt)[-1]
+        assert reported.relative_alt / 1e3 == pytest.approx(height, abs=3.0)
+        assert reported.alt / 1e3 == pytest.approx(488.0, abs=3.0)

@@ -30,13 +30,34 @@ def test_offboard_needs_and_follows_a_setpoint_stream() -> None:
     assert harness.vehicle.body.truth.velocity_north == pytest.approx(2, abs=0.3)
 
 
+@pytest.mark.fast_cases(1)
+@pytest.mark.flight_cases(3)
+@pytest.mark.parametrize("vehicle_type", ["copter", "vtol", "rover", "boat", "sub", "plane"])
+def test_one_recent_setpoint_admits_offboard(vehicle_type: str) -> None:
+    harness = Px4Harness(vehicle_type)
+    harness.arm()
+    stream(harness, NORTHWARD, 0.1)
+    assert harness.set_mode(6) == RESULT.ACCEPTED
+
+
 @pytest.mark.flight
-def test_slow_stream_is_not_enough() -> None:
+def test_an_old_setpoint_does_not_admit_offboard() -> None:
     harness = Px4Harness().take_off()
     for _ in range(5):
         stream(harness, NORTHWARD, 0.1)
         harness.run(1.2)
     assert harness.set_mode(6) == RESULT.TEMPORARILY_REJECTED
+
+
+@pytest.mark.flight
+def test_without_a_position_offboard_takes_attitudes_only() -> None:
+    harness = Px4Harness().take_off(30)
+    harness.vehicle.faults.inject("gps off")
+    harness.run(10.0)
+    stream(harness, NORTHWARD, 0.5)
+    assert harness.set_mode(6) == RESULT.TEMPORARILY_REJECTED
+    stream(harness, AttitudeSetpoint(attitude=(1.0, 0.0, 0.0, 0.0), thrust=0.52), 0.5)
+    assert harness.set_mode(6) == RESULT.ACCEPTED
 
 
 @pytest.mark.fast_cases(2)

@@ -1,8 +1,9 @@
 """Arming checks of ArduPilot and their status texts.
 
 ARMING_CHECK enables the checks by bits, where bit 0 enables all; the requirements of the mode are always
-checked. The problems are sent with "PreArm:" every 30 s while the vehicle is disarmed, and with "Arm:" when
-arming is refused.
+checked. Copter checks the mode only when it is armed, so that its pre-arm bit says in RTL that it is ready;
+Plane and Rover check it before. The problems are sent with "PreArm:" every 30 s while the vehicle is
+disarmed, and with "Arm:" when arming is refused.
 """
 
 from __future__ import annotations
@@ -82,12 +83,24 @@ def _position(autopilot: Autopilot) -> Iterator[str]:
         yield "Fence enabled, need position estimate"
 
 
-def _mode(autopilot: Autopilot) -> Iterator[str]:
-    """Check that the mode allows arming."""
+def _may_arm(autopilot: Autopilot) -> bool:
+    """Return whether the mode allows arming."""
     mode, parameters = autopilot.mode, autopilot.vehicle.parameters
-    if mode.may_arm or (mode.name == "AUTO" and int(_number(parameters, "AUTO_OPTIONS")) & 1):
+    return mode.may_arm or (mode.name == "AUTO" and bool(int(_number(parameters, "AUTO_OPTIONS")) & 1))
+
+
+def _mode(autopilot: Autopilot) -> Iterator[str]:
+    """Check that the mode allows arming; Copter does so when it is armed."""
+    if autopilot.vehicle.vehicle_type is VehicleType.COPTER and not _may_arm(autopilot):
+        yield f"{autopilot.mode.name} mode not armable"
+
+
+def _mode_before_arming(autopilot: Autopilot) -> Iterator[str]:
+    """Check that the mode allows arming; Plane and Rover do so with the pre-arm checks."""
+    kind = autopilot.vehicle.vehicle_type
+    if kind is VehicleType.COPTER or _may_arm(autopilot):
         return
-    yield f"{mode.name} mode not armable"
+    yield "Mode not armable" if kind.on_surface else f"{autopilot.mode.name} mode not armable"
 
 
 def _gps(autopilot: Autopilot) -> Iterator[str]:
@@ -215,6 +228,7 @@ _CHECKS: Final[tuple[tuple[int | None, Check], ...]] = (
     (_MISSION, _mission),
     (_PARAMETERS, terrain_problems),
     (None, _fence),
+    (None, _mode_before_arming),
 )
 _ARM_CHECKS: Final[tuple[tuple[int | None, Check], ...]] = ((None, _mode), (_RC, _throttle))
 

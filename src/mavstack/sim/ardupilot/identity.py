@@ -21,8 +21,6 @@ GIT_HASH: Final = "51a17d00"
 _OPERATING_SYSTEM_HASH: Final = "51a17c05"
 #: Board type of simulated hardware.
 _BOARD: Final = 3
-#: First bytes of the board's unique id; the system id follows.
-_SERIAL: Final = bytes.fromhex("4d61767374636b")
 
 _CAPABILITY = common.MavProtocolCapability
 _CAPABILITIES: Final = (
@@ -31,7 +29,6 @@ _CAPABILITIES: Final = (
     | _CAPABILITY.MISSION_INT
     | _CAPABILITY.COMMAND_INT
     | _CAPABILITY.FTP
-    | _CAPABILITY.SET_POSITION_TARGET_LOCAL_NED
     | _CAPABILITY.SET_POSITION_TARGET_GLOBAL_INT
     | _CAPABILITY.FLIGHT_TERMINATION
     | _CAPABILITY.COMPASS_CALIBRATION
@@ -41,6 +38,8 @@ _CAPABILITIES: Final = (
     | _CAPABILITY.PARAM_ENCODE_C_CAST
     | _CAPABILITY.SET_ATTITUDE_TARGET
 )
+#: ArduPlane follows no setpoints in local metres.
+_WINGED: Final = frozenset({VehicleType.PLANE, VehicleType.VTOL})
 _FIRMWARES: Final[Mapping[VehicleType, str]] = MappingProxyType(
     {
         VehicleType.COPTER: "ArduCopter",
@@ -67,11 +66,12 @@ def firmware_name(vehicle_type: VehicleType) -> str:
 
 def version_of(vehicle: Vehicle) -> AutopilotVersion:
     """Return the content of AUTOPILOT_VERSION."""
-    serial = _SERIAL + bytes([vehicle.address.system])
+    serial = vehicle.serial
     terrain = _CAPABILITY.TERRAIN if vehicle.terrain is not None and is_enabled(vehicle) else 0
+    local = 0 if vehicle.vehicle_type in _WINGED else _CAPABILITY.SET_POSITION_TARGET_LOCAL_NED
     return AutopilotVersion(
-        capabilities=int(_CAPABILITIES | terrain),
-        flight=VERSION,
+        capabilities=int(_CAPABILITIES | terrain | local),
+        flight=vehicle.profile.version,
         board_version=_BOARD << 16,
         uid=int.from_bytes(serial, "little"),
         uid2=serial.ljust(18, b"\0"),
@@ -82,7 +82,7 @@ def version_of(vehicle: Vehicle) -> AutopilotVersion:
 
 def banner_of(vehicle: Vehicle) -> Iterator[str]:
     """Yield the lines that the firmware sends after start-up and on request."""
-    yield f"{firmware_name(vehicle.vehicle_type)} V{VERSION} ({GIT_HASH})"
+    yield f"{firmware_name(vehicle.vehicle_type)} V{vehicle.profile.version} ({GIT_HASH})"
     yield f"Mavstack simulation, board {vehicle.address.system:03d}"
     yield "RCOut: PWM:1-16"
     frame = _FRAMES.get(vehicle.vehicle_type)

@@ -116,7 +116,7 @@ _PLANE_MODES: Final = (
     ),
     _mode(_PLANE.CRUISE, "CRUISE", partial(AltitudeHold, forward=True), _STABILIZED, manual_control=True),
     _mode(_PLANE.AUTO, "AUTO", Mission, _GUIDED),
-    _mode(_PLANE.RTL, "RTL", PlaneReturn, _GUIDED),
+    _mode(_PLANE.RTL, "RTL", PlaneReturn, _GUIDED, may_arm=False),
     _mode(_PLANE.LOITER, "LOITER", partial(Brake, forward=True), _GUIDED),
     _mode(_PLANE.TAKEOFF, "TAKEOFF", PlaneTakeoff, _GUIDED),
     _mode(_PLANE.GUIDED, "GUIDED", Guided, _GUIDED),

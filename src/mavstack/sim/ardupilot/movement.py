@@ -24,6 +24,8 @@ _VTOL = common.MavVtolState
 _MAX_ALTITUDE: Final = 83_000.0
 #: Distance in metres of the point that a guided heading flies to.
 _FAR_AHEAD: Final = 100_000.0
+#: The version of ArduPlane whose DO_REPOSITION has a radius.
+_WITH_RADIUS: Final = (4, 3)
 #: HEADING_TYPE_DEFAULT.
 _HEADING_DEFAULT: Final = 2
 
@@ -106,10 +108,12 @@ class PlaneMovement(ArdupilotMovement):
         }
 
     def go_to(self, point: Point, command: Command) -> None:
-        """Circle a point."""
+        """Circle a point; before 4.3 with WP_LOITER_RAD."""
         radius = command.param3 if isfinite(command.param3) and command.param3 > 0 else None
+        if self.autopilot.profile.version[:2] < _WITH_RADIUS:
+            radius = self.autopilot.flight_parameters.loiter_radius
         if radius is not None and isfinite(command.param4) and command.param4 != 0:
-            radius = -radius
+            radius = -abs(radius)
         guide_to(self.autopilot, point, radius=radius)
 
     def take_off(self, request: CommandRequest) -> common.MavResult:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 class PlaneFlightParameters(ArdupilotFlightParameters):
     """ArduPlane, and a quadplane in forward flight."""
 
+    follows_positions = False
     limits: ClassVar[Limits] = MappingProxyType(
         {
             "AIRSPEED_CRUISE": ("speed", 1.0),

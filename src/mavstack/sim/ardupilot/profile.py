@@ -14,7 +14,8 @@ from mavstack.sim.ardupilot.commands import origin_of, register_commands
 from mavstack.sim.ardupilot.external_gps import register_external_gps
 from mavstack.sim.ardupilot.failsafes import ArdupilotFailsafes
 from mavstack.sim.ardupilot.flight_parameters import flight_parameters_of
-from mavstack.sim.ardupilot.identity import version_of
+from mavstack.sim.ardupilot.home_updates import watch_home
+from mavstack.sim.ardupilot.identity import VERSION, version_of
 from mavstack.sim.ardupilot.messages import ArdupilotMessages, guided_item
 from mavstack.sim.ardupilot.mode_switch import ModeSwitch
 from mavstack.sim.ardupilot.modes import BLOCKABLE, MODE_ROLES, MODES
@@ -37,10 +38,13 @@ if TYPE_CHECKING:
 
     from mavstack.services import Address
     from mavstack.services.mission import MissionItem
+    from mavstack.services.version import FirmwareVersion
     from mavstack.sim.ardupilot.base_flight_parameters import ArdupilotFlightParameters
     from mavstack.sim.autopilot.interfaces import Autopilot, Mode, Vehicle
 
 _ALTITUDE_ONLY = 3
+#: The first version of ArduRover that reports an altitude above home here; 4.1 has one above the sea there.
+_ROVER_HEIGHT = (4, 2)
 _WITH_YAW_CONTROL = frozenset({VehicleType.COPTER, VehicleType.SUB})
 #: The MAV_TYPE of a quadplane; 0 for that of a plane.
 _QUADPLANE_TYPE = "Q_MAV_TYPE"
@@ -52,8 +56,9 @@ class ArdupilotProfile(FirmwareProfile):
 
     refusal = ""
 
-    def __init__(self, vehicle_type: VehicleType) -> None:
-        self.vehicle_type = vehicle_type
+    def __init__(self, vehicle_type: VehicleType, version: FirmwareVersion = VERSION) -> None:
+        self.vehicle_type, self.version = vehicle_type, version
+        self.reports_no_height = vehicle_type.on_surface and version[:2] < _ROVER_HEIGHT
         self.modes = MODES[vehicle_type]
         roles = MODE_ROLES[vehicle_type]
         self.initial, self.hold, self.guided = int(roles.initial), int(roles.hold), int(roles.guided)
@@ -86,6 +91,7 @@ class ArdupilotProfile(FirmwareProfile):
             autopilot.watches += [CompassMotorCalibration(autopilot), EscCalibration(autopilot)]
             if vehicle.proximity:
                 enable_avoidance(autopilot)
+        watch_home(autopilot, self.vehicle_type)
         autopilot.watches.append(PreArmReporter(autopilot))
         autopilot.watches.append(BootTexts(autopilot))
         ArdupilotFailsafes(autopilot, self.mode_failure)
@@ -129,6 +135,11 @@ class ArdupilotProfile(FirmwareProfile):
         autopilot.vehicle.send_statustext(disarmed_text(self.vehicle_type), common.MavSeverity.INFO)
         autopilot.mission.reset()
         autopilot.mission.restore(autopilot.mission.first)
+
+    def armed_state(self, autopilot: Autopilot) -> int:
+        """Return STANDBY for a copter or plane on the ground: they are active in the air only."""
+        grounded = self.vehicle_type.flies and autopilot.landed
+        return common.MavState.STANDBY if grounded else common.MavState.ACTIVE
 
     def reports_armed(self, autopilot: Autopilot) -> bool:
         """Return whether the motors may run: also in tests and calibrations, except those of a quadplane."""

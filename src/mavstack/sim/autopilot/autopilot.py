@@ -113,7 +113,7 @@ class SimulatedAutopilot:
             return common.MavState.FLIGHT_TERMINATION
         if not self.armed:
             return self.profile.resting_state(self)
-        return common.MavState.CRITICAL if self.failsafes else common.MavState.ACTIVE
+        return common.MavState.CRITICAL if self.failsafes else self.profile.armed_state(self)
 
     @property
     def base_mode(self) -> int:

@@ -36,7 +36,7 @@ class GuidedControl(Protocol):
 
     @property
     def stream_alive(self) -> bool:
-        """True while setpoints arrive often enough."""
+        """True while the newest setpoint is recent."""
 
     def clear(self) -> None:
         """Drop the active guided command."""

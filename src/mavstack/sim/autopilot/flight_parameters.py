@@ -145,6 +145,9 @@ class FlightParameters(ABC):
     def setpoint_frames(self) -> frozenset[int]:
         """The frames that SET_POSITION_TARGET_LOCAL_NED may use; setpoints in other frames are ignored."""
 
+    #: False if only the altitude of position setpoints is followed, as by ArduPlane.
+    follows_positions = True
+
     @property
     @abstractmethod
     def thrust_is_climb(self) -> bool:

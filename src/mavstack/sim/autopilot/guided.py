@@ -8,8 +8,7 @@ offboard mode only when there is a stream.
 
 from __future__ import annotations
 
-from collections import deque
-from math import cos, sin
+from math import cos, inf, sin
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
@@ -29,8 +28,6 @@ NOTHING: Axes = (None, None, None)
 #: Frames with axes forward and right, and frames with positions relative to the vehicle.
 _TURNED = frozenset({_F.BODY_NED, _F.BODY_OFFSET_NED, _F.BODY_FRD, _F.LOCAL_FRD})
 _FROM_HERE = frozenset({_F.LOCAL_OFFSET_NED, _F.BODY_NED, _F.BODY_OFFSET_NED, _F.BODY_FRD})
-#: Maximum interval between two setpoints of a stream, in seconds.
-STREAM_INTERVAL = 0.55
 #: Bounds of setpoints: metres, metres, m/s.
 _FAR, _HIGH, _FAST = 2.0e6, 1.0e5, 100.0
 
@@ -42,7 +39,7 @@ class GuidedFlight:
         self._autopilot = autopilot
         self.command: RunningBehaviour | None = None
         self._stream_command: GuidedCommand | None = None
-        self._received_at: deque[float] = deque(maxlen=2)
+        self._received_at = -inf
         autopilot.vehicle.on_event(SetpointReceived, self._received)
 
     # Commands
@@ -99,12 +96,15 @@ class GuidedFlight:
 
     @property
     def stream_alive(self) -> bool:
-        """True while setpoints arrive more often than twice a second."""
-        if len(self._received_at) < 2:
-            return False
-        before, last = self._received_at
-        max_age = max(self._autopilot.flight_parameters.setpoint_timeout, STREAM_INTERVAL)
-        return last - before <= STREAM_INTERVAL and self._autopilot.vehicle.now - last <= max_age
+        """True while the newest setpoint is recent, and the estimate that it needs is there.
+
+        One setpoint is enough: PX4 checks the age of the newest one against COM_OF_LOSS_T, ten times a second
+        and after each change of its state (here whenever it is asked), not how many came before.
+        """
+        age = self._autopilot.vehicle.now - self._received_at
+        needs_position = not isinstance(self._stream_command, Attitude)
+        has_estimate = self._autopilot.has_position or not needs_position
+        return has_estimate and age < self._autopilot.flight_parameters.setpoint_timeout
 
     def follow_stream(self) -> None:
         """Follow the latest setpoint of the stream."""
@@ -118,7 +118,7 @@ class GuidedFlight:
         command = self._read(setpoint)
         if command is None:
             return False
-        self._received_at.append(self._autopilot.vehicle.now)
+        self._received_at = self._autopilot.vehicle.now
         if self._stream_command is None or not self._stream_command.renew(command):
             self._stream_command = command
         behaviour = self._autopilot.behaviour
@@ -137,12 +137,24 @@ class GuidedFlight:
         match setpoint:
             case AttitudeSetpoint():
                 return Attitude(self._autopilot, setpoint)
+            case _ if not self._autopilot.flight_parameters.follows_positions:
+                return self._altitude_change(setpoint)
             case GlobalSetpoint():
                 return self._motion(setpoint, self._global_position(setpoint), setpoint.velocity)
             case LocalSetpoint() if setpoint.frame in self._autopilot.flight_parameters.setpoint_frames:
                 position = self._local_position(setpoint)
                 return self._motion(setpoint, position, self._turned(setpoint, setpoint.velocity))
         return None
+
+    def _altitude_change(self, setpoint: LocalSetpoint | GlobalSetpoint) -> GuidedCommand | None:
+        """Return a change of altitude around the present target; None for other setpoints."""
+        here = self._autopilot.target or self._autopilot.maneuvers.place
+        if isinstance(setpoint, GlobalSetpoint):
+            down = None if setpoint.altitude is None else self._down(setpoint.altitude, setpoint.frame)
+        else:
+            change = setpoint.position[2] if setpoint.frame == _F.LOCAL_OFFSET_NED else None
+            down = _sum(change, here[2])
+        return None if down is None else GoTo(self._autopilot, (here[0], here[1], down))
 
     def _motion(
         self, setpoint: LocalSetpoint | GlobalSetpoint, position: Axes, velocity: Axes

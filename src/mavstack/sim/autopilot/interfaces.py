@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from mavstack.services import Address
     from mavstack.services.mission import MissionItem
     from mavstack.services.modes import AvailableMode
+    from mavstack.services.version import FirmwareVersion
     from mavstack.sim.autopilot.control import FenceControl, GuidedControl, MissionControl, RunningBehaviour
     from mavstack.sim.autopilot.flight_parameters import FlightParameters
     from mavstack.sim.autopilot.payload import Payload
@@ -134,6 +135,8 @@ class FirmwareProfile(ABC):
     parameters, the rules of arming and modes, the commands, and the status texts.
     """
 
+    #: The version of the firmware.
+    version: FirmwareVersion
     #: All modes, in the order in which they are listed.
     modes: Sequence[Mode]
     #: `custom_mode` of the modes that behaviours and failsafes enter by their purpose.
@@ -145,6 +148,8 @@ class FirmwareProfile(ABC):
     land: int
     #: True if the vehicle has a radio-control transmitter.
     transmitter = True
+    #: True if GLOBAL_POSITION_INT holds the altitude above the sea in place of the one above home.
+    reports_no_height = False
     #: The text in front of the reason why a mode cannot be entered.
     refusal = "Mode refused: "
 
@@ -175,6 +180,11 @@ class FirmwareProfile(ABC):
     def resting_state(self, autopilot: Autopilot) -> int:
         """Return the MAV_STATE of a disarmed vehicle."""
         return common.MavState.STANDBY if autopilot.booted else common.MavState.BOOT
+
+    def armed_state(self, autopilot: Autopilot) -> int:
+        """Return the MAV_STATE of an armed vehicle without a failsafe."""
+        del autopilot
+        return common.MavState.ACTIVE
 
     def reports_armed(self, autopilot: Autopilot) -> bool:
         """Return whether HEARTBEAT says that the vehicle is armed."""

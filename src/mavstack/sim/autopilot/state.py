@@ -82,6 +82,8 @@ class VehicleState(Protocol):
     now: float
     booted_at: float
     boots: int
+    #: The unique id of the board.
+    serial: bytes
     ports: list[Port]
     #: The chosen rangefinders, and whether the vehicle has a proximity sensor.
     rangefinders: Sequence[Rangefinder]

@@ -16,8 +16,6 @@ OPERATING_SYSTEM: Final = FirmwareVersion(6, 6, 0)
 GIT_HASH: Final = "4d61767374616b00"
 HARDWARE: Final = "MAVSTACK_SIM"
 _BOARD: Final = 1
-#: First bytes of the board's unique id; the system id follows.
-_SERIAL: Final = bytes.fromhex("4d61767374636b")
 
 _CAPABILITY = common.MavProtocolCapability
 CAPABILITIES: Final = int(
@@ -38,7 +36,7 @@ CAPABILITIES: Final = int(
 
 def version_of(vehicle: Vehicle) -> AutopilotVersion:
     """Return the content of AUTOPILOT_VERSION."""
-    serial = _SERIAL + bytes([vehicle.address.system])
+    serial = vehicle.serial
     commit = bytes.fromhex(GIT_HASH)[::-1]
     return AutopilotVersion(
         capabilities=CAPABILITIES,

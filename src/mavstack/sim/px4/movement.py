@@ -6,7 +6,7 @@ Altitudes are above mean sea level in every frame, because PX4 ignores the frame
 from __future__ import annotations
 
 from dataclasses import replace
-from math import copysign, isfinite
+from math import copysign, isfinite, nan
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
@@ -141,6 +141,10 @@ class Px4Movement(MovementCommands):
                 return result
         self.go_to(point, command)
         return _RESULT.ACCEPTED
+
+    def go_to(self, point: Point, command: Command) -> None:
+        """Go to a point; the radius is ignored: a wing circles with NAV_LOITER_RAD."""
+        super().go_to(point, replace(command, param3=nan))
 
     def target_place(self, command: Command) -> Point:
         """Return the local point that a command names."""

@@ -21,7 +21,7 @@ from mavstack.sim.px4.events import EventReporter, find_event
 from mavstack.sim.px4.external_gps import register_external_gps
 from mavstack.sim.px4.failsafes import Px4Failsafes, setpoints_lost
 from mavstack.sim.px4.flight_parameters import Px4FlightParameters, flight_parameters_of
-from mavstack.sim.px4.identity import version_of
+from mavstack.sim.px4.identity import VERSION, version_of
 from mavstack.sim.px4.mode_selection import mode_refusal_of
 from mavstack.sim.px4.shell import Console, MessageLog
 from mavstack.sim.px4.state import BY_COMMAND, BY_FAILSAFE, BY_LANDING, Px4State
@@ -40,6 +40,7 @@ _REASONS = {"commanded": BY_COMMAND, "landed": BY_LANDING, "mission end": BY_LAN
 class Px4Profile(FirmwareProfile):
     """PX4 on one vehicle."""
 
+    version = VERSION
     initial = hold = guided = modes.HOLD
     mission = modes.MISSION
     return_to_launch = modes.RETURN

@@ -147,7 +147,7 @@ class MotionMessages:
             degrees_e7(position.latitude) if known else 0,
             degrees_e7(position.longitude) if known else 0,
             int32(position.altitude * 1e3),
-            int32(view.altitude * 1e3),
+            int32(view.reported_height * 1e3),
             int16(estimate.velocity_north * 100.0),
             int16(estimate.velocity_east * 100.0),
             int16(estimate.velocity_down * 100.0),

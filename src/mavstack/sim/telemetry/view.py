@@ -119,6 +119,11 @@ class VehicleView:
         return self.home[2] - self.body.estimate.down
 
     @property
+    def reported_height(self) -> float:
+        """The altitude above home in metres as the firmware reports it."""
+        return self.position.altitude if self.vehicle.profile.reports_no_height else self.altitude
+
+    @property
     def ready(self) -> bool:
         """True if the vehicle is armed or the firmware's arming checks pass."""
         if self.autopilot.armed:

@@ -44,7 +44,7 @@ def show_help(context: ShellContext, words: Sequence[str]) -> Iterator[str]:
 
 def ver(context: ShellContext, words: Sequence[str]) -> Iterator[str]:
     """Print versions."""
-    serial = f"{context.vehicle.address.system:032x}"
+    serial = context.vehicle.serial.hex().rjust(32, "0")
     lines = {
         "hw": f"HW arch: {HARDWARE}",
         "git": f"PX4 git-hash: {GIT_HASH}",
