@@ -26,7 +26,7 @@ class MemoryLog(Log):
         fields = [(name, np.asarray(values).dtype) for name, values in columns.items()]
         table = np.empty(len(boot), [("_time", "<M8[us]"), *fields])
         offset = self.offset_us
-        table["_time"] = np.datetime64("NaT") if offset is None else (boot + offset).astype("M8[us]")
+        table["_time"] = np.datetime64("NaT", "us") if offset is None else (boot + offset).astype("M8[us]")
         for name, values in columns.items():
             table[name] = values
         return MessageTable.of(table)

@@ -196,3 +196,10 @@ def test_texts_and_changes_are_on_the_timeline(tmp_path):
         expected = np.datetime64(BOOT + 30_000_000, "us")
         assert [text.time for text in merged.texts] == [expected]
         assert [change.time for change in merged.parameter_changes] == [expected]
+
+
+def test_logs_that_share_no_time_are_refused(tmp_path):
+    ground = tlog(tmp_path)
+    late = MemoryLog({"ATT": {"TimeUS": np.arange(5) * 1_000_000}}, BOOT + 9 * 365 * 86_400_000_000)
+    with pytest.raises(LogError, match=r"do not overlap: .* 2023-11-14 .*2032-.* UTC; merge logs"):
+        merge_logs(ground, late)

@@ -145,3 +145,30 @@ def test_a_table_that_is_not_distinct_is_refused(query):
 def test_a_column_that_is_not_distinct_is_refused():
     with pytest.raises(InvalidArgumentError, match=r'"alt" not found .*"Alt_1"'):
         ask([table_names_in_two_cases()], "SELECT alt FROM att")
+
+
+@pytest.mark.parametrize(
+    ("query", "rows"),
+    [
+        ("SELECT a.Roll, b.Alt_1 FROM ATT a JOIN att b USING (TimeUS)", [(1.0, 3), (2.0, 4)]),
+        ('SELECT ATT.Roll, att."Alt_1" FROM "ATT" JOIN att USING (TimeUS)', [(1.0, 3), (2.0, 4)]),
+        ("SELECT max(Roll) FROM ATT -- not att", [(2.0,)]),
+        ("SELECT 'att.x', max(Roll) FROM ATT JOIN att USING (TimeUS)", [("att.x", 2.0)]),
+    ],
+)
+def test_both_of_two_tables_that_differ_in_case_only_can_be_named(query, rows):
+    assert ask([table_names_in_two_cases()], query)[1] == rows
+
+
+def test_a_number_of_a_table_that_differs_in_case_only_is_not_the_name_of_another():
+    columns = {"TimeUS": [1, 2]}
+    log = MemoryLog({"ATT": columns, "att": columns, "att_2": columns | {"X": [7, 8]}})
+    assert ask([log], "SELECT max(X) FROM att_2")[1] == [(8,)]
+    with pytest.raises(InvalidArgumentError, match="name them ATT_1 and att_3"):
+        ask([log], "SELECT * FROM Att")
+
+
+def test_a_field_named_as_a_state_is_the_field():
+    log = MemoryLog({"MODE": {"TimeUS": [1, 2], "Mode": [4, 5]}})
+    assert ask([log], "SELECT Mode FROM MODE")[1] == [(4,), (5,)]
+    assert [row[1] for row in ask([log], "MODE.Mode")[1]] == [4, 5]

@@ -21,6 +21,8 @@ from mavstack.logs.merged_source import LogOffset, MergedSource
 from mavstack.logs.time_base import median_offset, unix_seconds
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from mavstack.logs.log import Log
@@ -51,7 +53,7 @@ def merge_logs(*logs: Log) -> MergedLog:
 
     Raises:
         InvalidArgumentError: There are fewer than two logs.
-        LogError: The clock of a log cannot be related to that of the reference.
+        LogError: The clock of a log cannot be related to that of the reference, or a log overlaps with none.
     """
     if len(logs) < 2:
         raise InvalidArgumentError(f"merging needs at least two logs, got {len(logs)}")
@@ -60,7 +62,27 @@ def merge_logs(*logs: Log) -> MergedLog:
     fixes = _fixes(reference, clock)
     labels = _labels(logs)
     sources = [_source(log, label, reference, fixes, clock) for log, label in zip(logs, labels, strict=True)]
+    _require_overlap(sources)
     return MergedLog(sources, "utc" if has_gps_time(reference) else reference.clock)
+
+
+def _require_overlap(sources: Sequence[MergedSource]) -> None:
+    """Raise if a log shares no time with any other: such logs are not of one flight."""
+    spans = [(source, span) for source in sources if (span := source.timeline_span()) is not None]
+    for source, (first, last) in spans:
+        others = [other for other in spans if other[0] is not source]
+        if others and not any(start <= last and first <= end for _, (start, end) in others):
+            other, span = others[0]
+            raise LogError(
+                f"cannot merge {source.log.path} with {other.log.path}: they do not overlap: "
+                f"the first is from {_period(first, last)}, the second from {_period(*span)}; "
+                "merge logs of one flight"
+            )
+
+
+def _period(first: float, last: float) -> str:
+    start, end = (str(np.datetime64(round(seconds), "s")).replace("T", " ") for seconds in (first, last))
+    return f"{start} to {end} UTC"
 
 
 def has_gps_time(log: Log) -> bool:

@@ -96,6 +96,13 @@ class MergedSource:
         copy["_time"] = stamps
         return copy
 
+    def timeline_span(self) -> tuple[float, float] | None:
+        """Return `span`, also of a log that only knows the time since boot, or None without times."""
+        span = self.log.time_span
+        if span is None or self.log.clock != "boot":
+            return self.span()
+        return span[0] + self.shift, span[1] + self.shift
+
     def span(self) -> tuple[float, float] | None:
         """Return the earliest and the latest time of the log on the timeline, in seconds."""
         span = self.log.time_span

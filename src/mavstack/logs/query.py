@@ -4,8 +4,9 @@ The names of the tables are those of the messages. A query over several logs see
 with the column `_file`. Only the tables that the query names are decoded. Times are in UTC. If the query
 names `armed` or `mode`, every table has these columns: the state of the vehicle at the time of the row.
 
-SQL ignores the case of names. Of tables whose names differ in case only, a query names one exactly, or each
-with its number (`ATT_1`, `att_2`); columns that differ in case only have such numbers.
+SQL ignores the case of names. Of tables whose names differ in case only, a query names each exactly after
+FROM or JOIN, or with its number (`ATT_1`, `att_2`); columns that differ in case only have such numbers. A
+field `Mode` of a message is the field: the state is not added beside it.
 
 The short form is `MESSAGE.FIELD, … [where CONDITION]`: `ATTITUDE.roll where abs(roll) > 0.5` gives the time
 and the fields of one message. DuckDB knows many functions: `histogram`, `quantile_cont`, `time_bucket`, and
@@ -24,13 +25,17 @@ from mavstack.errors import InvalidArgumentError, LogError, MissingExtraError
 from mavstack.logs.flight_states import flight_states
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Collection, Iterable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
     from mavstack.logs.log import Log
 
 _WORD: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_COMMENT: Final = re.compile(r"--[^\n]*|/\*.*?\*/", re.DOTALL)
+#: A text in SQL.
+_LITERAL: Final = re.compile(r"'(?:[^']|'')*'")
+_AFTER_FROM: Final = re.compile(r'(?i:\b(?:from|join))\s+"?(\w+)')
 _FIELD: Final = r"[A-Za-z_]\w*\.[A-Za-z_]\w*(?:\[\d+\])?"
 _SHORT: Final = re.compile(
     rf"\s*(?P<fields>{_FIELD}(?:\s*,\s*{_FIELD})*)\s*(?:where\s+(?P<condition>.+?))?\s*",
@@ -60,7 +65,8 @@ def query_logs(
     duckdb = _duckdb()
     sql = expand_short_form(query) or query
     with duckdb.connect(":memory:") as connection:
-        for alias, name in _tables_in(logs, sql).items():
+        tables, sql = _tables_in(logs, sql)
+        for alias, name in tables.items():
             connection.register(alias, _rows(logs, name, states_in(sql), scaled=scaled, enums=enums))
         # A query must not read or write other files, or variables of this program.
         connection.execute("SET enable_external_access = false")
@@ -107,17 +113,23 @@ def _column(field: str) -> str:
     return f'"{name}"[{int(index.rstrip("]")) + 1}] AS "{field}"' if bracket else f'"{name}"'
 
 
-def _tables_in(logs: Iterable[Log], sql: str) -> dict[str, str]:
-    """Return the tables of the logs that a query names, by their names in SQL."""
-    words = set(_WORD.findall(sql))
+def _tables_in(logs: Sequence[Log], sql: str) -> tuple[dict[str, str], str]:
+    """Return the tables of the logs that a query names by their names in SQL, and the query with these."""
+    words = set(_WORD.findall(_COMMENT.sub("", sql)))
     lower = {word.lower() for word in words}
     found: dict[str, str] = {}
+    taken = {name.lower() for log in logs for name in log}
     for names in _equal_but_for_case(name for log in logs for name in log):
         exact = [name for name in names if name in words] if names[1:] else names
         if names[1:]:
-            numbered = _numbered(names)
+            numbered = _numbered(names, taken)
             found |= {alias: name for alias, name in numbered.items() if alias in words}
         if names[0].lower() not in lower:
+            continue
+        if len(exact) > 1 and set(exact) <= set(_sources_in(sql)):
+            aliases = {name: alias for alias, name in numbered.items() if name in exact}
+            found |= {alias: name for name, alias in aliases.items()}
+            sql = _with_aliases(sql, aliases)
             continue
         if len(exact) != 1:
             raise InvalidArgumentError(
@@ -125,7 +137,26 @@ def _tables_in(logs: Iterable[Log], sql: str) -> dict[str, str]:
                 f"name them {' and '.join(numbered)}"
             )
         found[exact[0]] = exact[0]
-    return found
+    return found, sql
+
+
+def _sources_in(sql: str) -> list[str]:
+    """Return the words after FROM and JOIN."""
+    code = "".join(_LITERAL.split(sql))
+    return _AFTER_FROM.findall(code)
+
+
+def _with_aliases(sql: str, aliases: Mapping[str, str]) -> str:
+    """Return a query in which names of tables, as sources and before columns, are replaced."""
+    names = "|".join(map(re.escape, aliases))
+    place = re.compile(rf"((?i:\b(?:from|join)\s+)\"?)({names})(?![\w.])|(?<![\w.])()({names})(?=\"?\.)")
+
+    def replaced(found: re.Match[str]) -> str:
+        return (found[1] or "") + aliases[found[2] or found[4]]
+
+    # Texts are the pieces with odd numbers.
+    pieces = re.split(f"({_LITERAL.pattern})", sql)
+    return "".join(piece if index % 2 else place.sub(replaced, piece) for index, piece in enumerate(pieces))
 
 
 def _equal_but_for_case(names: Iterable[str]) -> Iterable[list[str]]:
@@ -136,9 +167,21 @@ def _equal_but_for_case(names: Iterable[str]) -> Iterable[list[str]]:
     return groups.values()
 
 
-def _numbered(names: Sequence[str]) -> dict[str, str]:
-    """Return names that SQL distinguishes for names that it does not."""
-    return {f"{name}_{number}": name for number, name in enumerate(names, 1)}
+def _numbered(names: Sequence[str], taken: Collection[str]) -> dict[str, str]:
+    """Return names that SQL distinguishes for names that it does not.
+
+    Args:
+        names: The names.
+        taken: Names in lower case that others have.
+    """
+    found: dict[str, str] = {}
+    number = 0
+    for name in names:
+        number += 1
+        while f"{name}_{number}".lower() in taken:
+            number += 1
+        found[f"{name}_{number}"] = name
+    return found
 
 
 def states_in(sql: str) -> list[str]:
@@ -158,7 +201,7 @@ def _rows(logs: Sequence[Log], name: str, states: Sequence[str], *, scaled: bool
         times = rows.column("_time").cast(pyarrow.timestamp("us"))
         rows = rows.set_column(rows.column_names.index("_time"), "_time", times)
         for state in states:
-            if state not in rows.column_names:
+            if state not in {column.lower() for column in rows.column_names}:
                 rows = rows.append_column(state, pyarrow.array(_states(log, name, state)))
         if len(logs) > 1:
             files = pyarrow.array([log.path.name]).dictionary_encode().take(pyarrow.array([0] * len(rows)))
@@ -173,7 +216,8 @@ def _rows(logs: Sequence[Log], name: str, states: Sequence[str], *, scaled: bool
 def _with_distinct_columns(rows: Any) -> Any:  # noqa: ANN401 (no types)
     """Return a table whose columns have a number behind their names if these differ in case only."""
     groups = [names for names in _equal_but_for_case(rows.column_names) if names[1:]]
-    new = {name: alias for names in groups for alias, name in _numbered(names).items()}
+    taken = {name.lower() for name in rows.column_names}
+    new = {name: alias for names in groups for alias, name in _numbered(names, taken).items()}
     return rows.rename_columns([new.get(name, name) for name in rows.column_names]) if new else rows
 
 

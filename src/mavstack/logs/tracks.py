@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from mavstack.errors import LogError
+from mavstack.logs.own_system import own_system
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -158,7 +159,7 @@ def _tracks_of(log: Log, source: _Source) -> Iterator[Track]:
 def _systems(log: Log, table: MessageTable) -> NDArray[np.int64]:
     if "_system" in (table.dtype.names or ()):
         return np.asarray(table["_system"]).astype(np.int64)
-    return np.full(len(table), int(log.info.get("system", 0) or 0))
+    return np.full(len(table), own_system(log))
 
 
 def _track(

@@ -194,3 +194,19 @@ def test_logs_of_every_format_are_looked_at(tmp_path, suffix):
     (tmp_path / f"flight{suffix}").write_bytes(b"no log of any format")
     with FlightBook(tmp_path / "book.duckdb") as book:
         assert list(book.update(tmp_path).failed) == [f"flight{suffix}"]
+
+
+def test_a_book_that_moved_without_its_logs_keeps_their_rows(folder, tmp_path):
+    with FlightBook(folder / "flights.duckdb") as book:
+        book.update(folder)
+        book.add_incident("one.tlog", "propeller lost")
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "two.tlog").write_bytes(flight_tlog())
+    (folder / "flights.duckdb").rename(other / "flights.duckdb")
+    with FlightBook(other / "flights.duckdb") as book:
+        update = book.update(other)
+        assert (update.read, update.removed) == (1, 0)
+        remarks = {row["file"]: row["incidents"] for row in book.rows()}
+        assert remarks == {"two.tlog": "", str(folder / "2023" / "one.tlog"): "propeller lost"}
+        assert book.update(folder).unchanged == 1, "the rows are those of the logs that stayed"

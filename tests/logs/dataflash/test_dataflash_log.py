@@ -55,7 +55,9 @@ def test_times_are_utc_by_gps(path):
     table = log["ATT"]
     assert (table["_time"].astype(np.int64) == BOOT + table["TimeUS"].astype(np.int64)).all()
     assert log.times("ATT", "boot").tolist() == (table["TimeUS"] / 1e6).tolist()
-    assert np.isnat(log["FMT"]["_time"]).all()
+    assert (log["FMT"]["_time"] == log.start).all(), (
+        "definitions have the time of the first record after them"
+    )
     assert log.start == np.datetime64(BOOT + 900, "us")
     assert log.duration == pytest.approx((2000 + 399 * 2500 - 900) / 1e6)
 
@@ -190,7 +192,7 @@ def test_odd_labels_give_distinct_columns(path, labels):
     writer = LogWriter()
     writer.define(50, "ODD", "QBBB", labels)
     writer.write("ODD", 1, 2, 3, 4)
-    names = opened(path, writer)["ODD"].dtype.names
+    names = [name for name in opened(path, writer)["ODD"].dtype.names if name != "_boot_us"]
     assert len(set(names)) == len(names) == 2 + min(4, labels.count(",") + bool(labels))
 
 

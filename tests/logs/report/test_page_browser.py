@@ -150,3 +150,25 @@ def test_plots_are_drawn(show, log):
     (line,) = assert_lines(page, 1)
     assert_painted(line, picture(page), PHONE[2])
     assert_lines(show(svg_document(charts, STYLE), name="plots.svg"), 20)
+
+
+def test_a_reader_can_zoom_move_the_cursor_and_add_fields(log, show):
+    page = show(make_report(log).html)
+    chart = page.locator("figure svg.live").first
+    chart.scroll_into_view_if_needed()
+    box = chart.bounding_box()
+    across = [box["x"] + box["width"] * share for share in (0.3, 0.5, 0.6)]
+    texts = chart.locator("text.x").all_inner_texts()
+    page.mouse.move(across[0], box["y"] + 50)
+    page.mouse.down()
+    page.mouse.move(across[1], box["y"] + 50)
+    page.mouse.up()
+    assert chart.locator("text.x").all_inner_texts() != texts, "the axis shows a part"
+    page.mouse.move(across[2], box["y"] + 50)
+    assert " s" in page.locator(".tools output").inner_text()
+    assert page.locator("svg.map circle.cursor").count() == 1
+    page.fill("input[type=search]", "vibration_x")
+    page.locator(".tree label:visible input").first.check()
+    assert page.locator("#own figure figcaption").inner_text().startswith("VIBRATION.vibration_x")
+    page.get_by_role("button", name="whole flight").click()
+    assert chart.locator("text.x").all_inner_texts() == texts

@@ -112,17 +112,17 @@ def errors(flight: Flight) -> Iterator[Finding]:
 
 
 def parameter_changes(flight: Flight) -> Iterator[Finding]:
-    """List parameters that were changed while armed."""
+    """List parameters that were changed in flight."""
     changes = [
         (time, change)
         for time, change in flight.parameter_changes
         if isfinite(time) and not change.name.startswith(_AUTOMATIC)
     ]
-    armed = flight.is_armed(np.array([time for time, _ in changes], np.float64)).tolist()
-    in_flight = [item for item, now in zip(changes, armed, strict=True) if now]
+    flying = flight.is_flying(np.array([time for time, _ in changes], np.float64)).tolist()
+    in_flight = [item for item, now in zip(changes, flying, strict=True) if now]
     if in_flight:
         listed = ", ".join(f"{change.name} = {change.value:g}" for _, change in in_flight[:10])
-        text = f"Changed while armed: {listed}."
+        text = f"Changed in flight: {listed}."
         noun = "parameter" if len(in_flight) == 1 else "parameters"
         title = f"{len(in_flight)} {noun} changed in flight"
         numbers = {"changes": float(len(in_flight))}

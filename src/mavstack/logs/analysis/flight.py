@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from mavstack.logs.analysis.signals import read_signal
-from mavstack.logs.flight_states import FlightStates, Span, States, flight_states
+from mavstack.logs.flight_states import FlightStates, Span, States, flight_states, unknown_states
+from mavstack.logs.own_system import own_system
 from mavstack.logs.time_base import unix_seconds
 from mavstack.logs.tracks import tracks
 
@@ -31,6 +32,12 @@ _MULTIROTORS: Final = frozenset(
 )  # fmt: skip
 
 
+_NOT_FLYING: Final = frozenset({"GROUND_ROVER", "SURFACE_BOAT", "SUBMARINE", "ANTENNA_TRACKER"})
+#: Metres above home from which a vehicle is in the air, and below which it has landed.
+_TAKEN_OFF: Final = 1.5
+_LANDED: Final = 0.5
+
+
 class Flight:
     """One vehicle in a log.
 
@@ -44,6 +51,7 @@ class Flight:
         self.system = system
         self._signals: dict[str, Signal | None] = {}
         self._armed_signals: dict[str, Signal | None] = {}
+        self._flying_signals: dict[str, Signal | None] = {}
 
     def signal(self, name: str) -> Signal | None:
         """Return a signal, or None if the log does not have it; see `SIGNALS`."""
@@ -59,10 +67,19 @@ class Flight:
             self._armed_signals[name] = armed if armed is not None and len(armed) else None
         return self._armed_signals[name]
 
+    def flying_signal(self, name: str) -> Signal | None:
+        """Return a signal while the vehicle was in the air, or None if it has no values then."""
+        if name not in self._flying_signals:
+            signal = self.signal(name)
+            flying = None if signal is None else signal.during(self.is_flying(signal.times))
+            self._flying_signals[name] = flying if flying is not None and len(flying) else None
+        return self._flying_signals[name]
+
     def armed_steps(self, name: str) -> Signal | None:
         """Return the steps of a signal between values that follow each other while the vehicle is armed.
 
-        A counter that goes on while the vehicle is disarmed has no step for that time.
+        A counter that continues while the vehicle is disarmed has no step for that time, whether the log
+        holds values of that time or not.
 
         Args:
             name: Name of the signal, a key of `SIGNALS`.
@@ -73,21 +90,55 @@ class Flight:
         signal = self.signal(name)
         if signal is None:
             return None
+        starts = np.array([start for start, _ in self.armed_spans])
+        flights = np.searchsorted(starts, signal.times, side="left")
         armed = self.is_armed(signal.times)
         steps = replace(signal, times=signal.times[1:], values=np.diff(signal.values))
-        steps = steps.during(armed[1:] & armed[:-1])
+        steps = steps.during(armed[1:] & armed[:-1] & (flights[1:] == flights[:-1]))
         return steps if len(steps) else None
 
     def is_armed(self, times: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Return whether the vehicle was armed at each of some times; always, if the log does not tell.
+        """Return whether the vehicle was armed at each of some times; never, if the log does not hold it.
 
         Args:
             times: Seconds from the beginning of the log.
         """
-        states = self.states.armed
-        if not len(states.times):
-            return np.ones(len(times), np.bool_)
-        return states.at(times + self.start).astype(np.bool_)
+        return self.states.armed.at(times + self.start).astype(np.bool_)
+
+    def is_flying(self, times: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return whether the vehicle was armed and in the air at each of some times.
+
+        A vehicle that does not fly, and one of which the log holds neither its state nor an altitude, is
+        taken as being under way while it is armed.
+
+        Args:
+            times: Seconds from the beginning of the log.
+        """
+        airborne = self._airborne
+        armed = self.is_armed(times)
+        return armed if airborne is None else armed & airborne.at(times + self.start).astype(np.bool_)
+
+    @cached_property
+    def _airborne(self) -> States[bool] | None:
+        """In the air or not, as the vehicle or its altitude reports; None if that is not known."""
+        if self.vehicle_type in _NOT_FLYING:
+            return None
+        if self.states.airborne.is_known:
+            return self.states.airborne
+        altitude = self.armed_signal("altitude")
+        if altitude is None:
+            return None
+        airborne = _in_the_air(altitude)
+        return States(altitude.times + self.start, airborne, default=bool(airborne[0]))
+
+    @cached_property
+    def takeoffs(self) -> int:
+        """How often the vehicle rose from the ground while armed."""
+        if self._airborne is None:
+            return 0
+        airborne = self._airborne.values.astype(np.bool_)
+        before = np.concatenate([[self._airborne.default], airborne[:-1]])
+        return int(np.count_nonzero(airborne & ~before & self.is_armed(self._airborne.times - self.start)))
 
     @cached_property
     def start(self) -> float:
@@ -104,16 +155,12 @@ class Flight:
     def states(self) -> FlightStates:
         """Armed or not, and the flight mode."""
         found: Mapping[int, FlightStates] = flight_states(self.log)
-        none = FlightStates(
-            States(np.empty(0), np.empty(0, np.bool_), default=False),
-            States(np.empty(0), np.empty(0, object), ""),
-        )
-        return found.get(self.system, none)
+        return found.get(self.system, unknown_states())
 
     @cached_property
     def armed_spans(self) -> list[tuple[float, float]]:
         """Stretches of time in which the vehicle was armed, in seconds from the beginning."""
-        spans = self.states.armed.spans(self.start + self.duration)
+        spans = self.states.armed.spans(self.start + self.duration, self.start)
         return [(span.start - self.start, span.end - self.start) for span in spans if span.value]
 
     @cached_property
@@ -161,6 +208,15 @@ class Flight:
         return seconds
 
 
+def _in_the_air(altitude: Signal) -> NDArray[np.bool_]:
+    """Return whether a vehicle was in the air at each value of its altitude above home."""
+    values = altitude.values
+    # Between the two limits the last state beyond one of them lasts.
+    decided = np.where(values > _TAKEN_OFF, 1, np.where(values < _LANDED, 0, -1))
+    last = np.maximum.accumulate(np.where(decided >= 0, np.arange(len(values)), -1))
+    return np.asarray((last >= 0) & (decided[last] == 1))
+
+
 def flights(log: Log) -> list[Flight]:
     """Return the flights of a log, one for each vehicle.
 
@@ -170,5 +226,5 @@ def flights(log: Log) -> list[Flight]:
     Returns:
         The flights by ascending system id; a log without a vehicle has one, with the system id 0.
     """
-    systems = sorted(log.vehicles) or [int(log.info.get("system", 0) or 0)]
+    systems = sorted(log.vehicles) or [own_system(log)]
     return [Flight(log, system) for system in systems]

@@ -31,25 +31,25 @@ _RATIO_TIME: Final = 1.0
 def gps_quality(flight: Flight) -> Iterator[Finding]:
     """Look for a lost 3D fix (critical), fewer than 6 satellites or an HDOP above 2 (warnings) in flight.
 
-    A vehicle that never has a fix while armed flies without satellites: indoors, or under water.
+    A vehicle that never has a fix in flight flies without satellites: indoors, or under water.
     """
-    fix = flight.armed_signal("gps_fix")
+    fix = flight.flying_signal("gps_fix")
     if fix is not None and not (fix.values >= _FIX_3D).any():
         return
     if fix is not None and (fix.values < _FIX_3D).any():
         lost = float(fix.times[fix.values < _FIX_3D][0])
-        text = "The receiver of satellite navigation lost its 3D fix while the vehicle was armed."
+        text = "The receiver of satellite navigation lost its 3D fix while the vehicle was in the air."
         share = float((fix.values < _FIX_3D).mean())
         numbers = {"share_without_fix": share}
         yield Finding("gps_quality", Severity.CRITICAL, "GPS fix lost in flight", text, lost, numbers)
-    satellites = flight.armed_signal("satellites")
+    satellites = flight.flying_signal("satellites")
     if satellites is not None and satellites.values.min() < _FEW_SATELLITES:
         fewest = float(satellites.values.min())
         text = f"At the worst moment {fewest:.0f} satellites were used; {_FEW_SATELLITES} or more are usual."
         time = float(satellites.times[satellites.values.argmin()])
         title = f"only {fewest:.0f} satellites"
         yield Finding("gps_quality", Severity.WARNING, title, text, time, {"satellites": fewest})
-    hdop = flight.armed_signal("hdop")
+    hdop = flight.flying_signal("hdop")
     if hdop is not None and float(np.percentile(hdop.values, 95)) > _POOR_HDOP:
         level = float(np.percentile(hdop.values, 95))
         text = f"For 5 % of the flight the HDOP was at least {level:.1f}; below {_POOR_HDOP:.0f} is usual."
@@ -65,7 +65,7 @@ def gps_glitch(flight: Flight) -> Iterator[Finding]:
     moved = distances(track.latitudes[:-1], track.longitudes[:-1], track.latitudes[1:], track.longitudes[1:])
     allowed = _MAX_SPEED * np.clip(np.diff(track.times), 0, None) + _POSITION_NOISE
     jumps = np.flatnonzero(moved > allowed)
-    jumps = jumps[flight.is_armed(track.times[jumps + 1] - flight.start)]
+    jumps = jumps[flight.is_flying(track.times[jumps + 1] - flight.start)]
     if not len(jumps):
         return
     worst = jumps[moved[jumps].argmax()]
@@ -84,7 +84,7 @@ def gps_glitch(flight: Flight) -> Iterator[Finding]:
 def estimator(flight: Flight) -> Iterator[Finding]:
     """Look for test ratios of the estimator above 0.8 for a second (warning), or 1 (critical), in flight."""
     for name, word in (("compass", "compass"), ("velocity", "velocity"), ("position", "position")):
-        signal = flight.armed_signal(f"{name}_variance")
+        signal = flight.flying_signal(f"{name}_variance")
         if signal is None:
             continue
         ratio = _lasting(signal.times, signal.values)

@@ -61,11 +61,11 @@ def motor_imbalance(flight: Flight) -> Iterator[Finding]:
 
 
 def _motors(flight: Flight) -> Iterator[Signal]:
-    """Yield the outputs of the motors of a multirotor while they turn."""
+    """Yield the outputs of the motors of a multirotor that turn in flight."""
     if not flight.is_multirotor:
         return
     for number in range(1, _ROTORS.get(flight.vehicle_type, 0) + 1):
-        signal = flight.armed_signal(f"output_{number}")
+        signal = flight.flying_signal(f"output_{number}")
         if signal is None:
             continue
         turning = signal.during(signal.values > _TURNING)

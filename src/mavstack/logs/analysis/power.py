@@ -80,7 +80,7 @@ def board_supply(flight: Flight) -> Iterator[Finding]:
 def ends_in_flight(flight: Flight) -> Iterator[Finding]:
     """Look for a log that ends while the vehicle is armed and in the air: no power, a crash, a lost link."""
     altitude = flight.signal("altitude")
-    if altitude is None or not len(flight.states.armed.times):
+    if altitude is None or not flight.states.armed.is_known:
         return
     last = flight.duration - _END
     final = altitude.during(altitude.times >= last)

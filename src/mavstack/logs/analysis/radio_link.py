@@ -83,12 +83,12 @@ def _has_several_counters(flight: Flight) -> bool:
 
 
 def radio_margin(flight: Flight) -> Iterator[Finding]:
-    """Look for a telemetry radio whose signal is less than 10 dB above the noise while armed (SiK scale)."""
+    """Look for a telemetry radio whose signal is less than 10 dB above the noise in flight (SiK scale)."""
     for near, noise, side in (
         ("radio_rssi", "radio_noise", "local"),
         ("radio_remrssi", "radio_remnoise", "remote"),
     ):
-        signal, floor = flight.armed_signal(near), flight.armed_signal(noise)
+        signal, floor = flight.flying_signal(near), flight.flying_signal(noise)
         if signal is None or floor is None:
             continue
         margin = (signal.values - np.interp(signal.times, floor.times, floor.values)) / _DECIBELS

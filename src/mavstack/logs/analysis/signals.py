@@ -29,6 +29,7 @@ Column: TypeAlias = "NDArray[np.float64]"
 class Source(NamedTuple):
     """A column that holds a signal: the table, the field, and the factor to the unit of the signal.
 
+    A factor of 0 stands for the multiplier of the table's schema: firmware changed the unit of the column.
     Values from `unknown_from` on, in the unit of the signal, stand for "unknown".
     """
 
@@ -103,6 +104,7 @@ def _motors() -> dict[str, SignalDefinition]:
             "us",
             ("SERVO_OUTPUT_RAW", f"servo{number}_raw"),
             ("RCOU", f"C{number}"),
+            ("RCOU", f"Chan{number}"),
             ("actuator_outputs", f"output[{number - 1}]"),
         )
         for number in range(1, 9)
@@ -126,6 +128,7 @@ SIGNALS: Final[Mapping[str, SignalDefinition]] = MappingProxyType(
             ("GLOBAL_POSITION_INT", "relative_alt", 1e-3),
             ("POS", "RelHomeAlt"),
             ("CTUN", "Alt"),
+            ("GPS", "RelAlt"),
             ("vehicle_local_position", "z", -1.0),
             ("LOCAL_POSITION_NED", "z", -1.0),
         ),
@@ -144,12 +147,12 @@ SIGNALS: Final[Mapping[str, SignalDefinition]] = MappingProxyType(
         "throttle": _define("throttle", "%", ("VFR_HUD", "throttle"), ("CTUN", "ThO", 100.0)),
         "voltage": _define(
             "battery voltage", "V", ("SYS_STATUS", "voltage_battery", 1e-3), ("BAT", "Volt"),
-            ("CURR", "Volt"),
+            ("CURR", "Volt", 0.0),
             ("battery_status", "voltage_v"),
         ),
         "current": _define(
             "battery current", "A", ("SYS_STATUS", "current_battery", 1e-2), ("BAT", "Curr"),
-            ("CURR", "Curr"),
+            ("CURR", "Curr", 0.0),
             ("battery_status", "current_a"),
         ),
         "remaining": _define(
@@ -158,6 +161,7 @@ SIGNALS: Final[Mapping[str, SignalDefinition]] = MappingProxyType(
         ),
         "board_voltage": _define(
             "board voltage", "V", ("POWER_STATUS", "Vcc", 1e-3), ("POWR", "Vcc"),
+            ("CURR", "Vcc", 0.0),
             ("system_power", "voltage5v_v")
         ),
         "vibration_x": _define("vibration x", "m/s/s", ("VIBRATION", "vibration_x"), ("VIBE", "VibeX")),
@@ -307,5 +311,6 @@ def _where(table: MessageTable, rows: NDArray[np.bool_]) -> MessageTable:
 def _values(table: MessageTable, source: Source) -> NDArray[np.float64]:
     schema = table.schema[source.field.partition("[")[0]]
     # The factors of this module are those of the stored value.
-    values: NDArray[np.float64] = table.scaled(source.field) / schema.multiplier * source.factor
+    factor = source.factor / schema.multiplier if source.factor else 1.0
+    values: NDArray[np.float64] = table.scaled(source.field) * factor
     return np.where(values < source.unknown_from, values, np.nan) if isfinite(source.unknown_from) else values

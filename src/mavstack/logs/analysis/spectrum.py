@@ -75,7 +75,9 @@ def acceleration_spectrum(flight: Flight) -> Spectrum | None:
             times = flight.log.seconds_from_start(name, table)
         except LogError:
             continue
-        armed = flight.is_armed(times) & np.isfinite(times)
+        armed = np.isfinite(times)
+        if flight.states.armed.is_known:
+            armed &= flight.is_armed(times)
         columns = [np.asarray(table[field])[armed].astype(np.float64) * factor for field in fields]
         found = _welch(name, times[armed], np.array(columns))
         if found is not None:

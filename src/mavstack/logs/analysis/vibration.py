@@ -22,9 +22,9 @@ _FEW_CLIPS: Final = 30
 
 
 def vibration(flight: Flight) -> Iterator[Finding]:
-    """Look for vibration above 30 m/s/s (warning) or 60 m/s/s (critical) on any axis while armed."""
+    """Look for vibration above 30 m/s/s (warning) or 60 m/s/s (critical) on any axis in flight."""
     for axis in ("x", "y", "z"):
-        signal = flight.armed_signal(f"vibration_{axis}")
+        signal = flight.flying_signal(f"vibration_{axis}")
         if signal is None:
             continue
         # A single value of a landing or a crash is no vibration: the 95th percentile is judged.

@@ -16,6 +16,7 @@ import numpy as np
 
 from mavstack.errors import InvalidArgumentError, LogError, MavstackError, MissingExtraError
 from mavstack.logs.analysis import analyse, flights
+from mavstack.logs.export.csv_text import sql_of_column
 from mavstack.logs.opening import open_log
 from mavstack.logs.report.report import flight_facts
 
@@ -97,6 +98,8 @@ class FlightBook:
             )
             self._connection.execute(f"CREATE TABLE IF NOT EXISTS flights ({columns})")
             self._add_columns()
+            self._connection.execute("CREATE TABLE IF NOT EXISTS book (folder VARCHAR)")
+            self._is_settled = self._settle()
         except self._duckdb.Error as error:
             reason = str(error).splitlines()[0]
             raise LogError(f"cannot open the flight book {path}: {reason}") from error
@@ -115,6 +118,9 @@ class FlightBook:
 
         Raises:
             LogError: The folder cannot be read.
+
+        A log that was removed from the folder leaves the book. The logs of a book that was moved to another
+        folder without them keep their rows.
         """
         root = Path(folder)
         if not root.is_dir():
@@ -137,9 +143,10 @@ class FlightBook:
                 self._read(path, name, state, result)
             if progress is not None:
                 progress(done, len(files))
-        for name in known:
+        for name in known if self._is_settled else ():
             self._forget(name)
             result.removed += 1
+        self._is_settled = True
         return result
 
     def rows(self) -> list[dict[str, Any]]:
@@ -168,11 +175,13 @@ class FlightBook:
             self._connection.execute("UPDATE flights SET incidents = ? WHERE file = ?", [text, name])
         return sum(row["file"] in found for row in self.rows())
 
-    def export_csv(self, path: str | os.PathLike[str]) -> None:
+    def export_csv(self, path: str | os.PathLike[str], *, raw_text: bool = False) -> None:
         """Write the book as CSV.
 
         Args:
             path: Path of the file.
+            raw_text: True keeps texts that spreadsheets run as formulas; False writes an apostrophe before
+                them.
 
         Raises:
             LogError: The file cannot be written.
@@ -180,7 +189,10 @@ class FlightBook:
         try:
             # Results of earlier queries must not be open on the connection of this one.
             with self._connection.cursor() as cursor:
-                cursor.table("flights").order("start, file, vehicle").write_csv(str(path))
+                rows = cursor.table("flights").order("start, file, vehicle")
+                texts = [] if raw_text else [name for name, kind in COLUMNS.items() if "VARCHAR" in kind]
+                columns = [sql_of_column(name) if name in texts else name for name in COLUMNS]
+                rows.project(", ".join(columns)).write_csv(str(path))
         except self._duckdb.Error as error:
             raise LogError(f"cannot write {path}: {str(error).splitlines()[0]}") from error
 
@@ -196,6 +208,27 @@ class FlightBook:
             self._connection.execute(f"ALTER TABLE flights ADD COLUMN {name} {COLUMNS[name]}")
         if missing:
             self._connection.execute("DELETE FROM files")
+
+    def _settle(self) -> bool:
+        """Name the logs of a book that was moved without them by their whole paths.
+
+        Returns:
+            False if the book does not record the folder of its names, as those of earlier versions.
+        """
+        folder = self.path.resolve().parent
+        recorded = self._connection.execute("SELECT folder FROM book").fetchone()
+        relative = [name for name, _ in self._known() if not Path(name).is_absolute()]
+        if recorded is not None and recorded[0] != str(folder):
+            for name in relative:
+                if not (folder / name).exists():
+                    self._rename(name, str(Path(recorded[0]) / name))
+        self._connection.execute("DELETE FROM book")
+        self._connection.execute("INSERT INTO book VALUES (?)", [str(folder)])
+        return recorded is not None or not relative
+
+    def _rename(self, name: str, new: str) -> None:
+        self._connection.execute("UPDATE files SET path = ? WHERE path = ?", [new, name])
+        self._connection.execute("UPDATE flights SET file = ? WHERE file = ?", [new, name])
 
     def _known(self) -> Iterator[tuple[str, tuple[int, int]]]:
         for path, size, changed in self._connection.execute("SELECT * FROM files").fetchall():
@@ -270,8 +303,8 @@ def _row(name: str, flight: Flight, skipped: str) -> list[object]:
         str(start.astype("M8[D]")) if start is not None and known else None,
         str(start) if known else None,
         round(flight.duration, 3),
-        facts["armed_s"],
-        int(facts["takeoffs"]),
+        facts.get("armed_s"),
+        int(facts.get("takeoffs", 0)),
         armed[0][0] if armed else None,
         armed[-1][1] if armed else None,
         *_positions(flight),

@@ -7,9 +7,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
 from mavstack.logs.dataflash import clock, facts
+from mavstack.logs.dataflash.record_type import NEIGHBOUR_TIME
 from mavstack.logs.log import Log
 from mavstack.logs.schema import SchemaSource
 from mavstack.logs.time_base import TimeBase
@@ -18,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
+    import numpy as np
     from numpy.typing import NDArray
 
     from mavstack.logs.dataflash.record_type import RecordType
@@ -100,9 +100,26 @@ class ArduPilotLog(Log):
         return self._span
 
     def boot_times(self, name: str, table: MessageTable) -> NDArray[np.float64]:
-        """Return the time since boot of each row, NaN where a table has none; see `Log.boot_times`."""
+        """Return the time since boot of each row; see `Log.boot_times`.
+
+        Records of a type without a time have the time of the record before, NaN in a log without any times.
+        """
         times = clock.boot_microseconds(self.definitions[name], table)
-        return np.full(len(table), np.nan) if times is None else times / 1e6
+        return clock.neighbour_seconds(table) if times is None else times / 1e6
+
+    def fill_neighbour_times(self, name: str, table: NDArray[np.void], boot_us: NDArray[np.int64]) -> None:
+        """Give rows without a time the time of the records beside them.
+
+        Args:
+            name: Name of the table.
+            table: Rows of it.
+            boot_us: Time since boot of each row in microseconds, `NO_TIME` where no record has one.
+        """
+        table[NEIGHBOUR_TIME] = boot_us
+        offset = self.time_base.offset_us
+        if offset is not None:
+            known = boot_us != clock.NO_TIME
+            table["_time"][known] = (boot_us[known] + offset).view("M8[us]")
 
     # the vehicle
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from mavstack.logs.dataflash.record_type import NEIGHBOUR_TIME
 from mavstack.logs.time_base import TimeBase, median_offset
 
 if TYPE_CHECKING:
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 
     from mavstack.logs.dataflash.record_type import RecordType
 
+#: A time that is not known.
+NO_TIME: Final = np.iinfo(np.int64).min
 GPS_TABLES: Final = ("GPS", "GPS2")
 _GPS_EPOCH_US: Final = 315_964_800_000_000
 _WEEK_US: Final = 604_800_000_000
@@ -73,6 +76,40 @@ def boot_microseconds(kind: RecordType, table: NDArray[Any]) -> NDArray[np.int64
         return None
     column, factor = found
     return table[column.name].astype(np.int64) * factor
+
+
+def neighbour_seconds(table: NDArray[Any]) -> NDArray[np.float64]:
+    """Return the times since boot that rows without a time have from the records beside them, or NaN.
+
+    Args:
+        table: Rows of a table whose type has no time.
+    """
+    if NEIGHBOUR_TIME not in (table.dtype.names or ()):
+        return np.full(len(table), np.nan)
+    times = np.asarray(table[NEIGHBOUR_TIME])
+    return np.where(times == NO_TIME, np.nan, times / 1e6)
+
+
+def times_before(
+    positions: NDArray[np.int64], timed: Sequence[tuple[NDArray[np.int64], NDArray[np.int64]]]
+) -> NDArray[np.int64]:
+    """Return the time of the last record before each position, or else of the first after it.
+
+    Args:
+        positions: Positions in the file.
+        timed: For each table with times the positions of its records, and their times.
+
+    Returns:
+        The times; `NO_TIME` if no record has one.
+    """
+    if not sum(len(places) for places, _ in timed):
+        return np.full(len(positions), NO_TIME)
+    places = np.concatenate([places for places, _ in timed])
+    order = np.argsort(places)
+    times = np.concatenate([times for _, times in timed])[order]
+    before = np.searchsorted(places[order], positions) - 1
+    found: NDArray[np.int64] = times[np.maximum(before, 0)]
+    return found
 
 
 def span(firsts: Sequence[int], lasts: Sequence[int]) -> tuple[int, int] | None:

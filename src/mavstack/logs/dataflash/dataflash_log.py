@@ -28,10 +28,11 @@ from mavstack.logs.mapped_pages import STEP, release
 from mavstack.logs.message_table import MessageTable
 from mavstack.logs.records import RowRecord
 from mavstack.logs.saved_index import cached_index
+from mavstack.logs.table_memory import new_tables
 
 if TYPE_CHECKING:
     import mmap
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -65,6 +66,7 @@ class DataFlashLog(ArduPilotLog):
         super().__init__(self._bytes.path, self._bytes.size)
         self._threads = threads or os.cpu_count() or 1
         self._saves_memory = False
+        self._times_of_neighbours: dict[int, NDArray[np.int64]] = {}
         with self._bytes.access() as data:
             self._index = self._opened(data)
             self._data = data
@@ -92,12 +94,32 @@ class DataFlashLog(ArduPilotLog):
             counts = {name: self._counts[name] for name in names}
             return join_windows(self.path, counts, self.windows(DEFAULT_WINDOW, names))
         parts = [(self._slots[name], 0, self._counts[name]) for name in names]
-        tables = self._decode(parts, self.time_base.offset_us)
-        return {name: self._table(name, table) for name, table in zip(names, tables, strict=True)}
+        return self._timed_tables(names, parts)
+
+    def _timed_tables(self, names: Iterable[str], parts: Sequence[Part]) -> dict[str, MessageTable]:
+        """Decode parts of tables with all times."""
+        tables = dict(zip(names, self._decode(parts, self.time_base.offset_us), strict=True))
+        for (name, table), (slot, first, rows) in zip(tables.items(), parts, strict=True):
+            if self._types[slot].time_column is None:
+                self.fill_neighbour_times(name, table, self._neighbour_times(slot)[first : first + rows])
+        return {name: self._table(name, table) for name, table in tables.items()}
+
+    def _neighbour_times(self, slot: int) -> NDArray[np.int64]:
+        """Return the time since boot in microseconds of the record before each record of a slot."""
+        if slot not in self._times_of_neighbours:
+            timed = [
+                (number, self._types[number].layout(0))
+                for number in self._slots.values()
+                if self._types[number].time_column is not None
+            ]
+            with self._bytes.access():
+                found = self._index.neighbour_times(slot, timed)
+            self._times_of_neighbours[slot] = np.array(found, np.int64)
+        return self._times_of_neighbours[slot]
 
     def _decode(self, parts: Sequence[Part], offset_us: int | None) -> list[NDArray[np.void]]:
         """Decode parts of tables, with times in UTC if the offset is known."""
-        tables = [np.empty(rows, self._types[slot].dtype) for slot, _, rows in parts]
+        tables = new_tables([(self._types[slot].dtype, rows) for slot, _, rows in parts])
         requests = [
             (slot, first, self._types[slot].layout(offset_us), table.view(np.uint8).data)
             for (slot, first, _), table in zip(parts, tables, strict=True)
@@ -173,8 +195,7 @@ class DataFlashLog(ArduPilotLog):
             yield {name: np.array(self._index.positions(*part), np.int64) for name, part in parts.items()}
 
     def _decode_window(self, parts: Mapping[str, Part]) -> dict[str, MessageTable]:
-        tables = self._decode(list(parts.values()), self.time_base.offset_us)
-        return {name: self._table(name, table) for name, table in zip(parts, tables, strict=True)}
+        return self._timed_tables(parts, list(parts.values()))
 
     def _windows(
         self, size: int, names: Sequence[str] | None, progress: Callable[[int, int], None] | None

@@ -58,12 +58,23 @@ _FILE_BYTES: Final = ("FILE", "Data")
 _RECORD_HEADER: Final = 3
 ROW_HEADER: Final = 12
 HEADER_COLUMNS: Final = (("_time", "<M8[us]", 0), ("_instance", "u1", 8))
+#: The column of types without a time: boot time of the record before, in microseconds.
+NEIGHBOUR_TIME: Final = "_boot_us"
 _HEADER_DESCRIPTIONS: Final = {
     "_time": "Time in UTC, from the time since boot and the GPS time",
     "_instance": "Number of the sensor; 0 in tables without instances",
+    NEIGHBOUR_TIME: "Time since boot of the record before; records of this type have no time",
 }
 #: Record types whose TimeMS is not the time since boot.
 _OTHER_CLOCKS: Final = ("ACC", "GYR")
+#: Unit and factor of integers in logs of old firmware, which name no units; later firmware logs floats.
+_OLD_UNITS: Final[Mapping[tuple[str, str], tuple[str, float]]] = {
+    (name, label): unit
+    for name in ("CURR", "CUR2")
+    for label, unit in {
+        "Volt": ("V", 1e-2), "Volt2": ("V", 1e-2), "Curr": ("A", 1e-2), "Vcc": ("V", 1e-3),
+    }.items()
+}  # fmt: skip
 #: Units that say more than their column needs.
 _UNITS: Final = {
     "deglatitude": "deg",
@@ -182,10 +193,10 @@ class RecordType:
     @cached_property
     def dtype(self) -> np.dtype[np.void]:
         """The type of the table's rows."""
-        names = [name for name, _, _ in HEADER_COLUMNS]
-        formats: list[Any] = [kind for _, kind, _ in HEADER_COLUMNS]
-        offsets = [offset for _, _, offset in HEADER_COLUMNS]
-        end = ROW_HEADER
+        names = [name for name, _, _ in self._header]
+        formats: list[Any] = [kind for _, kind, _ in self._header]
+        offsets = [offset for _, _, offset in self._header]
+        end = offsets[-1] + np.dtype(formats[-1]).itemsize if self.time_column is None else ROW_HEADER
         for column in self.columns:
             names.append(column.name)
             formats.append(self._column_type(column))
@@ -194,6 +205,12 @@ class RecordType:
         return np.dtype(
             {"names": names, "formats": formats, "offsets": offsets, "itemsize": (end + 3) // 4 * 4}
         )
+
+    @property
+    def _header(self) -> tuple[tuple[str, str, int], ...]:
+        """The columns before the fields: name, type, and place in the row."""
+        own = ((NEIGHBOUR_TIME, "<i8", ROW_HEADER),) if self.time_column is None else ()
+        return (*HEADER_COLUMNS, *own)
 
     def _column_type(self, column: Column) -> Any:  # noqa: ANN401 (all that numpy takes as a type)
         return ("u1", (64,)) if self._is_file(column) else _CHARACTERS[column.character][1]
@@ -234,8 +251,14 @@ class RecordType:
             name: Name of the table.
         """
         header = (
-            FieldSchema(column, np.dtype(kind), description=_HEADER_DESCRIPTIONS[column])
-            for column, kind, _ in HEADER_COLUMNS
+            FieldSchema(
+                column,
+                np.dtype(kind),
+                "s" if column == NEIGHBOUR_TIME else "",
+                1e-6 if column == NEIGHBOUR_TIME else 1.0,
+                description=_HEADER_DESCRIPTIONS[column],
+            )
+            for column, kind, _ in self._header
         )
         fields = (self._field_schema(column) for column in self.columns)
         instance = "_instance" if self.instance_column is not None else ""
@@ -244,6 +267,9 @@ class RecordType:
     def _field_schema(self, column: Column) -> FieldSchema:
         unit = self.units.units.get(column.index, "")
         factor = self.units.multipliers.get(column.index, 0.0) or 1.0
+        old = _OLD_UNITS.get((self.name, column.name))
+        if old is not None and not unit and column.character in _INTEGERS:
+            unit, factor = old
         return FieldSchema(
             column.name,
             self.dtype[column.name],
@@ -255,7 +281,7 @@ class RecordType:
 
 def _unique(labels: list[str]) -> list[str]:
     """Return the labels as names of columns: no empty ones, none twice, none of the header."""
-    seen = Counter(name for name, _, _ in HEADER_COLUMNS)
+    seen = Counter([*(name for name, _, _ in HEADER_COLUMNS), NEIGHBOUR_TIME])
     names = []
     for index, label in enumerate(labels):
         name = label.strip() or f"field_{index}"

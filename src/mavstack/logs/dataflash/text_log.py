@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from mavstack.logs.damage import LogDamage
+from mavstack.logs.dataflash import clock
 from mavstack.logs.dataflash.ardupilot_log import ArduPilotLog
 from mavstack.logs.dataflash.record_type import SCALED, TEXTS, RecordType, table_names
 from mavstack.logs.dataflash.units import SlotFinder, has_units, units_by_slot
@@ -28,7 +29,7 @@ _FMT: Final = "FMT"
 _FMT_TYPE: Final = RecordType(_FMT, "BBnNZ", "Type,Length,Name,Format,Columns", 1 << 16)
 #: A line has no length; every field has its place.
 _ANY_LENGTH: Final = 1 << 16
-_NOT_A_TIME: Final = np.datetime64("NaT")
+_NOT_A_TIME: Final = np.datetime64("NaT", "us")
 
 
 @dataclass(slots=True)
@@ -160,7 +161,19 @@ class DataFlashTextLog(ArduPilotLog):
             column, factor = found
             times = table[column.name].astype(np.int64) * factor + offset
             table["_time"] = times.view("M8[us]")
+        if found is None:
+            self.fill_neighbour_times(name, table, self._times_before(self._lines[self._slots[name]]))
         return MessageTable.of(table, self._schema_source(name))
+
+    def _times_before(self, lines: _Lines) -> NDArray[np.int64]:
+        """Return the time since boot in microseconds of the line with a time before each line."""
+        timed = []
+        for slot in self._slots.values():
+            other = self._lines[slot]
+            times = clock.boot_microseconds(other.kind, self._rows(slot))
+            if times is not None:
+                timed.append((np.array(other.positions, np.int64), times))
+        return clock.times_before(np.array(lines.positions, np.int64), timed)
 
     def rows_without_time(self, name: str) -> NDArray[np.void]:
         """Return a table whose column `_time` is not filled."""

@@ -1,6 +1,7 @@
 """CSV: a file for each message, with a column for each element of an array field.
 
-Times are in UTC by ISO 8601; values that are not known are empty.
+Times are in UTC by ISO 8601; values that are not known are empty. Texts that spreadsheets would run as
+formulas have an apostrophe before them, unless the option `raw_text` keeps them.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.errors import MissingExtraError
+from mavstack.logs.export.csv_text import escape_columns
 from mavstack.logs.export.registry import LogExporter
 from mavstack.logs.export.writer import ExportOptions, TableFilesWriter
 
@@ -30,6 +32,10 @@ class CsvWriter(TableFilesWriter):
             self._csv = import_module("pyarrow.csv")
         except ImportError:
             raise MissingExtraError("the export to CSV", "data") from None
+
+    def prepared(self, rows: Any) -> Any:  # noqa: ANN401 (pyarrow has no types)
+        """Return rows whose texts no spreadsheet takes as formulas."""
+        return rows if self.options.raw_text else escape_columns(rows)
 
     def open_file(self, path: Path, schema: Any) -> Any:  # noqa: ANN401 (pyarrow has no types)
         """Open a file; see `TableFilesWriter.open_file`."""

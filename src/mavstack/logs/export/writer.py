@@ -41,10 +41,13 @@ class ExportOptions:
         scaled: True writes values in their units, as floating point, with NaN for "unknown"; False writes
             them as they are stored.
         enums: True writes the names of enum values; False writes numbers.
+        raw_text: True keeps texts in CSV files which spreadsheets run as formulas; False writes an apostrophe
+            before them.
     """
 
     scaled: bool = False
     enums: bool = False
+    raw_text: bool = False
 
 
 class PartFile:
@@ -170,10 +173,15 @@ class TableFilesWriter(TableWriter):
             schema: The Arrow schema of the table.
         """
 
+    def prepared(self, rows: Any) -> Any:  # noqa: ANN401 (as above)
+        """Return rows as the format holds them."""
+        return rows
+
     def write(self, tables: Mapping[str, MessageTable]) -> None:
         """Write the next rows; see `TableWriter.write`."""
         for name, table in tables.items():
             rows = table.to_arrow(self.arrays, scaled=self.options.scaled, enums=self.options.enums)
+            rows = self.prepared(rows)
             if name not in self._files:
                 file = PartFile(self.path / f"{file_stem(name)}{self.suffix}")
                 self._files[name] = file, self.open_file(file.temporary, rows.schema)

@@ -13,9 +13,8 @@ if TYPE_CHECKING:
     from mavstack.logs.options import OpenOptions
 
 _FMT_HEADER: Final = b"\xa3\x95\x80"
-#: Three FMT records in a row, for logs whose beginning is damaged. A tlog of a log download holds FMT records
-#: too, but in packets.
-_FMT_RECORDS: Final = re.compile(rb"(?:\xa3\x95\x80.{86}){3}", re.DOTALL)
+#: Length of an FMT record.
+_FMT_LENGTH: Final = 89
 _FMT_LINE: Final = re.compile(rb"(?:\A|\n)FMT, ?128, ?89, ?FMT,")
 #: Text logs of old firmware have some lines before the first FMT.
 _TEXT_HEAD: Final = 8192
@@ -27,7 +26,23 @@ def is_binary(head: bytes) -> bool:
     Args:
         head: The beginning of the file.
     """
-    return head.startswith(_FMT_HEADER) or _FMT_RECORDS.search(head) is not None
+    return head.startswith(_FMT_HEADER) or _has_fmt_records(head)
+
+
+def _has_fmt_records(head: bytes) -> bool:
+    """Return whether three FMT records follow each other, as in a log whose beginning is damaged.
+
+    A tlog of a log download holds FMT records too, but in packets.
+    """
+    place = head.find(_FMT_HEADER)
+    while place >= 0:
+        following = (place + _FMT_LENGTH, place + 2 * _FMT_LENGTH)
+        if all(head.startswith(_FMT_HEADER, start) for start in following) and (
+            place + 3 * _FMT_LENGTH <= len(head)
+        ):
+            return True
+        place = head.find(_FMT_HEADER, place + 1)
+    return False
 
 
 def is_text(head: bytes) -> bool:

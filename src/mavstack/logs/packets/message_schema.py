@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from mavstack.dialects import Dialect
     from mavstack.dialects.model import FieldDefinition
 
+#: Fields that tell instances apart without a mark in the definitions: each port is eight other channels.
+_INSTANCES: Final = {"SERVO_OUTPUT_RAW": "port", "RC_CHANNELS_RAW": "port"}
 _HEADER_DESCRIPTIONS: Final = {
     "_time": "Time in UTC at which the packet was recorded",
     "_system": "System id of the sender",
@@ -38,7 +40,8 @@ def message_schema(dialect: Dialect, message_id: int) -> TableSchema:
         for name, kind, _ in HEADER_COLUMNS
     )
     fields = (_field_schema(dialect, item) for item in definition.fields)
-    instance = next((item.name for item in definition.fields if item.instance), "")
+    own = _INSTANCES.get(definition.name, "")
+    instance = next((item.name for item in definition.fields if item.instance or item.name == own), "")
     return TableSchema(
         definition.name, (*header, *fields), definition.description, instance, dialect.name, message_id
     )

@@ -31,6 +31,7 @@ from mavstack.logs.packets.window_reader import index_windows
 from mavstack.logs.registry import MAX_HEAD
 from mavstack.logs.saved_index import cached_index
 from mavstack.logs.schema import SchemaSource
+from mavstack.logs.table_memory import new_tables
 from mavstack.wire import Parser
 
 if TYPE_CHECKING:
@@ -141,7 +142,8 @@ class PacketLog(Log):
 
     def _tables_of(self, index: Index, counts: Mapping[int, int]) -> dict[str, MessageTable]:
         """Decode the rows of messages, by message id, from an index whose data may be read now."""
-        tables = {number: np.empty(count, self._dtype(index, number)) for number, count in counts.items()}
+        empty = new_tables([(self._dtype(index, number), count) for number, count in counts.items()])
+        tables = dict(zip(counts, empty, strict=True))
         rows = [(number, table.view(np.uint8).data) for number, table in tables.items()]
         index.decode(rows, threads=self._threads)
         return {

@@ -100,11 +100,17 @@ def aligned(charts: Iterable[Chart]) -> list[Chart]:
     ]
 
 
-def draw(chart: Chart) -> str:
-    """Return a chart as a figure with an SVG; empty if it has no points."""
+def draw(chart: Chart, number: int | None = None) -> str:
+    """Return a chart as a figure with an SVG; empty if it has no points.
+
+    Args:
+        chart: The chart.
+        number: Number of the chart in the data of the page, for its script; None for none.
+    """
     content = _content(chart)
     if not content:
         return ""
+    mark = "" if number is None else f' data-chart="{number}"'
     lines = chart.drawn_lines
     unit = f" <small>{escape(chart.unit)}</small>" if chart.unit else ""
     named = len(lines) == 1 and lines[0].label.lower() == chart.title.lower()
@@ -117,7 +123,8 @@ def draw(chart: Chart) -> str:
         )
     )
     return (
-        f"<figure><figcaption>{escape(chart.title)}{unit}{legend}</figcaption>"
+        f"<figure{mark}>"
+        f"<figcaption>{escape(chart.title)}{unit}{legend}</figcaption>"
         f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" role="img" aria-label="{escape(chart.title)}">'
         f"{content}</svg></figure>"
     )
@@ -161,12 +168,23 @@ def svg_document(charts: Sequence[Chart], style: str) -> str:
     )
 
 
-def draw_track(track: Track, marks: Sequence[tuple[float, float]] = ()) -> str:
+def track_places(track: Track) -> tuple[Track, NDArray[np.float64], NDArray[np.float64]]:
+    """Return the points of a track that its map shows, and their places on the map."""
+    thin = track.thinned(4000)
+    north = np.cos(np.radians(float(np.median(thin.latitudes))))
+    xs, ys = thin.longitudes * north, -thin.latitudes
+    span = max(float(np.ptp(xs)), float(np.ptp(ys)), 10 / _METRES_PER_DEGREE) * 1.15
+    places = [((column - (column.max() + column.min()) / 2) / span + 0.5) * _MAP_SIZE for column in (xs, ys)]
+    return thin, places[0], places[1]
+
+
+def draw_track(track: Track, marks: Sequence[tuple[float, float]] = (), number: int = 0) -> str:
     """Return a track as an SVG map, north up, with a scale; `marks` are latitudes and longitudes.
 
     Args:
         track: The track.
         marks: Positions to mark.
+        number: Number of the vehicle in the data of the page.
     """
     thin = track.thinned(4000)
     north = np.cos(np.radians(float(np.median(thin.latitudes))))
@@ -186,7 +204,8 @@ def draw_track(track: Track, marks: Sequence[tuple[float, float]] = ()) -> str:
     length = _round_down(span * _METRES_PER_DEGREE / 3)
     pixels = length / (span * _METRES_PER_DEGREE) * _MAP_SIZE
     return (
-        f'<svg class="map" viewBox="0 0 {_MAP_SIZE} {_MAP_SIZE}" role="img" aria-label="track">'
+        f'<svg class="map" data-vehicle="{number}" viewBox="0 0 {_MAP_SIZE} {_MAP_SIZE}" role="img" '
+        'aria-label="track">'
         f'<polyline class="line c0" points="{points}"/>{found}'
         f'<circle class="start" cx="{start[0]:.1f}" cy="{start[1]:.1f}" r="5"/>'
         f'<circle class="end" cx="{end[0]:.1f}" cy="{end[1]:.1f}" r="5"/>'

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from html import escape
+from importlib.resources import files
 from itertools import chain
 from typing import TYPE_CHECKING, Final
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from mavstack.errors import LogError
 from mavstack.logs.report.charts import aligned, draw, draw_track
+from mavstack.logs.report.page_data import is_over_time, page_data
 from mavstack.logs.report.panels import PANELS, charts_of
 from mavstack.logs.report.style import STYLE
 
@@ -59,10 +61,17 @@ def render_page(log: Log, found: Sequence[tuple[Flight, Sequence[Finding], Mappi
         log: The log.
         found: The flights with their findings and figures.
     """
-    body = "".join(_vehicle(flight, findings, facts, len(found) > 1) for flight, findings, facts in found)
+    charts: list[tuple[int, Chart]] = []
+    body = "".join(
+        _vehicle(number, flight, findings, facts, len(found) > 1, charts)
+        for number, (flight, findings, facts) in enumerate(found)
+    )
+    data = page_data(log, [(flight, findings) for flight, findings, _ in found], charts)
     damage = f'<p class="dim">Skipped: {escape(log.skipped.describe())}.</p>' if log.skipped else ""
     head = f'<h1>{escape(log.path.name)}</h1><p class="dim">{escape(_subtitle(log))}</p>'
-    return _document(log.path.name, f"{head}{damage}{body}{_messages(log)}{_information(log)}")
+    tools, fields = '<div id="tools"></div>', '<div id="fields"></div>'
+    content = f"{head}{damage}{tools}{body}{fields}{_messages(log)}{_information(log)}"
+    return _document(log.path.name, content, data)
 
 
 def _subtitle(log: Log) -> str:
@@ -92,16 +101,33 @@ def _duration(seconds: float) -> str:
     return f"{minutes} min {rest} s" if minutes else f"{rest} s"
 
 
-def _vehicle(flight: Flight, findings: Sequence[Finding], facts: Mapping[str, float], named: bool) -> str:
+def _vehicle(
+    number: int,
+    flight: Flight,
+    findings: Sequence[Finding],
+    facts: Mapping[str, float],
+    named: bool,
+    numbered: list[tuple[int, Chart]],
+) -> str:
+    """Return the part of a vehicle; its charts over time are added to `numbered`."""
     parts = [f"<h2>Vehicle {flight.system}: {escape(flight.vehicle_type or 'unknown')}</h2>" if named else ""]
     parts += [_cards(facts), "<h2>Findings</h2>", *(_finding(finding) for finding in findings)]
     if not findings:
         parts.append("<p>The rules found nothing.</p>")
+    if not flight.states.armed.is_known:
+        parts.append(
+            '<p class="dim">The log does not hold when the vehicle was armed: '
+            "rules about the time in flight did not apply.</p>"
+        )
     if flight.track is not None and len(flight.track):
-        parts += ["<h2>Track</h2>", draw_track(flight.track, list(_places(flight, findings)))]
+        parts += ["<h2>Track</h2>", draw_track(flight.track, list(_places(flight, findings)), number)]
     marks = [finding.time for finding in findings if finding.time is not None]
     charts = {topic: list(charts_of(flight, topic, marks)) for topic in PANELS}
-    drawn = {chart.title: draw(chart) for chart in aligned(chain.from_iterable(charts.values()))}
+    drawn = {}
+    for chart in aligned(chain.from_iterable(charts.values())):
+        is_numbered = is_over_time(chart)
+        drawn[chart.title] = draw(chart, len(numbered) if is_numbered else None)
+        numbered += [(number, chart)] if is_numbered else []
     for topic, found in charts.items():
         if found:
             parts.append(f"<h2>{_TITLES[topic]}</h2>{''.join(drawn[chart.title] for chart in found)}")
@@ -211,10 +237,14 @@ def plot_page(title: str, charts: Sequence[Chart]) -> str:
     return _document(title, f"<h1>{escape(title)}</h1>{''.join(map(draw, charts))}")
 
 
-def _document(title: str, body: str) -> str:
+def _document(title: str, body: str, data: str = "") -> str:
+    script = ""
+    if data:
+        code = files("mavstack.logs.report").joinpath("page.js").read_text("utf-8")
+        script = f'<script type="application/json" id="flight-data">{data}</script><script>{code}</script>'
     return (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width,initial-scale=1">'
         f'<meta name="generator" content="{MARK}">'
-        f"<title>{escape(title)}</title><style>{STYLE}</style></head><body><main>{body}</main></body></html>\n"
+        f"<title>{escape(title)}</title><style>{STYLE}</style></head><body><main>{body}</main>{script}</body></html>\n"
     )

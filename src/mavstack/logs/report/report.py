@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,10 +15,6 @@ if TYPE_CHECKING:
 
     from mavstack.logs.analysis import Finding, Flight
     from mavstack.logs.log import Log
-
-#: Metres above home from which a vehicle has taken off, and below which it has landed.
-_AIRBORNE: Final = 1.5
-_LANDED: Final = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,13 +61,18 @@ def make_report(log: Log) -> Report:
 def flight_facts(flight: Flight) -> dict[str, float]:
     """Return the figures of a flight: times in s, distances in m, speeds in m/s.
 
+    They are those of the time while the vehicle was armed, of the whole log if the log does not hold that.
+
     Args:
         flight: The flight.
     """
     facts: dict[str, float] = {
         "armed_s": sum(end - start for start, end in flight.armed_spans),
-        "takeoffs": float(_takeoffs(flight)),
+        "takeoffs": float(flight.takeoffs),
     }
+    read = flight.armed_signal
+    if not flight.states.armed.is_known:
+        facts, read = {}, flight.signal
     if flight.track is not None and len(flight.track) > 1:
         facts["distance_m"] = flight.track.distance
     for name, key, choose in (
@@ -81,10 +82,10 @@ def flight_facts(flight: Flight) -> dict[str, float]:
         ("voltage", "min_voltage_v", np.min),
         ("current", "max_current_a", np.max),
     ):
-        signal = flight.armed_signal(name)
+        signal = read(name)
         if signal is not None:
             facts[key] = float(choose(signal.values))
-    current = flight.armed_signal("current")
+    current = read("current")
     if current is not None and len(current) > 1:
         # A gap in the log is no consumption.
         steps = np.clip(np.diff(current.times), 0, 5)
@@ -92,20 +93,6 @@ def flight_facts(flight: Flight) -> dict[str, float]:
         # A sensor that is not connected may measure a negative current.
         facts |= {"used_mah": used} if used >= 0 else {}
     return {name: round(value, 3) for name, value in facts.items()}
-
-
-def _takeoffs(flight: Flight) -> int:
-    """Return how often the vehicle rose from the ground while armed."""
-    altitude = flight.armed_signal("altitude")
-    if altitude is None:
-        return 0
-    count, on_ground = 0, altitude.values[0] < _AIRBORNE
-    for value in altitude.values.tolist():
-        if on_ground and value > _AIRBORNE:
-            count, on_ground = count + 1, False
-        elif value < _LANDED:
-            on_ground = True
-    return count
 
 
 def _vehicle_data(flight: Flight, findings: Sequence[Finding], facts: dict[str, float]) -> dict[str, Any]:
@@ -118,5 +105,6 @@ def _vehicle_data(flight: Flight, findings: Sequence[Finding], facts: dict[str, 
             {"mode": span.value, "start_s": round(span.start, 3), "end_s": round(span.end, 3)}
             for span in flight.mode_spans
         ],
+        "knows_arming": flight.states.armed.is_known,
         "armed": [{"start_s": round(start, 3), "end_s": round(end, 3)} for start, end in flight.armed_spans],
     }

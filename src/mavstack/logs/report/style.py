@@ -47,5 +47,16 @@ details{margin:.6rem 0}summary{cursor:pointer;font-weight:600}
 figure text.minor,figure text.band{display:none}td.n,th.n{width:auto}
 figure text.y{text-anchor:start;transform:translateX(-42px)}figure .line{stroke-width:2.6}
 figure text.x,figure text.y{paint-order:stroke;stroke:var(--card);stroke-width:6px}}
-@media print{details{display:block}}
+/* The tools of the script: cursor, zoom and own fields. */
+#tools{position:sticky;top:0;z-index:1}svg.shapes{position:absolute;width:0;height:0}.tools{display:flex;flex-wrap:wrap;gap:.4rem;align-items:center;
+background:var(--bg);border-bottom:1px solid var(--line);padding:.4rem 0}
+.tools input{flex:1;min-width:8rem}.tools output{flex-basis:100%;color:var(--dim);font-size:.85rem;
+white-space:nowrap;overflow:hidden;text-overflow:ellipsis}
+button,input[type=search]{font:inherit;color:var(--fg);background:var(--card);border:1px solid var(--line);
+border-radius:6px;padding:.15rem .6rem;min-width:2.2rem}svg.live{touch-action:pan-y;cursor:crosshair}
+path.cursor{stroke:var(--fg);stroke-width:1}circle.cursor{fill:none;stroke:var(--fg);stroke-width:3}
+path.event{stroke:var(--dim)}rect.selection{fill:var(--c0);opacity:.25}.value{font-variant-numeric:tabular-nums}
+.tree{max-height:22rem;overflow:auto;margin:.4rem 0}.tree details{margin:.1rem 0}
+.tree label{display:inline-block;margin:0 1rem .2rem 0}.tree [hidden]{display:none}
+@media print{details{display:block}.tools,#fields{display:none}}
 """

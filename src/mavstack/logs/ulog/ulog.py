@@ -22,6 +22,7 @@ from mavstack.logs.mapped_pages import STEP, release
 from mavstack.logs.message_table import MessageTable
 from mavstack.logs.saved_index import cached_index
 from mavstack.logs.schema import SchemaSource
+from mavstack.logs.table_memory import new_tables
 from mavstack.logs.ulog import facts
 from mavstack.logs.ulog.clock import GPS_TOPICS, time_base
 from mavstack.logs.ulog.entries import read_entries, read_texts
@@ -164,7 +165,8 @@ class ULog(Log):
     def _decode(
         self, index: UlogIndex, counts: Mapping[str, int], offset: int | None
     ) -> dict[str, MessageTable]:
-        tables = {name: np.empty(count, self._dtype(name)) for name, count in counts.items()}
+        empty = new_tables([(self._dtype(name), count) for name, count in counts.items()])
+        tables = dict(zip(counts, empty, strict=True))
         rows = [(name, table.view(np.uint8).data) for name, table in tables.items()]
         index.decode(rows, utc_offset=offset, threads=self._threads)
         return {name: MessageTable.of(table, self._schema_source(name)) for name, table in tables.items()}
