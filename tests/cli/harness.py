@@ -78,10 +78,11 @@ class CliHarness:
             return False
         return True
 
-    def _connect(self, *urls: str):
+    def _connect(self, *urls: str, channel: str | None = None):
         self.urls = urls
         keys = [key for url in urls if (key := parse_url(url).options.get("signing_key"))]
-        return connect(self._network.link(), signing=find_key(keys[0]) if keys else None)
+        signing = find_key(keys[0]) if keys else None
+        return connect(self._network.link(), signing=signing, channel=channel)
 
     def _run(self, work: Coroutine[None, None, int]) -> int:
         return run_virtually(self._simulated(work))

@@ -18,7 +18,7 @@ def test_values_of_telemetry() -> None:
         "relative_altitude": None,
         "heading": None,
     }
-    assert to_json(Gps(common.GpsFixType(3)))["fix"] == common.GpsFixType(3).name
+    assert to_json(Gps(common.GpsFixType(3)))["fix"] == "3D_FIX"
 
 
 def test_enums_flags_and_collections() -> None:

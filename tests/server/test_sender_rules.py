@@ -112,7 +112,8 @@ def test_messages_in_the_name_of_the_station(role: Role, name: str, status: int)
         assert sent.status == status
         ticket = answer.json["ticket"]
         async with ground.api.websocket("ados-ws-ticket", ticket, "mavstack.json.1") as socket:
-            await socket.send({"send": body})
+            other = {"target_system": 2} if role is Role.OBSERVE and status == 200 else {}
+            await socket.send({"send": body | {"fields": other}})
             await socket.send({})  # its answer comes behind that of the other request
             kinds = [(await socket.receive())["error"]["kind"] for _ in range(1 if status == 200 else 2)]
             assert kinds[0] == ("BadRequest" if status == 200 else "Forbidden")

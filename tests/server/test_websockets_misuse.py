@@ -166,7 +166,7 @@ async def test_handshakes_that_are_refused(caplog) -> None:
 
 
 async def test_more_clients_than_allowed_are_refused(monkeypatch) -> None:
-    monkeypatch.setattr("mavstack.server.station.MAX_CLIENTS", 2)
+    monkeypatch.setattr("mavstack.server.client_shares.MAX_STREAMS", 2)
     async with serving_a_station() as server:
         assert [(await server.open())[0] for _ in range(3)] == [101, 101, 429]
         for socket in server.sockets:

@@ -32,7 +32,7 @@ class Vehicle(asyncio.DatagramProtocol):
 
 async def test_packets_and_json_over_real_sockets() -> None:
     async with Station(telemetry=False) as station:
-        source = await station.sources.add("udpin://127.0.0.1:0")
+        source = await station.sources.add("udpin://127.0.0.1:0?trust_senders=yes")
         loop = asyncio.get_running_loop()
         transport, peer = await loop.create_datagram_endpoint(Vehicle, remote_addr=source.link.address)
         app = make_app(station, Access(), static=None)

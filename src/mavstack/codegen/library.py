@@ -14,6 +14,7 @@ from hashlib import sha256
 from os.path import basename
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+from mavstack.codegen.limits import check_size
 from mavstack.errors import InvalidArgumentError
 
 if TYPE_CHECKING:
@@ -112,6 +113,7 @@ def make_library(
     enums = sorted(
         (enum for enum in merged.enums if used is None or enum.name in used), key=lambda enum: enum.name
     )
+    check_size(messages, enums)
     return Library(
         name=names[dialect.name.lower()].lower(),
         version=_protocol_version(files),

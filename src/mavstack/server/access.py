@@ -7,7 +7,7 @@ Otherwise a client shows a password or a ticket once (`POST /api/session`) and g
 pages, and a token for programs (`Authorization: Bearer …`). The role of a session is that of its password or
 of the scope of its ticket. For a WebSocket, which cannot have headers in a browser, a session gets tickets
 of one use each; a client with the ticket key makes its own. What a session opened ends with it (see
-`mavstack.server.session_end`); a WebSocket opened with a client's own ticket has no session.
+`mavstack.server.session_end`); a WebSocket opened with a client's own ticket is a session by itself.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from mavstack.errors import InvalidArgumentError
 from mavstack.http.bodies import RefusedError
 from mavstack.http.web_origin import is_local_host, is_own_origin
 from mavstack.links.ws_gate import SCOPES
+from mavstack.security.admission import Proof
 from mavstack.security.roles import Role
 from mavstack.security.tickets import (
     MAVLINK_SCOPE,
@@ -64,6 +65,17 @@ class Client(NamedTuple):
 
     role: Role
     session: str = ""
+
+    @property
+    def proof(self) -> Proof:
+        """The proof of the client: the connections of a session that may act are kept."""
+        acts = bool(self.session) and self.role > Role.OBSERVE
+        return Proof.AUTHENTICATED if acts else Proof.SPEAKING
+
+    @property
+    def holder(self) -> str:
+        """The name under which its connections and streams are counted; all observers have one share."""
+        return Role.OBSERVE.word if self.role is Role.OBSERVE else self.session
 
 
 @dataclass(slots=True, eq=False)
@@ -259,7 +271,7 @@ class Access:
         except RefusedError:
             if not self._has_ticket_key:
                 raise
-            return Client(self._verify(ticket, self._verifiers[1:]))
+            return self._begin(self._verify(ticket, self._verifiers[1:]), self._now())
         mark = nonce_of(ticket)[:_MARK_SIZE]
         for token, session in self._sessions.items():
             if session.mark == mark and self.seconds_left(token):

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar
 
 from mavstack.http.bodies import MAX_BODY, RefusedError
 from mavstack.security.roles import Role
 from mavstack.server.fields import Field
+from mavstack.server.shared_reads import Key
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Vehicle
 
 MAX_SYSTEM: Final = 255
+T = TypeVar("T")
 #: The query field of routes whose work may take long.
 WAIT: Final = Field(
     name="wait",
@@ -64,6 +66,19 @@ class Call:
             raise RefusedError(404, f"system ids are numbers from 1 to {MAX_SYSTEM}")
         return self.station.vehicle(int(text))
 
+    async def read(self, subject: str, work: Callable[[], Awaitable[T]]) -> T:
+        """Return the result of a read of the vehicle, which clients that ask at the same time share.
+
+        Args:
+            subject: What is read, such as `mission`.
+            work: Reads it.
+
+        Returns:
+            The result.
+        """
+        key = Key(self.vehicle.system, subject)
+        return await self.station.reads.read(key, work, observes=self.role is Role.OBSERVE)
+
     def path(self, name: str) -> str:
         """Return a part of the path by its name."""
         return str(self.request.path_params[name])
@@ -93,6 +108,7 @@ class ApiRoute:
         takes_bytes: True if the body is not JSON but any bytes, up to `max_body`.
         has_body: False: a request with `takes_bytes` may have no body.
         max_body: The largest body in bytes.
+        writes: True if it transfers data to a vehicle, for which reads of other clients give way.
         is_long: True if the work may run on as a task, with `wait=false`.
         status: The status of the answer.
         answer: An example of the answer.
@@ -111,6 +127,7 @@ class ApiRoute:
     takes_bytes: bool = False
     has_body: bool = True
     max_body: int = MAX_BODY
+    writes: bool = False
     is_long: bool = False
     status: int = 200
     answer: Any = None

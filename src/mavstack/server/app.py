@@ -26,6 +26,7 @@ from mavstack.server.api import (
     actions,
     calibrations,
     cameras,
+    conflicts,
     equipment,
     files,
     generator,
@@ -82,6 +83,7 @@ _HEADERS: Final = {
 #: All routes of the API that are checked and described by their table; the first ones are found first.
 ROUTES: Final[tuple[ApiRoute, ...]] = (
     *vehicles.ROUTES,
+    *conflicts.ROUTES,
     *messages.ROUTES,
     *actions.ROUTES,
     *equipment.ROUTES,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from contextlib import AbstractContextManager, ExitStack, asynccontextmanager, nullcontext
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,7 @@ from starlette.responses import JSONResponse, Response
 
 from mavstack.errors import MavstackError
 from mavstack.http.bodies import RefusedError, read_bytes, read_json_object
+from mavstack.http.connections import mark_client
 from mavstack.server.api.events import EventStream
 from mavstack.server.api_route import Call
 from mavstack.server.fields import read_fields, read_query
@@ -20,11 +22,11 @@ from mavstack.server.problems import problem_json, status_of
 from mavstack.server.session_end import ending_with_session
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
+    from collections.abc import AsyncIterator, Awaitable, Callable
 
     from starlette.requests import Request
 
-    from mavstack.server.access import Access
+    from mavstack.server.access import Access, Client
     from mavstack.server.api_route import ApiRoute
     from mavstack.server.station import Station
     from mavstack.server.tasks import Task
@@ -60,6 +62,7 @@ def problem_response(error: Exception) -> Response:
 
 async def _answer(route: ApiRoute, station: Station, access: Access, request: Request) -> Response:
     client = access.check_request(request)
+    mark_client(request.scope, client.proof, client.holder)
     call = Call(station=station, request=request, role=client.role, session=client.session)
     call.require(route.role, f"{route.method} {request.scope['path']}")
     call = replace(call, query=read_query(route.query_fields, request.query_params))
@@ -69,10 +72,26 @@ async def _answer(route: ApiRoute, station: Station, access: Access, request: Re
         call = replace(call, body=read_fields(route.body, await _json_body(route, request)))
     if route.is_long and not call.query["wait"]:
         return _start_task(route, call)
-    response = _response(route, await route.handler(call))
+    with _giving_way(route, call):
+        response = _response(route, await route.handler(call))
     if isinstance(response, EventStream):
-        response.limit = partial(ending_with_session, access, client.session)
+        place = ExitStack()
+        place.enter_context(station.shares.place(client))
+        response.limit = partial(_streaming, access, client, place)
     return response
+
+
+@asynccontextmanager
+async def _streaming(access: Access, client: Client, place: ExitStack) -> AsyncIterator[None]:
+    """Run a stream until the session of its client ends; then its place is free."""
+    with place:
+        async with ending_with_session(access, client.session):
+            yield
+
+
+def _giving_way(route: ApiRoute, call: Call) -> AbstractContextManager[None]:
+    """Return the context in which the reads of other clients give way to a write to a vehicle."""
+    return call.station.reads.writing(call.vehicle.system) if route.writes else nullcontext()
 
 
 async def _json_body(route: ApiRoute, request: Request) -> dict[str, Any]:
@@ -89,7 +108,8 @@ def _start_task(route: ApiRoute, call: Call) -> Response:
         _ = call.vehicle  # an unknown vehicle is refused at once
 
     async def work(task: Task) -> Response:
-        return _response(route, await route.handler(replace(call, task=task)))
+        with _giving_way(route, call):
+            return _response(route, await route.handler(replace(call, task=task)))
 
     name = f"{route.method} {call.request.url.path}"
     task = call.station.tasks.start(name, work, call.session, call.role)

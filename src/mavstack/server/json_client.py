@@ -18,16 +18,17 @@ from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.errors import MavstackError
 from mavstack.http.bodies import RefusedError, parse_json
+from mavstack.security.roles import Role
 from mavstack.server.client_queue import ClientQueue, stream_texts
 from mavstack.server.fields import Field, read_fields
 from mavstack.server.message_json import message_class, message_of
+from mavstack.server.observed_requests import check_request
 from mavstack.server.problems import problem_json
 from mavstack.server.subscriptions import ALL, MAX_RATE, Subscriptions
 
 if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
-    from mavstack.security.roles import Role
     from mavstack.server.packet_hub import Batch
     from mavstack.server.station import Station
 
@@ -56,6 +57,7 @@ class JsonClient:
 
     def __init__(self, station: Station, websocket: WebSocket, role: Role) -> None:
         self.queue: ClientQueue[str] = ClientQueue(MAX_QUEUE)
+        self._station = station
         self._connection = station.connection
         self._websocket = websocket
         self._role = role
@@ -70,6 +72,8 @@ class JsonClient:
     async def send(self) -> None:
         """Send what is queued, until the task is cancelled."""
         async for text in stream_texts(self.queue):
+            if self._role is Role.OBSERVE:
+                await self._station.observer_lane.turn()
             await self._websocket.send_text(text)
 
     async def receive(self, data: str | bytes) -> None:
@@ -88,7 +92,9 @@ class JsonClient:
         elif "send" in values:
             sent = read_fields(_MESSAGE, read_fields(_SEND, values)["send"])
             dialect = self._connection.dialect
-            self._connection.send(message_of(dialect, sent["message"], sent["fields"], self._role))
+            message = message_of(dialect, sent["message"], sent["fields"], self._role)
+            check_request(self._role, message, self._station)
+            self._connection.send(message)
         else:
             raise RefusedError(400, "a request is a JSON object with subscribe, unsubscribe or send")
 

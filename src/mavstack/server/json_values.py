@@ -1,7 +1,7 @@
 """Values of the API as JSON.
 
-Numbers that are not finite are null, since JSON has none. Members of an enum are their names in Python, such
-as "FIX_3D"; flags stay numbers. Arrays of bytes are arrays of numbers.
+Numbers that are not finite are null, since JSON has none. Members of an enum are their names in the
+definition, such as "3D_FIX"; flags stay numbers. Arrays of bytes are arrays of numbers.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def _other_json(value: object) -> Any:  # noqa: ANN401
         case Flag():
             return value.value
         case Enum():
-            return value.name if isinstance(value, int) else to_json(value.value)
+            return _official_name(value.name) if isinstance(value, int) else to_json(value.value)
         case float():
             return value if isfinite(value) else None
         case int():
@@ -49,3 +49,8 @@ def _other_json(value: object) -> Any:  # noqa: ANN401
     if is_dataclass(value) and not isinstance(value, type):
         return {each.name: to_json(getattr(value, each.name)) for each in fields(value)}
     return str(value)
+
+
+def _official_name(name: str) -> str:
+    """Return the definition's name of a member: a name in Python cannot begin with a digit."""
+    return name[1:] if name[:1] == "_" and name[1:2].isdigit() else name

@@ -10,6 +10,7 @@ from mavstack.server.json_client import MAX_QUEUE
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
+    from mavstack.server.observer_lane import ObserverLane
     from mavstack.server.packet_hub import Batch, PacketHub
     from mavstack.server.subscriptions import Subscriptions
 
@@ -20,9 +21,13 @@ class MessageStream:
     Args:
         subscriptions: The messages of the stream.
         count: Events after which it ends; None: it has no end.
+        lane: The lane in which it waits for its turn before each event; None: it does not wait.
     """
 
-    def __init__(self, subscriptions: Subscriptions, count: int | None = None) -> None:
+    def __init__(
+        self, subscriptions: Subscriptions, count: int | None = None, lane: ObserverLane | None = None
+    ) -> None:
+        self._lane = lane
         self.queue: ClientQueue[str] = ClientQueue(MAX_QUEUE)
         self._subscriptions = subscriptions
         self._count = count
@@ -39,6 +44,8 @@ class MessageStream:
         sent = 0
         try:
             async for text in stream_texts(self.queue):
+                if self._lane is not None:
+                    await self._lane.turn()
                 yield f"data: {text}\n\n"
                 sent += 1
                 if sent == self._count:

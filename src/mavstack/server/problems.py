@@ -27,6 +27,7 @@ from mavstack.errors import (
     RemoteError,
     RemoteProtocolError,
     RemoteTimeout,
+    SystemIdConflictError,
     UnknownMessageError,
 )
 from mavstack.http.bodies import RefusedError
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 #: The status of each kind of error; the first match counts.
 STATUSES: Final[Sequence[tuple[type[Exception], HTTPStatus]]] = (
     (RemoteDenied, HTTPStatus.CONFLICT),
+    (SystemIdConflictError, HTTPStatus.CONFLICT),
     (ActionInterrupted, HTTPStatus.CONFLICT),
     (RemoteTimeout, HTTPStatus.GATEWAY_TIMEOUT),
     (RemoteCancelled, HTTPStatus.SERVICE_UNAVAILABLE),

@@ -12,6 +12,7 @@ from mavstack.server.rows.hub import RowHub
 from mavstack.server.rows.source import RowReader
 from mavstack.server.rows.urls import SCHEMES as ROW_SCHEMES
 from mavstack.server.rows.urls import is_row_url, parse_row_url
+from mavstack.server.source_options import refuse_paths, same_error_for_keys
 
 if TYPE_CHECKING:
     from mavstack.links import Link
@@ -112,12 +113,16 @@ class Sources:
         if len(self._sources) >= MAX_SOURCES:
             raise RefusedError(409, f"there are {MAX_SOURCES} sources already: remove one")
         if isinstance(link, str) and is_row_url(link):
-            return await self._add_rows(link)
+            return await self._add_rows(link, limited=from_client and self._network_only)
         if isinstance(link, str):
             url = resolve_url(link)
             if from_client and self._network_only and url.scheme not in NETWORK_SCHEMES:
                 allowed = "links of the network and serial ports"
                 raise RefusedError(403, f"without a password only {allowed} can be opened, not {url.scheme}:")
+            if from_client and self._network_only:
+                refuse_paths(url)
+                with same_error_for_keys(url):
+                    return self._register(await self._connection.add_link(str(url)))
             link = str(url)
         return self._register(await self._connection.add_link(link))
 
@@ -137,8 +142,10 @@ class Sources:
             if isinstance(source, RowSource):
                 await self.remove(source.id)
 
-    async def _add_rows(self, text: str) -> Source:
+    async def _add_rows(self, text: str, *, limited: bool) -> Source:
         url = parse_row_url(text)
+        if limited:
+            refuse_paths(url.link)
         number = str(next(self._numbers))
         name = url.name or f"rows{number}"
         names = [each.reader.name for each in self.list() if isinstance(each, RowSource)]

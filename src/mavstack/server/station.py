@@ -19,9 +19,14 @@ from typing import TYPE_CHECKING, Final
 from mavstack.dialects import ardupilotmega, common
 from mavstack.errors import MavstackError
 from mavstack.http.bodies import RefusedError
+from mavstack.security.observer_requests import ObserverRequests
 from mavstack.server.calibrations import Calibrations
+from mavstack.server.client_shares import ClientShares
+from mavstack.server.generator.runner import GeneratorRunner
+from mavstack.server.observer_lane import ObserverLane
 from mavstack.server.packet_hub import PacketHub
 from mavstack.server.recordings import Recordings
+from mavstack.server.shared_reads import SharedReads
 from mavstack.server.sources import Sources
 from mavstack.server.tasks import Tasks
 from mavstack.vehicle import Connection, VehicleFound, VehicleRebooted
@@ -39,8 +44,6 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger("mavstack.server")
 
-#: WebSockets and streams of messages at a time.
-MAX_CLIENTS: Final = 256
 #: The rates of the messages that user interfaces show, in hertz.
 TELEMETRY_RATES: Final[Mapping[type[Message], float]] = MappingProxyType(
     {
@@ -90,6 +93,13 @@ class Station:
         self.recordings = Recordings(self.connection, folder)
         self.calibrations = Calibrations()
         self.tasks = Tasks()
+        self.generator = GeneratorRunner()
+        #: The requests of all clients that observe.
+        self.observers = ObserverRequests()
+        self.observer_lane = ObserverLane()
+        self.reads = SharedReads(self.connection.now)
+        #: The WebSockets and streams of all clients.
+        self.shares = ClientShares()
         self.router = router
         self._requests_telemetry = telemetry
         self._requests: dict[int, asyncio.Task[None]] = {}
@@ -102,11 +112,6 @@ class Station:
             known = ", ".join(map(str, self.connection.vehicles)) or "none"
             raise RefusedError(404, f"no vehicle with system id {system} was found; known: {known}")
         return vehicle
-
-    def check_room(self) -> None:
-        """Refuse a further client of packets or rows if there are too many; raises `RefusedError`."""
-        if len(self.packets.clients) + len(self.sources.rows.clients) >= MAX_CLIENTS:
-            raise RefusedError(429, f"{MAX_CLIENTS} WebSockets and streams are open already")
 
     async def open(self) -> Self:
         """Open the connection, and request telemetry from the vehicles that it finds."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from starlette.websockets import WebSocketDisconnect
@@ -43,15 +43,16 @@ def websocket_endpoint(station: Station, access: Access) -> Callable[[WebSocket]
         try:
             offered = websocket.scope.get("subprotocols", [])
             chosen = choose_subprotocol(offered)
-            station.check_room()
-            role, session = access.check_websocket(websocket.headers, websocket.cookies)
+            role, session = known = access.check_websocket(websocket.headers, websocket.cookies)
+            place = ExitStack()
+            place.enter_context(station.shares.place(known))
         except RefusedError as error:
             await _deny(websocket, error)
             return
-        await websocket.accept(chosen)
-        client = _client(station, websocket, chosen, role)
         # The client may leave at any time, and the station may be closed.
-        with suppress(WebSocketDisconnect, InvalidStateError):
+        with place, suppress(WebSocketDisconnect, InvalidStateError):
+            await websocket.accept(chosen)
+            client = _client(station, websocket, chosen, role)
             async with ending_with_session(access, session):
                 await _serve(station, websocket, client, used=lambda: access.role_of(session))
                 return

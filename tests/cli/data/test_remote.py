@@ -63,3 +63,26 @@ def test_a_log_that_is_not_there(mav):
 def test_the_report_of_a_url_has_no_place_of_its_own(mav):
     result = mav("data", "report", URL)
     assert (result.code, "needs -o FILE" in result.err) == (2, True)
+
+
+class OddError(Exception):
+    """An exception of a back end without a text, and with an attribute of an unexpected type."""
+
+    def __init__(self):
+        super().__init__()
+        self.strerror = {"code": 403}
+
+    def __str__(self):
+        return "\n"
+
+
+@pytest.mark.parametrize("method", ["get_file", "glob", "unstrip_protocol"])
+def test_exceptions_of_back_ends_are_errors_of_ours(mav, monkeypatch, method):
+    def fail(*_arguments, **_options):
+        raise OddError
+
+    monkeypatch.setattr(fsspec.filesystem("memory"), method, fail, raising=False)
+    pattern = "memory://logs/fl*.tlog" if method != "get_file" else URL
+    result = mav("data", "query", pattern, "SELECT count(*) FROM ATTITUDE")
+    assert (result.code, result.err.count("\n")) == (1, 1)
+    assert "cannot open memory://logs/" in result.err

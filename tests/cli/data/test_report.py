@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 
 import pytest
@@ -117,3 +118,24 @@ def test_files_that_the_user_did_not_name_are_kept(mav, tlog, tmp_path):
     page.write_text("<h1>Mine</h1>")
     assert mav("data", "report", tlog).code == 1
     assert mav("data", "report", tlog, "-o", page).code == 0, "the user named it"
+
+
+def test_the_report_of_another_log_beside_this_one_is_kept(mav, tlog, tmp_path):
+    other = tmp_path / "flight.bin"
+    other.write_bytes(tlog.read_bytes())
+    assert mav("data", "report", tlog).code == 0
+    before = (tmp_path / "flight.json").read_text("utf-8")
+    assert mav("data", "report", other).code == 1
+    assert (tmp_path / "flight.json").read_text("utf-8") == before
+
+
+@pytest.mark.parametrize(("answer", "code"), [("y\n", 0), ("n\n", 1), ("", 1)])
+def test_a_terminal_is_asked_before_a_file_is_replaced(mav, tlog, tmp_path, monkeypatch, answer, code):
+    facts = tmp_path / "flight.json"
+    facts.write_text('{"my": "notes"}')
+    terminal = io.StringIO(answer)
+    monkeypatch.setattr(terminal, "isatty", lambda: True)
+    monkeypatch.setattr("sys.stdin", terminal)
+    result = mav("data", "report", tlog)
+    assert (result.code, facts.read_text("utf-8") == '{"my": "notes"}') == (code, code == 1)
+    assert "replace it? [y/N]" in result.out + result.err

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import re
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
@@ -18,6 +19,9 @@ def test_all_checks_pass(mav):
     assert report["ok"] is True
     details = {check["name"]: check["detail"] for check in report["checks"]}
     assert {"core", "udp", "dialects", "numpy"} <= set(details)
+    assert re.fullmatch(
+        r"the core was built by rustc \d+\.\d+.* of the (system|project.*)", details["toolchain"]
+    )
     assert details["mavstack"].endswith(f" in {Path(mavstack.__file__).parent}")
 
 

@@ -48,6 +48,23 @@ class RefusingVehicle:
         return self.result if plan.type == self.refused else _RESULT.ACCEPTED
 
 
+def test_fence_that_the_firmware_has_not_does_not_keep_the_mission_from_being_sent(mav, monkeypatch):
+    run_commands_on(monkeypatch, RefusingVehicle(PlanType.FENCE, _RESULT.UNSUPPORTED).run_on_vehicle)
+    result = mav("mission", "upload", "flight.plan")
+    assert result.code == 1
+    first, *uploaded = result.out.splitlines()
+    assert first == "vehicle 1: fence: not sent, the firmware has none"
+    assert [line.partition(": ")[2].partition(":")[0] for line in uploaded] == ["rally points", "mission"]
+    assert all(line.endswith("uploaded") for line in uploaded)
+    assert (
+        "vehicle 1 does not support the fence; sent without: the rally points and the mission" in result.err
+    )
+    assert "with --rally --mission the others are not tried" in result.err
+    assert mav("mission", "upload", "flight.plan", "--rally", "--mission").code == 0
+    named = mav("mission", "upload", "flight.plan", "--fence", "--mission")
+    assert (named.code, named.out) == (1, "vehicle 1: mission: not sent\n")
+
+
 def test_refused_fence_stops_the_upload(mav, monkeypatch):
     run_commands_on(monkeypatch, RefusingVehicle(PlanType.FENCE, _RESULT.NO_SPACE).run_on_vehicle)
     result = mav("mission", "upload", "flight.plan")

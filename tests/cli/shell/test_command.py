@@ -142,7 +142,7 @@ def test_examples_of_each_shell_command_run(simulate, mav, command, tmp_path, mo
     monkeypatch.chdir(tmp_path)
     before = {
         "guided": "mode guided; arm throttle; takeoff 10; ",
-        "orbit": "mode guided; arm throttle; takeoff 10; ",
+        "orbit": "mode guided; arm throttle; takeoff 10; rc 3 1500; ",
         "setyaw": "mode guided; arm throttle; takeoff 10; ",
         "setspeed": "mode guided; arm throttle; takeoff 10; ",
         "land": "mode guided; arm throttle; takeoff 10; ",

@@ -9,6 +9,7 @@ import pytest
 
 from mavstack.cli.sim.command import _impaired
 from mavstack.links import open_link, parse_url
+from mavstack.sim.simulation import Simulation
 
 NOWHERE = "udpout://127.0.0.1:9"
 
@@ -42,6 +43,31 @@ def test_rangefinders_and_obstacles(mav):
     assert (result.code, result.err) == (0, "")
     equipment = "rangefinder downward sonar, rangefinder forward laser, proximity sensor"
     assert result.out.splitlines()[0] == f"system 1: ardupilot copter with {equipment}"
+
+
+def test_an_older_version(mav, monkeypatch):
+    monkeypatch.setattr("mavstack.sim.simulation.Simulation.add", spied := Spy(Simulation.add))
+    words = ["--type", "rover", "--firmware", "ardupilot,px4", "--count", "2", "--ardupilot-version", "4.1"]
+    assert mav("sim", *words, "--out", NOWHERE, "--for", "1", "--speed", "max").code == 0
+    assert [vehicle.profile.version[:2] for vehicle in spied.added] == [(4, 1), (1, 16)]
+    refused = mav("sim", "--firmware", "px4", "--ardupilot-version", "4.1", "--out", NOWHERE)
+    assert (refused.code, "--ardupilot-version needs --firmware ardupilot" in refused.err) == (2, True)
+    for text in ("4", "4.x", "4.1.2.3", "4.999"):
+        assert mav("sim", "--ardupilot-version", text).code == 2
+
+
+class Spy:
+    """A method that keeps the vehicles that it returned."""
+
+    def __init__(self, method):
+        self.method, self.added = method, []
+
+    def __get__(self, simulation, kind):
+        def add(*args, **options):
+            self.added.append(self.method(simulation, *args, **options))
+            return self.added[-1]
+
+        return add
 
 
 def test_one_port_per_vehicle(mav):

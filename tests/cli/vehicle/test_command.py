@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+import re
 import shlex
 
 import pytest
 
 from mavstack.cli.vehicle.command import EXAMPLES
 from tests.cli.harness import COPTER, PX4_COPTER
-from tests.vehicle.world import kind_name
+from tests.vehicle.world import ARDUPILOT, VehicleType, kind_name
 
+ROVER = (VehicleType.ROVER, ARDUPILOT)
 BOTH = [COPTER, PX4_COPTER]
 #: Actions of PX4, of VTOLs, of equipment that has to be set up, and of vehicles on the ground.
 NOT_OF_A_COPTER = {"actuator", "transition", "gripper", "winch", "motor-test", "calibrate", "events"}
@@ -32,17 +34,67 @@ def test_a_flight(simulate, mav, kind):
         return result.out
 
     assert done("arm") == "vehicle 1: armed\n"
-    assert done("takeoff", 12) == "vehicle 1: 12 m above home\n"
+    measured = re.fullmatch(r"vehicle 1: (\d+\.\d) m above home\n", done("takeoff", 12))
+    assert float(measured[1]) == pytest.approx(-body.truth.down, abs=0.5)
     assert -body.truth.down == pytest.approx(12, abs=1.5)
     assert done("speed", 6) == "vehicle 1: speed set to 6 m/s\n"
     assert done("goto", *there, 15) == "vehicle 1: at the target\n"
     assert (body.truth.north, body.truth.east) == pytest.approx((30, 10), abs=3)
     assert done("yaw", 90) == "vehicle 1: heading 90°\n"
     assert done("hold") == "vehicle 1: holding\n"
+    harness.vehicle.autopilot.radio.move(3, 1500)  # in CIRCLE, ArduPilot climbs and sinks by it
     assert done("orbit", *there, 15, "--radius", 15) == "vehicle 1: on the circle\n"
     assert done("rtl", "--no-wait") == "vehicle 1: returning home\n"
     assert done("land") == "vehicle 1: landed\n"
     assert not harness.vehicle.autopilot.armed
+
+
+def test_a_disarmed_takeoff_sets_no_trap(simulate, mav):
+    harness = simulate(PX4_COPTER)
+    refused = mav("vehicle", "takeoff", 12)
+    assert refused.code == 1
+    assert refused.err.endswith("takeoff to 12 m of 1/1 failed: it is not armed; arm it first\n")
+    assert harness.vehicle.autopilot.mode.name == "Hold"
+
+
+def test_arming_where_the_vehicle_would_start_needs_an_option(simulate, mav):
+    autopilot = simulate(PX4_COPTER).vehicle.autopilot
+    assert mav("vehicle", "mode", "TAKEOFF").code == 0
+    assert "warning: in mode TAKEOFF it starts by itself" in mav("vehicle", "health").out
+    refused = mav("vehicle", "arm")
+    assert refused.code == 1
+    assert "in mode TAKEOFF it would start by itself; change the mode to LOITER first" in refused.err
+    assert not autopilot.armed
+    assert mav("vehicle", "arm", "--allow-flight").out == "vehicle 1: armed\n"
+
+
+def test_arming_leaves_the_mode_of_a_landing(simulate, mav):
+    simulate(COPTER)
+    assert mav("vehicle", "mode", "RTL").code == 0
+    health = mav("vehicle", "health")
+    assert (health.code, health.out) == (
+        1,
+        "vehicle 1: not ready to arm\n  its firmware does not arm in mode RTL\n",
+    )
+    assert (
+        "does not arm in mode RTL; change the mode to GUIDED first"
+        in mav("vehicle", "arm", "--keep-mode").err
+    )
+    assert mav("vehicle", "arm").code == 0
+
+
+@pytest.mark.flight
+def test_a_tolerance(simulate, mav):
+    harness = simulate(ROVER)
+    home = harness.vehicle.body.frame.to_global
+    there = home(20.0, 10.0, 0.0)[:2]
+    assert mav("vehicle", "arm").code == 0
+    refused = mav("vehicle", "goto", *there, "--tolerance", 0.5)
+    assert refused.code == 1
+    assert "it stops within WP_RADIUS, 3 m; set that parameter" in refused.err
+    assert mav("vehicle", "goto", *there, "--tolerance", 3.5).out == "vehicle 1: at the target\n"
+    assert mav("vehicle", "rtl").out == "vehicle 1: at home\n"
+    assert (harness.vehicle.body.truth.north, harness.vehicle.body.truth.east) == pytest.approx((0, 0), abs=1)
 
 
 @pytest.mark.fast_cases(1)
@@ -82,7 +134,7 @@ def test_health_exit_code(simulate, mav):
     result = mav("vehicle", "health", "--json")
     assert result.code == 1
     assert json.loads(result.out)["ready"] is not True
-    assert mav("vehicle", "health", "--wait", 90).out == "vehicle 1: ready to arm\n"
+    assert mav("vehicle", "health", "--wait", 90).out == "vehicle 1: ready to arm in mode STABILIZE\n"
 
 
 def test_waiting_for_readiness_times_out(simulate, mav):
@@ -204,12 +256,14 @@ def test_invalid_values(simulate, mav, words):
 
 @pytest.mark.nightly
 def test_examples_of_the_help_run(simulate, mav):
-    simulate(COPTER, COPTER, COPTER, COPTER, COPTER)
+    harness = simulate(COPTER, COPTER, COPTER, COPTER, COPTER)
     for line in EXAMPLES.splitlines()[1:]:
         words = shlex.split(line)[1:]
         if words[1] in NOT_OF_A_COPTER:
             continue
         words += ["--yes"] if words[1] in CONFIRMED else []
         words += [] if "--all" in words or "--systems" in words else ["--system", "1"]
+        # In CIRCLE, ArduPilot climbs and sinks by the throttle; it arms with the throttle down only.
+        harness.vehicle.autopilot.radio.move(3, 1500 if words[1] == "orbit" else 1000)
         result = mav(*words)
         assert (result.code, result.err) == (0, ""), line

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
+
 from mavstack.cli.vehicle.info import page
+from tests.vehicle.world import ARDUPILOT, VehicleType
 
 FACTS = {
     "system": 1,
@@ -21,7 +24,7 @@ FACTS = {
     "home_distance": None,
     "batteries": [],
     "gps": None,
-    "health": {"ready": None, "problems": []},
+    "health": {"ready": None, "mode": None, "problems": [], "warnings": []},
     "components": [{"component": 100, "kind": "camera", "alive": True}],
     "features": {"mission": True, "calibrations": (), "cameras": (1, 100), "gimbals": (1,)},
     "board": None,
@@ -36,3 +39,11 @@ def test_payloads_of_the_autopilot_are_listed():
         "attached   camera (1)",
         "gimbal (1)",
     ]
+
+
+def test_a_rover_has_no_altitude_above_home(simulate, mav):
+    simulate((VehicleType.ROVER, ARDUPILOT))
+    shown = mav("vehicle", "info").out
+    assert "m above sea" in shown
+    assert "m above home" not in shown
+    assert json.loads(mav("vehicle", "info", "--json").out)["position"]["relative_altitude"] is None

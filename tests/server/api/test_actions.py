@@ -1,9 +1,12 @@
 from __future__ import annotations
 
+from math import hypot
+
 import pytest
 
 from mavstack.security.roles import Role
 from mavstack.server.access import Access
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.server.stations import COPTER, Ground, serve
 
 PASSWORDS = {Role.OBSERVE: "watching only", Role.OPERATE: "may fly it", Role.ADMINISTER: "may do it all"}
@@ -35,6 +38,38 @@ def test_a_flight() -> None:
     serve(COPTER, scenario)
 
 
+@pytest.mark.flight
+def test_a_plane_has_returned_when_it_circles_home() -> None:
+    async def scenario(ground: Ground) -> None:
+        api, simulated = ground.api, ground.simulation.vehicles[0]
+        assert (await api.post("/api/vehicles/1/arm")).status == 200
+        assert (await api.post("/api/vehicles/1/takeoff", {"altitude": 60})).status == 200
+        truth = simulated.body.truth
+        assert (await api.post("/api/vehicles/1/move", {"north": 200, "up": 30})).status == 200
+        assert -simulated.body.truth.down == pytest.approx(truth.down * -1 + 30, abs=8)
+        assert (await api.post("/api/vehicles/1/rtl")).status == 200
+        truth = simulated.body.truth
+        away = hypot(truth.north, truth.east)
+        assert away == pytest.approx(60, abs=12)
+        closing = abs(truth.north * truth.velocity_north + truth.east * truth.velocity_east) / away
+        assert closing < 4.0
+        assert abs(truth.velocity_down) < 1.0
+        refused = await api.post("/api/vehicles/1/goto", {"latitude": 47, "longitude": 8, "tolerance": -1})
+        assert (refused.status, refused.json["error"]["kind"]) == (400, "InvalidArgumentError")
+
+    serve((VehicleType.PLANE, Firmware.ARDUPILOT), scenario)
+
+
+def test_a_rover_has_no_altitude_to_change() -> None:
+    async def scenario(ground: Ground) -> None:
+        for path, body in (("altitude", {"altitude": 5}), ("move", {"up": 5})):
+            answer = await ground.api.post(f"/api/vehicles/1/{path}", body)
+            assert answer.json["error"]["kind"] == "ActionUnsupported"
+            assert "it is a rover" in answer.json["error"]["text"]
+
+    serve((VehicleType.ROVER, Firmware.ARDUPILOT), scenario)
+
+
 def test_a_task_for_an_unknown_vehicle_is_not_begun() -> None:
     async def scenario(ground: Ground) -> None:
         for system, status in (("7", 404), ("none", 404), ("1", 202)):
@@ -55,6 +90,29 @@ def test_a_refusal_has_the_vehicles_reasons() -> None:
         assert unknown.status == 409
 
     serve(COPTER, scenario, ready=False)
+
+
+def test_a_refused_call_changes_nothing_and_arming_leaves_rtl() -> None:
+    async def scenario(ground: Ground) -> None:
+        api, vehicle = ground.api, ground.station.vehicle(1)
+        mode = vehicle.mode
+        place = {"latitude": 47.398, "longitude": 8.546}
+        for action, body in (("takeoff", {}), ("goto", place), ("rtl", {}), ("mission/start", {})):
+            answer = await api.post(f"/api/vehicles/1/{action}", body)
+            error = answer.json["error"]
+            assert (answer.status, error["kind"]) == (409, "ActionRefused")
+            assert error["text"].endswith("failed: it is not armed; arm it first")
+            assert vehicle.mode == mode
+        await api.post("/api/vehicles/1/mode", {"mode": "RTL"})
+        shown = (await api.get("/api/vehicles/1")).json
+        assert (shown["ready"], shown["warnings"]) == (False, [])
+        assert shown["problems"][0]["text"] == "its firmware does not arm in mode RTL"
+        kept = await api.post("/api/vehicles/1/arm", {"keep_mode": True})
+        assert kept.json["error"]["kind"] == "ActionRefused"
+        assert (await api.post("/api/vehicles/1/arm", {})).status == 200
+        assert vehicle.mode == "GUIDED"
+
+    serve(COPTER, scenario)
 
 
 def test_any_command_by_name_and_number() -> None:

@@ -92,7 +92,7 @@ def test_a_client_that_leaves_ends_its_stream() -> None:
 
 
 def test_streams_count_as_clients(monkeypatch) -> None:
-    monkeypatch.setattr("mavstack.server.station.MAX_CLIENTS", 0)
+    monkeypatch.setattr("mavstack.server.client_shares.MAX_STREAMS", 0)
 
     async def scenario(ground: Ground) -> None:
         assert (await ground.api.get("/api/vehicles/1/messages/HEARTBEAT/stream")).status == 429

@@ -5,6 +5,7 @@ import pytest
 from mavstack.logs import open_log
 from mavstack.server.api import recordings
 from mavstack.server.recordings import MAX_RUNNING
+from tests.logs.test_replay import dataflash
 from tests.server.stations import COPTER, Ground, serve
 
 
@@ -96,3 +97,25 @@ def test_without_a_folder_nothing_is_recorded() -> None:
         assert (await ground.api.post("/api/recordings")).status == 409
 
     serve((), scenario)
+
+
+def test_a_log_of_a_vehicle_is_replayed_whatever_its_format(tmp_path) -> None:
+    (tmp_path / "flight.BIN").write_bytes(dataflash())
+
+    async def scenario(ground: Ground) -> None:
+        shown = await ground.api.get("/api/replays/flight.BIN")
+        assert shown.status == 200
+        assert shown.headers["content-disposition"] == 'attachment; filename="flight.tlog"'
+        (tmp_path / "shown.tlog").write_bytes(shown.data)
+        assert {"HEARTBEAT", "ATTITUDE", "GLOBAL_POSITION_INT"} <= set(open_log(tmp_path / "shown.tlog"))
+        sent = await ground.api.request("POST", "/api/replays?name=flight.BIN", data=dataflash())
+        assert (sent.status, sent.data) == (200, shown.data)
+        refused = await ground.api.request(
+            "POST", "/api/replays?name=a.BIN", data=dataflash(positions=False, attitude=False)
+        )
+        assert refused.problem.startswith("replaying a.BIN failed: the dataflash log has neither")
+        assert (await ground.api.get("/api/replays/none.BIN")).status == 404
+        answer = await ground.api.request("POST", "/api/replays?name=../x", data=dataflash())
+        assert answer.status == 400
+
+    serve((), scenario, folder=tmp_path)

@@ -21,6 +21,7 @@ from mavstack.cli.common.options import seconds
 from mavstack.cli.common.output import echo
 from mavstack.cli.common.selection import (
     add_system_option,
+    mention_conflict,
     mention_other_vehicles,
     of_vehicle,
     selected_vehicles,
@@ -61,6 +62,11 @@ def add_connection_options(parser: ArgumentParser, *, fleet: bool = False, chang
         help=f"link to the vehicle; may be repeated (default: $MAVSTACK_URL or {DEFAULT_URL})",
     )
     add_system_option(group, fleet=fleet, changes=changes)
+    group.add_argument(
+        "--channel",
+        metavar="NAME|ADDRESS",
+        help="use only the vehicle on this channel, such as 192.168.1.20:14550, where two have one system id",
+    )
     add_heartbeat_timeout(group)
     add_link_options(parser.add_argument_group("links"))
 
@@ -115,6 +121,7 @@ def run_on_vehicle(arguments: Namespace, work: Callable[[Vehicle], Awaitable[int
             return await _run_on_each(group, arguments, work)
         vehicle = next(iter(group))
         code = await work(vehicle)
+        await mention_conflict(vehicle, arguments)
         mention_other_vehicles(connection, vehicle, arguments)
         return code
 
@@ -143,7 +150,8 @@ def run_on_connection(
     """
 
     async def connected() -> int:
-        async with connect(*connection_urls(arguments)) as connection:
+        channel = getattr(arguments, "channel", None)
+        async with connect(*connection_urls(arguments), channel=channel) as connection:
             if announce:
                 announce_exposure(arguments.command, connection.links)
             return await work(connection)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.options import system_id
 from mavstack.cli.common.output import echo
+from mavstack.errors import SystemIdConflictError
 from mavstack.vehicle import Group, VehicleFound
 
 if TYPE_CHECKING:
@@ -64,7 +65,16 @@ async def selected_vehicles(connection: Connection, arguments: Namespace) -> Gro
     Raises:
         RemoteTimeout: A vehicle is not heard in time.
         UsageError: The command changes something, several vehicles are heard, and none is selected.
+        SystemIdConflictError: The command changes something, and several vehicles use one system id.
     """
+    group = await _selected(connection, arguments)
+    if getattr(arguments, "changes", False):
+        for vehicle in group:
+            await connection.check_sender(vehicle.system)
+    return group
+
+
+async def _selected(connection: Connection, arguments: Namespace) -> Group:
     timeout = arguments.timeout
     if getattr(arguments, "systems", None):
         waiting = [connection.wait_for_vehicle(system, timeout=timeout) for system in arguments.systems]
@@ -104,6 +114,16 @@ def mention_other_vehicles(connection: Connection, vehicle: Vehicle, arguments: 
     if others and arguments.system is None:
         text = f"this is vehicle {vehicle.system}; also heard: {systems_text(others)} (--system ID selects)"
         echo(f"mav {arguments.command}: {text}", error=True)
+
+
+async def mention_conflict(vehicle: Vehicle, arguments: Namespace) -> None:
+    """Say on stderr that several vehicles use the system id, so that what was read is of either."""
+    with suppress(SystemIdConflictError):
+        await vehicle.connection.check_sender(vehicle.system)
+    conflict = vehicle.id_conflict
+    if conflict is not None and vehicle.chosen_sender is None:
+        text = f"{len(conflict.senders)} vehicles use system id {vehicle.system}: {conflict}"
+        echo(f"mav {arguments.command}: {text} (--channel selects one)", error=True)
 
 
 def systems_text(systems: Iterable[int]) -> str:

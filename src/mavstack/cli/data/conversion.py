@@ -145,7 +145,7 @@ def convert_log(job: Job, arguments: Namespace) -> Outcome:
 def _convert(job: Job, arguments: Namespace, progress: Callable[[int, int], None] | None) -> Outcome:
     # Read when pyarrow is imported: its usual pool keeps tens of megabytes for each thread.
     os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")
-    options = ExportOptions(scaled=arguments.scaled, enums=arguments.enums)
+    options = ExportOptions(scaled=arguments.scaled, enums=arguments.enums, raw_text=arguments.raw_text)
     names = [name.strip() for name in arguments.only.split(",")] if arguments.only else ()
     with (
         local_copy(job.source) as source,

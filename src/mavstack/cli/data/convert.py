@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.output import echo, echo_json
 from mavstack.cli.data.conversion import ConvertedLogs, Job, run_jobs
-from mavstack.cli.data.opening import add_log_options, add_selection_options
+from mavstack.cli.data.opening import add_log_options, add_raw_text, add_selection_options
 from mavstack.cli.data.remote import expand, is_remote
 from mavstack.logs.export import exporter, exporter_names
 
@@ -37,6 +37,7 @@ def add_actions(actions: Actions) -> None:
         "--scaled", action="store_true", help="values in their units, with NaN for unknown ones"
     )
     parser.add_argument("--enums", action="store_true", help="names of enum values instead of numbers")
+    add_raw_text(parser)
     parser.add_argument(
         "--jobs", type=_jobs, default=0, metavar="N", help="processes (default: one per processor)"
     )

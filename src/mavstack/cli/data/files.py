@@ -12,7 +12,7 @@ from mavstack.cli.common.options import system_id
 from mavstack.cli.common.output import echo, echo_json, table_lines
 from mavstack.cli.common.text import duration_text, size_text
 from mavstack.cli.common.transfer_progress import TransferProgress
-from mavstack.cli.data.opening import add_log_options, local_file, open_file, report_damage
+from mavstack.cli.data.opening import add_log_options, add_raw_text, local_file, open_file, report_damage
 from mavstack.cli.data.remote import expand
 from mavstack.dialects.lookup import find_dialect
 from mavstack.logs import merge_logs
@@ -66,6 +66,7 @@ def add_actions(actions: Actions) -> None:
         "-o", "--output", metavar="FILE", help=f"DuckDB file of the book (default: FOLDER/{_BOOK_NAME})"
     )
     parser.add_argument("--csv", metavar="FILE", help="write the book as CSV too")
+    add_raw_text(parser)
     parser.add_argument("--incident", nargs=2, metavar=("LOG", "TEXT"), help="write a remark about a log")
     parser.add_argument("--json", action="store_true", help="print one JSON object per flight")
     parser.add_argument("--strict", action="store_true", help="fail if a log holds anything that was skipped")
@@ -176,7 +177,7 @@ def book(arguments: Namespace) -> int:
         if arguments.incident is not None and not flight_book.add_incident(*arguments.incident):
             raise UsageError(f"the book has no log {arguments.incident[0]}")
         if arguments.csv is not None:
-            flight_book.export_csv(arguments.csv)
+            flight_book.export_csv(arguments.csv, raw_text=arguments.raw_text)
         rows = flight_book.rows()
     for name, problem in update.failed.items():
         named = Path(name).name in problem
@@ -196,13 +197,13 @@ def book(arguments: Namespace) -> int:
 
 
 def _book_row(row: dict[str, object]) -> tuple[str, ...]:
-    distance = row["distance_m"]
+    duration, distance = row["flight_time_s"], row["distance_m"]
     return (
         str(row["date"] or "-"),
         str(row["file"]),
         str(row["vehicle"]),
         str(row["vehicle_type"]),
-        duration_text(float(str(row["flight_time_s"]))),
+        "-" if duration is None else duration_text(float(str(duration))),
         str(row["takeoffs"]),
         "-" if distance is None else f"{float(str(distance)):,.0f} m",
         str(row["incidents"] or row["findings"]),

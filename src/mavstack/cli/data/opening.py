@@ -34,6 +34,15 @@ def add_log_options(parser: ArgumentParser, *, several: bool = False) -> None:
     add_dialect_option(parser)
 
 
+def add_raw_text(parser: ArgumentParser) -> None:
+    """Declare the option that keeps texts in CSV as they are."""
+    parser.add_argument(
+        "--raw-text",
+        action="store_true",
+        help="keep texts in CSV that spreadsheets run as formulas (default: an apostrophe before them)",
+    )
+
+
 def add_selection_options(parser: ArgumentParser) -> None:
     """Declare the options that select rows."""
     group = parser.add_argument_group("selection")

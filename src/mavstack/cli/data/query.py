@@ -6,12 +6,20 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 from mavstack.cli.common.output import echo, echo_json, table_lines
-from mavstack.cli.data.opening import add_log_options, add_selection_options, open_file, report_damage
+from mavstack.cli.data.opening import (
+    add_log_options,
+    add_raw_text,
+    add_selection_options,
+    open_file,
+    report_damage,
+)
 from mavstack.cli.data.remote import expand
+from mavstack.logs.export.csv_text import escape_formula
 from mavstack.logs.query import query_logs
 
 if TYPE_CHECKING:
     from argparse import Namespace
+    from collections.abc import Callable
 
     from mavstack.cli.common.actions import Actions
 
@@ -32,6 +40,7 @@ def add_actions(actions: Actions) -> None:
     parser.add_argument("--csv", action="store_true", help="print CSV")
     parser.add_argument("--scaled", action="store_true", help="values in their units")
     parser.add_argument("--enums", action="store_true", help="names of enum values instead of numbers")
+    add_raw_text(parser)
     add_selection_options(parser)
 
 
@@ -43,18 +52,19 @@ def query(arguments: Namespace) -> int:
         for row in rows:
             echo_json({name: _plain(value) for name, value in zip(names, row, strict=True)})
     elif arguments.csv or not sys.stdout.isatty():
-        _print_csv(names, rows)
+        _print_csv(names, rows, (lambda value: value) if arguments.raw_text else escape_formula)
     else:
         _print_table(names, rows)
     return max(report_damage(log, arguments) for log in logs)
 
 
-def _print_csv(names: list[str], rows: list[tuple[Any, ...]]) -> None:
+def _print_csv(names: list[str], rows: list[tuple[Any, ...]], cell: Callable[[object], object]) -> None:
+    """Print CSV, whose cells are made by `cell`."""
     import csv
 
     writer = csv.writer(_Lines(), lineterminator="")
-    writer.writerow(names)
-    writer.writerows([_plain(value) for value in row] for row in rows)
+    writer.writerow([cell(name) for name in names])
+    writer.writerows([cell(_plain(value)) for value in row] for row in rows)
 
 
 class _Lines:

@@ -38,7 +38,8 @@ def expand(paths: Sequence[str]) -> list[str]:
     for path in paths:
         if is_remote(path) and any(sign in path for sign in "*?["):
             system, pattern = _open(path)
-            matches = [str(system.unstrip_protocol(name)) for name in _call(path, system.glob, pattern)]
+            names = _call(path, system.glob, pattern)
+            matches = [str(_call(path, system.unstrip_protocol, name)) for name in names]
             if not matches:
                 raise LogError(f"{path}: no file matches")
             found += sorted(matches)
@@ -140,5 +141,10 @@ def _call(path: str, function: Any, *arguments: Any, operation: str = "open") ->
     except MavstackError:
         raise
     except Exception as error:
-        reason = (getattr(error, "strerror", None) or str(error) or type(error).__name__).splitlines()[0]
-        raise LogError(f"cannot {operation} {path}: {reason}") from error
+        raise LogError(f"cannot {operation} {path}: {_reason(error)}") from error
+
+
+def _reason(error: Exception) -> str:
+    """Return the first line of the text of an exception, which may have none, or attributes of any kind."""
+    texts = (str(getattr(error, "strerror", None) or ""), str(error), type(error).__name__)
+    return next(line.strip() for text in texts for line in text.splitlines() if line.strip())

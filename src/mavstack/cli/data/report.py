@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import json
+import sys
+from argparse import Namespace
+from html import escape
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from mavstack.atomic_file import write_file_atomically
+from mavstack.cli.common.confirmation import is_confirmed
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.output import echo, echo_json, terminal_width
 from mavstack.cli.data.opening import (
@@ -30,11 +35,11 @@ from mavstack.logs.report.png import png_of
 from mavstack.logs.report.style import STYLE
 
 if TYPE_CHECKING:
-    from argparse import Namespace
     from collections.abc import Iterator
 
     from mavstack.cli.common.actions import Actions
     from mavstack.logs import Log
+    from mavstack.logs.message_table import MessageTable
 
 
 _USUAL_TOPICS: Final = ("attitude", "altitude")
@@ -83,7 +88,7 @@ def _page_path(arguments: Namespace) -> Path | None:
 
     Raises:
         UsageError: The path is that of the facts beside the page, or there is none beside a URL.
-        CommandError: A file would be replaced that the user did not name and that no report wrote.
+        CommandError: A file would be replaced that the user did not name and no report of this log wrote.
     """
     if arguments.json and arguments.output is None:
         return None
@@ -95,17 +100,31 @@ def _page_path(arguments: Namespace) -> Path | None:
         raise UsageError(
             f"{page}: name the page, such as {page.with_suffix('.html')}; its facts go beside it"
         )
+    source = "" if arguments.output else Path(arguments.file).name
     for path in [facts] if arguments.output else [page, facts]:
-        if not arguments.force and not _may_be_replaced(path):
+        if not arguments.force and not _may_be_replaced(path, source) and not _is_agreed(path):
             raise CommandError(
-                f"cannot write {path}: it exists and is of no earlier report; "
+                f"cannot write {path}: it exists and is of no earlier report of this log; "
                 "move it away, name another page with -o, or add --force"
             )
     return page
 
 
-def _may_be_replaced(path: Path) -> bool:
-    """Return whether a file does not exist, is empty, or was written with an earlier report."""
+def _is_agreed(path: Path) -> bool:
+    """Ask on the terminal whether to replace a file; False without a terminal."""
+    if sys.stdin is None or not sys.stdin.isatty():
+        return False
+    question = f"{path} is of no earlier report of this log; replace it"
+    return is_confirmed(Namespace(yes=False), question, "replace a file", refused="nothing was written")
+
+
+def _may_be_replaced(path: Path, source: str) -> bool:
+    """Return whether a file does not exist, is empty, or was written with an earlier report.
+
+    Args:
+        path: Path of the file.
+        source: Name of the log that the report must be of; empty for any.
+    """
     try:
         with path.open("rb") as file:
             head = file.read(_HEAD)
@@ -113,7 +132,9 @@ def _may_be_replaced(path: Path) -> bool:
         return True
     except OSError:  # writing tells the reason
         return True
-    return not head or MARK.encode() in head
+    names = (f"<title>{escape(source)}</title>", f'"file": {json.dumps(source)},')
+    is_of_source = not source or any(name.encode() in head for name in names)
+    return not head or (MARK.encode() in head and is_of_source)
 
 
 def _print_findings(data: dict[str, object], path: Path) -> None:
@@ -157,12 +178,33 @@ def _charts(log: Log, what: str) -> Iterator[Chart]:
     rows = log[table]
     if not rows.has_number(rows.require_field(field)):
         raise UsageError(f"{what} is no column of numbers; an element of an array is named {what}[0]")
+    lines = [line for name, part in _instances(field, rows) for line in _line(log, table, part, field, name)]
+    if lines:
+        yield Chart(what, rows.schema[field.partition("[")[0]].unit, lines)
+
+
+def _instances(field: str, rows: MessageTable) -> Iterator[tuple[str, MessageTable]]:
+    """Yield the rows of each sensor, port or sender, with a name of the line."""
+    names = [name for name in ("_system", rows.schema.instance_field) if name in (rows.dtype.names or ())]
+    kinds = [np.unique(rows[name]).tolist() for name in names]
+    for values in product(*kinds):
+        part = rows
+        for name, value in zip(names, values, strict=True):
+            part = part.where(part[name] == value)
+        several = [
+            f"{name.strip('_')} {value}"
+            for name, value, kind in zip(names, values, kinds, strict=True)
+            if len(kind) > 1
+        ]
+        yield ", ".join([field, *several]), part
+
+
+def _line(log: Log, table: str, rows: MessageTable, field: str, name: str) -> Iterator[Line]:
     times, values = log.seconds_from_start(table, rows), rows.scaled(field)
     known = np.flatnonzero(np.isfinite(times) & np.isfinite(values))
     order = known[np.argsort(times[known], kind="stable")]
     if len(order):
-        unit = rows.schema[field.partition("[")[0]].unit
-        yield Chart(what, unit, [Line(field, times[order], values[order])])
+        yield Line(name, times[order], values[order])
 
 
 def _rendered(path: Path, charts: list[Chart]) -> bytes | str:

@@ -92,9 +92,11 @@ def _libraries() -> Iterable[Finding]:
 
 def _core() -> Iterable[Finding]:
     """Check that the core computes a known checksum, and parses the packets that it encodes."""
+    from mavstack._core import TOOLCHAIN
     from mavstack.dialects import common
     from mavstack.wire import Parser, Signing, crc16, encode
 
+    yield Finding("toolchain", Status.OK, f"the core was built by {TOOLCHAIN}")
     if crc16(b"123456789") != 0x6F91:
         yield Finding("core", Status.FAILED, "the checksum is wrong")
         return

@@ -2,7 +2,8 @@
 
 Several plans are uploaded one after the other, the mission last, because it must not be flown without the
 fence that was made for it. The outcome of each plan is shown, also when one is refused and the others are not
-sent.
+sent. A fence or rally points that the firmware does not support at all do not keep the mission from being
+sent; the command says so, and fails unless the plans are named.
 """
 
 from __future__ import annotations
@@ -52,14 +53,41 @@ def upload(arguments: Namespace) -> int:
         echo(f"mav mission: note: {note}", error=True)
 
     async def work(vehicle: Vehicle) -> int:
-        return await _each(
-            vehicle,
-            chosen,
-            "not sent",
-            lambda plan_type: _upload(vehicle, plan, plan_type, verify=arguments.verify),
-        )
+        unsupported: list[PlanType] = []
+
+        async def act(plan_type: PlanType) -> None:
+            try:
+                await _upload(vehicle, plan, plan_type, verify=arguments.verify)
+            except (ActionUnsupported, MissionDenied) as error:
+                if arguments.plan_types or plan_type == PlanType.MISSION or not _is_unsupported(error):
+                    raise
+                unsupported.append(plan_type)
+                echo(of_vehicle(vehicle, f"{PLAN_NAMES[plan_type]}: not sent, the firmware has none"))
+
+        await _each(vehicle, chosen, "not sent", act)
+        if unsupported:
+            raise CommandError(_partly_sent(vehicle, chosen, unsupported))
+        return 0
 
     return run_on_vehicle(arguments, work)
+
+
+def _is_unsupported(error: ActionUnsupported | MissionDenied) -> bool:
+    """Return whether the firmware has no plans of this type, and not only refuses this one."""
+    return isinstance(error, ActionUnsupported) or error.code == common.MavMissionResult.UNSUPPORTED
+
+
+def _partly_sent(vehicle: Vehicle, chosen: Collection[PlanType], unsupported: Sequence[PlanType]) -> str:
+    missing = " and the ".join(PLAN_NAMES[each] for each in unsupported)
+    sent = [each for each in ORDER if each in chosen and each not in unsupported]
+    if not sent:
+        return f"vehicle {vehicle.system} does not support the {missing}: nothing was sent"
+    options = " ".join(f"--{each.name.lower()}" for each in sent)
+    names = " and the ".join(PLAN_NAMES[each] for each in sent)
+    return (
+        f"vehicle {vehicle.system} does not support the {missing}; sent without: the {names} "
+        f"(with {options} the others are not tried, and this is no error)"
+    )
 
 
 def download(arguments: Namespace) -> int:
@@ -115,9 +143,7 @@ def _prefix(arguments: Namespace) -> str:
 async def start_mission(vehicle: Vehicle) -> None:
     """Arm the vehicle if needed, and start its mission."""
     await _require_mission(vehicle)
-    if not vehicle.armed:
-        await vehicle.arm()
-    await vehicle.mission.start()
+    await vehicle.mission.start(arm=True)
 
 
 async def _require_mission(vehicle: Vehicle) -> None:
@@ -193,8 +219,7 @@ async def _download(vehicle: Vehicle, plan_type: PlanType, *, strict: bool) -> P
                 raise
             return Plan(plan_type)
         except MissionDenied as error:
-            unsupported = error.code == common.MavMissionResult.UNSUPPORTED and plan_type != PlanType.MISSION
-            if strict or not unsupported:
+            if strict or plan_type == PlanType.MISSION or not _is_unsupported(error):
                 raise
             return Plan(plan_type)
 

@@ -72,7 +72,8 @@ def run(arguments: Namespace) -> int:
 
 
 async def _connect_and_run(arguments: Namespace) -> int:
-    async with connect(*connection_urls(arguments)) as connection:
+    channel = getattr(arguments, "channel", None)
+    async with connect(*connection_urls(arguments), channel=channel) as connection:
         announce_exposure("shell", connection.links)
         return await run_shell(connection, arguments)
 

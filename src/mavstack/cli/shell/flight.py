@@ -18,7 +18,6 @@ from mavstack.cli.vehicle.flight_progress import (
 )
 from mavstack.cli.vehicle.interruption import notice_of_interruption
 from mavstack.dialects import common
-from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable
@@ -44,13 +43,13 @@ async def _fly(
 
 
 async def arm(session: Session, words: list[str]) -> None:
-    """Run `arm`, `arm throttle` or `arm throttle force`."""
+    """Run `arm`, `arm throttle`, `arm throttle force` or `arm allow-flight`."""
     options = [word.lower() for word in words]
     if options[:1] == ["throttle"]:
         del options[0]
-    if options not in ([], ["force"]):
-        raise UsageError("usage: arm [throttle] [force]")
-    await session.vehicle.arm(force=bool(options))
+    if len(set(options)) < len(options) or not set(options) <= {"force", "allow-flight"}:
+        raise UsageError("usage: arm [throttle] [force] [allow-flight]")
+    await session.vehicle.arm(force="force" in options, allow_flight="allow-flight" in options)
     session.report("armed")
 
 
@@ -159,10 +158,7 @@ async def yaw(session: Session, words: list[str]) -> None:
     relative = bool(more[1:] and more[1])
     direction = (1 if heading >= 0 else -1) if relative else 0
     angle = abs(heading) if relative else heading % 360.0
-    asked = session.vehicle.component.command(
-        common.MavCmd.CONDITION_YAW, angle, more[0], direction, float(relative)
-    )
-    await with_status_texts(session.vehicle, asked)
+    await session.vehicle.command(common.MavCmd.CONDITION_YAW, angle, more[0], direction, float(relative))
 
 
 async def home(session: Session, words: list[str]) -> None:
@@ -188,10 +184,7 @@ async def reboot(session: Session, words: list[str]) -> None:
     """Run `reboot` or `reboot bootloader`."""
     options = [word.lower() for word in words]
     if options == ["bootloader"]:
-        asked = session.vehicle.component.command(
-            common.MavCmd.PREFLIGHT_REBOOT_SHUTDOWN, _REBOOT_TO_BOOTLOADER
-        )
-        await with_status_texts(session.vehicle, asked)
+        await session.vehicle.command(common.MavCmd.PREFLIGHT_REBOOT_SHUTDOWN, _REBOOT_TO_BOOTLOADER)
         return
     expect_words(words, 0, 0, "reboot [bootloader]")
     session.completion_cache.clear()
@@ -202,10 +195,14 @@ async def reboot(session: Session, words: list[str]) -> None:
 
 COMMANDS: Final = (
     Command(
-        "arm", "[throttle] [force]", "arm the motors", arm,
-        examples=("arm throttle", "arm throttle force"),
-        details="`force` overrides the checks of the vehicle as far as its firmware allows.",
-        complete=completion.by_position(completion.choice("throttle", "force"), completion.choice("force")),
+        "arm", "[throttle] [force] [allow-flight]", "arm the motors", arm,
+        examples=("arm throttle", "arm throttle force", "arm allow-flight"),
+        details="`force` overrides the checks of the vehicle as far as its firmware allows. "
+        "`allow-flight` arms also in a mode in which the vehicle starts at once, such as TAKEOFF or AUTO.",
+        complete=completion.by_position(
+            completion.choice("throttle", "force", "allow-flight"),
+            completion.choice("force", "allow-flight"),
+        ),
     ),
     Command(
         "disarm", "[force]", "disarm the motors", disarm, examples=("disarm", "disarm force"),

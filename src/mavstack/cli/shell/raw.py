@@ -14,7 +14,6 @@ from mavstack.cli.shell.session import Command
 from mavstack.dialects import ardupilotmega, common
 from mavstack.services.frames import GLOBAL_FRAMES
 from mavstack.services.manual_control import RELEASE
-from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
     from enum import IntEnum
@@ -48,7 +47,7 @@ async def command_long(session: Session, words: list[str]) -> None:
     command = enum_value(ardupilotmega.MavCmd, "MAV_CMD_", words[0], _MAX_COMMAND)
     params = [parse_number(word, f"param {index}") for index, word in enumerate(words[1:], 1)]
     vehicle = session.vehicle
-    await with_status_texts(vehicle, vehicle.component.command(command, *params))
+    await vehicle.command(command, *params)
     session.print("accepted")
 
 
@@ -63,8 +62,7 @@ async def command_int(session: Session, words: list[str]) -> None:
     scale = _PER_DEGREE if frame in GLOBAL_FRAMES else _PER_METRE
     position = [_coordinate(word, scale) for word in words[8:10]]
     vehicle = session.vehicle
-    asked = vehicle.component.command(command, *params, *position, parse_number(words[10], "z"), frame=frame)
-    await with_status_texts(vehicle, asked)
+    await vehicle.command(command, *params, *position, parse_number(words[10], "z"), frame=frame)
     session.print("accepted")
 
 

@@ -16,7 +16,6 @@ from mavstack.cli.shell.console_command import expect_words, parse_integer
 from mavstack.cli.shell.session import Command
 from mavstack.cli.shell.subcommands import run_subcommand
 from mavstack.dialects import common
-from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -84,8 +83,7 @@ async def fence(session: Session, words: list[str]) -> None:
     if verb in ("enable", "disable"):
         expect_words(words, 1, 1, f"fence {verb}")
         vehicle = session.vehicle
-        asked = vehicle.component.command(common.MavCmd.DO_FENCE_ENABLE, float(verb == "enable"))
-        await with_status_texts(vehicle, asked)
+        await vehicle.command(common.MavCmd.DO_FENCE_ENABLE, float(verb == "enable"))
         session.report(f"fence {verb}d")
     else:
         await _plan(session, verb, words[1:], "--fence")

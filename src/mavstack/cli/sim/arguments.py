@@ -10,6 +10,7 @@ from mavstack.errors import MavstackError
 from mavstack.sim.vehicle_types import Home
 
 if TYPE_CHECKING:
+    from mavstack.services.version import FirmwareVersion
     from mavstack.sim.motion.obstacles import Obstacle
     from mavstack.sim.rangefinders import Rangefinder
 
@@ -37,6 +38,16 @@ def rangefinder(text: str) -> Rangefinder:
         return Rangefinder.parse(text)
     except MavstackError as error:
         raise ArgumentTypeError(str(error)) from None
+
+
+def version(text: str) -> FirmwareVersion:
+    """Parse a version, such as 4.1; raises ArgumentTypeError."""
+    from mavstack.services.version import FirmwareVersion
+
+    parts = text.split(".")
+    if not (2 <= len(parts) <= 3 and all(part.isdecimal() and int(part) <= 255 for part in parts)):
+        raise ArgumentTypeError(f"{text!r} is not a version, such as 4.1 or 4.6.3")
+    return FirmwareVersion(*map(int, parts))
 
 
 def obstacle(text: str) -> Obstacle:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 from dataclasses import replace
 from pathlib import Path
+from secrets import randbits
 from typing import TYPE_CHECKING, Final, TypeVar
 
 from mavstack.cli.common.errors import UsageError
@@ -16,7 +17,17 @@ from mavstack.cli.common.exposure import announce_exposure
 from mavstack.cli.common.link_options import add_link_options, with_link_options
 from mavstack.cli.common.options import seconds, system_id
 from mavstack.cli.common.output import echo, echo_json
-from mavstack.cli.sim.arguments import count, home, milliseconds, obstacle, rangefinder, share, speed, wind
+from mavstack.cli.sim.arguments import (
+    count,
+    home,
+    milliseconds,
+    obstacle,
+    rangefinder,
+    share,
+    speed,
+    version,
+    wind,
+)
 from mavstack.cli.sim.flight_controllers import DEFAULT_OUT as DEFAULT_MSP_OUT
 from mavstack.cli.sim.flight_controllers import PREFIX, controller_firmwares, transports
 from mavstack.sim.vehicle_types import (
@@ -100,6 +111,12 @@ def add_arguments(parser: ArgumentParser) -> None:
         default=TerrainSource.FLAT,
         help="heights of the terrain: flat ground, or requests to ground stations (ArduPilot; default: flat)",
     )
+    add(
+        "--ardupilot-version",
+        type=version,
+        metavar="VERSION",
+        help="behave as an older ArduPilot where a program notices it, such as 4.1 (default: 4.6.3)",
+    )
     add("--seed", type=int, default=1, metavar="N", help="seed of all random numbers (default: 1)")
     add(
         "--speed",
@@ -166,10 +183,11 @@ def run(arguments: Namespace) -> int:
 async def _simulate(arguments: Namespace) -> int:
     from mavstack.sim.faults import FaultScript
     from mavstack.sim.runner import Runner
-    from mavstack.sim.simulation import Simulation
+    from mavstack.sim.simulation import SITE_BITS, Simulation
 
     controllers = controller_firmwares(arguments)
-    simulation = Simulation(seed=arguments.seed, start=_start_time(), storage=arguments.storage)
+    site = randbits(SITE_BITS)  # not from the seed: each run is another fleet
+    simulation = Simulation(seed=arguments.seed, start=_start_time(), storage=arguments.storage, site=site)
     for each in arguments.obstacle:
         simulation.add_obstacle(each, home=arguments.home)
     if arguments.wind:
@@ -198,9 +216,12 @@ def _fleet(
     """Add the vehicles to the simulation."""
     from mavstack.sim.fleet import Fleet
 
+    firmwares = _firmwares(arguments) if not controllers else ()
+    if arguments.ardupilot_version is not None and Firmware.ARDUPILOT not in firmwares:
+        raise UsageError("--ardupilot-version needs --firmware ardupilot")
     fleet = Fleet(
         _kinds(VehicleType, arguments.type, "--type"),
-        _firmwares(arguments) if not controllers else (),
+        firmwares,
         arguments.count,
         arguments.home,
         arguments.system,
@@ -208,6 +229,7 @@ def _fleet(
         gimbal=arguments.gimbal,
         rangefinders=arguments.rangefinder,
         terrain=arguments.terrain,
+        version=arguments.ardupilot_version,
         controllers=controllers,
     )
     return fleet.add_flight_controllers_to(simulation) if controllers else fleet.add_to(simulation)

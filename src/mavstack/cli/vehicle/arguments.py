@@ -57,9 +57,20 @@ def add_override(parser: ArgumentParser) -> None:
     )
 
 
+def add_tolerance(parser: ArgumentParser) -> None:
+    """Declare `--tolerance`."""
+    parser.add_argument(
+        "--tolerance",
+        type=finite_number,
+        metavar="M",
+        help="metres from the target at which the vehicle has arrived (default: by its type)",
+    )
+
+
 def add_place(parser: ArgumentParser) -> None:
-    """Declare the place that an action flies to, and `--override-limits`."""
+    """Declare the place that an action flies to, `--tolerance` and `--override-limits`."""
     add_override(parser)
+    add_tolerance(parser)
     parser.add_argument("latitude", type=finite_number, metavar="LAT", help="degrees")
     parser.add_argument("longitude", type=finite_number, metavar="LON", help="degrees")
     parser.add_argument(

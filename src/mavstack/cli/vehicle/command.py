@@ -6,9 +6,16 @@ from typing import TYPE_CHECKING, Any
 
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.errors import CommandError, UsageError
-from mavstack.cli.common.options import finite_number, seconds
+from mavstack.cli.common.options import finite_number, seconds, system_id
 from mavstack.cli.vehicle import calibrate, equipment, events
-from mavstack.cli.vehicle.arguments import add_action, add_flight, add_override, add_place, add_timed
+from mavstack.cli.vehicle.arguments import (
+    add_action,
+    add_flight,
+    add_override,
+    add_place,
+    add_timed,
+    add_tolerance,
+)
 from mavstack.cli.vehicle.flight_progress import (
     distance_to_altitude,
     distance_to_home,
@@ -17,6 +24,7 @@ from mavstack.cli.vehicle.flight_progress import (
 )
 from mavstack.cli.vehicle.outcomes import run_on_vehicles
 from mavstack.cli.vehicle.show import health, info, modes
+from mavstack.dialects import common
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -39,6 +47,7 @@ examples:
   mav vehicle modes
   mav vehicle mode GUIDED
   mav vehicle rtl --no-wait
+  mav vehicle goto 47.3985 8.5460 30 --tolerance 2
   mav vehicle land --action-timeout 120
   mav vehicle disarm --force
   mav vehicle home
@@ -60,17 +69,19 @@ examples:
   mav vehicle calibrate accelerometer --yes --pause 10
   mav vehicle terminate
   mav vehicle reboot --systems 1,3-5
+  mav vehicle renumber --channel 192.168.1.20:14550
+  mav vehicle renumber 7
 """
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the actions."""
     actions = Actions(parser, "vehicle", EXAMPLES)
-    _add_force(add_timed(actions, "arm", "arm the motors", arm))
+    _add_arm(actions)
     _add_force(add_timed(actions, "disarm", "disarm the motors", disarm))
     _add_takeoff(actions)
     add_flight(actions, "land", "land at the current position", land)
-    add_flight(actions, "rtl", "return to home, and land there", rtl)
+    add_tolerance(add_flight(actions, "rtl", "return to home, and land there", rtl))
     add_timed(actions, "hold", "hold the position; a fixed wing circles", hold)
     _add_goto(actions)
     _add_orbit(actions)
@@ -88,12 +99,32 @@ def add_arguments(parser: ArgumentParser) -> None:
     equipment.add_actions(actions)
     calibrate.add_actions(actions)
     add_flight(actions, "reboot", "reboot the autopilot, and wait until it is back", reboot)
+    action = add_timed(actions, "renumber", "give the vehicle another system id", renumber)
+    action.add_argument("id", nargs="?", type=system_id, metavar="ID", help="system id (default: a free one)")
     add_action(actions, "info", "show identity, state and health", info)
     action = add_action(actions, "health", "show whether the vehicle is ready to arm, and why not", health)
-    action.add_argument("--wait", type=seconds, metavar="SECONDS", help="wait this long until it is ready")
+    action.add_argument(
+        "--wait",
+        type=seconds,
+        metavar="SECONDS",
+        help="wait this long until it is ready, and leave a mode in which its firmware does not arm",
+    )
     events.add_actions(actions)
     action = add_action(actions, "statustext", "send a STATUSTEXT to all components on the link", statustext)
     action.add_argument("text", metavar="TEXT", help="the text to send")
+
+
+def _add_arm(actions: Actions) -> None:
+    action = add_timed(actions, "arm", "arm the motors; leave a mode in which the firmware does not arm", arm)
+    _add_force(action)
+    action.add_argument(
+        "--allow-flight",
+        action="store_true",
+        help="arm also in a mode in which the vehicle starts at once, such as TAKEOFF or AUTO",
+    )
+    action.add_argument(
+        "--keep-mode", action="store_true", help="fail instead of leaving a mode, such as RTL after a landing"
+    )
 
 
 def _add_takeoff(actions: Actions) -> None:
@@ -141,7 +172,12 @@ def arm(arguments: Namespace) -> int:
     """Run `mav vehicle arm`."""
 
     async def work(vehicle: Vehicle) -> str:
-        await vehicle.arm(force=arguments.force, timeout=arguments.action_timeout)
+        await vehicle.arm(
+            force=arguments.force,
+            allow_flight=arguments.allow_flight,
+            keep_mode=arguments.keep_mode,
+            timeout=arguments.action_timeout,
+        )
         return "armed"
 
     return run_on_vehicles(arguments, work)
@@ -163,7 +199,9 @@ def takeoff(arguments: Namespace) -> int:
 
     async def work(vehicle: Vehicle) -> str:
         await vehicle.takeoff(altitude, override_limits=arguments.override_limits, **_wait_options(arguments))
-        return _outcome(arguments, f"{altitude:g} m above home", f"taking off to {altitude:g} m")
+        height = height_above_home(vehicle)
+        reached = f"took off to {altitude:g} m" if height is None else f"{height:.1f} m above home"
+        return _outcome(arguments, reached, f"taking off to {altitude:g} m")
 
     return run_on_vehicles(arguments, work, distance_to_altitude(altitude))
 
@@ -182,8 +220,10 @@ def rtl(arguments: Namespace) -> int:
     """Run `mav vehicle rtl`."""
 
     async def work(vehicle: Vehicle) -> str:
-        await vehicle.rtl(**_wait_options(arguments))
-        return _outcome(arguments, "landed at home", "returning home")
+        await vehicle.rtl(tolerance=arguments.tolerance, **_wait_options(arguments))
+        landed = vehicle.armed is False or vehicle.landed_state == common.MavLandedState.ON_GROUND
+        lands = vehicle.vehicle_type.flies and landed
+        return _outcome(arguments, "landed at home" if lands else "at home", "returning home")
 
     return run_on_vehicles(arguments, work, distance_to_home)
 
@@ -284,6 +324,17 @@ def reboot(arguments: Namespace) -> int:
     return run_on_vehicles(arguments, work)
 
 
+def renumber(arguments: Namespace) -> int:
+    """Run `mav vehicle renumber`."""
+
+    async def work(vehicle: Vehicle) -> str:
+        done = await vehicle.renumber(arguments.id, timeout=arguments.action_timeout)
+        after = ", rebooted" if done.rebooted else ""
+        return f"has system id {done.system} now ({done.parameter}{after})"
+
+    return run_on_vehicles(arguments, work)
+
+
 def statustext(arguments: Namespace) -> int:
     """Run `mav vehicle statustext`."""
     if not arguments.text.strip():
@@ -301,7 +352,8 @@ def _wait_options(arguments: Namespace) -> dict[str, Any]:
 
 
 def _target_options(arguments: Namespace) -> dict[str, Any]:
-    return {"override_limits": arguments.override_limits, **_wait_options(arguments)}
+    options = {"tolerance": arguments.tolerance, "override_limits": arguments.override_limits}
+    return options | _wait_options(arguments)
 
 
 def _outcome(arguments: Namespace, completed: str, accepted: str) -> str:

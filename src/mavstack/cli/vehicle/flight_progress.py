@@ -53,9 +53,11 @@ def distance_to_home(vehicle: Vehicle) -> float | None:
 
 
 def height_above_home(vehicle: Vehicle) -> float | None:
-    """Return the height of a vehicle in metres above home."""
+    """Return the height of a vehicle in metres above home; None if it has none, such as a rover."""
     position = vehicle.position
-    return None if position is None else position.relative_altitude
+    if position is None or not vehicle.vehicle_type.has_altitude:
+        return None
+    return position.relative_altitude
 
 
 class FlightProgress:

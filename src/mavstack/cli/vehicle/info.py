@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from math import isfinite
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
@@ -62,9 +62,22 @@ async def gather_facts(vehicle: Vehicle) -> dict[str, Any]:
 
 
 def health_facts(vehicle: Vehicle) -> dict[str, Any]:
-    """Return whether a vehicle is ready to arm, and its problems."""
+    """Return whether a vehicle is ready to arm in its mode, its problems and its warnings."""
     health = vehicle.health
-    return {"ready": health.ready, "problems": [printable(str(problem)) for problem in health.problems]}
+    return {
+        "ready": health.ready,
+        "mode": health.mode,
+        "problems": [printable(str(problem)) for problem in health.problems],
+        "warnings": [printable(str(warning)) for warning in health.warnings],
+    }
+
+
+def health_lines(facts: dict[str, Any]) -> list[str]:
+    """Return the facts of `health_facts` as lines: the readiness, then problems and warnings."""
+    mode = f" in mode {facts['mode']}" if facts["mode"] else ""
+    head = {True: f"ready to arm{mode}", False: "not ready to arm", None: "readiness to arm unknown"}
+    warnings = (f"warning: {text}" for text in facts["warnings"])
+    return [head[facts["ready"]], *facts["problems"], *warnings]
 
 
 def _identity(vehicle: Vehicle) -> dict[str, Any]:
@@ -100,7 +113,7 @@ def _state(vehicle: Vehicle) -> dict[str, Any]:
         "armed": vehicle.armed,
         "in_air": vehicle.in_air,
         "status": None if status is None else entry_words(_name(status)),
-        "position": _plain(vehicle.position),
+        "position": _position(vehicle),
         "ground_speed": None if velocity is None else round(velocity.ground_speed, 2),
         "home": _plain(vehicle.home),
         "home_distance": None if (distance := distance_to_home(vehicle)) is None else round(distance, 1),
@@ -156,6 +169,14 @@ def _state_text(facts: dict[str, Any]) -> str:
     return ", ".join(filter(None, (silent, facts["mode"], armed, air, facts["status"])))
 
 
+def _position(vehicle: Vehicle) -> dict[str, Any] | None:
+    """Return the position; without the altitude above home of a vehicle that has none, such as a rover."""
+    position = vehicle.position
+    if position is not None and not vehicle.vehicle_type.has_altitude:
+        position = replace(position, relative_altitude=None)
+    return _plain(position)
+
+
 def _position_text(facts: dict[str, Any]) -> str:
     place = facts["position"]
     if place is None:
@@ -200,12 +221,10 @@ def _gps_text(gps: dict[str, Any] | None) -> str:
 
 
 def _health_rows(health: dict[str, Any]) -> list[tuple[str, str]]:
-    ready = {
-        True: coloured("ready to arm", "green"),
-        False: coloured("not ready to arm", "red"),
-        None: "readiness to arm unknown",
-    }[health["ready"]]
-    return [("health", ready), *[("health", coloured(text, "yellow")) for text in health["problems"]]]
+    head, *others = health_lines(health)
+    colour = {True: "green", False: "red"}.get(health["ready"])
+    first = head if colour is None else coloured(head, colour)
+    return [("health", first), *[("health", coloured(text, "yellow")) for text in others]]
 
 
 def _attached_rows(facts: dict[str, Any]) -> list[tuple[str, str]]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from mavstack.cli.common.connection import run_on_connection
 from mavstack.cli.common.output import echo, echo_json
-from mavstack.cli.common.selection import of_vehicle, selected_vehicles, selects_several
+from mavstack.cli.common.selection import mention_conflict, of_vehicle, selected_vehicles, selects_several
 from mavstack.cli.vehicle.flight_progress import FlightProgress
 from mavstack.cli.vehicle.interruption import notice_of_interruption
 from mavstack.errors import MavstackError
@@ -39,7 +39,10 @@ def run_on_vehicles(
     async def run_selected(connection: Connection) -> int:
         group = await selected_vehicles(connection, arguments)
         if not selects_several(arguments):
-            return await _run_on_one(next(iter(group)), arguments, work, remaining)
+            vehicle = next(iter(group))
+            code = await _run_on_one(vehicle, arguments, work, remaining)
+            await mention_conflict(vehicle, arguments)
+            return code
         outcomes = await group.each(lambda vehicle: _run_in_group(vehicle, arguments, work))
         expected = sum(isinstance(error, MavstackError) for error in outcomes.errors.values())
         if len(outcomes.errors) > expected:

@@ -6,9 +6,14 @@ from typing import TYPE_CHECKING
 
 from mavstack.cli.common.connection import run_on_connection
 from mavstack.cli.common.output import echo, echo_json
-from mavstack.cli.common.selection import mention_other_vehicles, selected_vehicles, selects_several
+from mavstack.cli.common.selection import (
+    mention_conflict,
+    mention_other_vehicles,
+    selected_vehicles,
+    selects_several,
+)
 from mavstack.cli.common.wrapping import terminal_columns
-from mavstack.cli.vehicle.info import gather_facts, health_facts, page
+from mavstack.cli.vehicle.info import gather_facts, health_facts, health_lines, page
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -66,10 +71,8 @@ def health(arguments: Namespace) -> int:
         if arguments.json:
             echo_json({"system": vehicle.system, **facts})
             return
-        head = {True: "ready to arm", False: "not ready to arm", None: "readiness to arm unknown"}
-        echo(f"vehicle {vehicle.system}: {head[facts['ready']]}")
-        for problem in facts["problems"]:
-            echo(f"  {problem}")
+        head, *others = health_lines(facts)
+        echo(f"vehicle {vehicle.system}: {head}", *(f"  {text}" for text in others))
 
     return _show_each(arguments, show) or (0 if all(ready) else 1)
 
@@ -80,6 +83,7 @@ def _show_each(arguments: Namespace, show: Callable[[Vehicle], Awaitable[None]])
     async def work(connection: Connection) -> int:
         for vehicle in await selected_vehicles(connection, arguments):
             await show(vehicle)
+            await mention_conflict(vehicle, arguments)
         if not selects_several(arguments):
             mention_other_vehicles(connection, vehicle, arguments)
         return 0

@@ -27,18 +27,34 @@ _LONGITUDE = Field(
 )
 _ALTITUDE = Field(name="altitude", about="Metres above home; null keeps the present altitude.", example=30.0)
 _FORCE = Field(name="force", type="boolean", about="Skip the firmware's checks.", default=False)
+_ALLOW_FLIGHT = Field(
+    name="allow_flight",
+    type="boolean",
+    about="Arm in a mode in which the vehicle starts to fly or drive at once.",
+    default=False,
+)
+_KEEP_MODE = Field(
+    name="keep_mode",
+    type="boolean",
+    about="Refuse instead of leaving a mode in which the firmware does not arm.",
+    default=False,
+)
 _OVERRIDE = Field(
     name="override_limits",
     type="boolean",
     about="Allow a position or an altitude beyond the limits of plausible flights.",
     default=False,
 )
+_TOLERANCE = Field(
+    name="tolerance",
+    about="Metres from the target at which the vehicle has arrived; null: the default of its type.",
+)
 #: Actions beyond a flight.
 _ADMINISTRATIVE: Final = frozenset({"reboot"})
 
 
 async def _arm(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    await vehicle.arm(force=body["force"], timeout=body["timeout"])
+    await vehicle.arm(**body)
 
 
 async def _disarm(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
@@ -82,6 +98,8 @@ async def _yaw(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
 
 
 async def _altitude(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
+    if not vehicle.vehicle_type.has_altitude:
+        raise vehicle.firmware.unsupported("change its altitude")
     position = await vehicle.get_position()
     await vehicle.goto(position.latitude, position.longitude, **body, wait=wait)
 
@@ -109,9 +127,7 @@ async def _terminate(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None
 
 
 async def _start_mission(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    if body["arm"] and not vehicle.armed:
-        await vehicle.arm()
-    await vehicle.mission.start(timeout=body["timeout"])
+    await vehicle.mission.start(**body)
 
 
 async def _pause_mission(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
@@ -129,7 +145,7 @@ _NORTH, _EAST, _UP = (
 
 #: Each action: its function, its summary and the fields of its body; all have `timeout`.
 ACTIONS: Final[dict[str, tuple[Action, str, tuple[Field, ...]]]] = {
-    "arm": (_arm, "Arm a vehicle", (_FORCE,)),
+    "arm": (_arm, "Arm a vehicle", (_FORCE, _ALLOW_FLIGHT, _KEEP_MODE)),
     "disarm": (_disarm, "Disarm a vehicle", (_FORCE,)),
     "takeoff": (
         _takeoff,
@@ -137,7 +153,7 @@ ACTIONS: Final[dict[str, tuple[Action, str, tuple[Field, ...]]]] = {
         (Field(name="altitude", about="Metres above home.", default=10.0, example=15.0), _OVERRIDE),
     ),
     "land": (_land, "Land at the present position", ()),
-    "rtl": (_rtl, "Return to home", ()),
+    "rtl": (_rtl, "Return to home", (_TOLERANCE,)),
     "hold": (_hold, "Hold the present position", ()),
     "goto": (
         _goto,
@@ -148,10 +164,11 @@ ACTIONS: Final[dict[str, tuple[Action, str, tuple[Field, ...]]]] = {
             _ALTITUDE,
             Field(name="yaw", about="Heading in degrees; null leaves it to the vehicle."),
             Field(name="radius", about="Metres of the circle that a wing flies around the position."),
+            _TOLERANCE,
             _OVERRIDE,
         ),
     ),
-    "move": (_move, "Move by a distance", (_NORTH, _EAST, _UP, _OVERRIDE)),
+    "move": (_move, "Move by a distance", (_NORTH, _EAST, _UP, _TOLERANCE, _OVERRIDE)),
     "orbit": (
         _orbit,
         "Circle a position",
@@ -161,6 +178,10 @@ ACTIONS: Final[dict[str, tuple[Action, str, tuple[Field, ...]]]] = {
             _ALTITUDE,
             Field(name="radius", about="Metres; negative: counter-clockwise.", default=20.0),
             Field(name="speed", about="Metres per second; null leaves it to the vehicle."),
+            replace(
+                _TOLERANCE,
+                about="Metres by which radius and altitude may differ; null: a part of the radius.",
+            ),
             _OVERRIDE,
         ),
     ),
@@ -172,7 +193,7 @@ ACTIONS: Final[dict[str, tuple[Action, str, tuple[Field, ...]]]] = {
     "altitude": (
         _altitude,
         "Change the altitude at the present position",
-        (replace(_ALTITUDE, about="Metres above home.", required=True), _OVERRIDE),
+        (replace(_ALTITUDE, about="Metres above home.", required=True), _TOLERANCE, _OVERRIDE),
     ),
     "yaw": (
         _yaw,

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from mavstack.node.camera import Camera
     from mavstack.services.camera.media import VideoStream
+    from mavstack.vehicle import Vehicle
 
 _CAMERAS: Final = "/api/vehicles/{system}/cameras"
 _CAMERA: Final = f"{_CAMERAS}/{{camera}}"
@@ -52,12 +53,18 @@ async def _list(call: Call) -> list[dict[str, Any]]:
     cameras = vehicle.cameras
     if not call.query["cached"]:
         try:
-            cameras = await vehicle.find_cameras()
+            cameras = await call.read("cameras", lambda: _find(vehicle))
         except MavstackError:
             cameras = vehicle.cameras
-        for camera in cameras:
-            await _ask(camera)
     return [camera_json(camera) for camera in cameras]
+
+
+async def _find(vehicle: Vehicle) -> tuple[Camera, ...]:
+    """Return the cameras of a vehicle, with their present settings."""
+    cameras = await vehicle.find_cameras()
+    for camera in cameras:
+        await _ask(camera)
+    return cameras
 
 
 async def _ask(camera: Camera) -> None:

@@ -48,7 +48,8 @@ async def _remove(call: Call) -> dict[str, Any]:
 
 
 async def _list_logs(call: Call) -> dict[str, Any]:
-    logs = await call.vehicle.logs.list()
+    vehicle = call.vehicle
+    logs = await call.read("logs", vehicle.logs.list)
     return {"logs": [{"id": each.id, "time": each.time_utc, "size": each.size} for each in logs]}
 
 
@@ -72,10 +73,11 @@ async def _read_log(call: Call) -> tuple[LogEntry, bytes]:
         raise RefusedError(404, f"ids of logs are numbers, got {text[:20]!r}")
     number = int(text)
     vehicle = call.vehicle
-    listed = {each.id: each for each in await vehicle.logs.list()}
+    listed = {each.id: each for each in await call.read("logs", vehicle.logs.list)}
     if number not in listed:
         raise RefusedError(404, f"the vehicle {vehicle.system} has no log {number}")
-    return listed[number], await vehicle.logs.download(listed[number], progress=call.progress)
+    log = listed[number]
+    return log, await call.read(f"log {number}", lambda: vehicle.logs.download(log, progress=call.progress))
 
 
 async def _erase_logs(call: Call) -> dict[str, Any]:

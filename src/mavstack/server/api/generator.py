@@ -2,28 +2,20 @@
 
 from __future__ import annotations
 
-import asyncio
-from contextlib import contextmanager
-from io import BytesIO
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final
-from zipfile import ZIP_DEFLATED, ZipFile
 
 from starlette.responses import Response
 
 from mavstack.codegen import language, language_names
-from mavstack.codegen.form import GenerationForm
 from mavstack.dialects.tables import official_names
-from mavstack.dialects.xml_definitions import parse_definition
-from mavstack.errors import DialectError
 from mavstack.http.bodies import RefusedError
 from mavstack.security.roles import Role
 from mavstack.server.api_route import ApiRoute, Call
 from mavstack.server.fields import Field
+from mavstack.server.generator.work import Work
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from mavstack.server.generator.runner import Generated
 
 #: Bytes of an uploaded definition file.
 MAX_DEFINITION: Final = 4 << 20
@@ -77,72 +69,32 @@ async def _show(_call: Call) -> dict[str, Any]:
 
 
 async def _check(call: Call) -> dict[str, Any]:
-    return await asyncio.to_thread(_problems, call)
+    found = await _run(call, archive=False)
+    return {"problems": found.problems, "commands": found.commands}
 
 
 async def _generate(call: Call) -> Response:
-    data = await asyncio.to_thread(_zip, call)
+    data = (await _run(call, archive=True)).archive
     headers = {"Content-Disposition": f'attachment; filename="{_FOLDER}.zip"'}
     return Response(data, media_type="application/zip", headers=headers)
 
 
-def _problems(call: Call) -> dict[str, Any]:
-    with _form(call) as (form, folder):
-        problems = {name: _without(text, folder) for name, text in form.problems.items()}
-        commands = [] if problems else [_without(line, folder) for line in form.commands]
-        return {"problems": problems, "commands": commands}
-
-
-def _zip(call: Call) -> bytes:
-    with _form(call) as (form, folder):
-        for text in form.problems.values():
-            raise RefusedError(400, _without(text, folder))
-        for outcome in form.run():
-            if outcome.failed:
-                raise RefusedError(400, f"{outcome.language}: {_without(outcome.text, folder)}")
-        archive = BytesIO()
-        with ZipFile(archive, "w", ZIP_DEFLATED) as file:
-            for path in sorted((folder / _FOLDER).rglob("*")):
-                if path.is_file():
-                    file.write(path, path.relative_to(folder))
-        return archive.getvalue()
-
-
-@contextmanager
-def _form(call: Call) -> Iterator[tuple[GenerationForm, Path]]:
-    """Yield the form of a request, with a folder that is deleted in the end."""
-    query = call.query
-    chosen = tuple(dict.fromkeys(word.strip() for word in query["languages"].split(",") if word.strip()))
-    with TemporaryDirectory(prefix="mavstack-") as name:
-        folder = Path(name)
-        dialect = query["dialect"]
-        if call.data:
-            _check_includes(call.data, query["file"])
-            dialect = str(folder / query["file"])
-            Path(dialect).write_bytes(call.data)
-        elif dialect not in official_names():  # a path would name a file of the server
-            raise RefusedError(400, f"there is no official dialect {dialect[:60]!r}")
-        options = {key: query[key] for key in ("only", "exclude", "package")}
-        yield (
-            GenerationForm(dialect=dialect, languages=chosen, folder=str(folder / _FOLDER), **options),
-            folder,
-        )
-
-
-def _check_includes(data: bytes, name: str) -> None:
-    """Refuse a definition that includes others than official ones, which would be files of the server."""
-    try:
-        definition = parse_definition(data, name, Path(name).stem)
-    except DialectError as error:
-        raise RefusedError(400, str(error)) from None
-    for include in definition.includes:
-        if include.removesuffix(".xml") not in official_names():
-            raise RefusedError(400, f"only official definitions can be included, not {include[:60]!r}")
-
-
-def _without(text: str, folder: Path) -> str:
-    """Return a text without the temporary folder."""
-    return text.replace(f"{folder}/", "")
+async def _run(call: Call, *, archive: bool) -> Generated:
+    """Run the generator for a request."""
+    query, dialect = call.query, call.query["dialect"]
+    if not call.data and dialect not in official_names():  # a path would name a file of the server
+        raise RefusedError(400, f"there is no official dialect {dialect[:60]!r}")
+    options = {key: query[key] for key in ("only", "exclude", "package")}
+    chosen = [word.strip() for word in query["languages"].split(",") if word.strip()]
+    work = Work(
+        dialect=dialect,
+        file=query["file"] if call.data else "",
+        languages=list(dict.fromkeys(chosen)),
+        folder=_FOLDER,
+        options=options,
+        archive=archive,
+    )
+    return await call.station.generator.run(work, call.data)
 
 
 ROUTES: Final = (

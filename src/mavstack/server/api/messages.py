@@ -6,11 +6,13 @@ from dataclasses import replace
 from typing import Any, Final
 
 from mavstack.http.bodies import RefusedError
+from mavstack.security.roles import Role
 from mavstack.server.api.events import EventStream
 from mavstack.server.api_route import ApiRoute, Call
 from mavstack.server.fields import Field
 from mavstack.server.message_json import message_class, message_of, packet_json
 from mavstack.server.message_stream import MessageStream
+from mavstack.server.observed_requests import check_request
 from mavstack.server.subscriptions import MAX_RATE, Subscriptions
 
 _COMPONENT: Final = Field(
@@ -51,17 +53,18 @@ async def _show(call: Call) -> dict[str, Any]:
 
 async def _stream(call: Call) -> EventStream:
     vehicle, station, query = call.vehicle, call.station, call.query
-    station.check_room()
     number = int(message_class(station.connection.dialect, call.path("name")).__mavlink_row__[0])
     subscriptions = Subscriptions()
     subscriptions.add([number], rate=query["rate"], system=vehicle.system, component=query["component"])
-    stream = MessageStream(subscriptions, query["count"])
+    lane = station.observer_lane if call.role is Role.OBSERVE else None
+    stream = MessageStream(subscriptions, query["count"], lane)
     return EventStream(stream.events(station.packets))
 
 
 async def _send(call: Call) -> dict[str, Any]:
     connection, body = call.station.connection, call.body
     message = message_of(connection.dialect, body["message"], body["fields"], call.role)
+    check_request(call.role, message, call.station)
     connection.send(message)
     return {
         "message": body["message"].upper(),

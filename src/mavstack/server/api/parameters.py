@@ -34,12 +34,16 @@ async def _list(call: Call) -> dict[str, Any]:
     params = call.vehicle.params
     cached = params.cached
     if not (call.query["cached"] and cached):
-        cached = await params.download(progress=call.progress)
+        cached = await call.read("parameters", lambda: params.download(progress=call.progress))
     return {"parameters": [parameter_json(cached[name]) for name in sorted(cached)]}
 
 
 async def _get(call: Call) -> dict[str, Any]:
-    return parameter_json(await call.vehicle.params.get(call.path("name")))
+    params, name = call.vehicle.params, call.path("name")
+    known = params.cached.get(name) if call.role is Role.OBSERVE else None
+    if known is None:
+        known = await call.read(f"parameter {name}", lambda: params.get(name))
+    return parameter_json(known)
 
 
 async def _set(call: Call) -> dict[str, Any]:
@@ -53,7 +57,9 @@ async def _metadata(call: Call) -> dict[str, Any]:
     table: MetadataTable = params.metadata
     if not len(table):
         try:
-            table = await params.download_metadata(progress=call.progress)
+            table = await call.read(
+                "parameter metadata", lambda: params.download_metadata(progress=call.progress)
+            )
         except (RemoteDenied, RemoteTimeout, RemoteProtocolError) as error:
             return {"metadata": {}, "problem": str(error)}
     names = params.cached or table
@@ -97,6 +103,7 @@ ROUTES: Final = (
         summary="Set a parameter",
         tag="parameters",
         role=Role.ADMINISTER,
+        writes=True,
         body=(
             Field(name="value", about="The value in the parameter's own unit.", required=True, example=2000),
             Field(

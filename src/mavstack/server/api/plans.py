@@ -20,6 +20,7 @@ from mavstack.http.bodies import RefusedError
 from mavstack.security.roles import Role, allows
 from mavstack.server.api_route import ApiRoute, Call
 from mavstack.server.fields import Field
+from mavstack.server.shared_reads import Key
 from mavstack.services.mission import PlanType
 
 if TYPE_CHECKING:
@@ -65,7 +66,8 @@ def _home_first(vehicle: Vehicle) -> bool:
 def _download(kind: str) -> ApiRoute:
     async def handler(call: Call) -> Any:  # noqa: ANN401 (JSON, or a response)
         vehicle = call.vehicle
-        plan = _named(vehicle, await _plan_of(vehicle, kind).download(progress=call.progress))
+        held = await call.read(kind, lambda: _plan_of(vehicle, kind).download(progress=call.progress))
+        plan = _named(vehicle, held)
         info = vehicle.info
         settings = Settings() if info is None else Settings(int(info.autopilot), int(info.type))
         found = PlanFile.of_vehicle([plan], home_first=_home_first(vehicle), settings=settings)
@@ -95,6 +97,7 @@ def _upload(kind: str) -> ApiRoute:
         plan = found.for_vehicle(KINDS[kind], home_first=_home_first(vehicle))
         _check_commands(_named(vehicle, plan), call.role)
         held = await _plan_of(vehicle, kind).upload(plan, progress=call.progress)
+        call.station.reads.keep(Key(vehicle.system, kind), held)
         return {"system": vehicle.system, "items": len(held), "id": held.plan_id, "notes": list(found.notes)}
 
     return ApiRoute(
@@ -104,6 +107,7 @@ def _upload(kind: str) -> ApiRoute:
         summary=f"Replace the {_name(kind)}",
         tag="plans",
         role=Role.OPERATE,
+        writes=True,
         takes_bytes=True,
         max_body=MAX_BYTES,
         is_long=True,
@@ -124,6 +128,7 @@ def _clear(kind: str) -> ApiRoute:
         summary=f"Remove the {_name(kind)}",
         tag="plans",
         role=Role.OPERATE,
+        writes=True,
         answer={"system": 1, "items": 0},
     )
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final
 
 from starlette.responses import FileResponse, HTMLResponse, Response, StreamingResponse
@@ -14,10 +16,11 @@ from mavstack.server.recordings import NAME_PATTERN
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
 #: Bytes that are read at a time.
 CHUNK_SIZE: Final = 1 << 18
+#: The largest log that a client sends to have it replayed.
+MAX_REPLAY: Final = 1 << 28
 _BYTES: Final = "application/octet-stream"
 
 #: A report is a page of its own: it loads nothing, and reaches nothing of the station.
@@ -72,6 +75,35 @@ def _report_page(path: Path) -> str:
     from mavstack.logs.report import make_report
 
     return make_report(open_log(path)).html
+
+
+async def _replay(call: Call) -> Response:
+    path = call.station.recordings.path(call.path("log"))
+    return _replay_file(await asyncio.to_thread(_replay_of, path), path.name)
+
+
+async def _replay_upload(call: Call) -> Response:
+    name = call.query["name"]
+    return _replay_file(await asyncio.to_thread(_replay_of_bytes, call.data, name), name)
+
+
+def _replay_of(path: Path) -> bytes:
+    from mavstack.logs import open_log
+    from mavstack.logs.replay import replay_tlog
+
+    return replay_tlog(open_log(path))
+
+
+def _replay_of_bytes(data: bytes, name: str) -> bytes:
+    with TemporaryDirectory(prefix="mavstack-replay-") as folder:
+        path = Path(folder) / name
+        path.write_bytes(data)
+        return _replay_of(path)
+
+
+def _replay_file(data: bytes, name: str) -> Response:
+    headers = {"Content-Disposition": f'attachment; filename="{Path(name).stem}.tlog"'}
+    return Response(data, media_type=_BYTES, headers=headers)
 
 
 _EXAMPLE: Final = {
@@ -138,5 +170,37 @@ ROUTES: Final = (
         tag="recordings",
         is_long=True,
         media_type="text/html",
+    ),
+    ApiRoute(
+        method="GET",
+        path="/api/replays/{log}",
+        path_examples={"log": "flight.BIN"},
+        handler=_replay,
+        summary="Show the flight of a recording or a log as a tlog, whatever its format",
+        tag="recordings",
+        is_long=True,
+        media_type=_BYTES,
+    ),
+    ApiRoute(
+        method="POST",
+        path="/api/replays",
+        handler=_replay_upload,
+        summary="Show the flight of a log that is sent as a tlog, whatever its format",
+        tag="recordings",
+        role=Role.OPERATE,
+        query=(
+            Field(
+                name="name",
+                type="string",
+                about="The name of the file, for errors.",
+                default="log",
+                pattern=NAME_PATTERN,
+                example="flight.BIN",
+            ),
+        ),
+        takes_bytes=True,
+        max_body=MAX_REPLAY,
+        is_long=True,
+        media_type=_BYTES,
     ),
 )

@@ -6,6 +6,7 @@ from dataclasses import asdict, fields, is_dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.server.api_route import ApiRoute, Call
+from mavstack.server.conflict_json import conflict_json
 from mavstack.server.json_values import to_json
 from mavstack.vehicle.firmware.msp import MspFirmware
 
@@ -59,7 +60,9 @@ def identity_json(vehicle: Vehicle) -> dict[str, Any]:
         "in_air": vehicle.in_air,
         "ready": health.ready,
         "problems": [to_json(each) for each in health.problems],
+        "warnings": [to_json(each) for each in health.warnings],
         "has_id_conflict": vehicle.has_id_conflict,
+        "conflict": conflict_json(vehicle),
         "position": to_json(vehicle.position),
     }
 
@@ -68,13 +71,13 @@ def telemetry_json(vehicle: Vehicle) -> dict[str, Any]:
     """Return the telemetry of a vehicle as JSON; null is unknown."""
     values = {name: to_json(getattr(vehicle, name)) for name in TELEMETRY}
     progress = vehicle.mission.progress
-    return {
-        "system": vehicle.system,
-        "time": vehicle.telemetry.now(),
-        **values,
-        "mission": to_json(progress),
-        "status_texts": to_json(vehicle.status_texts[-MAX_TEXTS:]),
-    }
+    own = {"system": vehicle.system, "conflict": conflict_json(vehicle)}
+    return {**own, **values, "mission": to_json(progress), **texts_json(vehicle)}
+
+
+def texts_json(vehicle: Vehicle) -> dict[str, Any]:
+    """Return the newest status texts of a vehicle as JSON, and the present time by their clock."""
+    return {"time": vehicle.telemetry.now(), "status_texts": to_json(vehicle.status_texts[-MAX_TEXTS:])}
 
 
 async def _list(call: Call) -> list[dict[str, Any]]:
@@ -90,6 +93,7 @@ async def _show(call: Call) -> dict[str, Any]:
         "capabilities": {**to_json(vehicle.capabilities), "msp": isinstance(vehicle.firmware, MspFirmware)},
         "version": None if version is None else _version(version),
         "components": [_component(info) for info in vehicle.components.values()],
+        **texts_json(vehicle),
     }
 
 
@@ -98,7 +102,8 @@ async def _telemetry(call: Call) -> dict[str, Any]:
 
 
 async def _modes(call: Call) -> list[dict[str, Any]]:
-    modes = await call.vehicle.modes.list()
+    vehicle = call.vehicle
+    modes = await call.read("modes", vehicle.modes.list)
     return [
         {
             "name": mode.name,
@@ -136,7 +141,9 @@ _EXAMPLE: Final = {
     "in_air": False,
     "ready": True,
     "problems": [],
+    "warnings": [{"text": "GPS has no 3D fix (4 satellites)", "source": "GPS_RAW_INT"}],
     "has_id_conflict": False,
+    "conflict": None,
     "position": {
         "latitude": 47.3977,
         "longitude": 8.5456,
@@ -159,7 +166,7 @@ ROUTES: Final = (
         method="GET",
         path=_SYSTEM,
         handler=_show,
-        summary="Show a vehicle: identity, capabilities, version, components",
+        summary="Show a vehicle: identity, capabilities, version, components, status texts",
         tag="vehicles",
         answer=_EXAMPLE,
     ),

@@ -1,7 +1,7 @@
 """The kept packets of one message as CSV: a line for each packet, a column for each field.
 
 The columns are those of `mav data convert --to csv`: times are in UTC by ISO 8601, values are raw, as on the
-wire, and an array has a column for each element. Secrets are left out.
+wire, and an array has a column for each element. Secrets are left out, and texts are not formulas.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from numpy import float32
 from mavstack.atomic_file import write_file_atomically
 from mavstack.dialects.secrets import secret_fields
 from mavstack.errors import InvalidArgumentError
+from mavstack.logs.export.csv_text import escape_formula
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -87,7 +88,7 @@ def _values(value: object, kind: str) -> list[object]:
         return [each for item in value for each in _values(item, kind)]
     if isinstance(value, float):
         return [float32(value) if kind == "float" else value]
-    return [int(value) if isinstance(value, int) else value]
+    return [int(value) if isinstance(value, int) else escape_formula(value)]
 
 
 def _time_text(time: float) -> str:

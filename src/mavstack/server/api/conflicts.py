@@ -1,0 +1,121 @@
+"""Several vehicles with one system id: the choice between them, another system id, and events."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any, Final
+
+from mavstack.security.roles import Role
+from mavstack.server.api.action_route import TIMEOUT
+from mavstack.server.api.events import EventStream
+from mavstack.server.api_route import ApiRoute, Call
+from mavstack.server.conflict_json import conflict_json
+from mavstack.server.fields import Field
+from mavstack.services.identity import ALL_IDENTITY_PARAMETERS
+from mavstack.vehicle import VehicleEvent
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+_SYSTEM: Final = "/api/vehicles/{system}"
+_EVENT_QUEUE: Final = 64
+_CHANNEL: Final = Field(
+    name="channel",
+    type="string",
+    about="The channel of a sender, or its remote address; null: take the choice back.",
+    example="udpin 127.0.0.1:40001",
+)
+
+
+async def _choose(call: Call) -> dict[str, Any]:
+    vehicle = call.vehicle
+    vehicle.choose_sender(call.body["channel"])
+    return {"system": vehicle.system, "conflict": conflict_json(vehicle)}
+
+
+async def _renumber(call: Call) -> dict[str, Any]:
+    vehicle, body = call.vehicle, call.body
+    if body["channel"] is not None:
+        vehicle.choose_sender(body["channel"])
+    done = await vehicle.renumber(body["id"], timeout=body["timeout"])
+    return {
+        "system": vehicle.system,
+        "id": done.system,
+        "parameter": done.parameter,
+        "rebooted": done.rebooted,
+    }
+
+
+async def _identity(call: Call) -> dict[str, Any]:
+    return {"names": list(ALL_IDENTITY_PARAMETERS)}
+
+
+async def _events(call: Call) -> EventStream:
+    return EventStream(_event_lines(call))
+
+
+async def _event_lines(call: Call) -> AsyncIterator[str]:
+    connection = call.station.connection
+    async with connection.events(VehicleEvent, queue=_EVENT_QUEUE) as events:
+        async for event in events:
+            values = {
+                "type": type(event).__name__,
+                "system": event.vehicle.system,
+                "time": connection.now(),
+                "text": str(event),
+                "conflict": conflict_json(event.vehicle),
+            }
+            yield f"data: {json.dumps(values)}\n\n"
+
+
+ROUTES: Final = (
+    ApiRoute(
+        method="POST",
+        path=f"{_SYSTEM}/sender",
+        handler=_choose,
+        summary="Choose one of several vehicles with one system id by its channel",
+        tag="vehicles",
+        role=Role.OPERATE,
+        body=(_CHANNEL,),
+        answer={"system": 1, "conflict": None},
+    ),
+    ApiRoute(
+        method="POST",
+        path=f"{_SYSTEM}/renumber",
+        handler=_renumber,
+        summary="Give a vehicle another system id, and reboot it if that is needed",
+        tag="vehicles",
+        role=Role.ADMINISTER,
+        body=(
+            _CHANNEL,
+            Field(
+                name="id",
+                type="integer",
+                about="The new system id; null: a free one.",
+                minimum=1,
+                maximum=255,
+                example=2,
+            ),
+            TIMEOUT,
+        ),
+        is_long=True,
+        answer={"system": 1, "id": 2, "parameter": "SYSID_THISMAV", "rebooted": True},
+    ),
+    ApiRoute(
+        method="GET",
+        path="/api/identity-parameters",
+        handler=_identity,
+        summary="List the parameters that identify a vehicle; no file should set them",
+        tag="parameters",
+        answer={"names": list(ALL_IDENTITY_PARAMETERS)},
+    ),
+    ApiRoute(
+        method="GET",
+        path="/api/events",
+        handler=_events,
+        summary="Follow the events of the vehicles, such as found, lost, rebooted, system id conflict",
+        tag="vehicles",
+        media_type="text/event-stream",
+        answer='data: {"type": "VehicleLost", "system": 1, "time": 1.0, "text": "…", "conflict": null}\n\n',
+    ),
+)
