@@ -1,5 +1,6 @@
 // Generates what the station knows of MAVLink into src/generated: message classes by `mav gen typescript all`,
-// and the commands of missions with their params by `mav dialect show all MAV_CMD`.
+// the commands of missions with their params by `mav dialect show all MAV_CMD`, and the parameters that belong to one
+// vehicle only, of which `mav param load` and the page leave the same ones out.
 //
 // Python is the one of the variable MAVSTACK_PYTHON, the project's virtual environment, or `python3`; PYTHONPATH tells
 // where the package is, if not in the folder `src`.
@@ -14,14 +15,21 @@ const python = process.env.MAVSTACK_PYTHON ?? (existsSync(environment) ? environ
 const source = process.env.PYTHONPATH ?? join(top, 'src');
 const generated = join(top, 'web', 'src', 'generated');
 
-/** Runs `mav` and returns what it wrote; its errors go to the terminal. */
-function mav(...words) {
+const OWNED = `import json
+from mavstack.files.parameters import owned_patterns
+print(json.dumps({owner.name: patterns for owner, patterns in owned_patterns().items()}))`;
+
+/** Runs Python and returns what it wrote; its errors go to the terminal. */
+function run(...words) {
   const env = { ...process.env, PYTHONPATH: source };
-  const result = spawnSync(python, ['-m', 'mavstack', ...words], { stdio: ['ignore', 'pipe', 'inherit'], env });
-  if (result.error) console.error(`mav ${words[0]} failed: ${python}: ${result.error.message}`);
+  const result = spawnSync(python, words, { stdio: ['ignore', 'pipe', 'inherit'], env });
+  if (result.error) console.error(`${words[1]} failed: ${python}: ${result.error.message}`);
   if (result.status !== 0) process.exit(result.status ?? 1);
   return result.stdout;
 }
 
+const mav = (...words) => run('-m', 'mavstack', ...words);
+
 process.stdout.write(mav('gen', 'typescript', 'all', '-o', generated));
 writeFileSync(join(generated, 'commands.json'), mav('dialect', 'show', 'all', 'MAV_CMD', '--json'));
+writeFileSync(join(generated, 'owned.json'), run('-c', OWNED));

@@ -41,5 +41,6 @@ describe('names', () => {
     expect(messageInfo('NOTHING')).toBeNull();
     expect(enumValues('MAV_CMD')?.NAV_TAKEOFF ?? enumValues('MAV_CMD')?.MAV_CMD_NAV_TAKEOFF).toBe(22);
     expect(enumName('MAV_TYPE', 2)).toBe('QUADROTOR');
+    expect(enumName('GPS_FIX_TYPE', 3)).toBe('3D_FIX');
   });
 });

@@ -155,7 +155,13 @@ export function enumValues(name: string): Readonly<Record<string, number | bigin
 /** Returns the name of an enum's value, such as `QUADROTOR`, or null. */
 export function enumName(name: string, value: number | bigint): string | null {
   const values = enumValues(name);
-  return Object.keys(values ?? {}).find((key) => values![key] === value) ?? null;
+  const key = Object.keys(values ?? {}).find((each) => values![each] === value);
+  return key === undefined ? null : officialName(key);
+}
+
+/** Returns the name of the definition for a name in code, where a digit cannot be the first: `3D_FIX` for `_3D_FIX`. */
+export function officialName(name: string): string {
+  return name.replace(/^_(?=\d)/, '');
 }
 
 /** Builds packets of one sender by names of the definitions. */

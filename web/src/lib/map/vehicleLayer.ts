@@ -67,14 +67,30 @@ function paintVehicle(drawing: Drawing, vehicle: MapVehicle, pixel: Point): void
   }
   if (vehicle.velocity !== null && vehicle.isAlive) paintAhead(drawing, vehicle, pixel, colour);
   context.save();
-  context.translate(pixel.x, pixel.y);
   context.globalAlpha = vehicle.isAlive ? 1 : 0.5;
-  if (vehicle.isSelected) paintSelection(drawing, colour);
-  context.rotate((((vehicle.heading ?? 0) - projection.view.bearing) * Math.PI) / 180);
-  const kind = vehicle.heading === null ? 'unknown' : symbolKind(vehicle.type);
-  const sprite = spriteOf(`${kind}|${colour}|${vehicle.isArmed}|${palette.halo}`, () => SYMBOL_SIZE, (target) =>
-    paintSymbol(target, symbolShape(kind), colour, palette.halo, vehicle.isArmed),
+  if (vehicle.isSelected) {
+    context.translate(pixel.x, pixel.y);
+    paintSelection(drawing, colour);
+    context.translate(-pixel.x, -pixel.y);
+  }
+  const { type, isArmed } = vehicle;
+  const kind = vehicle.heading === null ? 'unknown' : type;
+  paintSymbolAt(drawing, pixel, { type: kind, heading: vehicle.heading, colour, isArmed });
+  context.restore();
+}
+
+/** Paint the symbol of a kind of vehicle, turned to its heading in degrees. */
+export function paintSymbolAt(
+  { context, projection, palette }: Drawing, pixel: Point,
+  { type, heading, colour, isArmed }: { type: string; heading: number | null; colour: string; isArmed: boolean },
+): void {
+  const kind = symbolKind(type);
+  const sprite = spriteOf(`${kind}|${colour}|${isArmed}|${palette.halo}`, () => SYMBOL_SIZE, (target) =>
+    paintSymbol(target, symbolShape(kind), colour, palette.halo, isArmed),
   );
+  context.save();
+  context.translate(pixel.x, pixel.y);
+  context.rotate((((heading ?? 0) - projection.view.bearing) * Math.PI) / 180);
   stamp(context, sprite);
   context.restore();
 }

@@ -13,6 +13,12 @@ it('writes one row for each time', () => {
   expect(csvOf([a!, b!])).toBe('time_s,1/1:A.x,"c,s:ROW.y"\n0.5,,2.5\n1,1,\n1.5,3,\n');
 });
 
+it('writes names of series as texts, not as formulas', () => {
+  const hub = new SeriesHub();
+  const watched = ['=cmd|x:A.y', '-1+1:A.y', '@SUM:A.y'].map((text) => hub.watch(parseFieldRef(text)!));
+  expect(csvOf(watched.map((each) => each!))).toBe("time_s,'=cmd|x:A.y,'-1+1:A.y,'@SUM:A.y\n");
+});
+
 it('writes a tlog with times in microseconds', () => {
   const log = tlogOf([{ time: 1.5, bytes: new Uint8Array([0xfd, 7]) }]);
   expect([...log]).toEqual([0, 0, 0, 0, 0, 0, 5, 220, 0xfd, 7]);

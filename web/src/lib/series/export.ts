@@ -19,7 +19,9 @@ export function csvOf(series: readonly Series[]): string {
   return [header, ...rows].map((row) => `${row.join(',')}\n`).join('');
 }
 
+/** Returns a text as a cell that no spreadsheet runs as a formula: the names of series come from their senders. */
 function quoted(text: string): string {
+  if (/^[=@\t\r＝＠＋－+-]/.test(text) && !/^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(text)) text = `'${text}`;
   return /[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 }
 

@@ -7,6 +7,8 @@
 const RATE_WINDOW = 5000;
 const SEQUENCES = 256;
 const MAX_GAP = 128;
+/** Time in ms after which the share of lost packets is known. */
+const LOSS_TIME = 5000;
 /** More messages of one source come only from noise that looks like packets of unknown messages. */
 const MAX_MESSAGES = 500;
 
@@ -85,6 +87,7 @@ export class SourceTraffic {
   readonly meter = new RateMeter();
   lost = 0;
   lastTime = 0;
+  private firstTime: number | null = null;
   private sequence: number | null = null;
 
   constructor(
@@ -101,15 +104,16 @@ export class SourceTraffic {
     return this.meter.count;
   }
 
-  /** Share of lost packets, from 0 to 1. */
-  get loss(): number {
-    const sent = this.received + this.lost;
-    return sent === 0 ? 0 : this.lost / sent;
+  /** Share of lost packets, from 0 to 1; null: not known yet. */
+  get loss(): number | null {
+    if (this.firstTime === null || this.lastTime - this.firstTime < LOSS_TIME) return null;
+    return this.lost / (this.received + this.lost);
   }
 
   add(packet: TrafficPacket): void {
     this.meter.add(packet.time, packet.length);
     this.lastTime = packet.time;
+    this.firstTime = Math.min(this.firstTime ?? packet.time, packet.time);
     this.countLoss(packet.sequence);
     let message = this.messages.get(packet.id);
     if (message === undefined) {

@@ -185,7 +185,10 @@ class Fleet {
 
   /** Makes what arrived visible to components. */
   publish(now: number = this.now()): void {
-    for (const vehicle of this.known.values()) vehicle.publish(now);
+    for (const vehicle of this.known.values()) {
+      vehicle.publish(now);
+      this.texts.push(...vehicle.takeLearned());
+    }
     messages.publish(now);
     status.addTexts(this.texts.splice(0));
     const elapsed = Date.now() - this.countedSince;

@@ -9,7 +9,9 @@ import { WebSocketTransport } from '$lib/transport/WebSocketTransport';
 import { LinkVehicle } from '$lib/vehicle/LinkVehicle';
 import { ServerVehicle } from '$lib/vehicle/ServerVehicle';
 
+import { ConflictWatch } from './conflicts';
 import { fleet } from './fleet.svelte';
+import { telemetryOf } from './replays';
 import { status, type Role } from './status.svelte';
 
 interface Session {
@@ -24,11 +26,14 @@ const serial: { current: WebSerialTransport | null } = { current: null };
 /** The recording that is replayed, for the time bar; null without one. */
 export const replay: { current: ReplayTransport | null } = { current: null };
 
+const conflicts = new ConflictWatch((system) => fleet.vehicle(system), () => status.link === 'open' && !status.needsLogin);
+
 /** Connects to the station that served the page; asks for the password if it needs one. */
 export async function startServer(): Promise<void> {
-  leaveReplay();
+  leave();
   api.onUnauthorized = () => (status.needsLogin = true);
   const transport = new WebSocketTransport(undefined, { ticket });
+  conflicts.start();
   await fleet.connect(transport, 'server', (heartbeat, send) => new ServerVehicle(heartbeat, send));
 }
 
@@ -56,7 +61,7 @@ async function ticket(): Promise<string | null> {
 
 /** Starts the fleet of seven in the page, or any number of vehicles. */
 export async function startDemo(count = 7): Promise<void> {
-  leaveReplay();
+  leave();
   status.role = 'administer';
   await fleet.connect(new MockTransport(count), 'demo', (heartbeat, send) => new LinkVehicle(heartbeat, send));
 }
@@ -72,23 +77,27 @@ export async function startSerial(baudRate?: number): Promise<void> {
     await current.closed;
   }
   await transport.open();
-  leaveReplay();
+  leave();
   serial.current = transport;
   status.role = 'administer';
   await fleet.connect(transport, 'serial', (heartbeat, send) => new LinkVehicle(heartbeat, send));
 }
 
-export async function startReplay(data: Uint8Array, name: string): Promise<void> {
+/** Replays a log of any format; one that is not a telemetry log is turned into one by the station. */
+export async function startReplay(given: Uint8Array, name: string): Promise<void> {
+  const data = await telemetryOf(given, name);
   const transport = new ReplayTransport(data, name);
   if (transport.packets === 0) throw new StationError('InvalidArgumentError', `replaying ${name} failed: the file has no packets`);
+  conflicts.stop();
   replay.current = transport;
   // The flight is over: no vehicle takes commands.
   status.role = 'observe';
   await fleet.connect(transport, 'replay', (heartbeat, send) => new LinkVehicle(heartbeat, send));
 }
 
-/** Lets go of the recording, which may be large. */
-function leaveReplay(): void {
+/** Lets go of the recording, which may be large, and of the station. */
+function leave(): void {
+  conflicts.stop();
   replay.current = null;
 }
 

@@ -27,7 +27,9 @@ class Status {
   texts: readonly StatusText[] = $state.raw([]);
 
   addTexts(texts: readonly StatusText[]): void {
-    if (texts.length > 0) this.texts = [...this.texts, ...texts].slice(-MAX_TEXTS);
+    if (texts.length === 0) return;
+    // Those that the station kept are older than those that came since.
+    this.texts = [...this.texts, ...texts].sort((one, other) => one.time - other.time).slice(-MAX_TEXTS);
   }
 }
 

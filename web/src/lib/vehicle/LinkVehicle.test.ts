@@ -66,9 +66,9 @@ describe('actions', () => {
     await flight.pass(1);
     expect(flight.vehicle.state.mode).toBe('QLAND');
     const takeoff = await refusal(flight, flight.vehicle.takeoff(20));
-    expect(takeoff.message).toContain('taking off 3/1 failed');
+    expect(takeoff.message).toBe('taking off 3/1 failed: it is not armed');
     await flight.pass(1);
-    expect(flight.vehicle.state.mode).toBe('GUIDED');
+    expect(flight.vehicle.state.mode).toBe('QLAND');
   });
 
   it.each([
@@ -215,7 +215,7 @@ describe('a vehicle without a position', () => {
     ['takeoff of PX4', 'taking off 1/1 failed: no position yet', (vehicle: LinkVehicle) => vehicle.takeoff(20)],
   ])('is not sent to a guessed altitude: %s', async (_, text, act) => {
     const sent: string[] = [];
-    const packet = new Encoder(1, 1).build('HEARTBEAT', { type: 2, autopilot: 12 });
+    const packet = new Encoder(1, 1).build('HEARTBEAT', { type: 2, base_mode: 128, autopilot: 12 });
     const vehicle = new LinkVehicle(new Decoder().push(packet)[0]!, (name) => sent.push(name));
     await expect(act(vehicle)).rejects.toThrow(text);
     expect(sent).toEqual([]);

@@ -6,8 +6,10 @@ import { distance } from '$lib/map/geometry';
 
 import { EQUIPMENT_PARAMETERS, capabilitiesFrom, equipmentOf, type Equipment } from './capabilities';
 import { circle, type CircleSteps } from './link/circle';
+import { ConflictDetector, ONE_LINK } from './link/conflict';
 import { commandNumber, sendCommand, type CommandPlace } from './link/commands';
-import { holdMode, landMode, MISSION_MODES, NOT_SELECTABLE, RETURN_MODES } from './link/modes';
+import { armFirst, FORCE, orRestoreMode, startMission, takeOffInMode, type FlightSteps } from './link/flight';
+import { holdMode, landMode, NOT_SELECTABLE, RETURN_MODES } from './link/modes';
 import { PendingCommands } from './link/pending';
 import { encodingOf, type ParameterEncoding } from './link/parameterValue';
 import { readParameter, readParameters, writeParameter } from './link/parameters';
@@ -21,8 +23,6 @@ import type {
 import { ardupilotModes, px4Modes } from './vehicleType';
 
 const CUSTOM_MODE_ENABLED = 1;
-/** Value that makes ArduPilot and PX4 arm or disarm without their checks. */
-const FORCE = 21196;
 const GLOBAL = 0;
 const GLOBAL_RELATIVE_ALT_INT = 6;
 const UNSUPPORTED = 3;
@@ -43,6 +43,7 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
   private readonly timer: ReturnType<typeof setTimeout>;
   private readonly pending = new PendingCommands();
   private readonly telemetry = new TelemetryRequests(this);
+  private readonly detector = new ConflictDetector();
   /** The number of its throttle channel. */
   private throttleChannel = 3;
   /** Whether an ArduPilot plane is a quadplane; null: not known. */
@@ -64,7 +65,12 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
 
   override take(message: DecodedMessage): StatusText | null {
     const text = super.take(message);
-    if (message.component === this.component) this.telemetry.take(message.name);
+    if (message.component === this.component) {
+      this.telemetry.take(message.name);
+      this.detector.take(message);
+      const conflict = this.detector.conflict(message.time);
+      if (conflict !== this.conflict) this.setConflict(conflict);
+    }
     if (message.name === 'AUTOPILOT_VERSION' && message.component === this.component) {
       // Bits beyond 2^32 are none that matter here.
       this.flags = Number(BigInt.asUintN(32, BigInt(message.fields.capabilities as number | bigint)));
@@ -92,7 +98,8 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
     return readParameters(this, this.encoding, onProgress);
   }
 
-  setParameter(name: string, value: number): Promise<Parameter> {
+  async setParameter(name: string, value: number): Promise<Parameter> {
+    this.refuseInConflict(`setting ${name} of`);
     return writeParameter(this, name, value, this.encoding);
   }
 
@@ -101,7 +108,7 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
   }
 
   arm(force = false): Promise<void> {
-    return this.act('arming', 'COMPONENT_ARM_DISARM', [1, force ? FORCE : 0]);
+    return armFirst(this.steps('arming', this.pending.startAction()), { force });
   }
 
   disarm(force = false): Promise<void> {
@@ -112,16 +119,28 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
     if (!(altitude > 0 && Number.isFinite(altitude))) {
       throw new StationError('InvalidArgumentError', `takeoff altitude must be positive and finite, got ${altitude}`);
     }
+    this.refuseInConflict('taking off');
+    if (this.state.armed !== true) throw this.failure('InvalidStateError', 'taking off', 'it is not armed');
     const signal = this.pending.startAction();
-    if (await this.isFixedWing()) {
-      // ArduPlane takes NAV_TAKEOFF in missions only.
-      signal.throwIfAborted();
-      await this.setParameter('TKOFF_ALT', altitude);
-      return this.enter('taking off', ['TAKEOFF'], signal);
-    }
-    if (this.state.firmware === 'ardupilot') await this.enter('taking off', ['GUIDED'], signal);
+    const steps = this.steps('taking off', signal);
+    if (await this.isFixedWing()) return takeOffInMode(steps, altitude);
     const height = this.state.firmware === 'px4' ? this.aboveSea('taking off', altitude) : altitude;
-    await this.transmit('taking off', 'NAV_TAKEOFF', [0, 0, 0, null, null, null, height], undefined, signal);
+    await orRestoreMode(steps, async () => {
+      if (this.state.firmware === 'ardupilot') await steps.enter(['GUIDED']);
+      await steps.send('NAV_TAKEOFF', [0, 0, 0, null, null, null, height]);
+    });
+  }
+
+  private steps(operation: string, signal: AbortSignal): FlightSteps {
+    return {
+      state: this.state,
+      signal,
+      enter: (modes) => this.enter(operation, modes, signal),
+      send: (command, params) => this.transmit(operation, command, params, undefined, signal),
+      getParameter: (name) => this.getParameter(name),
+      setParameter: (name, value) => this.setParameter(name, value),
+      failure: (reason) => this.failure('InvalidStateError', operation, reason),
+    };
   }
 
   async land(): Promise<void> {
@@ -206,10 +225,9 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
     );
   }
 
-  async startMission(): Promise<void> {
-    const signal = this.pending.startAction();
-    await this.enter('starting the mission of', MISSION_MODES, signal);
-    await this.transmit('starting the mission of', 'MISSION_START', [], undefined, signal);
+  async startMission(arm = false): Promise<void> {
+    this.refuseInConflict('starting the mission of');
+    await startMission(this.steps('starting the mission of', this.pending.startAction()), arm);
   }
 
   pauseMission(): Promise<void> {
@@ -229,12 +247,22 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
     return new PlanClient(this, this.hasHomeItem).download(kind, onProgress);
   }
 
-  uploadPlan(kind: PlanKind, plan: Plan, onProgress?: ProgressListener): Promise<void> {
+  async uploadPlan(kind: PlanKind, plan: Plan, onProgress?: ProgressListener): Promise<void> {
+    this.refuseInConflict(`uploading the ${kind} to`);
     return new PlanClient(this, this.hasHomeItem).upload(kind, plan, onProgress);
   }
 
-  clearPlan(kind: PlanKind): Promise<void> {
+  async clearPlan(kind: PlanKind): Promise<void> {
+    this.refuseInConflict(`clearing the ${kind} of`);
     return new PlanClient(this, this.hasHomeItem).clear(kind);
+  }
+
+  chooseSender(): Promise<void> {
+    return Promise.reject(this.failure('ActionUnsupported', 'choosing the sender of', ONE_LINK));
+  }
+
+  renumber(): Promise<number> {
+    return Promise.reject(this.failure('ActionUnsupported', 'renumbering', ONE_LINK));
   }
 
   private get holdMode(): string {
@@ -342,9 +370,10 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
     await this.transmit(operation, command, params, place, this.pending.startAction());
   }
 
-  private transmit(
+  private async transmit(
     operation: string, command: string | number, params: readonly (number | null)[], place?: CommandPlace, action?: AbortSignal,
   ): Promise<CommandResult> {
+    this.refuseInConflict(operation);
     return this.pending.run(commandNumber(command), params, action, (signal) =>
       sendCommand(this, operation, command, params, place, signal),
     );

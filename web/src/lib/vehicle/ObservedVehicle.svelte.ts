@@ -1,15 +1,23 @@
 /** The half of a vehicle that only receives: state, messages, status texts. Subclasses act. */
 
+import { StationError } from '$lib/api/errors';
 import type { DecodedMessage, SentFields } from '$lib/decoder/Decoder';
 
 import { UNKNOWN_CAPABILITIES, type Capabilities } from './capabilities';
 import { StateTracker } from './StateTracker';
-import type { MessageListener, Plan, StatusText, VehicleState } from './Vehicle';
+import { isAmbiguous, type Conflict, type MessageListener, type Plan, type StatusText, type VehicleState } from './Vehicle';
 
 /** Sends a message by its name to all vehicles of the transport. */
 export type Send = (name: string, fields: SentFields) => void;
 
 export type Home = NonNullable<Plan['home']>;
+
+/** Messages that ask and change nothing: they may go to both vehicles of a conflict. */
+const READS: ReadonlySet<string> = new Set([
+  'PARAM_REQUEST_READ', 'PARAM_REQUEST_LIST', 'MISSION_REQUEST_LIST', 'MISSION_REQUEST_INT', 'MISSION_ACK', 'TIMESYNC', 'PING',
+]);
+/** SET_MESSAGE_INTERVAL and REQUEST_MESSAGE. */
+const READING_COMMANDS: ReadonlySet<unknown> = new Set([511, 512]);
 
 export class ObservedVehicle {
   readonly system: number;
@@ -17,6 +25,9 @@ export class ObservedVehicle {
   private readonly messageListeners = new Map<string, Set<MessageListener>>();
   private readonly stateListeners = new Set<(state: VehicleState) => void>();
   private readonly textListeners = new Set<(text: StatusText) => void>();
+  private learned: StatusText[] = [];
+  /** At once, unlike the state that views read. */
+  conflict: Conflict | null = null;
   private dirty = true;
   private currentState: VehicleState = $state.raw() as unknown as VehicleState;
   protected currentCapabilities: Capabilities = $state.raw(UNKNOWN_CAPABILITIES);
@@ -42,6 +53,8 @@ export class ObservedVehicle {
   }
 
   sendMessage(name: string, fields: SentFields): void {
+    const reads = READS.has(name) || (name === 'COMMAND_LONG' && READING_COMMANDS.has(fields['command']));
+    if (this.isAmbiguous && !reads) return;
     this.send(name, { target_system: this.system, target_component: this.component, ...fields });
   }
 
@@ -77,6 +90,36 @@ export class ObservedVehicle {
   protected learnHome({ latitude, longitude, altitude }: Home): void {
     this.tracker.learnHome(latitude, longitude, altitude);
     this.dirty = true;
+  }
+
+  /** Shows that another vehicle uses the same system id; null: it does no more. */
+  setConflict(conflict: Conflict | null): void {
+    this.conflict = conflict;
+    this.tracker.setConflict(conflict);
+    this.dirty = true;
+  }
+
+  protected get isAmbiguous(): boolean {
+    return isAmbiguous(this);
+  }
+
+  /** Throws if two vehicles would obey. */
+  protected refuseInConflict(operation: string): void {
+    if (!this.isAmbiguous) return;
+    const reason = this.conflict?.text ?? '';
+    throw new StationError('SystemIdConflictError', `${operation} ${this.system}/${this.component} failed: ${reason}`);
+  }
+
+  /** Takes texts that the vehicle sent before the page listened. */
+  protected learnTexts(texts: readonly StatusText[]): void {
+    const added = this.tracker.learnTexts(texts);
+    this.learned.push(...added);
+    if (added.length > 0) this.dirty = true;
+  }
+
+  /** Returns the texts that were learned since the last call; the store calls it. */
+  takeLearned(): StatusText[] {
+    return this.learned.splice(0);
   }
 
   /** Publishes the state, once per animation frame; the store calls it. */

@@ -1,5 +1,7 @@
 /** A vehicle behind the station's server: packets come by the WebSocket, actions go by the HTTP API. */
 
+import { MavSeverity } from '$generated';
+
 import { api as stationApi, type ApiClient } from '$lib/api/client';
 import type { DecodedMessage } from '$lib/decoder/Decoder';
 
@@ -7,7 +9,7 @@ import { UNKNOWN_CAPABILITIES, capabilitiesFrom, type Capabilities } from './cap
 import { sequenceOf } from './missionItem';
 import { ObservedVehicle, type Home, type Send } from './ObservedVehicle.svelte';
 import type {
-  CommandResult, Mode, OrbitOptions, Parameter, Plan, PlanItem, PlanKind, ProgressListener, Target, Vehicle,
+  CommandResult, Mode, OrbitOptions, Parameter, Plan, PlanItem, PlanKind, ProgressListener, StatusText, Target, Vehicle,
 } from './Vehicle';
 
 interface ServerCapabilities {
@@ -26,6 +28,38 @@ interface ServerMode {
   readonly number: number;
   readonly selectable: boolean;
   readonly advanced: boolean;
+}
+
+interface ServerText {
+  /** In s since 1970, by the clock of the station. */
+  readonly time: number;
+  readonly severity: string | number;
+  readonly text: string;
+  readonly component: number;
+}
+
+/** The part of the answer of `GET /api/vehicles` that the page follows. */
+export interface ServerIdentity {
+  readonly system: number;
+  readonly conflict?: {
+    readonly text: string;
+    readonly chosen: string | null;
+    readonly senders: readonly {
+      readonly channel: string | null;
+      readonly type: string;
+      readonly unique_id: string | null;
+      readonly position: Target | null;
+    }[];
+  } | null;
+}
+
+/** Facts of a vehicle that the page cannot know from the packets of the moment. */
+interface ServerFacts extends ServerIdentity {
+  readonly capabilities: ServerCapabilities;
+  readonly home: Home | null;
+  /** The time of the answer, as that of the texts. */
+  readonly time?: number;
+  readonly status_texts?: readonly ServerText[];
 }
 
 /** Capabilities are read again, since the vehicle tells its own by and by. */
@@ -65,11 +99,13 @@ export class ServerVehicle extends ObservedVehicle implements Vehicle {
     return answer.parameters;
   }
 
-  setParameter(name: string, value: number): Promise<Parameter> {
+  async setParameter(name: string, value: number): Promise<Parameter> {
+    this.refuseInConflict(`setting ${name} of`);
     return this.api.put(this.path(`parameters/${encodeURIComponent(name)}`), { value });
   }
 
   async sendCommand(command: string | number, params: readonly (number | null)[] = []): Promise<CommandResult> {
+    this.refuseInConflict(`command ${command} on`);
     const answer = await this.api.post<{ result: CommandResult }>(this.path('command'), { command, params });
     return answer.result;
   }
@@ -130,8 +166,8 @@ export class ServerVehicle extends ObservedVehicle implements Vehicle {
     return this.api.get<ServerMode[]>(this.path('modes'));
   }
 
-  startMission(): Promise<void> {
-    return this.act('mission/start');
+  startMission(arm = false): Promise<void> {
+    return this.act('mission/start', { arm });
   }
 
   pauseMission(): Promise<void> {
@@ -152,12 +188,33 @@ export class ServerVehicle extends ObservedVehicle implements Vehicle {
   }
 
   async uploadPlan(kind: PlanKind, plan: Plan, onProgress?: ProgressListener): Promise<void> {
+    this.refuseInConflict(`uploading the ${kind} to`);
     const file = { fileType: 'MavstackPlan', version: 1, home: plan.home, mission: [], fence: [], rally: [], [kind]: plan.items };
     await this.api.longJson('PUT', this.path(kind), onProgress, file);
   }
 
   async clearPlan(kind: PlanKind): Promise<void> {
+    this.refuseInConflict(`clearing the ${kind} of`);
     await this.api.delete(this.path(kind));
+  }
+
+  async chooseSender(channel: string | null): Promise<void> {
+    this.takeFacts(await this.api.post<ServerIdentity>(this.path('sender'), { channel }));
+  }
+
+  async renumber(channel: string | null): Promise<number> {
+    const answer = await this.api.longJson<{ id: number }>('POST', this.path('renumber'), undefined, { channel });
+    return answer.id;
+  }
+
+  /** Takes what the station knows of the vehicle. */
+  takeFacts({ conflict = null }: ServerIdentity): void {
+    const known = conflict && {
+      text: conflict.text,
+      chosen: conflict.chosen,
+      senders: conflict.senders.map(({ channel, type, unique_id, position }) => ({ channel, type, uniqueId: unique_id, position })),
+    };
+    if (JSON.stringify(known) !== JSON.stringify(this.conflict)) this.setConflict(known);
   }
 
   private path(rest: string): string {
@@ -166,6 +223,7 @@ export class ServerVehicle extends ObservedVehicle implements Vehicle {
 
   /** Actions that pilots give are answered once the vehicle has accepted them: flying there may take minutes. */
   private async act(action: string, body: object = {}): Promise<void> {
+    this.refuseInConflict(`the action ${action} on`);
     await this.api.post(this.path(action), body, { accepted: true });
   }
 
@@ -176,9 +234,11 @@ export class ServerVehicle extends ObservedVehicle implements Vehicle {
 
   private async readCapabilities(): Promise<void> {
     try {
-      const answer = await this.api.get<{ capabilities: ServerCapabilities; home: Home | null }>(`vehicles/${this.system}`);
+      const answer = await this.api.get<ServerFacts>(`vehicles/${this.system}`);
       this.given = answer.capabilities;
       if (answer.home) this.learnHome(answer.home);
+      this.takeFacts(answer);
+      this.learnTexts(textsOf(answer, this.system));
       this.updateCapabilities();
     } catch {
       // The server may know the vehicle a moment later than the page.
@@ -187,6 +247,17 @@ export class ServerVehicle extends ObservedVehicle implements Vehicle {
     this.reads += 1;
     if (interval !== undefined) this.timer = setTimeout(() => void this.readCapabilities(), interval);
   }
+}
+
+/** Returns the texts that the station keeps, by the clock of the page: that of the station may be another one. */
+function textsOf({ time = 0, status_texts: texts = [] }: ServerFacts, system: number): StatusText[] {
+  return texts.map(({ component, severity, text, ...each }) => ({
+    system,
+    component,
+    text,
+    severity: typeof severity === 'number' ? severity : (MavSeverity[severity as keyof typeof MavSeverity] ?? MavSeverity.INFO),
+    time: Date.now() - (time - each.time) * 1000,
+  }));
 }
 
 /** Names of the server's capabilities that differ from the page's. */

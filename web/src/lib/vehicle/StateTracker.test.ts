@@ -97,15 +97,35 @@ describe('StateTracker', () => {
 
   it('counts losses and rates', () => {
     const scene = new Station();
-    for (let second = 0; second < 3; second += 1) {
-      for (let count = 0; count < 10; count += 1) {
+    const receive = (seconds: number): void => {
+      for (let count = 0; count < seconds * 10; count += 1) {
         scene.time += 100;
         scene.lose(1);
         scene.take('ATTITUDE', {});
       }
-    }
+    };
+    receive(4);
+    // The first seconds are no measure of a link.
+    expect(scene.state.loss).toBeNull();
+    receive(3);
     expect(scene.state.loss).toBeCloseTo(0.5, 1);
     expect(scene.state.rate).toBeCloseTo(10, 0);
+  });
+
+  it('reads radio channels of RC_CHANNELS_RAW, port by port, where RC_CHANNELS is missing', () => {
+    const scene = new Station();
+    const port = (number: number, first: number): object =>
+      Object.fromEntries(Array.from({ length: 8 }, (_, index) => [`chan${index + 1}_raw`, first + index]).concat([['port', number]]));
+    scene.take('RC_CHANNELS_RAW', { ...port(1, 1109), chan8_raw: 0xffff, rssi: 1 });
+    scene.take('RC_CHANNELS_RAW', { ...port(0, 1101), chan2_raw: 0, rssi: 127 });
+    scene.take('RC_CHANNELS_RAW', { ...port(0, 900) }, true);
+    scene.take('RC_CHANNELS_RAW', { ...port(200, 900) });
+    expect(scene.state.rc).toEqual({
+      channels: [1101, null, 1103, 1104, 1105, 1106, 1107, 1108, 1109, 1110, 1111, 1112, 1113, 1114, 1115, null], rssi: 0.5,
+    });
+    scene.take('RC_CHANNELS', { chancount: 2, chan1_raw: 1500, chan2_raw: 0, rssi: 254 });
+    scene.take('RC_CHANNELS_RAW', port(0, 1101) as SentFields);
+    expect(scene.state.rc).toEqual({ channels: [1500, null], rssi: 1 });
   });
 
   it('knows when contact is lost', () => {

@@ -2,10 +2,15 @@
 
 import type { DecodedMessage, FieldValue } from '$lib/decoder/Decoder';
 
-import type { Battery, Estimator, StatusText, VehicleState } from './Vehicle';
+import { isInAir } from './inAir';
+import { radioOf, withPort } from './radio';
+import type { Battery, Conflict, Estimator, StatusText, VehicleState } from './Vehicle';
 import { firmwareOf, modeName, vehicleTypeOf } from './vehicleType';
 
-type Draft = { -readonly [Key in keyof VehicleState]: VehicleState[Key] };
+type Draft = { -readonly [Key in keyof VehicleState]: VehicleState[Key] } & {
+  /** When RC_CHANNELS arrived. */
+  rcTime: number;
+};
 type Fields = DecodedMessage['fields'];
 type Reader = (draft: Draft, fields: Fields, message: DecodedMessage) => void;
 
@@ -14,11 +19,16 @@ const ARMED = 128;
 const NO_U16 = 0xffff;
 const NO_U8 = 0xff;
 const NO_I16 = 0x7fff;
-const LANDED = 1;
 const PREARM_CHECK = 0x10000000;
 const MAX_STATUS_TEXTS = 200;
 /** Status texts whose last part is still missing; that of an older one was lost. */
 const MAX_OPEN_TEXTS = 16;
+/** RC_CHANNELS_RAW counts if RC_CHANNELS is older than this, in ms. */
+const FINE_LIFETIME = 10_000;
+/** Time in ms after which the share of lost packets is known. */
+const LOSS_TIME = 5000;
+/** A text in ms that the station received so much earlier or later than the page is another one. */
+const SAME_TEXT_TIME = 3000;
 /** Heartbeats come once a second. */
 const ALIVE_TIMEOUT = 5000;
 
@@ -36,6 +46,7 @@ export class StateTracker {
   private received = 0;
   private lost = 0;
   private windowStart = 0;
+  private countedSince: number | null = null;
   private windowCount = 0;
   private readonly textParts = new Map<string, string[]>();
   /** Names of modes that the vehicle told, by number. */
@@ -63,6 +74,24 @@ export class StateTracker {
     this.draft.home ??= { latitude, longitude, altitude, relativeAltitude: 0 };
   }
 
+  setConflict(conflict: Conflict | null): void {
+    this.draft.conflict = conflict;
+  }
+
+  /** Takes texts that the vehicle sent before the page listened; returns those that are new. */
+  learnTexts(texts: readonly StatusText[]): StatusText[] {
+    const known = [...this.draft.statusTexts];
+    const added = texts.filter((text) => {
+      const at = known.findIndex((each) => isSameText(each, text));
+      if (at >= 0) known.splice(at, 1);
+      return at < 0;
+    });
+    if (added.length === 0) return [];
+    const all = [...this.draft.statusTexts, ...added].sort((one, other) => one.time - other.time);
+    this.draft.statusTexts = all.slice(-MAX_STATUS_TEXTS);
+    return added;
+  }
+
   private nameMode({ name, fields }: DecodedMessage): void {
     const { draft, modeNames } = this;
     if (name === 'AVAILABLE_MODES' && modeNames.size < MAX_MODES) modeNames.set(number(fields.custom_mode), String(fields.mode_name));
@@ -72,10 +101,12 @@ export class StateTracker {
   /** Returns a copy of the state at a time in ms since 1970. */
   snapshot(now: number): VehicleState {
     this.draft.alive = now - this.heartbeatTime < ALIVE_TIMEOUT;
+    this.draft.inAir = isInAir(this.draft, now - this.landedTime);
     return { ...this.draft };
   }
 
   private heartbeatTime = 0;
+  private landedTime = 0;
 
   private count(message: DecodedMessage): void {
     const { component, sequence, time } = message;
@@ -87,12 +118,17 @@ export class StateTracker {
     this.received += 1;
     this.windowCount += 1;
     this.draft.lastHeard = time;
-    if (message.name === 'HEARTBEAT' && component === this.draft.component) this.heartbeatTime = time;
+    if (component === this.draft.component) {
+      if (message.name === 'HEARTBEAT') this.heartbeatTime = time;
+      if (message.name === 'EXTENDED_SYS_STATE') this.landedTime = time;
+    }
+    if (this.countedSince === null || time < this.countedSince) this.countedSince = time;
     const elapsed = time - this.windowStart;
     // A replay may go back.
     if (elapsed >= 0 && elapsed < 1000) return;
     if (this.windowStart > 0 && elapsed > 0) this.draft.rate = (this.windowCount * 1000) / elapsed;
-    this.draft.loss = this.lost / (this.lost + this.received);
+    // The first seconds of a link are no measure: packets of before the page listened arrive among the new ones.
+    if (time - this.countedSince >= LOSS_TIME) this.draft.loss = this.lost / (this.lost + this.received);
     this.windowStart = time;
     this.windowCount = 0;
     // Older losses count half each second.
@@ -122,10 +158,16 @@ export class StateTracker {
   }
 }
 
+/** Whether two records are of one text: the station and the page received it at slightly different times. */
+function isSameText(one: StatusText, other: StatusText): boolean {
+  const isClose = Math.abs(one.time - other.time) < SAME_TEXT_TIME;
+  return isClose && one.text === other.text && one.component === other.component && one.severity === other.severity;
+}
+
 /** Messages that other components of the system send about themselves. */
 const OWN_MESSAGES: ReadonlySet<string> = new Set([
   'HEARTBEAT', 'SYS_STATUS', 'ATTITUDE', 'GLOBAL_POSITION_INT', 'GPS_RAW_INT', 'VFR_HUD', 'EXTENDED_SYS_STATE',
-  'BATTERY_STATUS', 'HOME_POSITION', 'EKF_STATUS_REPORT', 'ESTIMATOR_STATUS', 'VIBRATION', 'FENCE_STATUS', 'RC_CHANNELS', 'CURRENT_MODE', 'AVAILABLE_MODES',
+  'BATTERY_STATUS', 'HOME_POSITION', 'EKF_STATUS_REPORT', 'ESTIMATOR_STATUS', 'VIBRATION', 'FENCE_STATUS', 'RC_CHANNELS', 'RC_CHANNELS_RAW', 'CURRENT_MODE', 'AVAILABLE_MODES',
 ]);
 
 /** Messages that tell the mode, or the name of one. */
@@ -234,16 +276,18 @@ const READERS: Readonly<Record<string, Reader>> = {
   EXTENDED_SYS_STATE(draft, fields) {
     draft.landedState = number(fields.landed_state) || null;
     draft.vtolState = number(fields.vtol_state) || null;
-    draft.inAir = draft.landedState === null ? null : draft.landedState !== LANDED;
   },
   HOME_POSITION(draft, fields) {
     const [latitude, longitude] = [number(fields.latitude) / 1e7, number(fields.longitude) / 1e7];
     draft.home = { latitude, longitude, altitude: number(fields.altitude) / 1000, relativeAltitude: 0 };
   },
-  RC_CHANNELS(draft, fields) {
-    const count = number(fields.chancount);
-    const channels = Array.from({ length: count }, (_, index) => known(fields[`chan${index + 1}_raw`], NO_U16));
-    draft.rc = { channels, rssi: known(fields.rssi, NO_U8, 1 / 254) };
+  RC_CHANNELS(draft, fields, { time }) {
+    draft.rc = radioOf(fields);
+    draft.rcTime = time;
+  },
+  RC_CHANNELS_RAW(draft, fields, { time }) {
+    // RC_CHANNELS has all channels in one message.
+    if (Math.abs(time - draft.rcTime) >= FINE_LIFETIME) draft.rc = withPort(draft.rc, fields);
   },
   RADIO_STATUS(draft, fields) {
     draft.radio = { local: known(fields.rssi, NO_U8, 1 / 254), remote: known(fields.remrssi, NO_U8, 1 / 254) };
@@ -330,14 +374,16 @@ function emptyState(heartbeat: DecodedMessage): Draft {
     batteries: [],
     gps: null,
     rc: null,
+    rcTime: 0,
     radio: null,
     wind: null,
     estimator: null,
     vibration: null,
     fenceBreached: null,
     mission: null,
-    loss: 0,
+    loss: null,
     rate: 0,
     statusTexts: [],
+    conflict: null,
   };
 }

@@ -63,6 +63,24 @@ export interface StatusText {
   readonly text: string;
 }
 
+/** One of the senders that use one system id. */
+export interface ConflictSender {
+  /** Name by which it is chosen; null: it shares its channel with another one. */
+  readonly channel: string | null;
+  /** Such as `quadrotor with ArduPilot`. */
+  readonly type: string;
+  readonly uniqueId: string | null;
+  readonly position: Target | null;
+}
+
+/** Two vehicles that use one system id: no action is possible before one of them is chosen. */
+export interface Conflict {
+  readonly text: string;
+  readonly senders: readonly ConflictSender[];
+  /** Channel of the sender that all packets come from and go to; null: none is chosen, every action is refused. */
+  readonly chosen: string | null;
+}
+
 /** Latest values of a vehicle; null: not known. Degrees, metres, m/s, volts, amperes. A snapshot is never changed. */
 export interface VehicleState {
   readonly system: number;
@@ -115,12 +133,19 @@ export interface VehicleState {
   readonly fenceBreached: boolean | null;
   readonly wind: { readonly direction: number; readonly speed: number } | null;
   readonly mission: { readonly current: number; readonly total: number | null; readonly state: number | null } | null;
-  /** Share of messages that were lost on the way, 0 … 1. */
-  readonly loss: number;
+  /** Share of messages that were lost on the way, 0 … 1; null: not known yet. */
+  readonly loss: number | null;
   /** Messages a second. */
   readonly rate: number;
   /** Last texts, the newest last. */
   readonly statusTexts: readonly StatusText[];
+  /** Another vehicle uses the same system id; null: none was noticed. */
+  readonly conflict: Conflict | null;
+}
+
+/** Returns whether every action on a vehicle is refused, since two vehicles would obey. */
+export function isAmbiguous({ conflict }: Pick<VehicleState, 'conflict'>): boolean {
+  return conflict !== null && conflict.chosen === null;
 }
 
 export interface Parameter {
@@ -196,6 +221,7 @@ export interface Vehicle {
 
   /** Sends a command by its name without `MAV_CMD_` or its number; missing parameters are zero, null is NaN. */
   sendCommand(command: string | number, params?: readonly (number | null)[]): Promise<CommandResult>;
+  /** Arms; leaves a mode first in which the firmware does not arm, and refuses in one in which it would start by itself. */
   arm(force?: boolean): Promise<void>;
   disarm(force?: boolean): Promise<void>;
   takeoff(altitude: number): Promise<void>;
@@ -212,7 +238,8 @@ export interface Vehicle {
   setAltitude(altitude: number): Promise<void>;
   setMode(name: string): Promise<void>;
   modes(): Promise<Mode[]>;
-  startMission(): Promise<void>;
+  /** Flies the mission, from its start or from where it was paused; `arm`: a disarmed vehicle is armed first. */
+  startMission(arm?: boolean): Promise<void>;
   /** Stays at the present position; `startMission` resumes the mission. */
   pauseMission(): Promise<void>;
   /** Flies to an item next; items are counted from 1, as in the plan. */
@@ -222,6 +249,11 @@ export interface Vehicle {
   downloadPlan(kind: PlanKind, onProgress?: ProgressListener): Promise<Plan>;
   uploadPlan(kind: PlanKind, plan: Plan, onProgress?: ProgressListener): Promise<void>;
   clearPlan(kind: PlanKind): Promise<void>;
+
+  /** Chooses which of two vehicles with this id is meant, by its channel; null: none. */
+  chooseSender(channel: string | null): Promise<void>;
+  /** Gives the vehicle of a channel a free system id; resolves to it. */
+  renumber(channel: string | null): Promise<number>;
 
   /** Sends a message to the vehicle; `target_system` and `target_component` are filled in. */
   sendMessage(name: string, fields: Readonly<Record<string, number | bigint | string | readonly number[]>>): void;

@@ -69,7 +69,7 @@ it('sends flying vehicles in the air only, others as soon as they are armed', ()
 
 it('sends an action to those of several vehicles that can do it', () => {
   const vehicle = (armed: boolean, inAir: boolean | null, type = 'copter', orbit: boolean | null = null) =>
-    ({ state: { type, armed, inAir }, capabilities: { takeoff: null, goto: true, orbit, mission: true } }) as never;
+    ({ state: { type, armed, inAir, alive: true }, capabilities: { takeoff: null, goto: true, orbit, mission: true } }) as never;
   const chosen = [vehicle(false, false), vehicle(true, false), vehicle(true, true), vehicle(true, null), vehicle(true, false, 'rover', false)];
   const numbers = (action: keyof typeof IS_FOR) => chosen.flatMap((each, index) => (IS_FOR[action](each) ? [index] : []));
   expect(numbers('arm')).toEqual([0]);
@@ -78,6 +78,8 @@ it('sends an action to those of several vehicles that can do it', () => {
   expect(numbers('goto')).toEqual([2, 3, 4]);
   expect(numbers('orbit')).toEqual([2, 3]);
   expect(numbers('armed')).toEqual([1, 2, 3, 4]);
+  // The mission arms those that are not.
+  expect(numbers('mission')).toEqual([0, 1, 2, 3, 4]);
 });
 
 it('measures distance and bearing', () => {

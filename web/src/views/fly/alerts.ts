@@ -1,8 +1,9 @@
 /** Problems of all vehicles that a pilot must not miss, the gravest first. */
-import type { TextKey, TextValues } from '$lib/i18n';
+import { t, type TextKey, type TextValues } from '$lib/i18n';
 import { batteryLevel, estimatorLevel, type Level, vibrationLevel } from '$lib/instruments/status';
 import { distance } from '$lib/map/geometry';
 import type { Aircraft } from '$lib/map/traffic';
+import { allowsArming, startsByItself, waitingMode } from '$lib/vehicle/link/modes';
 import type { StatusText, VehicleState } from '$lib/vehicle/Vehicle';
 
 export interface Alert {
@@ -64,6 +65,13 @@ export function armingProblems(texts: readonly StatusText[], now: number): strin
   return [...new Set(run.map(({ text }) => text.slice(text.indexOf(': ') + 2)))];
 }
 
+/** Returns in words what the mode of a disarmed vehicle means for arming; null: it arms there, and stays. */
+export function modeObstacle(state: Pick<VehicleState, 'firmware' | 'type' | 'mode'>): string | null {
+  const [mode, next] = [state.mode ?? '', waitingMode(state)];
+  if (!allowsArming(state)) return next === null ? t('fly.notArmable', { mode }) : t('fly.readyElsewhere', { mode, next });
+  return startsByItself(state) ? t('fly.startsAlone', { mode }) : null;
+}
+
 function alert({ system }: VehicleState, level: Level | boolean, text: TextKey, values: TextValues = {}): Alert {
   return { system, isCritical: level === true || level === 'critical', text, values };
 }
@@ -71,6 +79,12 @@ function alert({ system }: VehicleState, level: Level | boolean, text: TextKey, 
 const isFlying = (state: VehicleState): boolean => state.armed === true && state.inAir !== false;
 
 const FINDERS: readonly Finder[] = [
+  function conflict(state) {
+    if (state.conflict === null) return null;
+    const { chosen } = state.conflict;
+    if (chosen === null) return alert(state, true, 'fly.alertConflict', { system: state.system });
+    return alert(state, false, 'fly.alertConflictChosen', { system: state.system, channel: chosen });
+  },
   function lost(state) {
     return state.alive ? null : alert(state, state.armed === true, 'fly.alertLost');
   },

@@ -43,11 +43,15 @@ export function mapVehicles(): MapVehicle[] {
   return fleet.vehicles.map((each) => mapVehicle(each, selected.has(each.system))).filter((each) => each !== null);
 }
 
-const plans: Layer = (drawing) => {
+/** Returns the vehicles whose homes and missions are drawn. */
+export function withPlans(): readonly Vehicle[] {
   const few = fleet.vehicles.length <= MAX_WITH_PLANS;
-  for (const vehicle of fleet.vehicles) {
+  return few ? fleet.vehicles : fleet.vehicles.filter(({ system }) => system === fleet.selectedSystem);
+}
+
+const plans: Layer = (drawing) => {
+  for (const vehicle of withPlans()) {
     const isSelected = vehicle.system === fleet.selectedSystem;
-    if (!few && !isSelected) continue;
     const { mission, fence, rally } = fly.plansOf(vehicle.system);
     if (isSelected) {
       paintFence(drawing, fence);
@@ -62,10 +66,9 @@ const plans: Layer = (drawing) => {
 };
 
 const homes: Layer = (drawing) => {
-  const few = fleet.vehicles.length <= MAX_WITH_PLANS;
-  for (const { system, state } of fleet.vehicles) {
-    if (state.home === null || (!few && system !== fleet.selectedSystem)) continue;
-    paintHome(drawing, state.home, few && fleet.vehicles.length > 1 ? String(system) : '');
+  const shown = withPlans();
+  for (const { system, state } of shown) {
+    if (state.home !== null) paintHome(drawing, state.home, shown.length > 1 ? String(system) : '');
   }
 };
 

@@ -82,7 +82,7 @@ export const IS_FOR = {
   goto: ({ state, capabilities }) => isUnderWay(state) && capabilities.goto !== false,
   orbit: ({ state, capabilities }) => isUnderWay(state) && capabilities.orbit !== false,
   lookAt: ({ state, capabilities }) => state.alive && capabilities.roi !== false,
-  mission: ({ state, capabilities }) => state.armed === true && capabilities.mission !== false,
+  mission: ({ state, capabilities }) => state.alive && capabilities.mission !== false,
   armed: ({ state }) => state.armed === true,
   all: () => true,
 } satisfies Readonly<Record<string, (vehicle: Pick<Vehicle, 'state' | 'capabilities'>) => boolean>>;

@@ -1,6 +1,6 @@
 /** Values of fields for people: names of enums, flags, arrays, texts. */
 import type { FieldInfo } from '$generated';
-import { enumName, enumValues } from '$lib/decoder/Decoder';
+import { enumName, enumValues, officialName } from '$lib/decoder/Decoder';
 import { readableNumber } from '$lib/plot/style';
 import { isArray, numberOf } from '$lib/series/fieldRef';
 
@@ -40,7 +40,7 @@ function enumNote(value: number | bigint, field: FieldInfo | null): string {
 function flagNames(name: string, value: number | bigint): string {
   const bits = BigInt(value);
   const entries = Object.entries(enumValues(name) ?? {}).filter(([, flag]) => isBit(BigInt(flag)));
-  const names = entries.filter(([, flag]) => (bits & BigInt(flag)) !== 0n).map(([flag]) => flag);
+  const names = entries.filter(([, flag]) => (bits & BigInt(flag)) !== 0n).map(([flag]) => officialName(flag));
   const covered = entries.reduce((sum, [, flag]) => sum | BigInt(flag), 0n);
   return (bits & ~covered) === 0n ? names.join(' · ') : '';
 }

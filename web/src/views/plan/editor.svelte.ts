@@ -16,10 +16,9 @@ import {
   changedAt, CMD, FRAME, insertItems, isEmpty, moveItem, replaceItem, waypoint,
   type Item, type Place, type Plan, type PlanKind,
 } from './logic/model';
-import {
-  altitudeFor, CAMERAS, laneItems, PATTERN, pictureCount, spacingOf, type Camera, type Lane,
-} from './logic/pattern';
+import { altitudeFor, CAMERAS, PATTERN, spacingOf, summaryOf, type Camera, type Lane } from './logic/pattern';
 import { isWing } from './logic/path';
+import { patternOf, shapeOf, withPattern, type PatternRun } from './logic/patterns';
 import { statisticsOf } from './logic/statistics';
 import { maxEdgeAngle, surveyLanes } from './logic/survey';
 import type { Profile } from './logic/terrain';
@@ -47,8 +46,10 @@ export class Editor {
   private readonly stored = new Persisted('plan.draft', '');
   private storing: ReturnType<typeof setTimeout> | undefined;
   private history: History<Plan> = $state.raw(begin(draftPlan(this.stored.value)));
+  /** Whether a file or a vehicle has the plan that the browser keeps: a page that is opened again must know it. */
+  private readonly storedIsKept = new Persisted('plan.draftIsKept', false);
   /** The plan that a file or a vehicle has too; null: none. */
-  private kept: Plan | null = $state.raw(null);
+  private kept: Plan | null = $state.raw(this.storedIsKept.value === true ? this.history.present : null);
   selection: Selection | null = $state.raw(null);
   tool: Tool = $state('select');
   /** The points of the line or the area that is drawn. */
@@ -56,6 +57,8 @@ export class Editor {
   /** Heading of the lanes of a survey; null: along the longest edge. */
   angle: number | null = $state(null);
   start = $state(0);
+  /** The pattern that is drawn again; null: a new one. */
+  edited: PatternRun | null = $state.raw(null);
   profile: Profile | null = $state.raw(null);
   hgtFiles: readonly HgtFile[] = $state.raw([]);
   /** The plans as the vehicle has them, as far as they were downloaded or uploaded; by system id and kind. */
@@ -112,6 +115,7 @@ export class Editor {
   store(): void {
     clearTimeout(this.storing);
     this.stored.value = draftText(this.plan);
+    this.storedIsKept.value = this.plan === this.kept;
   }
 
   /** Ends a gesture: the next edit is undone alone. */
@@ -134,6 +138,7 @@ export class Editor {
   /** Remembers that a file or a vehicle has a plan. */
   keep(plan: Plan): void {
     this.kept = plan;
+    this.store();
   }
 
   /** Replaces the whole plan by one of a file or a vehicle. */
@@ -146,9 +151,7 @@ export class Editor {
 
   setTool(tool: Tool): void {
     this.tool = tool;
-    this.draft = [];
-    this.angle = null;
-    this.start = 0;
+    [this.edited, this.draft, this.angle, this.start] = [null, [], null, 0];
   }
 
   /** The number of points that the drawing still needs; null if the tool draws none. */
@@ -321,7 +324,7 @@ export class Editor {
   /** Metres between lanes and between pictures. */
   get spacing(): { lanes: number; pictures: number } {
     const { camera, pattern } = this;
-    return camera ? spacingOf(camera, this.altitude.value, pattern.value) : { lanes: pattern.value.spacing, pictures: 0 };
+    return camera ? spacingOf(camera, this.altitude.value, pattern.value) : { lanes: pattern.value.spacing, pictures: pattern.value.pictures ?? 0 };
   }
 
   /** Centimetres on the ground of a pixel; null without a camera. */
@@ -348,32 +351,39 @@ export class Editor {
   }
 
   /** Numbers of the pattern that is drawn; null while it is not complete. */
-  get patternSummary(): { lanes: number; distance: number; pictures: number; area: number } | null {
-    const { lanes } = this;
-    if (lanes.length === 0) return null;
+  get patternSummary(): ReturnType<typeof summaryOf> {
     const covered = this.tool === 'survey' ? area(this.draft) : pathLength(this.draft) * this.pattern.value.width;
-    const distance = lanes.reduce((sum, lane) => sum + pathLength(lane), 0);
-    return { lanes: lanes.length, distance, pictures: pictureCount(lanes, this.spacing.pictures), area: covered };
+    return summaryOf(this.lanes, this.spacing.pictures, covered);
+  }
+
+  /** Draws a pattern of the mission again, to change its shape or its settings. */
+  editPattern(run: PatternRun): void {
+    const shape = shapeOf(run.pattern);
+    if (shape === null) return;
+    this.setTool(shape.tool);
+    [this.draft, this.angle, this.start] = [shape.points, shape.angle, shape.start];
+    [this.altitude.value, this.frame.value, this.pattern.value] = [shape.altitude, shape.frame, shape.settings];
+    this.edited = run;
   }
 
   private insertPattern(): void {
-    const items = laneItems(this.lanes, {
-      altitude: this.altitude.value,
-      frame: this.frame.value,
-      pictures: this.spacing.pictures,
-      turnaround: this.pattern.value.turnaround,
-    });
     const first = this.lanes[0]?.[0];
     if (!first) return;
+    const pattern = patternOf({
+      tool: this.tool === 'corridor' ? 'corridor' : 'survey', points: this.draft, angle: this.laneAngle, start: this.start,
+      altitude: this.altitude.value, frame: this.frame.value, settings: { ...PATTERN, ...this.pattern.value },
+    }, this.lanes);
+    this.selection = null;
+    if (this.edited !== null) return this.change(withPattern(this.plan, this.edited, pattern));
     const isFirst = this.plan.mission.length === 0;
     const home = this.plan.home ?? (isFirst ? (this.knownHome() ?? { ...first, altitude: 0 }) : null);
     const place = { ...(home ?? first), altitude: this.altitude.value };
     const takeoff = isFirst ? [newItem(CMD.NAV_TAKEOFF, place, this.frame.value)] : [];
     const back = isFirst ? [newItem(CMD.NAV_RETURN_TO_LAUNCH, place)] : [];
     const index = this.insertionIndex();
-    const inserted = { ...insertItems(this.plan, index, [...takeoff, ...items, ...back]), home };
+    const patterns = [...this.plan.patterns, pattern];
+    const inserted = { ...insertItems(this.plan, index, [...takeoff, ...pattern.items, ...back]), home, patterns };
     this.change(isFirst ? this.forVehicle(inserted) : inserted);
-    this.selection = null;
   }
 }
 

@@ -31,6 +31,7 @@ export const shell = {
   armed: 'Armed',
   disarmed: 'Disarmed',
   lost: 'No contact',
+  conflict: 'Id conflict',
   linkOpen: 'Connected',
   linkConnecting: 'Connecting',
   linkFailed: 'Link lost, retrying',

@@ -1,4 +1,6 @@
 import { expect, it } from 'vitest';
+import type { VehicleType } from '$lib/vehicle/Vehicle';
+
 import { attitudeFaces, project, rotated } from './attitude';
 import { numberText } from './reading.svelte';
 
@@ -30,4 +32,16 @@ it('shows right to the right and up above', () => {
 it('writes a number that rounds to zero without a sign', () => {
   expect([-0.2, -0.6, 0.2].map((value) => numberText(value, 0))).toEqual(['0', '-1', '0']);
   expect(numberText(-0.001, 2)).toBe('0.00');
+});
+
+it('draws the kind of vehicle that it is: a plane where that is not known', () => {
+  const parts = (...type: [VehicleType?]) => attitudeFaces(0, 0, 0, ...type).map(({ part, points }) => [part, points.length]);
+  expect(parts('plane')).toEqual(parts());
+  const rotors = (type: VehicleType) => parts(type).filter(([, corners]) => corners === 8).length;
+  expect((['plane', 'copter', 'vtol', 'helicopter', 'rover'] as const).map(rotors)).toEqual([0, 4, 4, 1, 0]);
+  for (const type of ['copter', 'helicopter', 'vtol', 'rover', 'boat', 'sub'] as const) {
+    for (const { points } of attitudeFaces(0.4, -0.3, 2, type)) {
+      for (const [x, y] of points) expect(Math.hypot(x, y)).toBeLessThan(2);
+    }
+  }
 });

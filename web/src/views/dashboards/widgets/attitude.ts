@@ -1,4 +1,6 @@
-/** A small aircraft, turned by roll, pitch and yaw, seen from behind and above. */
+/** A small vehicle of its kind, turned by roll, pitch and yaw, seen from behind and above. */
+import type { VehicleType } from '$lib/vehicle/Vehicle';
+
 export interface Point3 {
   readonly x: number;
   readonly y: number;
@@ -15,7 +17,9 @@ export interface Face {
 type Corner = readonly [number, number, number];
 
 /** Corners in the body: forward, right, down. */
-const FACES: readonly { readonly part: Face['part']; readonly corners: readonly Corner[] }[] = [
+type Model = readonly { readonly part: Face['part']; readonly corners: readonly Corner[] }[];
+
+const PLANE: Model = [
   { part: 'left', corners: [[0.35, 0, 0], [-0.35, -1.1, 0.02], [-0.55, -1.1, 0.02], [-0.35, 0, 0]] },
   { part: 'right', corners: [[0.35, 0, 0], [-0.35, 1.1, 0.02], [-0.55, 1.1, 0.02], [-0.35, 0, 0]] },
   { part: 'left', corners: [[-0.75, 0, 0], [-1, -0.45, 0], [-1.1, -0.45, 0], [-1, 0, 0]] },
@@ -27,6 +31,52 @@ const FACES: readonly { readonly part: Face['part']; readonly corners: readonly 
   { part: 'body', corners: [[0.3, -0.14, 0], [-1.05, 0, -0.03], [0.1, 0, -0.2]] },
   { part: 'body', corners: [[0.3, 0.14, 0], [-1.05, 0, -0.03], [0.1, 0, -0.2]] },
 ];
+
+/** Returns a rotor: a flat octagon. */
+function rotor(forward: number, right: number, radius: number, down = -0.06): Model[number] {
+  const corners = Array.from({ length: 8 }, (_, index): Corner => {
+    const angle = (index * Math.PI) / 4;
+    return [forward + radius * Math.cos(angle), right + radius * Math.sin(angle), down];
+  });
+  return { part: right < 0 ? 'left' : right > 0 ? 'right' : 'fin', corners };
+}
+
+/** Returns an arm of a frame from the middle to a rotor. */
+function arm(forward: number, right: number): Model[number] {
+  const side = Math.sign(forward * right) * 0.05;
+  return { part: 'body', corners: [[0.05, -side, 0], [forward, right - side, 0], [forward, right + side, 0], [-0.05, side, 0]] };
+}
+
+/** A body with a pointed nose, as long and as wide as is given; `down` is the height of its deck. */
+function hull(length: number, width: number, deck: number): Model {
+  const [nose, tail, side] = [length, -length, width];
+  const top: Corner[] = [[nose, 0, deck], [nose * 0.5, side, deck], [tail, side, deck], [tail, -side, deck], [nose * 0.5, -side, deck]];
+  return [
+    { part: 'right', corners: [[nose * 0.5, side, deck], [tail, side, deck], [tail, side * 0.7, 0.2], [nose * 0.5, side * 0.7, 0.2]] },
+    { part: 'left', corners: [[nose * 0.5, -side, deck], [tail, -side, deck], [tail, -side * 0.7, 0.2], [nose * 0.5, -side * 0.7, 0.2]] },
+    { part: 'body', corners: top },
+    { part: 'fin', corners: [[nose * 0.3, 0, deck], [-nose * 0.1, 0, deck - 0.3], [-nose * 0.5, 0, deck]] },
+  ];
+}
+
+const ARMS: readonly (readonly [number, number])[] = [[0.75, -0.75], [0.75, 0.75], [-0.75, -0.75], [-0.75, 0.75]];
+const COPTER: Model = [
+  ...ARMS.map(([forward, right]) => arm(forward, right)),
+  ...ARMS.map(([forward, right]) => rotor(forward, right, 0.42)),
+  { part: 'body', corners: [[0.5, 0, -0.05], [0.1, 0.22, -0.1], [-0.35, 0.18, -0.1], [-0.35, -0.18, -0.1], [0.1, -0.22, -0.1]] },
+];
+const HELICOPTER: Model = [
+  { part: 'body', corners: [[0.7, 0, 0.05], [0.2, 0.2, 0], [-1.2, 0.03, 0], [-1.2, -0.03, 0], [0.2, -0.2, 0]] },
+  { part: 'fin', corners: [[-1.05, 0, 0], [-1.2, 0, -0.4], [-1.3, 0, -0.4], [-1.25, 0, 0]] },
+  rotor(0, 0, 1, -0.3),
+];
+const VTOL: Model = [...PLANE, ...ARMS.map(([forward, right]) => rotor(forward * 0.7, right * 0.8, 0.26, -0.04))];
+const VEHICLE: Model = hull(0.8, 0.5, -0.1);
+const MODELS: Readonly<Partial<Record<VehicleType, Model>>> = {
+  copter: COPTER, helicopter: HELICOPTER, plane: PLANE, vtol: VTOL, rover: VEHICLE,
+  boat: hull(1.1, 0.42, -0.05), sub: hull(1.1, 0.25, -0.15),
+};
+
 const CAMERA_PITCH = (24 * Math.PI) / 180;
 const DISTANCE = 4.2;
 
@@ -40,8 +90,8 @@ export function rotated([forward, right, down]: Corner, roll: number, pitch: num
 }
 
 /** Returns the faces from the farthest to the nearest, in units of the picture: right and down from its centre. */
-export function attitudeFaces(roll: number, pitch: number, yaw: number): Face[] {
-  const faces = FACES.map(({ part, corners }) => {
+export function attitudeFaces(roll: number, pitch: number, yaw: number, type: VehicleType = 'unknown'): Face[] {
+  const faces = (MODELS[type] ?? PLANE).map(({ part, corners }) => {
     const points = corners.map((corner) => rotated(corner, roll, pitch, yaw));
     return { part, light: lightOf(points), seen: points.map(project) };
   });

@@ -2,6 +2,7 @@
 import { fleet } from '$lib/store/fleet.svelte';
 import { Persisted } from '$lib/store/settings.svelte';
 import { status } from '$lib/store/status.svelte';
+import { isAmbiguous } from '$lib/vehicle/Vehicle';
 
 import {
   ManualControl,
@@ -74,7 +75,7 @@ class Manual {
 
   private tick(now: number): void {
     const state = fleet.selected?.state ?? null;
-    const isUsable = state !== null && fleet.selected?.capabilities.manualControl !== false;
+    const isUsable = state !== null && !isAmbiguous(state) && fleet.selected?.capabilities.manualControl !== false;
     const sticks = this.isEnabled ? this.read(now, state?.type === 'sub') : null;
     this.control.tick(now, sticks, {
       isEnabled: this.isEnabled,

@@ -2,6 +2,7 @@
 
 import { CMD, EMPTY_PLAN, isEmpty, waypoint, type Plan } from '../logic/model';
 import { newItem } from '../logic/commands';
+import { patternRuns } from '../logic/patterns';
 import { PlanFileError, Tree } from './json';
 import { isKml, readKml, writeKml } from './kml';
 import { readMavstack, writeMavstack } from './mavstack';
@@ -39,7 +40,7 @@ export async function readFile(file: File, altitude: number): Promise<ReadPlan> 
 /** Returns whether a format holds all that a plan has. */
 export function holdsAll(plan: Plan, format: PlanFormat): boolean {
   if (format === 'plan') return !hasMoreThanQgc(plan);
-  const hasKept = plan.mission.some((each) => each.kept);
+  const hasKept = plan.mission.some((each) => each.kept) || patternRuns(plan).length > 0;
   if (format === 'json') return !hasKept;
   return format === 'waypoints' && !hasKept && isEmpty(plan, 'fence') && isEmpty(plan, 'rally');
 }

@@ -46,12 +46,16 @@ export function writeMavstack(whole: Plan): string {
   return `${JSON.stringify(file, null, 2)}\n`;
 }
 
+/** Returns the items of a list in a file. */
+export function itemsIn(tree: Tree): Item[] {
+  return tree.list().map((each) => {
+    const read = item(each.need('command').integer(0, 0xffff), each.need('params').numbers(7), each.need('frame').integer(0, 0xff));
+    return { ...read, autocontinue: each.get('autocontinue').flag(true) };
+  });
+}
+
 export function readMavstack(root: Tree): ReadPlan {
-  const items = (key: string): Item[] =>
-    root.get(key).list().map((each) => {
-      const read = item(each.need('command').integer(0, 0xffff), each.need('params').numbers(7), each.need('frame').integer(0, 0xff));
-      return { ...read, autocontinue: each.get('autocontinue').flag(true) };
-    });
+  const items = (key: string): Item[] => itemsIn(root.get(key));
   const { problems, ...areas } = fenceAreas(items('fence'));
   const [home, vehicle] = [root.get('home'), root.get('vehicle')];
   const plan: Plan = {

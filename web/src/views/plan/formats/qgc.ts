@@ -38,7 +38,7 @@ export function writeQgc(plan: Plan): string {
       firmwareType: plan.firmware,
       globalPlanAltitudeMode: 0,
       hoverSpeed: plan.hoverSpeed,
-      items: itemsJson(plan.mission),
+      items: itemsJson(plan),
       plannedHomePosition: triple(home),
       vehicleType: plan.vehicleType,
       version: 2,
@@ -64,7 +64,7 @@ export function readQgc(root: Tree): ReadPlan {
   const plan: Plan = {
     ...EMPTY_PLAN,
     home: readHome(mission.get('plannedHomePosition')),
-    mission: mission.exists ? readItems(mission, version, notes) : [],
+    ...(mission.exists ? readItems(mission, version, notes) : { mission: [], patterns: [] }),
     ...readFence(fence, notes),
     rally: rally.get('points').list().map(readPlace),
     cruiseSpeed: mission.get('cruiseSpeed').numberOr(EMPTY_PLAN.cruiseSpeed),

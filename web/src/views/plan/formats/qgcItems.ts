@@ -2,20 +2,25 @@
  * The items of a mission in QGroundControl's JSON, read by the rules of `mavstack.files.plans.qgc_items`
  * (`plan-cases.json` tests both).
  *
- * Surveys and corridor scans hold the items to fly, and those are read. Landing patterns hold positions, from which
+ * Surveys and corridor scans hold the items to fly, and those are read; their shape and settings are kept beside them,
+ * and written again while the items are as they were. Landing patterns hold positions, from which
  * their items follow. A structure scan holds only a shape, from which QGroundControl computes items: it stays in the
  * plan as it is, so that a file that is saved again has it too, and the checks tell that no vehicle can take it.
  */
 
-import { CMD, FRAME, item, keptItem, withParam, type Item, type Params } from '../logic/model';
+import { CMD, FRAME, item, keptItem, withParam, type Item, type Params, type Pattern, type Plan } from '../logic/model';
+import { patternRuns } from '../logic/patterns';
 import { PlanFileError, type Json, type Tree } from './json';
 
 const LANDINGS: ReadonlySet<string> = new Set(['fwLandingPattern', 'vtolLandingPattern']);
+/** The part of a survey or a corridor that holds its items. */
+const STYLE = 'TransectStyleComplexItem';
 const MAX_ID = 2 ** 31;
 
 /** The items read so far, and the ids by which jumps name them. */
 class Items {
   readonly items: Item[] = [];
+  readonly patterns: Pattern[] = [];
   private readonly ids = new Map<number, number>();
   private readonly innerIds = new Map<number, number>();
 
@@ -44,8 +49,8 @@ class Items {
   }
 }
 
-/** Returns the items of a mission, with patterns resolved. */
-export function readItems(mission: Tree, version: number, notes: string[]): Item[] {
+/** Returns the items of a mission, with patterns resolved, and the patterns. */
+export function readItems(mission: Tree, version: number, notes: string[]): Pick<Plan, 'mission' | 'patterns'> {
   const found = new Items(notes);
   for (const tree of mission.get('items').list()) {
     const kind = tree.get('type').exists ? tree.get('type').text() : 'SimpleItem';
@@ -54,7 +59,7 @@ export function readItems(mission: Tree, version: number, notes: string[]): Item
     else throw tree.wrong(`has the unknown item type ${kind.slice(0, 40)}`);
   }
   if (version === 1) for (const tree of mission.get('complexItems').list()) keep(tree, 'survey', found);
-  return found.finished();
+  return { mission: found.finished(), patterns: found.patterns };
 }
 
 function simple(tree: Tree): Item {
@@ -75,9 +80,14 @@ function jumpId(tree: Tree): number | null {
 
 function readPattern(tree: Tree, found: Items): void {
   const kind = tree.get('complexItemType').text().slice(0, 40) || 'pattern';
-  const flown = tree.get('TransectStyleComplexItem').get('Items');
+  const flown = tree.get(STYLE).get('Items');
   if (flown.exists) {
-    for (const inner of flown.list()) found.add(simple(inner), jumpId(inner), true);
+    const items = flown.list().map((inner) => {
+      const each = simple(inner);
+      found.add(each, jumpId(inner), true);
+      return each;
+    });
+    found.patterns.push({ kind, json: withoutItems(tree.value as Pattern['json']), items });
   } else if (LANDINGS.has(kind)) {
     try {
       for (const each of landing(tree, kind, found.notes)) found.add(each);
@@ -86,6 +96,11 @@ function readPattern(tree: Tree, found: Items): void {
       keep(tree, kind, found, `: ${error.message}`);
     }
   } else keep(tree, kind, found);
+}
+
+function withoutItems(json: Pattern['json']): Pattern['json'] {
+  const { Items: _, ...style } = json[STYLE] as Readonly<Record<string, Json>>;
+  return { ...json, [STYLE]: style };
 }
 
 /** Keeps a pattern that cannot be read as it is. */
@@ -117,18 +132,28 @@ function landing(tree: Tree, kind: string, notes: string[]): Item[] {
   return items;
 }
 
-/** Returns the items as QGroundControl's file holds them. */
-export function itemsJson(items: readonly Item[]): Json[] {
-  return items.map((each, index) => {
-    if (each.kept) return each.kept.json;
-    const isJump = each.command === CMD.DO_JUMP && each.params[0] != null;
-    return {
-      autoContinue: each.autocontinue,
-      command: each.command,
-      doJumpId: index + 1,
-      frame: each.frame,
-      params: isJump ? withParam(each, 1, each.params[0]! + 1).params : each.params,
-      type: 'SimpleItem',
-    };
+/** Returns the items as QGroundControl's file holds them, those of patterns in their patterns. */
+export function itemsJson(plan: Pick<Plan, 'mission' | 'patterns'>): Json[] {
+  const runs = patternRuns(plan);
+  const simples = plan.mission.map(simpleJson);
+  return simples.flatMap((each, index) => {
+    const run = runs.find(({ start, end }) => index >= start && index < end);
+    if (run === undefined) return [each];
+    if (index > run.start) return [];
+    const { json } = run.pattern;
+    return [{ ...json, [STYLE]: { ...(json[STYLE] as object), Items: simples.slice(run.start, run.end) } }];
   });
+}
+
+function simpleJson(each: Item, index: number): Json {
+  if (each.kept) return each.kept.json;
+  const isJump = each.command === CMD.DO_JUMP && each.params[0] != null;
+  return {
+    autoContinue: each.autocontinue,
+    command: each.command,
+    doJumpId: index + 1,
+    frame: each.frame,
+    params: isJump ? withParam(each, 1, each.params[0]! + 1).params : each.params,
+    type: 'SimpleItem',
+  };
 }

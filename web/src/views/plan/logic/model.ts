@@ -61,6 +61,19 @@ export interface KeptPattern {
   readonly json: Json;
 }
 
+/**
+ * A survey or corridor, by its shape and settings: QGroundControl's ComplexItem without its items.
+ *
+ * It stands for the items of the mission that are still those that it was made of; once they are edited one by one, they
+ * are plain items again.
+ */
+export interface Pattern {
+  /** `survey`, `CorridorScan`, or a kind of QGroundControl that the page only keeps. */
+  readonly kind: string;
+  readonly json: Readonly<Record<string, Json>>;
+  readonly items: readonly Item[];
+}
+
 export interface Polygon {
   readonly inclusion: boolean;
   readonly vertices: readonly Point[];
@@ -85,6 +98,8 @@ export interface Place extends Point {
 export interface Plan {
   readonly home: Place | null;
   readonly mission: readonly Item[];
+  /** The patterns of which items of the mission were made. */
+  readonly patterns: readonly Pattern[];
   readonly polygons: readonly Polygon[];
   readonly circles: readonly Circle[];
   readonly returnPoint: Place | null;
@@ -102,6 +117,7 @@ export type PlanKind = 'mission' | 'fence' | 'rally';
 export const EMPTY_PLAN: Plan = {
   home: null,
   mission: [],
+  patterns: [],
   polygons: [],
   circles: [],
   returnPoint: null,

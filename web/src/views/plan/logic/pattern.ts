@@ -77,6 +77,8 @@ export interface PatternSettings {
   readonly side: number;
   readonly front: number;
   readonly spacing: number;
+  /** Metres between pictures without a camera; 0 takes none. */
+  readonly pictures: number;
   readonly turnaround: number;
   readonly crosshatch: boolean;
   /** Metres of a corridor. */
@@ -85,7 +87,7 @@ export interface PatternSettings {
 
 /** The settings of the first pattern. */
 export const PATTERN: PatternSettings = {
-  camera: 'Sony a6000 16 mm', side: 70, front: 75, spacing: 25, turnaround: 10, crosshatch: false, width: 60,
+  camera: 'Sony a6000 16 mm', side: 70, front: 75, spacing: 25, pictures: 0, turnaround: 10, crosshatch: false, width: 60,
 };
 
 /** The part of a lane's width that may stay uncovered, so that rounding adds no lane. */
@@ -111,6 +113,15 @@ export function laneItems(lanes: readonly Lane[], options: FlightOptions): Item[
 /** Returns the point that lies beyond `to` by some metres. */
 export function extended(from: Point, to: Point, metres: number): Point {
   return destination(to, bearing(from, to), metres);
+}
+
+/** Returns the numbers of a pattern, null without lanes; `area` in square metres. */
+export function summaryOf(
+  lanes: readonly Lane[], pictures: number, area: number,
+): { lanes: number; distance: number; pictures: number; area: number } | null {
+  if (lanes.length === 0) return null;
+  const distance = lanes.reduce((sum, lane) => sum + pathLength(lane), 0);
+  return { lanes: lanes.length, distance, pictures: pictureCount(lanes, pictures), area };
 }
 
 /** Returns the number of pictures on the lanes. */

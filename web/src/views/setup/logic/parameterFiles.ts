@@ -2,6 +2,7 @@
 
 import type { Parameter } from '$lib/vehicle/Vehicle';
 
+import { ownerOf, type Owner } from './owned';
 import { isSame, type ParameterTable } from './parameters';
 
 export class ParameterFileError extends Error {}
@@ -58,6 +59,8 @@ export interface Difference {
   readonly name: string;
   readonly vehicle: number;
   readonly file: number;
+  /** Why the value belongs to one vehicle only; null: it may be written to any. */
+  readonly owner: Owner | null;
 }
 
 export interface Comparison {
@@ -76,10 +79,22 @@ export function compare(parameters: ParameterTable, file: ReadonlyMap<string, nu
     const held = parameters[name];
     if (!held) onlyFile.push(name);
     else if (agrees(held.value, value)) same += 1;
-    else different.push({ name, vehicle: held.value, file: value });
+    else different.push({ name, vehicle: held.value, file: value, owner: ownerOf(name) });
   }
   const byName = (a: { name: string }, b: { name: string }): number => (a.name < b.name ? -1 : 1);
   return { different: different.sort(byName), onlyFile: onlyFile.sort(), same };
+}
+
+/** Returns the differences that are chosen before the user chooses: none that belongs to one vehicle only. */
+export function chosenAtFirst({ different }: Comparison): ReadonlySet<string> {
+  return new Set(different.filter(({ owner }) => owner === null).map(({ name }) => name));
+}
+
+/** Returns the chosen values in the order of writing: ids last, since the vehicle may change its id at once. */
+export function valuesToWrite({ different }: Comparison, chosen: ReadonlySet<string>): Map<string, number> {
+  const wanted = different.filter(({ name }) => chosen.has(name));
+  const last = ({ owner }: Difference): number => Number(owner === 'IDENTITY');
+  return new Map(wanted.sort((one, other) => last(one) - last(other)).map(({ name, file }) => [name, file]));
 }
 
 function agrees(held: number, written: number): boolean {

@@ -2,6 +2,8 @@
 
 import type { Parameter } from '$lib/vehicle/Vehicle';
 
+import { ranker } from './ranking';
+
 /** The metadata of one parameter, as the station's API gives it; a fact that is not stated is null or empty. */
 export interface ParameterMetadata {
   readonly name: string;
@@ -68,18 +70,17 @@ export interface Filter {
   readonly onlyChanged: boolean;
 }
 
-/** Returns the rows that have all words of a text in name or description; hits in names come first. */
+/** Returns the rows that have all words of a text in name or description, the best hits first. */
 export function search(rows: readonly Row[], { text, group, onlyChanged }: Filter): Row[] {
-  const words = text.toLowerCase().split(/\s+/).filter(Boolean);
-  const named = (row: Row): boolean => words.every((word) => row.parameter.name.toLowerCase().includes(word));
-  const found = rows.filter((row) => {
+  const kept = rows.filter((row) => {
     if (onlyChanged && row.isDefault !== false) return false;
-    if (group && groupOf(row.parameter.name, row.metadata) !== group) return false;
-    const { short_description: short = '', long_description: long = '' } = row.metadata ?? {};
-    const searched = `${row.parameter.name} ${short} ${long}`.toLowerCase();
-    return words.every((word) => searched.includes(word));
+    return !group || groupOf(row.parameter.name, row.metadata) === group;
   });
-  return words.length ? [...found.filter(named), ...found.filter((row) => !named(row))] : found;
+  const rank = ranker(text);
+  if (rank === null) return kept;
+  const ranked = kept.map((row) => ({ row, rank: rank(row) })).filter((each) => each.rank !== null);
+  // Equal ones stay in the order of their names.
+  return ranked.sort((one, other) => other.rank! - one.rank!).map((each) => each.row);
 }
 
 /** Returns the groups with the number of their parameters; single parameters are not worth a group. */

@@ -8,7 +8,8 @@ import { readMetadata } from './metadataFiles';
 import { channelOf, positionOf, slotOf } from './modeSwitch';
 import { motorCommand, motorCount, motorMessage } from './motors';
 import { osdItems, readItem, writeItem } from './osd';
-import { compare, FORMATS, readParameters, writeParameters, type ParameterFormat } from './parameterFiles';
+import { ownerOf } from './owned';
+import { chosenAtFirst, compare, FORMATS, readParameters, valuesToWrite, writeParameters, type ParameterFormat } from './parameterFiles';
 import { EMPTY_METADATA, groupsOf, hasBit, hasOnlyNamed, problemOf, rowsOf, search, toggleBit } from './parameters';
 import { FAILSAFES, FLIGHT_MODES, namesOf } from './sections';
 import { shellMessages, ShellText } from './shell';
@@ -38,6 +39,28 @@ describe('parameters', () => {
     expect(names({ onlyChanged: true })).toEqual(['ANGLE_MAX']);
     expect(names({ group: 'RTL' })).toEqual(['RTL_ALT', 'RTL_SPEED']);
     expect(groupsOf(rows)).toEqual([{ name: 'ANGLE', count: 1 }, { name: 'ATC', count: 1 }, { name: 'RTL', count: 2 }]);
+  });
+
+  it('are ranked by the words of names, of what names stand for, and of descriptions', () => {
+    const described = (name: string, short: string, long = '') => [name, { ...EMPTY_METADATA, name, short_description: short, long_description: long }] as const;
+    const known = Object.fromEntries([
+      described('AVD_F_ALT_MIN', 'ADSB minimum altitude', 'Below it the vehicle takes no action; it may return'),
+      described('FENCE_RET_ALT', 'Fence Return Altitude'),
+      described('RTL_ALT', 'RTL Altitude', 'The altitude above home to which the vehicle climbs before returning'),
+      described('RTL_ALT_FINAL', 'RTL Final Altitude'),
+      described('RTL_SPEED', 'Speed of the return'),
+      described('BATT_LOW_VOLT', 'Low battery voltage'),
+    ]);
+    const held = rowsOf(table(...Object.keys(known).map((name) => parameter(name, 1))), known);
+    const found = (text: string, of = held) => search(of, { text, group: '', onlyChanged: false }).map((each) => each.parameter.name);
+    expect(found('return altitude')[0]).toBe('RTL_ALT');
+    expect(found('return altitude').at(-1)).toBe('AVD_F_ALT_MIN');
+    expect(found('rtl alt')[0]).toBe('RTL_ALT');
+    expect(found('RTL_ALT')[0]).toBe('RTL_ALT');
+    expect(found('battery voltages')).toEqual(['BATT_LOW_VOLT']);
+    expect(found('altitude submarine')).toEqual([]);
+    // Without descriptions too.
+    expect(found('return altitude', rowsOf(table(parameter('RTL_ALT', 1), parameter('ALT_HOLD', 1)), {}))).toEqual(['RTL_ALT']);
   });
 
   it('have values that their metadata allows', () => {
@@ -78,8 +101,26 @@ describe('parameter files', () => {
   it('differ from a vehicle', () => {
     const file = readParameters('# saved\nRTL_ALT,2000\nparam set RTL_SPEED 0\nATC_RAT_RLL_P 0.135000\nNEW_ONE 1\n');
     expect(compare(parameters, file)).toEqual({
-      different: [{ name: 'RTL_ALT', vehicle: 1500, file: 2000 }], onlyFile: ['NEW_ONE'], same: 2,
+      different: [{ name: 'RTL_ALT', vehicle: 1500, file: 2000, owner: null }], onlyFile: ['NEW_ONE'], same: 2,
     });
+  });
+
+  it('of another vehicle do not choose its id, its counters and its calibration', () => {
+    const held = table(parameter('SYSID_THISMAV', 1), parameter('RTL_ALT', 1500), parameter('STAT_BOOTCNT', 3), parameter('COMPASS_OFS_X', 12));
+    const comparison = compare(held, readParameters('SYSID_THISMAV,7\nRTL_ALT,2000\nSTAT_BOOTCNT,90\nCOMPASS_OFS_X,-40\n'));
+    expect(comparison.different.map(({ name, owner }) => [name, owner])).toEqual([
+      ['COMPASS_OFS_X', 'CALIBRATION'], ['RTL_ALT', null], ['STAT_BOOTCNT', 'COUNTER'], ['SYSID_THISMAV', 'IDENTITY'],
+    ]);
+    expect([...chosenAtFirst(comparison)]).toEqual(['RTL_ALT']);
+    expect(['MAV_SYSID', 'MAV_SYS_ID', 'sysid_thismav', 'COMPASS_OFS2_Y', 'XCOMPASS_OFS2_Y'].map(ownerOf)).toEqual([
+      'IDENTITY', 'IDENTITY', 'IDENTITY', 'CALIBRATION', null,
+    ]);
+  });
+
+  it('with an id that was chosen set it last', () => {
+    const comparison = compare(table(parameter('MAV_SYSID', 1), parameter('RTL_ALT', 1500)), readParameters('MAV_SYSID,7\nRTL_ALT,2000\n'));
+    expect([...valuesToWrite(comparison, new Set(['MAV_SYSID', 'RTL_ALT']))]).toEqual([['RTL_ALT', 2000], ['MAV_SYSID', 7]]);
+    expect([...valuesToWrite(comparison, chosenAtFirst(comparison))]).toEqual([['RTL_ALT', 2000]]);
   });
 
   it('that are wrong are told with the line', () => {
