@@ -1,9 +1,13 @@
-# Everything needs only Python >= 3.11, a Rust toolchain and make: the virtual environment is made here.
+# Everything needs only Python >= 3.11, a C linker and make: the virtual environment is made here.
 
 PYTHON ?= python3
-VENV ?= .venv
+# A named interpreter has its own environment: .venv-3.13.
+VENV ?= .venv$(if $(filter command line,$(origin PYTHON)),-$(shell $(PYTHON) -c "import sys; print('%d.%d' % sys.version_info[:2])"))
 BIN := $(VENV)/bin
 SOURCES := $(shell find rust/core rust/logs rust/router rust/python -name '*.rs' -o -name Cargo.toml) Cargo.toml pyproject.toml
+
+# A toolchain of the system, or one in .tools (MAVSTACK_NO_DOWNLOAD=1: none is downloaded).
+RUST := $(PYTHON) backend/mavstack_rust.py
 
 # Some tests wait for other programs: with a worker more than cores no core waits with them.
 FAST_WORKERS := $(or $(WORKERS),$(shell $(PYTHON) -c "import os; print((os.cpu_count() or 1) + 1)"))
@@ -14,7 +18,7 @@ PYTEST := $(BIN)/pytest --reruns 1 -r fER
 # Modules are compiled once, not by every worker and every `mav` that a test starts.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: rust demo station station-tests test flights interop nightly check lint lint-python lint-rust rust-tests test-programs docs format bench \
+.PHONY: rust demo station station-tests test flights interop nightly check newest lint lint-python lint-rust rust-tests test-programs docs format bench \
 	fuzz generate clean
 
 demo: $(VENV)/package ## Fly eight simulated vehicles and show their live picture; WEB=1: in the browser too
@@ -47,13 +51,18 @@ interop: $(VENV)/installed station ## Run the other tests with programs that are
 
 nightly: $(VENV)/installed ## Run the long tests, the randomised ones over SEEDS (10000) each
 	@$(BIN)/python -m tools.compilers nightly
-	cargo test --quiet --profile checks --locked -p mavstack-router -- --ignored
+	$(RUST) cargo test --quiet --profile checks --locked -p mavstack-router -- --ignored
 	$(BIN)/pytest -n auto --dist loadgroup -m nightly --seeds 300 --timeout 1800
 	$(BIN)/pytest -n auto --dist loadgroup -m "properties and not interop" --hypothesis-profile thorough --timeout 7200
 	$(BIN)/pytest -n auto --dist loadgroup -m seeds --seeds $(or $(SEEDS),10000) --timeout 7200
 
 check: $(VENV)/installed ## Run the Python tests of the fast tier alone
 	$(BIN)/pytest -n auto --dist loadgroup -m "not nightly and not flight and not interop" --seeds $(or $(SEEDS),30)
+
+# Its dependencies are newer too, and what they announce to remove is an error (`filterwarnings`).
+newest: $(VENV)/installed ## Run `check` on the newest Python of this machine, unless that is the one of the environment
+	@newest=$$($(BIN)/python -m tools.interpreters); [ -z "$$newest" ] || $(MAKE) --no-print-directory check \
+	PYTHON="$$newest" $(if $(filter command line,$(origin VENV)),VENV=$(VENV)-newest)
 
 lint: lint-python lint-rust ## Check style, types, layers, vocabulary and generated files
 
@@ -66,11 +75,11 @@ lint-python: $(VENV)/installed
 	$(BIN)/python -m mavstack.sync.generate --check
 
 lint-rust: | rust
-	cargo fmt --all --check
-	cargo clippy --quiet --all-targets --profile checks --locked -- -D warnings
+	$(RUST) cargo fmt --all --check
+	$(RUST) cargo clippy --quiet --all-targets --profile checks --locked -- -D warnings
 
 rust-tests: lint-rust
-	env -u MAKEFLAGS -u MFLAGS cargo test --quiet --profile checks --locked -p mavstack-core -p mavstack-logs -p mavstack-router
+	env -u MAKEFLAGS -u MFLAGS $(RUST) cargo test --quiet --profile checks --locked -p mavstack-core -p mavstack-logs -p mavstack-router
 
 docs: $(VENV)/installed ## Build the documentation site in site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
@@ -82,16 +91,15 @@ fuzz: $(VENV)/installed ## Fuzz each target for SECONDS (600)
 	rust/fuzz/run $(or $(SECONDS),600)
 
 format: $(VENV)/installed ## Put the code into its usual form
-	$(BIN)/ruff check --fix . && $(BIN)/ruff format . && cargo fmt --all
+	$(BIN)/ruff check --fix . && $(BIN)/ruff format . && $(RUST) cargo fmt --all
 
 generate: $(VENV)/installed ## Make tables and stubs anew from the definitions
 	$(BIN)/python -m mavstack.dialects.generate
 	$(BIN)/python -m mavstack.sync.generate
 
-# Before anything is downloaded.
+# Before anything else is downloaded; without Rust, a toolchain for this folder alone.
 rust:
-	@command -v cargo > /dev/null || { echo "mavstack needs a Rust toolchain, version 1.88 or later: install it" \
-	"from https://rustup.rs (rustup-init --profile minimal) and try again" >&2; exit 1; }
+	@$(RUST)
 
 $(VENV)/bin/python: | rust
 	$(PYTHON) -m venv $(VENV)
@@ -107,4 +115,4 @@ $(VENV)/installed: $(VENV)/package pyproject.toml
 	@touch $@
 
 clean: ## Remove what was built
-	rm -rf $(VENV) target rust/fuzz/target src/mavstack/server/static web/node_modules web/src/generated
+	rm -rf $(VENV) .venv-* target rust/fuzz/target src/mavstack/server/static web/node_modules web/src/generated

@@ -34,6 +34,7 @@ _SOURCES: Final = (
     "src/mavstack/dialects/definitions",
     "src/mavstack/codegen/languages/typescript",
     "src/mavstack/cli/dialect",
+    "src/mavstack/files/parameters/traits.py",
     "backend/mavstack_station.py",
 )
 _EXCLUDED: Final = frozenset({"node_modules", "generated", "__pycache__"})

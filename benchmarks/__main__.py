@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import (
+    best,
     c_library,
     codegen_c,
     codegen_java_go,
@@ -74,6 +75,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description="Measure against the peers.")
     parser.add_argument("--quick", action="store_true", help="fewer messages and turns: about a minute")
     parser.add_argument("--json", action="store_true", help="every turn of every ratio, for a script")
+    parser.add_argument("--record", action="store_true", help="write better ratios to best.json")
     parser.add_argument("--only", nargs="+", choices=[*ROWS, *TABLES, TRANSFERS], help="run only these rows")
     parser.add_argument("--vehicles", help="for the transfers: JSON, see transfers/vehicles.py")
     parser.add_argument(
@@ -126,6 +128,8 @@ def _rows(options: argparse.Namespace, selected: list[str]) -> None:
     output = f"{len(flight):,} messages, {flight.mean_size:.1f} B per packet, seed {workload.SEED}"
     conditions = report.Conditions(output, compiler, amounts.turns)
     print((report.as_json if options.json else report.table)(measured, conditions))
+    if options.record:
+        best.write(best.updated(best.read(), measured))
 
 
 def _measure(bench: rows.Bench, selected: list[str]) -> list[Row]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 from unittest.mock import patch
 
 import mavstack
+from mavstack.logs import saved_index as cached
 
 from . import memory
 from .measure import OURS, Ratio, Row, rates, speed_ratio, take_turns
@@ -102,14 +103,15 @@ def saved_index(path: Path, cache: Path, turns: int) -> Row:
     The log is in memory here. From a disk only the index is read, a tenth of the log.
     """
     shares = []
-    with patch.dict(os.environ, {"XDG_CACHE_HOME": str(cache)}):
+    # A quick run has smaller logs than those whose index is kept.
+    with patch.dict(os.environ, {"XDG_CACHE_HOME": str(cache)}), patch.object(cached, "MIN_LOG", 0):
         os.utime(path, (0, 0))  # of a log that has just changed no index is kept
         for _ in range(turns + 1):  # the first turn saves it
             without = _processor_time(partial(mavstack.open_log, path))
             with patch.dict(os.environ, {"MAVSTACK_CACHE": "1"}):
                 again = _processor_time(partial(mavstack.open_log, path))
             shares.append(again / without)
-    ratio = Ratio("of indexing it", tuple(shares[1:]), 1, higher_is_better=False)
+    ratio = Ratio("of indexing it", tuple(shares[1:]), 0.1, higher_is_better=False)
     return Row(f"opening a {path.suffix} with its saved index", {OURS: f"{again * 1e3:.0f} ms"}, (ratio,))
 
 

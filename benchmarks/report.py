@@ -10,12 +10,13 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from . import best
 from .measure import OURS, PYMAVLINK, C, Ratio, Row
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-HEAD = ("work", OURS, PYMAVLINK, C, "ratio", "min … max", "must reach", "reached")
+HEAD = ("work", OURS, PYMAVLINK, C, "ratio", "min … max", "must reach", "reached", "best so far")
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +43,8 @@ def machine() -> str:
 
 def table(rows: Iterable[Row], conditions: Conditions) -> str:
     """Return all measurements as a table."""
-    lines = [HEAD, *(line for row in rows for line in _lines(row))]
+    known = best.read()
+    lines = [HEAD, *(line for row in rows for line in _lines(row, known))]
     widths = [max(len(line[index]) for line in lines) for index in range(len(HEAD))]
     output = [
         "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) for line in lines
@@ -87,10 +89,13 @@ def _ratio(ratio: Ratio) -> dict[str, object]:
     }
 
 
-def _lines(row: Row) -> list[Sequence[str]]:
+def _lines(row: Row, known: best.Best) -> list[Sequence[str]]:
     names = (row.work, *(row.figures.get(name, "-") for name in (OURS, PYMAVLINK, C)))
     blank = ("", "", "", "")
-    return [(*(blank if index else names), *_verdict(ratio)) for index, ratio in enumerate(row.ratios)]
+    return [
+        (*(blank if index else names), *_verdict(ratio), best.describe(known, row.work, ratio))
+        for index, ratio in enumerate(row.ratios)
+    ]
 
 
 def _verdict(ratio: Ratio) -> tuple[str, str, str, str]:
