@@ -17,6 +17,7 @@ from tests.time_limits import (  # noqa: F401 (hooks)
     pytest_runtest_teardown,
     pytest_timeout_set_timer,
 )
+from tools.child_processes import end_children_with_this_process
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -32,7 +33,11 @@ TIERS_OF_MATRICES = {"fast_cases": pytest.mark.flight, "flight_cases": pytest.ma
 
 
 def pytest_configure() -> None:
-    """Handle SIGINT, also in a background job of a shell, whose programs would inherit that it is ignored."""
+    """Have children end with the tests, and handle SIGINT.
+
+    The programs of a background job of a shell would inherit that SIGINT is ignored.
+    """
+    end_children_with_this_process(handle_signals=False)
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 

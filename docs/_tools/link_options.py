@@ -65,6 +65,7 @@ DESCRIPTIONS = {
     "private_key": "file or name of the own key for sealed links",
     "shared_key": "file or name of a signing key that both ends have, from which the key is derived",
     "mavlink": "MAVLink version to send; auto: 1 to peers that are heard only in version 1",
+    "trust_senders": "`no` (default in a router): a new peer gets three times what it sent until it answers",
     "max_peers": "peers at the same time; a new one replaces the idlest that sent no valid packet",
     "origin": "the Origin header to send, or, on a server, to require",
     "pace": "bandwidth of the link in bytes/s; transfers are paced to it",

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from mavstack.dialects import Dialect, Message
     from mavstack.errors import (
         ActionInterrupted,
+        ActionRefused,
         ActionTimeout,
         ActionUnsupported,
         CommandDenied,
@@ -108,6 +109,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "ActionInterrupted",
+    "ActionRefused",
     "ActionTimeout",
     "ActionUnsupported",
     "Address",
@@ -210,6 +212,7 @@ __all__ = [
 #: The module of each name.
 _LAZY_IMPORTS = {
     "ActionInterrupted": "mavstack.errors",
+    "ActionRefused": "mavstack.errors",
     "ActionTimeout": "mavstack.errors",
     "ActionUnsupported": "mavstack.errors",
     "Address": "mavstack.services",

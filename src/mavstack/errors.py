@@ -54,8 +54,8 @@ class SigningError(LocalProtocolError, ValueError):
     """A signing key, link id or timestamp is not usable; the text never holds the key."""
 
 
-class DialectError(MavstackError):
-    """A definition file is missing, malformed or contradicts itself; `path` and `line` locate the problem."""
+class LocatedError(MavstackError):
+    """A file that cannot be read: `path` and `line` locate the problem, as far as they are known."""
 
     def __init__(self, problem: str, path: str | None = None, line: int | None = None) -> None:
         self.problem = problem
@@ -64,8 +64,12 @@ class DialectError(MavstackError):
         where = "" if path is None else f"{path}:{line}: " if line is not None else f"{path}: "
         super().__init__(where + problem)
 
-    def __reduce__(self) -> tuple[type[DialectError], tuple[str, str | None, int | None]]:
+    def __reduce__(self) -> tuple[type[LocatedError], tuple[str, str | None, int | None]]:
         return type(self), (self.problem, self.path, self.line)
+
+
+class DialectError(LocatedError):
+    """A definition file is missing, malformed or contradicts itself; `path` and `line` locate the problem."""
 
 
 class UnknownMessageError(MavstackError, KeyError):
@@ -86,46 +90,16 @@ class LogError(MavstackError):
     """A log file cannot be read at all; damage inside a log is counted and never raised."""
 
 
-class ParameterFileError(MavstackError):
+class ParameterFileError(LocatedError):
     """A parameter file cannot be read or written; `path` and `line` locate the problem."""
 
-    def __init__(self, problem: str, path: str | None = None, line: int | None = None) -> None:
-        self.problem = problem
-        self.path = path
-        self.line = line
-        where = "" if path is None else f"{path}: " if line is None else f"{path}:{line}: "
-        super().__init__(where + problem)
 
-    def __reduce__(self) -> tuple[type[ParameterFileError], tuple[str, str | None, int | None]]:
-        return type(self), (self.problem, self.path, self.line)
-
-
-class MetadataError(MavstackError):
+class MetadataError(LocatedError):
     """Metadata of a component or its parameters cannot be read; `path` and `line` locate the problem."""
 
-    def __init__(self, problem: str, path: str | None = None, line: int | None = None) -> None:
-        self.problem = problem
-        self.path = path
-        self.line = line
-        where = "" if path is None else f"{path}: " if line is None else f"{path}:{line}: "
-        super().__init__(where + problem)
 
-    def __reduce__(self) -> tuple[type[MetadataError], tuple[str, str | None, int | None]]:
-        return type(self), (self.problem, self.path, self.line)
-
-
-class RouterConfigError(MavstackError):
+class RouterConfigError(LocatedError):
     """A configuration of the router cannot be read; `path` and `line` locate the problem."""
-
-    def __init__(self, problem: str, path: str | None = None, line: int | None = None) -> None:
-        self.problem = problem
-        self.path = path
-        self.line = line
-        where = "" if path is None else f"{path}: " if line is None else f"{path}:{line}: "
-        super().__init__(where + problem)
-
-    def __reduce__(self) -> tuple[type[RouterConfigError], tuple[str, str | None, int | None]]:
-        return type(self), (self.problem, self.path, self.line)
 
 
 class PlanFileError(MavstackError):
@@ -186,11 +160,14 @@ class RemoteError(MavstackError):
         attempts: The number of requests that were sent.
         answer: The remote component's answer, or the reason for the failure.
         status_texts: The status texts (STATUSTEXT) that the vehicle sent meanwhile, oldest first.
+        not_restored: The changes of earlier steps that could not be undone, such as "mode RTL (it is in
+            GUIDED)"; empty if the vehicle is as before the call.
         limit: The argument whose limit was exceeded and which can raise it: "max_size", "max_entries" or
             "timeout"; empty for any other failure. The text then says `<limit>= allows more`.
     """
 
     status_texts: tuple[str, ...] = ()
+    not_restored: tuple[str, ...] = ()
 
     def __init__(
         self, operation: str, target: str, *, attempts: int = 1, answer: str = "no answer", limit: str = ""
@@ -203,19 +180,21 @@ class RemoteError(MavstackError):
         super().__init__(f"{operation} {target} {self._outcome()}")
 
     def __str__(self) -> str:
-        texts = "; ".join(self.status_texts)
-        return f"{self.args[0]} ({texts})" if texts else str(self.args[0])
+        return f"{self.args[0]}{self._additions()}"
 
     def __reduce__(self) -> tuple[object, ...]:
         return _restore, (type(self), self.args, self.__dict__)
 
     def without_target(self) -> str:
         """Return the text without the target: the same for all targets that failed for one reason."""
-        texts = "; ".join(self.status_texts)
         operation = self.operation
         for preposition in _PREPOSITIONS:
             operation = operation.removesuffix(preposition)
-        return f"{operation} {self._outcome()}" + (f" ({texts})" if texts else "")
+        return f"{operation} {self._outcome()}{self._additions()}"
+
+    def _additions(self) -> str:
+        texts = f" ({'; '.join(self.status_texts)})" if self.status_texts else ""
+        return f"{texts}; not restored: {', '.join(self.not_restored)}" if self.not_restored else texts
 
     def _outcome(self) -> str:
         attempts = "" if self.attempts <= 1 else f" after {self.attempts} attempts"
@@ -260,6 +239,10 @@ class CommandDenied(RemoteDenied):
 
 class CommandTimeout(RemoteTimeout):
     """A command was not acknowledged, or its acknowledged work did not end, in time."""
+
+
+class ActionRefused(CommandDenied):
+    """An action that the vehicle's state does not allow, such as takeoff before arming; nothing was sent."""
 
 
 class MessageTimeout(RemoteTimeout):
@@ -312,6 +295,13 @@ class ContactLost(RemoteTimeout):
 
 class ActionInterrupted(RemoteError):
     """A vehicle accepted an action, then left it: a failsafe, a pilot or another ground station took over."""
+
+
+class SystemIdConflictError(RemoteError):
+    """Several vehicles use the system id of the target, and none was chosen; nothing was sent.
+
+    The text names the senders: their channels, and what tells them apart.
+    """
 
 
 class ActionUnsupported(LocalProtocolError):

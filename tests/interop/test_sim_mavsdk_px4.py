@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.interop.mavsdk_peer import needs_mavsdk
+from tests.interop.mavsdk_peer import mavsdk_object, needs_mavsdk
 from tests.interop.simulated import simulated_flight
 
 pytestmark = [pytest.mark.interop, needs_mavsdk]
@@ -80,3 +80,23 @@ async def test_reboot_and_terminate(firmware: str) -> None:
         await flight.call_ok("action", "kill" if firmware == "px4" else "terminate")
         await flight.wait_for_telemetry("armed", False)
         await flight.wait_until(lambda: flight.height < 0.2)
+
+
+@pytest.mark.parametrize("vehicle_type", ["copter", "vtol", "rover", "boat", "sub"])
+async def test_offboard_starts_right_after_the_first_setpoint(vehicle_type: str) -> None:
+    async with simulated_flight(vehicle_type, "px4") as flight:
+        await flight.wait_for_telemetry("health_all_ok", True)
+        await flight.call_ok("action", "arm")
+        if flight.vehicle.vehicle_type.flies:
+            await flight.call_ok("action", "takeoff")
+            await flight.wait_until(lambda: flight.height > 1.5)
+        flight.runner.speed = 1.0
+        for _ in range(5):
+            still = mavsdk_object(
+                "offboard.VelocityNedYaw", north_m_s=0.0, east_m_s=0.0, down_m_s=0.0, yaw_deg=0.0
+            )
+            await flight.call_ok("offboard", "set_velocity_ned", still)
+            await flight.call_ok("offboard", "start")
+            await flight.wait_for_telemetry("flight_mode", "OFFBOARD")
+            await flight.call_ok("offboard", "stop")
+            await flight.wait_until(lambda: flight.vehicle.autopilot.mode.name != "Offboard")

@@ -89,6 +89,9 @@ def check_files(view: SetupPage, folder: Path) -> None:
     dialog.get_by_text("3 differ").wait_for(timeout=PATIENT)
     assert "1 are not on the vehicle" in dialog.inner_text()
     dialog.get_by_label("LAND_SPEED").uncheck()
+    # A counter of another vehicle is not chosen by itself.
+    dialog.get_by_role("button", name="Write 1 to the vehicle").wait_for(timeout=PATIENT)
+    dialog.get_by_label("STAT_BOOTCNT").check()
     dialog.get_by_role("button", name="Write 2 to the vehicle").click()
     refused = view.page.get_by_role("alert").filter(has_text="1 parameter of Copter 1")
     refused.get_by_text("STAT_BOOTCNT:").wait_for(timeout=PATIENT)

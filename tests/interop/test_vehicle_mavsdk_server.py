@@ -131,7 +131,8 @@ async def test_a_denied_command_carries_the_status_text() -> None:
 async def test_unanswered_commands_time_out() -> None:
     async with mavsdk_server_vehicle() as (vehicle, _):
         await wait_until(lambda: vehicle.home is not None)
-        calls = (vehicle.land(), vehicle.rtl(), vehicle.hold(), vehicle.mission.start())
+        servo, beep = common.MavCmd.DO_SET_SERVO, common.MavCmd.DO_SET_RELAY
+        calls = (vehicle.command(servo, 1, 1500), vehicle.command(beep, 1, 1))
         for outcome in await asyncio.gather(*calls, return_exceptions=True):
             assert isinstance(outcome, CommandTimeout)
             assert str(outcome).endswith("no answer")

@@ -12,7 +12,8 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.errors import RemoteError
-from mavstack.node.engine import MAX_OUTDATED_TIMERS, Engine
+from mavstack.node.engine import Engine
+from mavstack.node.service_timers import MAX_OUTDATED_TIMERS
 from mavstack.security import SigningKey
 from mavstack.services import Address, Service
 from mavstack.services.command import Command, CommandClient, CommandServer
@@ -289,7 +290,7 @@ def test_the_heap_of_timers_does_not_grow_with_packets() -> None:
         harness.engine.touch(receiver)
         harness.receive(harness.peer.packet(common.SetAttitudeTarget(q=(1, 0, 0, 0)), VEHICLE))
         harness.settle()
-    assert len(harness.engine._timers) <= MAX_OUTDATED_TIMERS + 10
+    assert len(harness.engine._timers._timers) <= MAX_OUTDATED_TIMERS + 10
 
 
 def deep_lengths(*roots: object) -> list[int]:

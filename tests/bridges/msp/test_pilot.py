@@ -248,16 +248,18 @@ def test_modes():
         assert controller.active_modes() == set()
         with pytest.raises(CommandDenied, match="no channel is set up for HORIZON"):
             await vehicle.set_mode("HORIZON")
+        await vehicle.arm()  # an action that moves it is refused while it is not armed
         await vehicle.rtl(wait=False)
-        assert controller.active_modes() == {46}
+        assert controller.active_modes() == {0, 46}
 
     run(scenario)
 
 
 def test_the_standard_mode_of_missions():
     async def scenario(vehicle, controller, bridge):
+        await vehicle.arm()
         await vehicle.modes.set_standard(common.MavStandardMode.MISSION)
-        assert controller.active_modes() == {28}
+        assert controller.active_modes() == {0, 28}
         with pytest.raises(CommandDenied, match="no channel is set up for NAV POSHOLD"):
             await vehicle.hold()
 

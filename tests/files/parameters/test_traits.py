@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from mavstack.files.parameters import Owner, needs_reboot, owner_of
+from mavstack.files.parameters import Owner, needs_reboot, owned_patterns, owner_of
 from mavstack.files.parameters.traits import round_of
 from mavstack.sim.parameters.tables import rows
 from mavstack.sim.vehicle_types import Firmware, VehicleType
@@ -50,3 +50,11 @@ def test_turns():
 )
 def test_parameters_that_need_a_reboot(name, needed):
     assert needs_reboot(name) is needed
+
+
+def test_the_patterns_of_owned_parameters_are_those_of_the_list():
+    patterns = owned_patterns()
+    assert {"SYSID_THISMAV", "MAV_SYSID", "MAV_SYS_ID"} <= set(patterns[Owner.IDENTITY])
+    assert list(patterns) == list(Owner)
+    names = {owner: [each.replace("*", "1").replace("?", "1") for each in patterns[owner]] for owner in Owner}
+    assert all(owner_of(name) is owner for owner in Owner for name in names[owner])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import inf, nan
+from math import inf, isnan, nan
 
 import pytest
 from hypothesis import given
@@ -65,7 +65,7 @@ def test_qgc_plans_come_back_exactly(mission, fence, rally, home):
     assert exactly(returned(plan, "plan")) == exactly(plan)
 
 
-@given(missions(st.floats()), st.none() | HOMES)
+@given(missions(st.floats(allow_infinity=False)), st.none() | HOMES)
 def test_missions_as_waypoints_come_back_exactly(mission, home):
     plan = PlanFile.of(mission, home=home)
     assert exactly(returned(plan, "waypoints")) == exactly(plan)
@@ -146,6 +146,16 @@ def test_losses_in_qgc_plans_are_reported():
     assert "params 1 to 4 of rally point 0" in lost("plan", rally=[rally])
     assert "altitude of rally point 0" in lost("plan", rally=[rally])
     assert "infinite params of mission item 1" in lost("plan", mission=[MissionItem(CMD.NAV_WAYPOINT, inf)])
+
+
+def test_waypoint_files_hold_no_infinities():
+    plan = PlanFile.of([MissionItem(CMD.NAV_WAYPOINT, inf, param5=1, param6=2, param7=3)])
+    written = format_plan(plan, "waypoints")
+    assert "the infinite params of item 1" in written.lost
+    assert isnan(parse_plan(written.text).mission.items[0].param1)
+    for word in ("inf", "-Infinity", "1e999"):
+        with pytest.raises(PlanFileError, match=f"line 3: param1 is '{word}', which is infinite"):
+            parse_plan(written.text.replace("nan", word))
 
 
 def test_losses_in_waypoint_files_are_reported():

@@ -7,7 +7,7 @@ from mavstack.files.parameters.load import AppliedParameter, Outcome, ParameterL
 from mavstack.files.parameters.numbers import read_number, write_number
 from mavstack.files.parameters.parameter_file import ParameterFile, StoredParameter
 from mavstack.files.parameters.registry import FORMATS, format_for
-from mavstack.files.parameters.traits import Owner, needs_reboot, owner_of
+from mavstack.files.parameters.traits import Owner, needs_reboot, owned_patterns, owner_of
 
 __all__ = [
     "FORMATS",
@@ -25,6 +25,7 @@ __all__ = [
     "compare",
     "format_for",
     "needs_reboot",
+    "owned_patterns",
     "owner_of",
     "parse_parameters",
     "read_number",

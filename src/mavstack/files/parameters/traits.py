@@ -14,6 +14,8 @@ from fnmatch import translate
 from functools import cache
 from typing import Final
 
+from mavstack.services.identity import ALL_IDENTITY_PARAMETERS
+
 _COUNTED = """
     STAT_BOOTCNT STAT_FLTTIME STAT_FLTCNT STAT_RUNTIME STAT_RESET STAT_DISTFLWN
     SYS_NUM_RESETS LOG_LASTFILE FORMAT_VERSION SYSID_SW_MREV SYSID_SW_TYPE
@@ -21,7 +23,7 @@ _COUNTED = """
     GND_ABS_PRESS* GND_TEMP BARO?_GND_PRESS BARO_GND_TEMP
     LND_FLIGHT_T_HI LND_FLIGHT_T_LO COM_FLIGHT_UUID SYS_PARAM_VER
 """
-_IDENTITY = "SYSID_THISMAV MAV_SYSID MAV_SYS_ID MAV_COMP_ID BRD_SERIAL_NUM UAVCAN_NODE_ID CAN_D?_UC_NODE"
+_IDENTITY = " ".join(ALL_IDENTITY_PARAMETERS)
 _CALIBRATION = """
     COMPASS_DEV_ID* COMPASS_PRIO?_ID COMPASS_OFS*_? COMPASS_DIA*_? COMPASS_ODI*_? COMPASS_MOT*_?
     COMPASS_SCALE*
@@ -58,6 +60,11 @@ class Owner(Enum):
 
 
 _OWNERS: Final = ((Owner.COUNTER, _COUNTED), (Owner.IDENTITY, _IDENTITY), (Owner.CALIBRATION, _CALIBRATION))
+
+
+def owned_patterns() -> dict[Owner, tuple[str, ...]]:
+    """Return the `fnmatch` patterns of parameters that belong to one vehicle only, by the reason for it."""
+    return {owner: tuple(patterns.split()) for owner, patterns in _OWNERS}
 
 
 def owner_of(name: str) -> Owner | None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import reprlib
 from dataclasses import dataclass
+from math import isinf
 from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import PlanFileError
@@ -56,11 +57,13 @@ class Line:
         return value
 
     def number_at(self, at: int, label: str) -> float:
-        """Return a word as a number."""
+        """Return a word as a number; `nan` is one, an infinity is refused, since no item has one."""
         word = self.words[at]
         if not _FLOAT.fullmatch(word):
             raise self.wrong(f"{label} is {shown(word)}, which is not a number")
-        return float(word)
+        if isinf(value := float(word)):
+            raise self.wrong(f"{label} is {shown(word)}, which is infinite")
+        return value
 
 
 def is_number(word: str) -> bool:

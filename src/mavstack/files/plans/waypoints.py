@@ -19,6 +19,7 @@ written exactly; NaN as `nan`, which Mission Planner does not read.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import isinf, nan
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
@@ -121,7 +122,7 @@ def write(plan: PlanFile, report: Report) -> str:
         if plan.home is not None:
             report.note(f"a file of a {PLAN_NAMES[kinds[0]]} has no home in this format")
         numbered = list(enumerate(items, 1))
-    return "".join(["QGC WPL 110\n", *(_text(seq, item) for seq, item in numbered)])
+    return "".join(["QGC WPL 110\n", *(_text(seq, item, report) for seq, item in numbered)])
 
 
 def _read_items(lines: Iterable[Line], version: str, notes: list[str]) -> tuple[MissionItem, ...]:
@@ -181,7 +182,10 @@ def _sorted_out(items: tuple[MissionItem, ...]) -> PlanFile:
     return PlanFile.of(items)
 
 
-def _text(seq: int, item: MissionItem) -> str:
+def _text(seq: int, item: MissionItem, report: Report) -> str:
     head = (seq, int(seq == 0), plain_frame(item.frame), int(item.command))
-    values = [number_text(value) for value in params_of(item)]
+    params = params_of(item)
+    if any(map(isinf, params)):
+        report.lost(f"the infinite params of item {seq}")
+    values = [number_text(nan if isinf(value) else value) for value in params]
     return "\t".join([*map(str, head), *values, str(int(item.autocontinue))]) + "\n"
