@@ -52,9 +52,9 @@ interop: $(VENV)/installed station ## Run the other tests with programs that are
 nightly: $(VENV)/installed ## Run the long tests, the randomised ones over SEEDS (10000) each
 	@$(BIN)/python -m tools.compilers nightly
 	$(RUST) cargo test --quiet --profile checks --locked -p mavstack-router -- --ignored
-	$(BIN)/pytest -n auto --dist loadgroup -m nightly --seeds 300 --timeout 1800
-	$(BIN)/pytest -n auto --dist loadgroup -m "properties and not interop" --hypothesis-profile thorough --timeout 7200
-	$(BIN)/pytest -n auto --dist loadgroup -m seeds --seeds $(or $(SEEDS),10000) --timeout 7200
+	$(BIN)/pytest -n auto --dist loadgroup -m nightly --seeds 300 --timeout 1800 -o faulthandler_timeout=1860
+	$(BIN)/pytest -n auto --dist loadgroup -m "properties and not interop" --hypothesis-profile thorough --timeout 7200 -o faulthandler_timeout=7260
+	$(BIN)/pytest -n auto --dist loadgroup -m seeds --seeds $(or $(SEEDS),10000) --timeout 7200 -o faulthandler_timeout=7260
 
 check: $(VENV)/installed ## Run the Python tests of the fast tier alone
 	$(BIN)/pytest -n auto --dist loadgroup -m "not nightly and not flight and not interop" --seeds $(or $(SEEDS),30)

@@ -165,7 +165,7 @@ def test_events_are_a_stream() -> None:
     async def run() -> None:
         async with field(systems=(1, 7)) as world:
             other = await world.station.connection.wait_for_vehicle(7)
-            call = type("Call", (), {"station": world.station})()
+            call = type("Call", (), {"station": world.station, "query": {"count": 1}})()
             lines = conflicts._event_lines(call)
             line = asyncio.ensure_future(anext(lines))
             await asyncio.sleep(0)
@@ -174,7 +174,7 @@ def test_events_are_a_stream() -> None:
             assert event["system"] == 9
             assert event["type"] == "VehicleFound"
             assert event["conflict"] is None
-            await lines.aclose()
+            assert [each async for each in lines] == []
 
     run_virtually(run())
 

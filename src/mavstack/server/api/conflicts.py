@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.security.roles import Role
 from mavstack.server.api.action_route import TIMEOUT
-from mavstack.server.api.events import EventStream
+from mavstack.server.api.events import COUNT, EventStream
 from mavstack.server.api_route import ApiRoute, Call
 from mavstack.server.conflict_json import conflict_json
 from mavstack.server.fields import Field
@@ -55,8 +55,9 @@ async def _events(call: Call) -> EventStream:
 
 
 async def _event_lines(call: Call) -> AsyncIterator[str]:
-    connection = call.station.connection
+    connection, count = call.station.connection, call.query["count"]
     async with connection.events(VehicleEvent, queue=_EVENT_QUEUE) as events:
+        sent = 0
         async for event in events:
             values = {
                 "type": type(event).__name__,
@@ -66,6 +67,9 @@ async def _event_lines(call: Call) -> AsyncIterator[str]:
                 "conflict": conflict_json(event.vehicle),
             }
             yield f"data: {json.dumps(values)}\n\n"
+            sent += 1
+            if sent == count:
+                return
 
 
 ROUTES: Final = (
@@ -115,6 +119,7 @@ ROUTES: Final = (
         handler=_events,
         summary="Follow the events of the vehicles, such as found, lost, rebooted, system id conflict",
         tag="vehicles",
+        query=(COUNT,),
         media_type="text/event-stream",
         answer='data: {"type": "VehicleLost", "system": 1, "time": 1.0, "text": "…", "conflict": null}\n\n',
     ),

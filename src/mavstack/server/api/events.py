@@ -7,11 +7,16 @@ from typing import TYPE_CHECKING, Final
 
 from starlette.responses import StreamingResponse
 
+from mavstack.server.fields import Field
+
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
 
     from starlette.types import Receive, Scope, Send
 
+COUNT: Final = Field(
+    name="count", type="integer", about="Events after which the stream ends; null: it has no end.", minimum=1
+)
 _END: Final = {"type": "http.response.body", "body": b"", "more_body": False}
 
 

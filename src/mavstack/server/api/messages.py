@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from mavstack.http.bodies import RefusedError
 from mavstack.security.roles import Role
-from mavstack.server.api.events import EventStream
+from mavstack.server.api.events import COUNT, EventStream
 from mavstack.server.api_route import ApiRoute, Call
 from mavstack.server.fields import Field
 from mavstack.server.message_json import message_class, message_of, packet_json
@@ -110,12 +110,7 @@ ROUTES: Final = (
         query=(
             replace(_COMPONENT, about="The component id of the sender; null: any."),
             Field(name="rate", about="The highest rate, hertz; null: all.", minimum=0.001, maximum=MAX_RATE),
-            Field(
-                name="count",
-                type="integer",
-                about="Events after which the stream ends; null: it has no end.",
-                minimum=1,
-            ),
+            COUNT,
         ),
         media_type="text/event-stream",
         answer='data: {"message": "ATTITUDE", …}',
