@@ -227,6 +227,7 @@ def test_a_parameter_and_a_sensor_are_set_up(server: StationServer, browser: Any
         shown.page.get_by_label("Search names and descriptions").fill("height returns")
         field = shown.page.get_by_label("RTL_ALT", exact=True)
         field.wait_for(timeout=60_000)
+        shown.wait_for("Height above home at which the vehicle returns")  # its range comes with it
         field.fill("1")
         field.press("Enter")
         shown.wait_for("The smallest value is 30.")

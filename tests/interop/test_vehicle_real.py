@@ -317,7 +317,6 @@ async def return_home(vehicle: Vehicle) -> None:
     if vehicle.armed:
         await vehicle.disarm(force=vehicle.vehicle_type is not VehicleType.COPTER)
     assert vehicle.armed is False
-    await vehicle.firmware.prepare_arming()
 
 
 async def test_a_mission_is_flown(autopilot: Autopilot) -> None:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from mavstack.server.tasks import Task
     from mavstack.vehicle import Vehicle
 
+#: The media type of an answer that is the kept one of another route.
+ANY_MEDIA_TYPE: Final = "*/*"
 MAX_SYSTEM: Final = 255
 T = TypeVar("T")
 #: The query field of routes whose work may take long.
@@ -112,7 +114,7 @@ class ApiRoute:
         is_long: True if the work may run on as a task, with `wait=false`.
         status: The status of the answer.
         answer: An example of the answer.
-        media_type: The media type of the answer.
+        media_type: The media type of the answer; `ANY_MEDIA_TYPE`: that of another route.
         path_examples: Examples of parts of the path that differ from those of other routes.
     """
 

@@ -7,6 +7,7 @@ from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.http.bodies import MAX_BODY
+from mavstack.server.api_route import ANY_MEDIA_TYPE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -180,6 +181,8 @@ def _schema_of(route: ApiRoute) -> dict[str, Any]:
     """Return the schema of an answer, from its example: the keys are sure, values may be null."""
     if route.media_type == "application/octet-stream":
         return {"type": "string", "format": "binary"}
+    if route.media_type == ANY_MEDIA_TYPE:
+        return {}
     if route.media_type != "application/json":
         return {"type": "string"}
     match route.answer:

@@ -46,7 +46,7 @@ def test_mode_names_are_commands(kind, capsys):
     async def scenario(session, world):
         await run_line(session, f"mode {name.lower()}")
         assert session.vehicle.mode.lower() == name.lower()
-        await run_line(session, "land" if kind == PX4_COPTER else "stabilize")
+        await run_line(session, "manual" if kind == PX4_COPTER else "stabilize")
         await run_line(session, "modes")
 
     in_shell(kind, scenario)

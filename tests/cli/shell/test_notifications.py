@@ -23,7 +23,7 @@ def test_notifications_go_to_stderr(capsys):
     async def scenario(session, world):
         async with Notifications(session):
             with pytest.raises(CommandDenied):
-                await run_line(session, "mode auto; arm")
+                await run_line(session, "mode auto; long COMPONENT_ARM_DISARM 1")
             await asyncio.sleep(1)
 
     in_shell(COPTER, scenario)

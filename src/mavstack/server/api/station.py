@@ -10,7 +10,7 @@ from mavstack.http.bodies import RefusedError
 from mavstack.links import open_link
 from mavstack.security.roles import Role
 from mavstack.server.api.events import EventStream
-from mavstack.server.api_route import ApiRoute, Call
+from mavstack.server.api_route import ANY_MEDIA_TYPE, ApiRoute, Call
 from mavstack.server.fields import Field
 from mavstack.server.json_values import to_json
 from mavstack.server.tasks import TaskState
@@ -244,7 +244,7 @@ ROUTES: Final = (
         handler=_task_result,
         summary="Get the answer of a task that is done",
         tag="tasks",
-        answer={},
+        media_type=ANY_MEDIA_TYPE,
     ),
     ApiRoute(
         method="DELETE",
