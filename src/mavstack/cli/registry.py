@@ -58,6 +58,7 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
     dict(
         [
             _entry("sim", "simulated vehicles for any ground station, library or script"),
+            _entry("simulator", "the world in which real PX4 or ArduPilot flies, by any physics"),
             _entry("demo", "a simulated fleet with a live display, without hardware"),
             _entry("watch", "messages of a link or a file: rates, values, link quality"),
             _entry("record", "record the packets of links to a file that survives a crash"),

@@ -1,0 +1,154 @@
+"""ArduPilot's JSON interface: the simulator's side. Sans-IO.
+
+ArduPilot's SITL sends its servo outputs in a datagram to port 9002 (each instance ten more) and waits for the
+answer, so both are in lockstep by construction:
+
+| bytes | type | content |
+|---|---|---|
+| 0 | u16 | 18458: 16 outputs; 29569: 32 outputs |
+| 2 | u16 | steps per second |
+| 4 | u32 | number of the step |
+| 8 | u16 each | pulses in microseconds |
+
+A number that was answered before means that the answer was lost: it is sent again, and nothing moves. A
+number that falls back means that SITL was started again: the body is reset. The answer is a line of JSON
+without spaces, which SITL's scanner does not accept. Its own models make magnetic field, pressure and
+position, from the attitude and position.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from mavstack.sim.vehicle_types import Home
+    from mavstack.simulators.outputs import Outputs
+    from mavstack.simulators.physics import Physics
+    from mavstack.simulators.sensors import Sensors
+
+#: The first number of a datagram, and the number of outputs.
+_MAGICS: Final = {18458: 16, 29569: 32}
+_HEADER: Final = struct.Struct("<HHI")
+#: The longest step: SITL ignores what is longer.
+MAX_STEP: Final = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class ServoOutputs:
+    """One datagram of SITL.
+
+    Attributes:
+        rate: Steps per second.
+        number: Number of the step.
+        pulses: Servo outputs in microseconds, 16 or 32; 0: off.
+    """
+
+    rate: int
+    number: int
+    pulses: tuple[int, ...]
+
+    @classmethod
+    def parse(cls, data: bytes) -> ServoOutputs | None:
+        """Parse a datagram; None: it is not one of SITL."""
+        if len(data) < _HEADER.size:
+            return None
+        magic, rate, number = _HEADER.unpack_from(data)
+        count = _MAGICS.get(magic)
+        if count is None or rate == 0 or len(data) != _HEADER.size + 2 * count:
+            return None
+        return cls(rate, number, struct.unpack_from(f"<{count}H", data, _HEADER.size))
+
+
+class JsonInterface:
+    """The conversation with one ArduPilot.
+
+    Args:
+        physics: The body.
+        outputs: How servo outputs become its actuators.
+        home: The place of position (0, 0, 0), and the heading at the start.
+        sensors: Noise and faults of accelerometer and gyroscope.
+        on_restart: Called when SITL was started, first or again.
+
+    Attributes:
+        state: The state after the last step.
+        time: Seconds of the simulation.
+        steps: Steps that were made since the last start.
+        repeated: Answers that were sent again.
+        invalid: Datagrams that are not of SITL.
+    """
+
+    def __init__(
+        self,
+        physics: Physics,
+        outputs: Outputs,
+        home: Home,
+        sensors: Sensors,
+        on_restart: Callable[[], None] = lambda: None,
+    ) -> None:
+        self._physics, self._outputs, self._home, self._sensors = physics, outputs, home, sensors
+        self._on_restart = on_restart
+        self._number = -1
+        self._answer = b""
+        self.time = 0.0
+        self.steps = self.repeated = self.invalid = 0
+        self.state = physics.reset(home, home.heading).checked()
+
+    def answer(self, data: bytes) -> bytes | None:
+        """Make the step that a datagram asks for.
+
+        Args:
+            data: The datagram.
+
+        Returns:
+            The answer; None: the datagram is not of SITL.
+        """
+        servos = ServoOutputs.parse(data)
+        if servos is None:
+            self.invalid += 1
+            return None
+        if servos.number == self._number:
+            self.repeated += 1
+            return self._answer
+        if servos.number < self._number or self._number < 0:
+            self._restart()
+        self._number = servos.number
+        dt = min(1.0 / servos.rate, MAX_STEP)
+        self.state = self._physics.step(self._outputs.of_pulses(servos.pulses), dt).checked()
+        self.time += dt
+        self.steps += 1
+        self._answer = self._line().encode()
+        return self._answer
+
+    def _restart(self) -> None:
+        # The time goes back too, by which SITL knows that the body was reset.
+        self.state = self._physics.reset(self._home, self._home.heading).checked()
+        self.time, self.steps = 0.0, 0
+        self._on_restart()
+
+    def _line(self) -> str:
+        state = self.state
+        inertial = self._sensors.inertial(state)
+        parts = [
+            f'"timestamp":{self.time:.6f}',
+            f'"imu":{{"gyro":{_list(inertial.rates)},"accel_body":{_list(inertial.acceleration)}}}',
+            f'"position":{_list(state.position)}',
+            f'"quaternion":{_list(state.attitude)}',
+            f'"velocity":{_list(state.velocity)}',
+        ]
+        if state.airspeed is not None:
+            parts.append(f'"airspeed":{self._sensors.airspeed(state):.4f}')
+        if state.range is not None and math.isfinite(state.range):
+            parts.append(f'"rng_1":{state.range:.4f}')
+        if state.battery is not None:
+            voltage, current = state.battery
+            parts.append(f'"battery":{{"voltage":{voltage:.3f},"current":{current:.3f}}}')
+        return "\n{" + ",".join(parts) + "}\n"
+
+
+def _list(values: tuple[float, ...]) -> str:
+    return "[" + ",".join([f"{value:.9g}" for value in values]) + "]"

@@ -1,0 +1,82 @@
+"""Rotations by unit quaternions (w, x, y, z), from body axes (forward, right, down) to north, east, down.
+
+Plain floats: for one body they are faster than arrays.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TypeAlias
+
+Vector: TypeAlias = tuple[float, float, float]
+Quaternion: TypeAlias = tuple[float, float, float, float]
+
+LEVEL: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
+
+def rotate(quaternion: Quaternion, vector: Vector) -> Vector:
+    """Return a vector of body axes in north, east, down."""
+    w, x, y, z = quaternion
+    a, b, c = vector
+    # t = 2 (q x v); v' = v + w t + q x t
+    ta, tb, tc = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
+    return (
+        a + w * ta + y * tc - z * tb,
+        b + w * tb + z * ta - x * tc,
+        c + w * tc + x * tb - y * ta,
+    )
+
+
+def rotate_back(quaternion: Quaternion, vector: Vector) -> Vector:
+    """Return a vector of north, east, down in body axes."""
+    w, x, y, z = quaternion
+    return rotate((w, -x, -y, -z), vector)
+
+
+def turned(quaternion: Quaternion, rates: Vector, dt: float) -> Quaternion:
+    """Return the attitude after a turn at constant body rates.
+
+    Args:
+        quaternion: The attitude before.
+        rates: Body rates in rad/s.
+        dt: Seconds.
+
+    Returns:
+        The attitude, of unit length.
+    """
+    p, q, r = rates
+    rate = math.sqrt(p * p + q * q + r * r)
+    if rate * dt < 1e-12:
+        return quaternion
+    half = 0.5 * rate * dt
+    scale = math.sin(half) / rate
+    bw, bx, by, bz = math.cos(half), p * scale, q * scale, r * scale
+    w, x, y, z = quaternion
+    ow = w * bw - x * bx - y * by - z * bz
+    ox = w * bx + x * bw + y * bz - z * by
+    oy = w * by - x * bz + y * bw + z * bx
+    oz = w * bz + x * by - y * bx + z * bw
+    length = 1.0 / math.sqrt(ow * ow + ox * ox + oy * oy + oz * oz)
+    return ow * length, ox * length, oy * length, oz * length
+
+
+def from_euler(roll: float, pitch: float, yaw: float) -> Quaternion:
+    """Return the attitude of three angles in radians, turned in the order yaw, pitch, roll."""
+    cr, sr = math.cos(0.5 * roll), math.sin(0.5 * roll)
+    cp, sp = math.cos(0.5 * pitch), math.sin(0.5 * pitch)
+    cy, sy = math.cos(0.5 * yaw), math.sin(0.5 * yaw)
+    return (
+        cr * cp * cy + sr * sp * sy,
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+    )
+
+
+def to_euler(quaternion: Quaternion) -> Vector:
+    """Return roll, pitch and yaw in radians."""
+    w, x, y, z = quaternion
+    roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+    pitch = math.asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x))))
+    yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return roll, pitch, yaw
