@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from mavstack.dialects import common
+from mavstack.dialects import Dialect, common
 from mavstack.errors import InvalidArgumentError, SystemIdConflictError
 from mavstack.node.engine import Engine
+from mavstack.security.acting import acting_names
 from mavstack.services import Address
-from mavstack.services.acting import ACTING_MESSAGES, acts
 from mavstack.services.command import Command, CommandClient
 from mavstack.services.heartbeat import Discovery
 from mavstack.services.version import AutopilotVersion
@@ -158,20 +158,19 @@ def test_a_limit_to_one_channel():
     assert [name for name, _ in station.sent()] == [station.other.name]
 
 
-@pytest.mark.parametrize(
-    ("message", "expected"),
-    [
-        (ARM, True),
-        (SET, True),
-        (READ, False),
-        (ARM.replace(command=common.MavCmd.REQUEST_MESSAGE), False),
-        (common.FileTransferProtocol(payload=bytes([0, 0, 0, 5])), False),
-        (common.FileTransferProtocol(payload=bytes([0, 0, 0, 7])), True),
-        (common.ManualControl(), True),
-        (common.MissionRequestList(), False),
-        (COPTER, False),
-    ],
-)
-def test_messages_that_act(message, expected):
-    assert acts(message) is expected
-    assert len(set(ACTING_MESSAGES.split())) == len(ACTING_MESSAGES.split())
+#: Judged by their content; `test_acting` has cases of each kind.
+MIXED = {"FILE_TRANSFER_PROTOCOL", "COMMAND_LONG", "COMMAND_INT"}
+ALL = Dialect.load("all")
+
+
+def targets_of(name):
+    """The fields of a message that name its receiver, set to vehicle 1."""
+    fields = {field.name for field in ALL[name].definition.fields}
+    return dict.fromkeys(fields & {"target_system", "target", "target_component"}, 1)
+
+
+@pytest.mark.parametrize("name", sorted(name for name in acting_names() - MIXED if targets_of(name)))
+def test_every_acting_message_is_refused(name):
+    station = Station().conflict()
+    with pytest.raises(SystemIdConflictError):
+        station.engine.send(ALL[name](**targets_of(name)), station.now)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.errors import InvalidArgumentError, SystemIdConflictError
-from mavstack.services.acting import acts
+from mavstack.security.acting import acts
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Container, Sequence

@@ -1,9 +1,9 @@
 """The messages that act upon a vehicle: one table for roles, detectors, rules and documentation.
 
 A message acts if a vehicle that accepts it does something, or keeps something, that it would not otherwise.
-A program that sends one in the name of another controls the vehicle. Roles refuse all of them to observers,
-except the carriers of commands, which are judged by their command. Requests for data do not act, nor do
-corrections that are broadcast to all receivers (GPS_RTCM_DATA).
+A program that sends one in the name of another controls the vehicle; one that reaches the wrong vehicle moves
+it. Roles refuse all of them to observers, except the carriers of commands, which are judged by their command
+(`acts`). Requests for data do not act, nor do corrections that are broadcast to all (GPS_RTCM_DATA).
 """
 
 from __future__ import annotations
@@ -13,9 +13,12 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import Dialect
+from mavstack.security.roles import Role, command_ids
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from mavstack.dialects import Message
 
 #: Names of the messages by what they act upon.
 ACTING: Final[Mapping[str, str]] = MappingProxyType(
@@ -36,22 +39,30 @@ ACTING: Final[Mapping[str, str]] = MappingProxyType(
         # Change its settings and what it stores.
         "settings": """
         PARAM_SET PARAM_MAP_RC LOG_ERASE SERIAL_CONTROL SETUP_SIGNING AUTH_KEY WIFI_CONFIG_AP CELLULAR_CONFIG
-        CAN_FRAME CANFD_FRAME CAN_FILTER_MODIFY SET_MAG_OFFSETS DEVICE_OP_WRITE
+        CAN_FRAME CANFD_FRAME CAN_FILTER_MODIFY SET_MAG_OFFSETS DEVICE_OP_WRITE OSD_PARAM_CONFIG
         """,
         # Read and write its files, and tunnel to its devices.
         "files": "FILE_TRANSFER_PROTOCOL TUNNEL V2_EXTENSION",
-        # Tell it where it is.
-        "position": "HIL_GPS HIL_SENSOR HIL_STATE_QUATERNION GPS_INPUT GPS_INJECT_DATA",
+        # Tell it where it is, and what it senses.
+        "position": """
+        HIL_GPS HIL_SENSOR HIL_STATE HIL_STATE_QUATERNION HIL_OPTICAL_FLOW HIL_RC_INPUTS_RAW HIL_CONTROLS
+        HIL_ACTUATOR_CONTROLS GPS_INPUT GPS_INJECT_DATA
+        """,
         # Move and change its payloads.
         "payload": """
         PARAM_EXT_SET GIMBAL_MANAGER_SET_ATTITUDE GIMBAL_MANAGER_SET_PITCHYAW
         GIMBAL_MANAGER_SET_MANUAL_CONTROL GIMBAL_DEVICE_SET_ATTITUDE MOUNT_CONFIGURE MOUNT_CONTROL
-        DIGICAM_CONFIGURE DIGICAM_CONTROL PLAY_TUNE PLAY_TUNE_V2
+        DIGICAM_CONFIGURE DIGICAM_CONTROL GIMBAL_CONTROL GOPRO_SET_REQUEST LED_CONTROL PLAY_TUNE PLAY_TUNE_V2
         """,
     }
 )
 #: The kinds of acting messages that change a flight.
 FLIGHT_KINDS: Final = ("flight", "plan", "settings")
+_FILES: Final = "FILE_TRANSFER_PROTOCOL"
+#: The place of the operation in the payload of MAVLink FTP.
+_OPCODE_AT: Final = 3
+#: CreateFile, WriteFile, RemoveFile, CreateDirectory, RemoveDirectory, OpenFileWO, TruncateFile and Rename.
+_WRITING_OPCODES: Final = frozenset({6, 7, 8, 9, 10, 11, 12, 13})
 
 
 def acting_names(*kinds: str) -> frozenset[str]:
@@ -76,5 +87,27 @@ def acting_ids(*kinds: str) -> frozenset[int]:
     Returns:
         The ids.
     """
-    dialect = Dialect.load("ardupilotmega")
+    dialect = Dialect.load("all")
     return frozenset(dialect[name].definition.id for name in acting_names(*kinds))
+
+
+def acts(message: Message) -> bool:
+    """Return whether a message acts: commands are judged by what they ask for, MAVLink FTP by its operation.
+
+    Args:
+        message: Any message of any dialect.
+
+    Returns:
+        True if the vehicle that receives it does or keeps something that it would not otherwise.
+    """
+    name = type(message).__mavlink_row__[1]
+    if name in ACTING["command"].split():
+        return int(message.command) not in command_ids(Role.OBSERVE)  # type: ignore[attr-defined]
+    if name == _FILES:
+        return message.payload[_OPCODE_AT] in _WRITING_OPCODES  # type: ignore[attr-defined]
+    return name in _names()
+
+
+@cache
+def _names() -> frozenset[str]:
+    return acting_names()

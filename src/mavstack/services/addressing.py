@@ -1,7 +1,7 @@
 """Addresses of components, and the targets of messages.
 
-A message with `target_system` and `target_component` is addressed; 0 in either of them means all. A message
-without them is a broadcast.
+A message with `target_system` and `target_component` is addressed; 0 in either of them means all. So is
+MANUAL_CONTROL, whose field is called `target`. A message without them is a broadcast.
 """
 
 from __future__ import annotations
@@ -33,7 +33,10 @@ BROADCAST = Address(0, 0)
 
 def target_of(message: Message) -> Address:
     """Return the target of a message; `BROADCAST` for a broadcast."""
-    return Address(getattr(message, "target_system", 0), getattr(message, "target_component", 0))
+    system = getattr(message, "target_system", None)
+    if system is None:
+        return Address(getattr(message, "target", 0), 0)
+    return Address(system, getattr(message, "target_component", 0))
 
 
 def message_ids(*classes: type[Message]) -> frozenset[int]:

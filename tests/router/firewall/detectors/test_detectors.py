@@ -60,7 +60,7 @@ def peer(port: int, **attributes) -> Origin:
 
 def acting_messages() -> list:
     """One message of each acting kind, for vehicle 1."""
-    ardupilot = Dialect.load("ardupilotmega")
+    ardupilot = Dialect.load("all")
     return [ardupilot[name]() for name in sorted(acting_names())]
 
 
@@ -104,7 +104,7 @@ def test_an_authenticated_sender_takes_its_address_from_a_stranger_who_came_firs
 @pytest.mark.parametrize("name", sorted(acting_names("flight", "plan", "settings")))
 def test_a_flying_vehicle_is_changed_by_its_pilot_only(name):
     made, pilot, other = detector("behaviour"), Sender(255, 190), Sender(254, 190)
-    message = Dialect.load("ardupilotmega")[name]
+    message = Dialect.load("all")[name]
     target = {"target_system": 1} if "target_system" in message.definition.by_name else {}
     feed(made, [Sender(1, 1).packet(heartbeat(armed=True))], origin="vehicle")
     assert feed(made, [pilot.packet(command(ARM, 1))]) == []
@@ -115,7 +115,7 @@ def test_a_flying_vehicle_is_changed_by_its_pilot_only(name):
 
 def test_malformed_counts_of_the_dialect_in_use_are_refused():
     made = detector("malformed")
-    ardupilot = Dialect.load("ardupilotmega")
+    ardupilot = Dialect.load("all")
     write = ardupilot["DEVICE_OP_WRITE"]
     assert write.definition.id not in made.messages
     made.use_dialect(ardupilot)
