@@ -209,6 +209,8 @@ def test_a_cancelled_call_is_reversed():
     async def scenario(harness):
         autopilot, vehicle = harness.autopilot, harness.vehicle
         autopilot.commands.server.support(CMD.NAV_TAKEOFF, lambda request: RESULT.IN_PROGRESS)
+        autopilot.land()
+        await asyncio.sleep(1)
         rising = asyncio.create_task(vehicle.takeoff(10))
         await asyncio.sleep(1.5)
         assert vehicle.mode == "GUIDED"

@@ -132,6 +132,10 @@ class ScriptedAutopilot(VehicleWithAllServices):
         self.modes._current = self.modes._named(number)
         self._show_mode(number)
 
+    def land(self) -> None:
+        """Stand on the ground from the next EXTENDED_SYS_STATE on."""
+        self.landed = common.MavLandedState.ON_GROUND
+
     def arm(self, armed: bool = True) -> None:
         self._heartbeat.base_mode = ARMED if armed else common.MavModeFlag.CUSTOM_MODE_ENABLED
         self._send_heartbeat_now()
