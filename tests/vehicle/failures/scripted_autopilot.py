@@ -109,7 +109,7 @@ class ScriptedAutopilot(VehicleWithAllServices):
         self.on_refusal: Callable[[], None] = lambda: None
         self.executes = True  # False: it acknowledges commands and does nothing
         self.silent = False
-        self.altitude, self.heading = 20.0, 0.0
+        self.altitude, self.heading, self.speed = 20.0, 0.0, 0.0
         self.latitude, self.longitude = 47.397742, 8.545594
         self.landed = common.MavLandedState.IN_AIR
         self.ready = True
@@ -206,6 +206,7 @@ class ScriptedAutopilot(VehicleWithAllServices):
             lon=round(self.longitude * 1e7),
             alt=round((self.altitude + 488) * 1000),
             relative_alt=round(self.altitude * 1000),
+            vx=round(self.speed * 100),
             hdg=round(self.heading * 100),
         )
 
