@@ -41,6 +41,8 @@ if TYPE_CHECKING:
 
 _GUIDED: Final = frozenset({"guided"})
 _WINGED: Final = frozenset({VehicleType.PLANE, VehicleType.VTOL})
+#: The version of ArduPlane that has AUTOLAND.
+_AUTOLAND: Final = (4, 7)
 #: The version of ArduPlane whose DO_REPOSITION has a radius.
 _REPOSITION_RADIUS: Final = (4, 3)
 _ATTITUDE_ONLY: Final = (
@@ -64,6 +66,8 @@ _NO_LANDING: Final = (
 )
 #: The altitude to which a plane takes off.
 _TAKEOFF_ALTITUDE: Final = "TKOFF_ALT"
+#: A plane that rolls says that it flies; below this height it may take off, in metres above home.
+_MIN_FLYING_HEIGHT: Final = 2.0
 _CLIMB_REMEDY: Final = "go to another altitude by goto() or move()"
 _RADIUS: Final = RENAMED["CIRCLE_RADIUS"]
 _NO_SUCH_PARAMETER: Final = common.MavParamError.DOES_NOT_EXIST
@@ -154,7 +158,12 @@ class ArduPilot(Firmware):
                 return None
             height = "another altitude" if present is None else f"{present:g} m"
             return f"it takes off to {height} already; {_CLIMB_REMEDY}"
-        return f"it is in the air; {_CLIMB_REMEDY}" if self.vehicle.in_air else None
+        if not self.vehicle.in_air:
+            return None
+        with suppress(RemoteError):
+            if await self.vehicle.get_relative_altitude() < _MIN_FLYING_HEIGHT:
+                return None
+        return f"it is in the air; {_CLIMB_REMEDY}"
 
     async def land(self) -> None:
         """Land here; a plane lands where its mission says, as it has no other way."""
@@ -171,6 +180,9 @@ class ArduPilot(Firmware):
             await self.command(CMD.DO_LAND_START)
         except CommandDenied as refusal:
             try:
+                version = await self.read_flight_version()
+                if version is not None and version[:2] < _AUTOLAND:
+                    raise RemoteDenied("setting mode AUTOLAND on", str(self.vehicle.address), answer="none")
                 await self.set_mode("AUTOLAND")
             except (RemoteDenied, RemoteTimeout):
                 refusal.status_texts = (*refusal.status_texts, _NO_LANDING)
