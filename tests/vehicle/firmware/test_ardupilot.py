@@ -11,6 +11,7 @@ from mavstack.dialects import common
 from mavstack.errors import ActionRefused, ActionUnsupported, CommandDenied, RemoteError
 from mavstack.vehicle.firmware.ardupilot import ArduPilot
 from mavstack.vehicle.geography import offset_location
+from tests.vehicle.failures.rows import ITEMS
 from tests.vehicle.failures.scripted_autopilot import ARDUPILOT, CMD, RESULT, run_scenario
 from tests.vehicle.firmware.received_requests import HERE, INT, LONG, NAN, THERE, mode, requests_of
 
@@ -94,6 +95,9 @@ ASKED = [
 )
 def test_each_vehicle_type(kind, act, wanted):
     async def scenario(harness):
+        if wanted[0] in (mode(3), mode(10)):  # AUTO
+            await harness.vehicle.mission.upload(ITEMS)
+            harness.autopilot.received.clear()
         if wanted[-1][1] == "NAV_TAKEOFF":
             harness.autopilot.land()
             await asyncio.sleep(1)

@@ -41,8 +41,6 @@ if TYPE_CHECKING:
 
 _GUIDED: Final = frozenset({"guided"})
 _WINGED: Final = frozenset({VehicleType.PLANE, VehicleType.VTOL})
-#: The version of ArduPlane that has AUTOLAND.
-_AUTOLAND: Final = (4, 7)
 #: The version of ArduPlane whose DO_REPOSITION has a radius.
 _REPOSITION_RADIUS: Final = (4, 3)
 _ATTITUDE_ONLY: Final = (
@@ -180,9 +178,6 @@ class ArduPilot(Firmware):
             await self.command(CMD.DO_LAND_START)
         except CommandDenied as refusal:
             try:
-                version = await self.read_flight_version()
-                if version is not None and version[:2] < _AUTOLAND:
-                    raise RemoteDenied("setting mode AUTOLAND on", str(self.vehicle.address), answer="none")
                 await self.set_mode("AUTOLAND")
             except (RemoteDenied, RemoteTimeout):
                 refusal.status_texts = (*refusal.status_texts, _NO_LANDING)
@@ -229,7 +224,10 @@ class ArduPilot(Firmware):
             raise self.unsupported("follow setpoints of positions and velocities", _ATTITUDE_ONLY)
 
     async def check_circle(self, radius: float, *, orbit: bool) -> None:
-        """Raise if the version of ArduPlane ignores the radius of DO_REPOSITION, as before 4.3."""
+        """Raise if ArduPlane ignores the radius of DO_REPOSITION, as before 4.3, or hovers there."""
+        if self._type is VehicleType.VTOL and await self.read_number("Q_GUIDED_MODE"):
+            reason = "it hovers at its destination in GUIDED; set Q_GUIDED_MODE to 0"
+            raise self.unsupported("circle a location", reason)
         version = await self.read_flight_version() if self._type in _WINGED else None
         if version is None or version[:2] >= _REPOSITION_RADIUS:
             return
