@@ -105,7 +105,7 @@ def test_a_mode_that_was_left_at_once_is_explained():
     run_scenario(scenario, autopilot=SCRIPTED_ARDUPILOT, kind=common.MavType.FIXED_WING)
 
 
-def test_the_reason_before_a_warning_without_one_is_told():
+def test_the_reason_before_a_warning_without_one_is_reported():
     """ArduRover says why by a notice, and by a warning only that the mode was not entered."""
 
     async def scenario(harness):

@@ -248,7 +248,7 @@ def test_every_type_waits_armed_in_a_mode_of_its_own(kind):
         *((SCRIPTED_PX4, T.QUADROTOR, mode) for mode in ("FOLLOW_TARGET", "ORBIT", "PRECLAND")),
     ],
 )
-def test_health_says_that_the_firmware_does_not_arm(autopilot, kind, mode):
+def test_health_reports_that_the_firmware_does_not_arm(autopilot, kind, mode):
     async def scenario(harness):
         harness.autopilot.arm(False)
         harness.autopilot.enter(mode)

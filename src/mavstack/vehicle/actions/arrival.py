@@ -36,8 +36,8 @@ if TYPE_CHECKING:
 
 #: The time in which a vehicle has to be slow within its tolerance, in seconds.
 SETTLED_TIME: Final = 1.0
-#: A rover brakes when it enters its stopping radius; one that stands for so long, within so many times the
-#: tolerance, goes no nearer, in seconds.
+#: A rover brakes when it enters its stopping radius; one that stands still for this time in seconds, at a
+#: distance of up to this multiple of the tolerance, does not come nearer.
 STANDING_TIME: Final = 3.0
 _BRAKING_FACTOR: Final = 3.0
 #: A vehicle that stays within its tolerance for so long has arrived though it is not slow, in seconds: a boat
