@@ -26,6 +26,16 @@ def test_every_command_action_and_option_is_there(reference, name):
             assert option in own or option in ("--help", "-h", "--verbose")
 
 
+@pytest.mark.parametrize("name", COMMANDS)
+def test_choices_are_plain_names(name):
+    """Argparse shows the `repr` of each choice in its error; a member of an enum has a long one."""
+    parser = command_parser(name)
+    for each in (parser, *(action for _, _, action in actions_of(parser))):
+        for argument in each._actions:
+            if argument.choices is not None and not isinstance(argument.choices, dict):
+                assert {type(choice) for choice in argument.choices} <= {str, int}, argument.dest
+
+
 def test_every_argument_has_a_meaning(reference):
     assert not [line for line in reference.splitlines() if line.startswith("| `") and line.endswith("|  |")]
 

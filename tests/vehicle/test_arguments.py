@@ -85,6 +85,9 @@ LIMITS = [
 def test_an_implausible_target_is_sent_only_if_the_limits_are_overridden(autopilot, text, act):
     async def scenario(harness):
         harness.autopilot.arm()
+        if "at most" in text:
+            harness.autopilot.land()
+            await asyncio.sleep(1)
         await harness.vehicle.get_position()
         with pytest.raises(InvalidArgumentError, match=rf"{text}.* override_limits=True"):
             await act(harness.vehicle)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import CommandDenied
+from mavstack.errors import ActionUnsupported, CommandDenied
 from mavstack.services.message_request.interval import message_id_of
 from mavstack.sim.vehicle_types import VehicleType as SimulatedType
 from mavstack.vehicle import VehicleType
@@ -59,3 +59,28 @@ def test_a_parameter_identifies_a_quadplane_without_vtol_state(state) -> None:
         assert world.simulated.autopilot.mode.name == "QLAND"
 
     fly((SimulatedType.VTOL, ARDUPILOT), flight, prepare=hide_vtol_state)
+
+
+def test_a_quadplane_that_hovers_in_guided_arrives_and_does_not_circle():
+    """With Q_GUIDED_MODE it flies to its destination on the wing, and hovers there."""
+
+    async def scenario(world, vehicle):
+        await vehicle.params.set("Q_GUIDED_MODE", 1)
+        await vehicle.arm()
+        await vehicle.takeoff(40)
+        there = world.simulated.body.frame.to_global(150.0, 60.0, 0.0)[:2]
+        for refused in (
+            lambda: vehicle.orbit(*there, 40, radius=60),
+            lambda: vehicle.goto(*there, 40, radius=60),
+        ):
+            mode = vehicle.mode
+            with pytest.raises(ActionUnsupported, match="hovers at its destination in GUIDED"):
+                await refused()
+            assert vehicle.mode == mode
+        await vehicle.goto(*there, 40)
+        truth = world.simulated.body.truth
+        assert abs(truth.north - 150.0) < 3
+        assert abs(truth.east - 60.0) < 3
+        assert vehicle.vtol_state == common.MavVtolState.MC
+
+    fly((SimulatedType.VTOL, ARDUPILOT), scenario)

@@ -1,6 +1,7 @@
 // Generates what the station knows of MAVLink into src/generated: message classes by `mav gen typescript all`,
-// the commands of missions with their params by `mav dialect show all MAV_CMD`, and the parameters that belong to one
-// vehicle only, of which `mav param load` and the page leave the same ones out.
+// the commands of missions with their params by `mav dialect show all MAV_CMD`, the parameters that belong to one
+// vehicle only, of which `mav param load` and the page leave the same ones out, and the uses of modes, such as those in
+// which a firmware does not arm.
 //
 // Python is the one of the variable MAVSTACK_PYTHON, the project's virtual environment, or `python3`; PYTHONPATH tells
 // where the package is, if not in the folder `src`.
@@ -19,6 +20,10 @@ const OWNED = `import json
 from mavstack.files.parameters import owned_patterns
 print(json.dumps({owner.name: patterns for owner, patterns in owned_patterns().items()}))`;
 
+const MODES = `import json
+from mavstack.vehicle.firmware.mode_facts import mode_facts
+print(json.dumps(mode_facts()))`;
+
 /** Runs Python and returns what it wrote; its errors go to the terminal. */
 function run(...words) {
   const env = { ...process.env, PYTHONPATH: source };
@@ -33,3 +38,4 @@ const mav = (...words) => run('-m', 'mavstack', ...words);
 process.stdout.write(mav('gen', 'typescript', 'all', '-o', generated));
 writeFileSync(join(generated, 'commands.json'), mav('dialect', 'show', 'all', 'MAV_CMD', '--json'));
 writeFileSync(join(generated, 'owned.json'), run('-c', OWNED));
+writeFileSync(join(generated, 'modes.json'), run('-c', MODES));

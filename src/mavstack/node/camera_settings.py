@@ -135,6 +135,7 @@ class CameraSettings(ReadOnly):
             InvalidArgumentError: The definition does not allow the value at present.
             ParameterDenied: The camera refused the value.
             ParameterTimeout: The camera does not answer, or has no such setting.
+            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
         """
         definition, kind = self._definition, None
         updates: tuple[str, ...] = ()
@@ -144,6 +145,8 @@ class CameraSettings(ReadOnly):
         if definition is not None:
             definition.check(name, value, self.values)
         host, client = self._clients.host, self._clients.extended_params
+        if error := host.refusal_of(self._clients.address, f"setting {name} of"):
+            raise error  # the client would read the type of the setting first
         request = client.set(name, value, host.now(), kind=kind, timeout=timeout)
         changed = await host.finish(client, request)
         for other in updates:

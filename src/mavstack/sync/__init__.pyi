@@ -740,6 +740,7 @@ class CameraSettings:
             InvalidArgumentError: The definition does not allow the value at present.
             ParameterDenied: The camera refused the value.
             ParameterTimeout: The camera does not answer, or has no such setting.
+            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
         """
 
 class Ftp:
@@ -2621,7 +2622,8 @@ class Mission(VehiclePlan):
             timeout: Seconds for the whole call; None: until retries are exhausted.
 
         Raises:
-            ActionRefused: The vehicle is not armed, and `arm` is False; nothing was sent.
+            ActionRefused: The vehicle is not armed, and `arm` is False, or it has no mission; nothing but
+                reads was sent.
             CommandDenied: The vehicle refused; it is as it was before.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted its mission mode and did not enter it.
@@ -2651,6 +2653,7 @@ class Mission(VehiclePlan):
             timeout: Seconds for the whole call; None sets no overall limit.
 
         Raises:
+            ActionRefused: It has no mission; nothing but reads was sent.
             CommandDenied: The vehicle refused to be armed, or to start the mission; it is as it was before.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted its mission mode and did not enter it.
@@ -3661,7 +3664,8 @@ class Vehicle:
         Raises:
             InvalidTypeError: An argument is not a number.
             InvalidArgumentError: The altitude is not positive, or implausibly high.
-            ActionRefused: The vehicle is not armed; nothing was sent.
+            ActionRefused: The vehicle is not armed, or it flies and its firmware does not take off then
+                (ArduPilot); nothing was sent.
             CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted a mode and did not enter it.

@@ -6,6 +6,7 @@ from mavstack.dialects import common
 from mavstack.services.arguments import check_numbers
 from mavstack.vehicle.actions import arming, flying
 from mavstack.vehicle.actions.preconditions import check_preconditions
+from mavstack.vehicle.actions.takeoff import takeoff
 from mavstack.vehicle.actions.transition import transition
 from mavstack.vehicle.geography import Location
 from mavstack.vehicle.status_text_capture import with_status_texts
@@ -36,7 +37,8 @@ class FlightActions(VehicleState):
         Raises:
             InvalidTypeError: An argument is not a number.
             InvalidArgumentError: The altitude is not positive, or implausibly high.
-            ActionRefused: The vehicle is not armed; nothing was sent.
+            ActionRefused: The vehicle is not armed, or it flies and its firmware does not take off then
+                (ArduPilot); nothing was sent.
             CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted a mode and did not enter it.
@@ -46,7 +48,7 @@ class FlightActions(VehicleState):
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
         """
-        await flying.takeoff(self, altitude, override_limits=override_limits, wait=wait, timeout=timeout)
+        await takeoff(self, altitude, override_limits=override_limits, wait=wait, timeout=timeout)
 
     async def land(self, *, wait: bool = True, timeout: float | None = None) -> None:
         """Land at the present position; an ArduPilot plane lands where its mission tells it to.

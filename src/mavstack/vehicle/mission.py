@@ -23,7 +23,7 @@ from mavstack.services.mission import PlanType
 from mavstack.vehicle.action_monitor import ActionGoal, ActionMonitor
 from mavstack.vehicle.actions import arming
 from mavstack.vehicle.actions.arming import enter_waiting_mode
-from mavstack.vehicle.actions.preconditions import check_preconditions
+from mavstack.vehicle.actions.preconditions import check_preconditions, refusal
 from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import firmware_of
 from mavstack.vehicle.firmware.changes import Changes, undone_on_failure
@@ -45,6 +45,8 @@ STALL_TIMEOUT: Final = 1800.0
 PROGRESS_RATE: Final = 1.0
 #: A mission that begins farther from the vehicle gets a warning, in metres.
 MAX_FIRST_DISTANCE: Final = 10_000.0
+#: The total of MISSION_CURRENT of a vehicle without a mission.
+NO_MISSION: Final = 0xFFFF
 _CMD: Final = common.MavCmd
 _LANDINGS: Final = frozenset(
     {_CMD.NAV_LAND, _CMD.NAV_VTOL_LAND, _CMD.NAV_RETURN_TO_LAUNCH, _CMD.NAV_LAND_LOCAL}
@@ -255,7 +257,8 @@ class Mission(VehiclePlan):
             timeout: Seconds for the whole call; None: until retries are exhausted.
 
         Raises:
-            ActionRefused: The vehicle is not armed, and `arm` is False; nothing was sent.
+            ActionRefused: The vehicle is not armed, and `arm` is False, or it has no mission; nothing but
+                reads was sent.
             CommandDenied: The vehicle refused; it is as it was before.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted its mission mode and did not enter it.
@@ -265,7 +268,27 @@ class Mission(VehiclePlan):
         vehicle, operation = self._vehicle, "starting the mission of"
         check_preconditions(vehicle, "mission fly" if arm else "mission start", operation)
         async with deadline(timeout, operation, vehicle.address):
+            await self._refuse_if_empty(operation)
             await self._start(arm=arm)
+
+    async def _refuse_if_empty(self, operation: str) -> None:
+        """Raise if there is nothing to fly: ArduPlane would return to home, armed on the ground too."""
+        empty = self._is_empty
+        if empty or (empty is None and self._plans.home_first):
+            await self.download()  # another program may have sent a mission since
+            if self._is_empty:
+                reason = "it has no mission; upload one first"
+                raise refusal(self._vehicle, operation, reason)
+
+    @property
+    def _is_empty(self) -> bool | None:
+        """True if the vehicle has no item that it can fly; None if that is not known."""
+        if self._plan is not None:
+            return len(self._plan) <= int(self._plans.home_first)
+        progress = self.progress
+        if progress is None or not progress.total:
+            return None
+        return progress.state == common.MissionState.NO_MISSION or progress.total == NO_MISSION
 
     async def _start(self, *, arm: bool) -> None:
         """Arm if needed, and enter the mission; reverse both if a step fails."""
@@ -306,6 +329,7 @@ class Mission(VehiclePlan):
             timeout: Seconds for the whole call; None sets no overall limit.
 
         Raises:
+            ActionRefused: It has no mission; nothing but reads was sent.
             CommandDenied: The vehicle refused to be armed, or to start the mission; it is as it was before.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted its mission mode and did not enter it.
@@ -324,6 +348,7 @@ class Mission(VehiclePlan):
         async with ActionMonitor(vehicle, operation, timeout) as monitor:
             if self.count is None and (self._plans.home_first or not (self.progress and self.progress.total)):
                 await self.download()  # MISSION_CURRENT does not tell the last item of older firmwares
+            await self._refuse_if_empty(operation)
             await vehicle.telemetry.ensure(common.MissionCurrent, PROGRESS_RATE)
             async with self.reached_items() as reached:
                 await self._start(arm=True)

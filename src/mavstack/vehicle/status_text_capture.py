@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from typing import TYPE_CHECKING, Final, Protocol, TypeVar
 
 from mavstack.dialects import common
-from mavstack.errors import RemoteDenied, RemoteError
+from mavstack.errors import ModeTimeout, RemoteDenied, RemoteError
 from mavstack.services.statustext import StatusText
 
 if TYPE_CHECKING:
@@ -34,6 +34,8 @@ REASON_SPAN = 0.1
 #: says by a text of severity INFO why a servo output cannot be set.
 MIN_SEVERITY = common.MavSeverity.WARNING
 MAX_TEXTS = 6
+#: Warnings without a reason: the reason is in a less severe text before them (ArduRover).
+_WITHOUT_REASON: Final = frozenset({"Flight mode change failed"})
 
 
 class StatusTextSource(Protocol):
@@ -116,9 +118,15 @@ async def with_status_texts(vehicle: StatusTextSource, operation: Coroutine[Any,
         try:
             return await operation
         except RemoteError as error:
-            remarks: tuple[str, ...] = ()
+            remarks = capture.remarks if isinstance(error, RemoteDenied | ModeTimeout) else ()
             if isinstance(error, RemoteDenied):
-                remarks = capture.remarks
                 await capture.wait_for_warning(REASON_TIMEOUT)
-            error.status_texts = error.status_texts or capture.warnings or remarks
+            error.status_texts = _reasons(remarks, error.status_texts or capture.warnings)
             raise
+
+
+def _reasons(remarks: tuple[str, ...], warnings: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the texts that give the reason; some warnings say only that the request failed."""
+    if _WITHOUT_REASON.issuperset(warnings):
+        return (*(text for text in remarks if text not in warnings), *warnings)
+    return warnings

@@ -44,3 +44,15 @@ def test_the_shell_lists_and_completes_the_same_names(kind, capsys):
         assert set(candidates) <= set((await complete(session, ""))[0]), "a mode is a command too"
 
     in_shell(kind, scenario)
+
+
+def test_numbers_without_a_use_are_left_out(simulate, mav, monkeypatch):
+    simulate((VehicleType.COPTER, Firmware.PX4))
+
+    async def older(self, *, timeout=None):
+        return self._documented_modes()  # the firmware does not list its modes
+
+    monkeypatch.setattr("mavstack.node.modes.Modes.list", older)
+    names = [line[2:].split()[0] for line in mav("vehicle", "modes").out.splitlines()]
+    assert {"LOITER", "MISSION", "OFFBOARD", "TERMINATION"} <= set(names)
+    assert not {"AUTO", "READY", "RATTITUDE", "SIMPLE", "EXTERNAL1", "EXTERNAL8"} & set(names)

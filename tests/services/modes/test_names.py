@@ -6,7 +6,14 @@ import pytest
 from pymavlink import mavutil
 
 from mavstack.dialects import common
-from mavstack.services.modes import mode_name, mode_names, mode_number, px4_custom_mode, px4_modes_of
+from mavstack.services.modes import (
+    is_placeholder,
+    mode_name,
+    mode_names,
+    mode_number,
+    px4_custom_mode,
+    px4_modes_of,
+)
 
 ARDUPILOT, PX4 = common.MavAutopilot.ARDUPILOTMEGA, common.MavAutopilot.PX4
 T = common.MavType
@@ -74,3 +81,23 @@ def test_what_is_unknown_has_no_name():
     assert mode_name(ARDUPILOT, T.GIMBAL, 1) is None
     assert mode_name(common.MavAutopilot.GENERIC, T.QUADROTOR, 1) is None
     assert mode_number(ARDUPILOT, T.QUADROTOR, "QLOITER") is None
+
+
+@pytest.mark.parametrize(
+    ("autopilot", "name", "expected"),
+    [
+        (PX4, "mode 17", True),
+        (PX4, "Mode 17", True),
+        (PX4, "EXTERNAL3", True),
+        (PX4, "Reserved (5)", True),
+        (PX4, "AUTO", True),
+        (PX4, "READY", True),
+        (PX4, "LOITER", False),
+        (PX4, "Precision search", False),
+        (ARDUPILOT, "INITIALIZING", True),
+        (ARDUPILOT, "AUTO", False),
+        (ARDUPILOT, "SIMPLE", False),
+    ],
+)
+def test_placeholders_of_lists_of_modes(autopilot, name, expected):
+    assert is_placeholder(autopilot, name) is expected

@@ -203,3 +203,29 @@ def test_a_mission_follows_the_terrain(kind, leg, error):
     assert min(on_the_way) > 40 - error
     assert max(on_the_way) < 40 + error
     assert max(flown) - min(flown) > 10
+
+
+def test_a_copter_that_lacks_the_terrain_of_its_mission_returns():
+    one = vehicle().run(30).load_terrain()
+    one.load(*(waypoint(one, 300 * number, 40) for number in (1, 2, 3, 4)))
+    one.load_terrain().place_in_air("AUTO").run(3)
+    one.serves = False
+    one.vehicle.terrain.clear()
+    one.run(4)
+    assert one.mode == "AUTO"
+    one.run_until(lambda: one.mode == "RTL", timeout=10)
+    assert any(
+        message.text == "Failsafe: Terrain data missing" for message in one.received_of(common.Statustext)
+    )
+
+
+def test_a_mission_above_home_needs_no_terrain():
+    one = vehicle().run(30).load_terrain()
+    latitude, longitude = one.place(900)
+    frame = FRAME.GLOBAL_RELATIVE_ALT
+    one.load(MissionItem(CMD.NAV_WAYPOINT, param5=latitude, param6=longitude, param7=40.0, frame=frame))
+    one.place_in_air("AUTO").run(3)
+    one.serves = False
+    one.vehicle.terrain.clear()
+    one.run(12)
+    assert one.mode == "AUTO"

@@ -6,13 +6,17 @@ import asyncio
 
 import pytest
 
+from mavstack.dialects import common
 from mavstack.errors import ActionRefused, CommandDenied, CommandTimeout, HealthTimeout
+from mavstack.services.modes import mode_names
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.vehicle.firmware.changes import Changes, undone_on_failure
 from tests.vehicle.failures.scripted_autopilot import ARDUPILOT as SCRIPTED_ARDUPILOT
 from tests.vehicle.failures.scripted_autopilot import CMD, RESULT, run_scenario
+from tests.vehicle.failures.scripted_autopilot import PX4 as SCRIPTED_PX4
 from tests.vehicle.world import ALL, ARDUPILOT, PX4, fly, kind_name
 
+T = common.MavType
 COPTER, PX4_COPTER = (VehicleType.COPTER, ARDUPILOT), (VehicleType.COPTER, PX4)
 PLANE, ROVER = (VehicleType.PLANE, ARDUPILOT), (VehicleType.ROVER, ARDUPILOT)
 #: The modes in which simulated firmwares do not arm, and the mode that arming enters instead.
@@ -209,6 +213,8 @@ def test_a_cancelled_call_is_reversed():
     async def scenario(harness):
         autopilot, vehicle = harness.autopilot, harness.vehicle
         autopilot.commands.server.support(CMD.NAV_TAKEOFF, lambda request: RESULT.IN_PROGRESS)
+        autopilot.land()
+        await asyncio.sleep(1)
         rising = asyncio.create_task(vehicle.takeoff(10))
         await asyncio.sleep(1.5)
         assert vehicle.mode == "GUIDED"
@@ -228,5 +234,53 @@ def test_every_type_waits_armed_in_a_mode_of_its_own(kind):
         await vehicle.set_mode(mode)
         assert firmware.allows_arming(mode)
         assert not firmware.starts_by_itself(mode)
+
+    fly(kind, scenario)
+
+
+@pytest.mark.parametrize(
+    ("autopilot", "kind", "mode"),
+    [
+        *((SCRIPTED_ARDUPILOT, T.QUADROTOR, mode) for mode in ("AVOID_ADSB", "SYSTEMID", "AUTOROTATE")),
+        *((SCRIPTED_ARDUPILOT, T.QUADROTOR, mode) for mode in ("BRAKE", "CIRCLE", "FLIP", "FOLLOW")),
+        *((SCRIPTED_ARDUPILOT, T.VTOL_TILTROTOR, mode) for mode in ("QLAND", "QRTL", "RTL")),
+        *((SCRIPTED_ARDUPILOT, T.GROUND_ROVER, mode) for mode in ("RTL", "SMART_RTL")),
+        *((SCRIPTED_PX4, T.QUADROTOR, mode) for mode in ("FOLLOW_TARGET", "ORBIT", "PRECLAND")),
+    ],
+)
+def test_health_reports_that_the_firmware_does_not_arm(autopilot, kind, mode):
+    async def scenario(harness):
+        harness.autopilot.arm(False)
+        harness.autopilot.enter(mode)
+        await asyncio.sleep(1)
+        health = harness.vehicle.health
+        assert health.ready is False
+        assert str(health.problems[0]) == f"its firmware does not arm in mode {mode}"
+
+    run_scenario(scenario, autopilot=autopilot, kind=kind)
+
+
+@pytest.mark.parametrize(
+    ("mode", "arms"),
+    [("FBWA", False), ("QLOITER", True), ("QLAND", False), ("GUIDED", True), ("AUTO", True), ("RTL", False)],
+)
+def test_a_quadplane_may_arm_in_its_own_modes_only(mode, arms):
+    """Bit 18 of Q_OPTIONS; AUTO starts by itself, and GUIDED does not look at the bit."""
+
+    async def scenario(harness):
+        harness.autopilot.parameters.add("Q_OPTIONS", float(1 << 18))
+        await harness.vehicle.params.get("Q_OPTIONS")
+        assert harness.vehicle.firmware.allows_arming(mode) is arms
+
+    run_scenario(scenario, autopilot=SCRIPTED_ARDUPILOT, kind=T.VTOL_TILTROTOR)
+
+
+@pytest.mark.parametrize("kind", ALL, ids=kind_name)
+def test_the_simulated_firmware_arms_in_the_same_modes(kind):
+    async def scenario(world, vehicle):
+        info = vehicle.component.info
+        for mode in world.simulated.profile.modes:
+            name = mode_names(info.autopilot, info.type).get(mode.number, mode.name)
+            assert vehicle.firmware.allows_arming(name) is mode.may_arm, name
 
     fly(kind, scenario)

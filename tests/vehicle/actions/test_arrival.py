@@ -15,6 +15,7 @@ from mavstack.services.version import FirmwareVersion
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.vehicle.geography import offset_location
 from mavstack.vehicle.guided_session import STANDING_STILL
+from tests.vehicle.failures.scripted_autopilot import ARDUPILOT as SCRIPTED_ARDUPILOT
 from tests.vehicle.failures.scripted_autopilot import run_scenario
 from tests.vehicle.world import ALL, ARDUPILOT, PX4, fly, kind_name
 
@@ -173,6 +174,53 @@ def test_a_rover_arrives_whatever_altitude_its_firmware_reports(kind):
         check(Measured(world), (kind, ARDUPILOT))
 
     fly((kind, ARDUPILOT), scenario, version=FirmwareVersion(4, 1))
+
+
+def drive(harness, *ways, interval=0.25):
+    """Let the scripted rover be at distances in metres south of the place `HERE`, one after the other."""
+
+    async def go():
+        for away in ways:
+            harness.autopilot.speed = 2.0 if away != ways[-1] else 0.0
+            harness.autopilot.latitude = offset_location(*HERE, -away, 0.0)[0]
+            harness.autopilot.longitude = HERE[1]
+            await asyncio.sleep(interval)
+
+    return go()
+
+
+HERE = (47.397742, 8.545594)
+
+
+def test_a_rover_that_brakes_behind_its_radius_has_arrived():
+    """A real ArduRover enters WP_RADIUS at speed and stands 0.8 m behind it."""
+
+    async def scenario(harness):
+        harness.autopilot.parameters.add("WP_RADIUS", 3.0)
+        await drive(harness, 20.0, interval=1.0)
+        going = asyncio.create_task(harness.vehicle.goto(*HERE))
+        await drive(harness, *(18.0 - step for step in range(18)), -1.0, -2.5, -3.8, interval=0.5)
+        await asyncio.sleep(2.0)
+        assert not going.done()
+        await asyncio.wait_for(going, 5)
+
+    run_scenario(scenario, autopilot=SCRIPTED_ARDUPILOT, kind=common.MavType.GROUND_ROVER)
+
+
+@pytest.mark.parametrize(("stand", "options"), [(4.0, {}), (-3.8, {"tolerance": 3.0}), (-9.5, {})])
+def test_a_rover_that_stops_elsewhere_has_not(stand, options):
+    """Before it came near, farther away than it brakes, or with a tolerance that was asked for."""
+
+    async def scenario(harness):
+        harness.autopilot.parameters.add("WP_RADIUS", 3.0)
+        await drive(harness, 20.0, interval=1.0)
+        going = asyncio.create_task(harness.vehicle.goto(*HERE, **options))
+        steps = [18.0 - step for step in range(30) if 18.0 - step > stand]
+        await drive(harness, *steps, stand, interval=0.5)
+        with pytest.raises(ActionTimeout, match="m away, the tolerance is 3 m"):
+            await asyncio.wait_for(going, 60)
+
+    run_scenario(scenario, autopilot=SCRIPTED_ARDUPILOT, kind=common.MavType.GROUND_ROVER)
 
 
 @pytest.mark.parametrize("kind", SURFACE, ids=kind_name)

@@ -40,6 +40,7 @@ from tests.vehicle.failures.scripted_autopilot import CMD, ScriptedHarness
 
 async def on_ground(harness: ScriptedHarness) -> None:
     harness.autopilot.altitude = 0.0
+    harness.autopilot.land()
 
 
 async def disarmed(harness: ScriptedHarness) -> None:

@@ -109,7 +109,7 @@ class ScriptedAutopilot(VehicleWithAllServices):
         self.on_refusal: Callable[[], None] = lambda: None
         self.executes = True  # False: it acknowledges commands and does nothing
         self.silent = False
-        self.altitude, self.heading = 20.0, 0.0
+        self.altitude, self.heading, self.speed = 20.0, 0.0, 0.0
         self.latitude, self.longitude = 47.397742, 8.545594
         self.landed = common.MavLandedState.IN_AIR
         self.ready = True
@@ -131,6 +131,10 @@ class ScriptedAutopilot(VehicleWithAllServices):
         assert number is not None, mode
         self.modes._current = self.modes._named(number)
         self._show_mode(number)
+
+    def land(self) -> None:
+        """Stand on the ground from the next EXTENDED_SYS_STATE on."""
+        self.landed = common.MavLandedState.ON_GROUND
 
     def arm(self, armed: bool = True) -> None:
         self._heartbeat.base_mode = ARMED if armed else common.MavModeFlag.CUSTOM_MODE_ENABLED
@@ -202,6 +206,7 @@ class ScriptedAutopilot(VehicleWithAllServices):
             lon=round(self.longitude * 1e7),
             alt=round((self.altitude + 488) * 1000),
             relative_alt=round(self.altitude * 1000),
+            vx=round(self.speed * 100),
             hdg=round(self.heading * 100),
         )
 

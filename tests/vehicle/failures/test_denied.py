@@ -159,6 +159,8 @@ def test_each_text_once_and_the_last_ones():
 def test_ardupilots_text_for_a_refused_mode():
     async def scenario(harness):
         harness.autopilot.modes._may_enter = lambda mode, source: "requires position"
+        harness.autopilot.land()
+        await asyncio.sleep(1)
         with pytest.raises(CommandDenied) as denied:
             await harness.vehicle.takeoff(10)
         assert denied.value.code == RESULT.FAILED

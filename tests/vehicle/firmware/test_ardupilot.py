@@ -11,6 +11,7 @@ from mavstack.dialects import common
 from mavstack.errors import ActionRefused, ActionUnsupported, CommandDenied, RemoteError
 from mavstack.vehicle.firmware.ardupilot import ArduPilot
 from mavstack.vehicle.geography import offset_location
+from tests.vehicle.failures.rows import ITEMS
 from tests.vehicle.failures.scripted_autopilot import ARDUPILOT, CMD, RESULT, run_scenario
 from tests.vehicle.firmware.received_requests import HERE, INT, LONG, NAN, THERE, mode, requests_of
 
@@ -94,6 +95,12 @@ ASKED = [
 )
 def test_each_vehicle_type(kind, act, wanted):
     async def scenario(harness):
+        if wanted[0] in (mode(3), mode(10)):  # AUTO
+            await harness.vehicle.mission.upload(ITEMS)
+            harness.autopilot.received.clear()
+        if wanted[-1][1] == "NAV_TAKEOFF":
+            harness.autopilot.land()
+            await asyncio.sleep(1)
         await act(harness.vehicle)
         assert requests_of(harness) == wanted
         assert type(harness.vehicle.firmware) is ArduPilot
@@ -123,6 +130,8 @@ def test_unsupported_actions_send_nothing(kind, what, act):
 def test_a_plane_takes_off_by_its_mode():
     async def scenario(harness):
         harness.autopilot.parameters.add("TKOFF_ALT", 50.0)
+        harness.autopilot.land()
+        await asyncio.sleep(1)
         await harness.vehicle.takeoff(80, wait=False)
         asked = [each for each in requests_of(harness) if each[1] != "REQUEST_MESSAGE"]
         assert asked == [("set", "TKOFF_ALT", 80), mode(13)]
@@ -249,9 +258,12 @@ def test_a_plane_has_taken_off_a_little_below_the_altitude():
         harness.autopilot.parameters.add("TKOFF_ALT", 50.0)
         harness.autopilot.arm()
         harness.autopilot.altitude = 0.0
+        harness.autopilot.land()
+        await asyncio.sleep(1)
         rising = asyncio.create_task(harness.vehicle.takeoff(60))
         await asyncio.sleep(10)
         assert not rising.done()
+        harness.autopilot.landed = common.MavLandedState.IN_AIR
         harness.autopilot.altitude = 56.5
         await asyncio.wait_for(rising, 3)
 

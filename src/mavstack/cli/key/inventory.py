@@ -55,7 +55,9 @@ def add_remove(actions: Actions) -> None:
     action = actions.add("remove", "remove a key from this machine; vehicles keep it", remove)
     action.add_argument("name", metavar="NAME", help="name of the key")
     action.add_argument(
-        "--kind", choices=[*Kind], help="the kind of the key, if a signing and a sealed one have this name"
+        "--kind",
+        choices=[kind.value for kind in Kind],
+        help="the kind of the key, if a signing and a sealed one have this name",
     )
     add_yes_option(action)
     action.add_argument("--json", action="store_true", help="print JSON")

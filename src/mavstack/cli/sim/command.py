@@ -107,7 +107,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     add(
         "--terrain",
-        choices=tuple(TerrainSource),
+        choices=[source.value for source in TerrainSource],
         default=TerrainSource.FLAT,
         help="heights of the terrain: flat ground, or requests to ground stations (ArduPilot; default: flat)",
     )

@@ -37,7 +37,9 @@ def add_actions(actions: Actions) -> None:
     """Declare the action."""
     summary = "calibrate a sensor, the radio control or the motors"
     action = add_timed(actions, "calibrate", summary, calibrate, fleet=False)
-    action.add_argument("kind", nargs="?", choices=tuple(CalibrationKind), metavar="KIND", help=_KINDS)
+    action.add_argument(
+        "kind", nargs="?", choices=[kind.value for kind in CalibrationKind], metavar="KIND", help=_KINDS
+    )
     action.add_argument("--cancel", action="store_true", help="cancel the calibration that runs")
     action.add_argument(
         "--pause",

@@ -14,6 +14,7 @@ from mavstack.cli.common.selection import (
 )
 from mavstack.cli.common.wrapping import terminal_columns
 from mavstack.cli.vehicle.info import gather_facts, health_facts, health_lines, page
+from mavstack.services.modes import is_placeholder
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -26,12 +27,13 @@ def modes(arguments: Namespace) -> int:
     """Run `mav vehicle modes`."""
 
     async def show(vehicle: Vehicle) -> None:
-        found = await vehicle.modes.list()
+        listed = await vehicle.modes.list()
+        found = [each for each in listed if not is_placeholder(vehicle.autopilot, each.name)]
         rows = [(each.name, each.custom_mode, each.selectable) for each in found]
         if arguments.json:
             keys = ("name", "custom_mode", "selectable")
-            listed = [dict(zip(keys, row, strict=True)) for row in rows]
-            echo_json({"system": vehicle.system, "mode": vehicle.mode, "modes": listed})
+            modes = [dict(zip(keys, row, strict=True)) for row in rows]
+            echo_json({"system": vehicle.system, "mode": vehicle.mode, "modes": modes})
             return
         if selects_several(arguments):
             echo(f"vehicle {vehicle.system}:")

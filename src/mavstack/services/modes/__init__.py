@@ -4,6 +4,7 @@ from mavstack.services.modes.available import AvailableMode
 from mavstack.services.modes.client import ListModes, SetMode, SetStandardMode, name_in
 from mavstack.services.modes.monitor import ModeMonitor, ModeSeen, ModesOutdated
 from mavstack.services.modes.names import (
+    is_placeholder,
     listed_name,
     mode_name,
     mode_names,
@@ -24,6 +25,7 @@ __all__ = [
     "ModesOutdated",
     "SetMode",
     "SetStandardMode",
+    "is_placeholder",
     "listed_name",
     "mode_name",
     "mode_names",

@@ -14,6 +14,7 @@ own tools are accepted too.
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
@@ -104,6 +105,19 @@ _OTHER_PX4_NAMES: Final[Mapping[str, str]] = MappingProxyType(
         "FOLLOWME": "FOLLOW_TARGET",
     }
 )
+
+#: Names of numbers that stand for no mode that a user enters: a main mode without its sub mode, modes of
+#: earlier versions, external modes without a name, and a vehicle that starts.
+_PX4_PLACEHOLDERS: Final = frozenset({"AUTO", "READY", "RATTITUDE", "SIMPLE"})
+_ARDUPILOT_PLACEHOLDERS: Final = frozenset({"INITIALIZING"})
+#: A mode that has a number for a name: "mode 17", "EXTERNAL3", "Reserved 5".
+_NUMBER_ONLY: Final = re.compile(r"(mode|external|reserved|unused|unknown)?[ _]*\(?\d*\)?", re.IGNORECASE)
+
+
+def is_placeholder(autopilot: int, name: str) -> bool:
+    """Return whether a name of a list of modes stands for a number without a use."""
+    placeholders = _PX4_PLACEHOLDERS if autopilot == PX4 else _ARDUPILOT_PLACEHOLDERS
+    return name in placeholders or _NUMBER_ONLY.fullmatch(name) is not None
 
 
 def px4_custom_mode(main: int, sub: int = 0) -> int:

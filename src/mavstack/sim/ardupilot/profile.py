@@ -11,6 +11,7 @@ from mavstack.sim.ardupilot.arming import PreArmReporter, arming_problems, prear
 from mavstack.sim.ardupilot.avoidance import enable_avoidance
 from mavstack.sim.ardupilot.behaviours import RegionOfInterestYaw, ReturnPath, return_path_of
 from mavstack.sim.ardupilot.commands import origin_of, register_commands
+from mavstack.sim.ardupilot.empty_mission import EmptyMission
 from mavstack.sim.ardupilot.external_gps import register_external_gps
 from mavstack.sim.ardupilot.failsafes import ArdupilotFailsafes
 from mavstack.sim.ardupilot.flight_parameters import flight_parameters_of
@@ -94,6 +95,8 @@ class ArdupilotProfile(FirmwareProfile):
         watch_home(autopilot, self.vehicle_type)
         autopilot.watches.append(PreArmReporter(autopilot))
         autopilot.watches.append(BootTexts(autopilot))
+        if self.vehicle_type in (VehicleType.PLANE, VehicleType.VTOL):
+            autopilot.watches.append(EmptyMission(autopilot))
         ArdupilotFailsafes(autopilot, self.mode_failure)
         autopilot.watches.append(ModeSwitch(autopilot, self.mode_failure))
         SimulationParameters(vehicle)

@@ -2,6 +2,8 @@
 
     hovers, dives, drives   within the tolerance of the place, and of the altitude if it has one, and settled:
                             slow for a second, or within the tolerance for `LINGERING_TIME`
+                            drives, and no tolerance was asked for: it was within the tolerance, and stands
+                            still beside it, since it brakes only there
     flies on its wing       on a circle around the place, within the tolerance of the altitude; or within a
                             tolerance that was asked for, since then passing the place is enough
 
@@ -34,6 +36,10 @@ if TYPE_CHECKING:
 
 #: The time in which a vehicle has to be slow within its tolerance, in seconds.
 SETTLED_TIME: Final = 1.0
+#: A rover brakes when it enters its stopping radius; one that stands still for this time in seconds, at a
+#: distance of up to this multiple of the tolerance, does not come nearer.
+STANDING_TIME: Final = 3.0
+_BRAKING_FACTOR: Final = 3.0
 #: A vehicle that stays within its tolerance for so long has arrived though it is not slow, in seconds: a boat
 #: in waves, a copter in gusts.
 LINGERING_TIME: Final = 15.0
@@ -134,6 +140,8 @@ class Arrival:
         self._asked = asked
         self._settled = SustainedCondition(vehicle, SETTLED_TIME)
         self._lingering = SustainedCondition(vehicle, LINGERING_TIME)
+        self._standing = SustainedCondition(vehicle, STANDING_TIME)
+        self._entered = False
         self.circle = CircleTracker(vehicle)
 
     def reached(self) -> bool:
@@ -198,7 +206,15 @@ class Arrival:
         near = away is not None and away <= limits.ground
         near = near and height is not None and height <= (inf if limits.height is None else limits.height)
         settled = self._settled.update(near and self._is_slow())
-        return self._lingering.update(near) or settled
+        return self._lingering.update(near) or settled or self._stands_beside(away)
+
+    def _stands_beside(self, away: float | None) -> bool:
+        """Return whether a vehicle that drives has stopped after it reached the place."""
+        if away is None or self._tolerance.height is not None or self._asked is not None:
+            return False
+        self._entered = self._entered or away <= self._tolerance.ground
+        near = self._entered and away <= _BRAKING_FACTOR * self._tolerance.ground
+        return self._standing.update(near and self._is_slow())
 
     def _is_slow(self) -> bool:
         speed, climb = self._vehicle.ground_speed, self._vehicle.climb_rate

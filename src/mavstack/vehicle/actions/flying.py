@@ -1,11 +1,9 @@
-"""Taking off, landing, returning, going somewhere: requested as the firmware wants it, and monitored.
+"""Landing, returning, going somewhere: requested as the firmware wants it, and monitored.
 
 Preconditions are checked before anything is sent (`preconditions`), and the steps of a request that fails are
 reversed (`firmware.changes`). An action is complete when the telemetry shows it, not when the firmware
 acknowledges it:
 
-    takeoff   within half a metre of the altitude and settled there; settled for longer, within a metre or
-              a twentieth of it; a plane: from 3 metres or a sixteenth below it
     land      on the ground and disarmed, or on the ground for a while
     rtl       the same; a vehicle that does not land there: arrived at home (see `arrival`)
     goto      arrived: settled within the tolerance; a wing: on the circle around the location
@@ -21,7 +19,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import InvalidArgumentError, RemoteError
 from mavstack.services.arguments import check_number, check_numbers
-from mavstack.vehicle.action_monitor import MIN_PROGRESS, STALL_TIMEOUT, ActionGoal, ActionMonitor
+from mavstack.vehicle.action_monitor import MIN_PROGRESS, STALL_TIMEOUT, ActionGoal
 from mavstack.vehicle.actions.arrival import (
     Arrival,
     Tolerance,
@@ -29,37 +27,26 @@ from mavstack.vehicle.actions.arrival import (
     default_tolerance,
     tolerance_of,
 )
-from mavstack.vehicle.actions.conditions import LandingDetector, Settled, SustainedCondition
+from mavstack.vehicle.actions.conditions import LandingDetector, SustainedCondition
 from mavstack.vehicle.actions.limits import (
     check_location,
-    check_takeoff,
     check_target,
     explain_far_target,
 )
 from mavstack.vehicle.actions.orbiting import Orbiting
 from mavstack.vehicle.actions.preconditions import check_preconditions
 from mavstack.vehicle.actions.quadplane import detect_quadplane
+from mavstack.vehicle.actions.running import relative_altitude_of, run_action
 from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import firmware_of
-from mavstack.vehicle.firmware.changes import undone_on_failure
 from mavstack.vehicle.geography import Location, offset_location
 from mavstack.vehicle.status_text_capture import with_status_texts
 from mavstack.vehicle.vehicle_type import VehicleType, flies_on_wing
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine
-    from typing import Any
-
     from mavstack.vehicle.firmware.changes import Changes
     from mavstack.vehicle.vehicle_state import VehicleState
 
-#: The distance to the altitude of a takeoff within which a vehicle that hovers has reached it, in metres.
-TAKEOFF_TOLERANCE: Final = 0.5
-#: It has settled when its altitude changed by less than the span for so long, in metres and seconds; one that
-#: settles farther away, since its estimate of home drifts, needs the longer time.
-TAKEOFF_SETTLING_SPAN: Final = 0.3
-TAKEOFF_SETTLING_TIME: Final = 1.0
-TAKEOFF_RESTING_TIME: Final = 6.0
 _HEADING_TOLERANCE: Final = 5.0
 #: A vehicle that circles home for so long is not going to land, in seconds: some quadplanes do not.
 CIRCLING_TIME: Final = 30.0
@@ -71,62 +58,6 @@ _RETURN_STALL_TIMEOUT: Final = 90.0
 _PATTERN_STALL_TIMEOUT: Final = 600.0
 
 
-async def _run(
-    vehicle: VehicleState,
-    operation: str,
-    request: Coroutine[Any, Any, None],
-    goal: Callable[[], ActionGoal],
-    *,
-    changes: Changes,
-    wait: bool,
-    timeout: float | None,
-) -> None:
-    """Request an action, reverse the steps of a request that fails, and wait until its goal is reached."""
-    try:
-        async with ActionMonitor(vehicle, operation, timeout) as monitor:
-            async with undone_on_failure(changes):
-                await with_status_texts(vehicle, request)
-            if wait:
-                await monitor.wait_until_reached(goal())
-    finally:
-        request.close()  # if it was never awaited
-
-
-async def takeoff(
-    vehicle: VehicleState, altitude: float, *, override_limits: bool, wait: bool, timeout: float | None
-) -> None:
-    """Take off to an altitude in metres above home."""
-    check_takeoff(altitude, override_limits=override_limits)
-    operation = f"takeoff to {altitude:g} m of"
-    check_preconditions(vehicle, "takeoff", operation)
-    await detect_quadplane(vehicle)
-    firmware = firmware_of(vehicle)
-    wing = vehicle.vehicle_type is VehicleType.PLANE
-    # ArduPlane ends its climb some metres below the altitude, which it counts from the start, not from home.
-    tolerance = max(3.0, altitude / 16) if wing else max(1.0, altitude / 20)
-    near = Settled(vehicle, TAKEOFF_SETTLING_TIME, TAKEOFF_SETTLING_SPAN)
-    at_rest = Settled(vehicle, TAKEOFF_RESTING_TIME, TAKEOFF_SETTLING_SPAN)
-
-    def remaining() -> float | None:
-        height = _relative_altitude(vehicle)
-        if height is None:
-            return None
-        return max(altitude - height, 0.0) if wing else abs(altitude - height)
-
-    def reached() -> bool:
-        rest, height = remaining(), _relative_altitude(vehicle)
-        if wing or rest is None:
-            return rest is not None and rest <= tolerance
-        settled = near.update(height if rest <= TAKEOFF_TOLERANCE else None)
-        return at_rest.update(height if rest <= tolerance else None) or settled
-
-    goal = ActionGoal(reached, remaining, modes=firmware.modes_of("takeoff"), armed=True)
-    request = firmware.takeoff(altitude)
-    await _run(
-        vehicle, operation, request, lambda: goal, changes=firmware.changes, wait=wait, timeout=timeout
-    )
-
-
 async def land(vehicle: VehicleState, *, wait: bool, timeout: float | None) -> None:
     """Land, and wait until the motors stand still."""
     check_preconditions(vehicle, "land", "landing")
@@ -135,11 +66,11 @@ async def land(vehicle: VehicleState, *, wait: bool, timeout: float | None) -> N
     plane = vehicle.vehicle_type is VehicleType.PLANE
     goal = ActionGoal(
         LandingDetector(vehicle).has_landed,
-        lambda: _relative_altitude(vehicle),
+        lambda: relative_altitude_of(vehicle),
         modes=firmware.modes_of("land"),
         stall_timeout=_PATTERN_STALL_TIMEOUT if plane else STALL_TIMEOUT,
     )
-    await _run(
+    await run_action(
         vehicle,
         "landing",
         firmware.land(),
@@ -172,7 +103,7 @@ async def rtl(vehicle: VehicleState, *, tolerance: float | None, wait: bool, tim
 
     def remaining() -> float | None:
         away = arrival.remaining()
-        height = _relative_altitude(vehicle) if kind.flies else 0.0
+        height = relative_altitude_of(vehicle) if kind.flies else 0.0
         return None if away is None or height is None else away + abs(height)
 
     circling = SustainedCondition(vehicle, CIRCLING_TIME)
@@ -195,7 +126,9 @@ async def rtl(vehicle: VehicleState, *, tolerance: float | None, wait: bool, tim
             detail=arrival.detail,
         )
 
-    await _run(vehicle, operation, request(), goal, changes=firmware.changes, wait=wait, timeout=timeout)
+    await run_action(
+        vehicle, operation, request(), goal, changes=firmware.changes, wait=wait, timeout=timeout
+    )
 
 
 async def move(
@@ -271,7 +204,7 @@ async def goto(
     )
     request = firmware.goto(location, yaw=yaw, radius=radius)
     with explain_far_target(vehicle, location):
-        await _run(
+        await run_action(
             vehicle, operation, request, lambda: goal, changes=firmware.changes, wait=wait, timeout=timeout
         )
 
@@ -327,7 +260,7 @@ async def orbit(
         failure=orbiting.failure,
     )
     with explain_far_target(vehicle, center):
-        await _run(
+        await run_action(
             vehicle, operation, request(), lambda: goal, changes=firmware.changes, wait=wait, timeout=timeout
         )
 
@@ -359,7 +292,7 @@ async def turn(
         modes=firmware.modes_of("turn"),
     )
     request = firmware.turn(heading)
-    await _run(
+    await run_action(
         vehicle, operation, request, lambda: goal, changes=firmware.changes, wait=wait, timeout=timeout
     )
 
@@ -385,11 +318,6 @@ async def _tolerance(
 
 def _remaining_timeout(vehicle: VehicleState, timeout: float | None, started: float) -> float | None:
     return None if timeout is None else max(timeout - (vehicle.connection.now() - started), 0.0)
-
-
-def _relative_altitude(vehicle: VehicleState) -> float | None:
-    position = vehicle.position
-    return None if position is None else position.relative_altitude
 
 
 def _home_of(vehicle: VehicleState) -> tuple[float, float] | None:

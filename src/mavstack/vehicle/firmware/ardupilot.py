@@ -18,6 +18,7 @@ from mavstack.errors import (
 )
 from mavstack.services.parameters import RENAMED
 from mavstack.services.setpoints import AttitudeSetpoint, GlobalSetpoint
+from mavstack.vehicle.firmware import ardupilot_modes
 from mavstack.vehicle.firmware.firmware import (
     CHANGE_MODE,
     CMD,
@@ -45,36 +46,27 @@ _REPOSITION_RADIUS: Final = (4, 3)
 _ATTITUDE_ONLY: Final = (
     "ArduPlane follows attitudes only: use goto(), or begin with guided(first=AttitudeSetpoint(...))"
 )
-#: The mode in which each vehicle type stays where it is; it needs no throttle stick where there is a choice.
-_HOLD_MODES: Final[Mapping[VehicleType, str]] = MappingProxyType(
-    {
-        VehicleType.COPTER: "BRAKE",
-        VehicleType.PLANE: "LOITER",
-        VehicleType.VTOL: "LOITER",
-        VehicleType.ROVER: "HOLD",
-        VehicleType.BOAT: "LOITER",
-        VehicleType.SUB: "POSHOLD",
-    }
-)
-_QUADPLANE: Final = frozenset({"qrtl", "qland"})
-_WINGS: Final = frozenset({"takeoff", "auto", "autoland", "circle", "avoid_adsb", "thermal"})
-_SURFACE: Final = frozenset({"auto", "circle", "follow", "dock"})
 #: Modes in which arming needs no position.
 _NO_POSITION_MODES: Final = frozenset(
     {"stabilize", "acro", "alt_hold", "sport", "flip", "autotune", "manual", "hold", "steering", "flowhold"}
     | {"systemid", "turtle", "guided_nogps", "surface", "motordetect"}
 )
-_LAND_MODES: Final[Mapping[VehicleType, str]] = MappingProxyType(
-    {VehicleType.COPTER: "LAND", VehicleType.VTOL: "QLAND"}
-)
 #: AUTO_OPTIONS: arming is allowed in AUTO.
 _ARMING_IN_AUTO: Final = 1
+#: Q_OPTIONS: arming is allowed in modes of a quadplane only, and in those that do not look at this option.
+_ARMING_IN_Q_MODES_ONLY: Final = 1 << 18
+_WITHOUT_Q_CHECK: Final = frozenset({"auto", "guided", "loiter_alt_qland"})
 #: CIRCLE_OPTIONS: the centre of the circle is the position where the mode is entered.
 _CENTER_AT_ENTRY: Final = 4
 _NO_LANDING: Final = (
     "its mission has no landing sequence and it has no AUTOLAND mode: "
     "upload a mission with DO_LAND_START and NAV_LAND, or let it circle home by rtl()"
 )
+#: The altitude to which a plane takes off.
+_TAKEOFF_ALTITUDE: Final = "TKOFF_ALT"
+#: A plane that rolls says that it flies; below this height it may take off, in metres above home.
+_MIN_FLYING_HEIGHT: Final = 2.0
+_CLIMB_REMEDY: Final = "go to another altitude by goto() or move()"
 _RADIUS: Final = RENAMED["CIRCLE_RADIUS"]
 _NO_SUCH_PARAMETER: Final = common.MavParamError.DOES_NOT_EXIST
 #: The throttle channel if RCMAP_THROTTLE is not known, its middle and its dead zone in microseconds.
@@ -103,42 +95,11 @@ class ArduPilot(Firmware):
     LACKING_TYPES: ClassVar[Mapping[str, frozenset[VehicleType]]] = MappingProxyType(
         dict.fromkeys(("takeoff", "land", "orbit"), GROUNDED) | {"rtl": frozenset({VehicleType.SUB})}
     )
-    #: A copter stays in RTL, LAND or AUTO after its landing, and does not arm there (ArduCopter's
-    #: `allows_arming`); so does a plane in RTL since 4.2, and a rover in RTL.
-    NO_ARMING_MODES: ClassVar[Mapping[VehicleType, frozenset[str]]] = MappingProxyType(
-        {
-            VehicleType.COPTER: frozenset(
-                {"auto", "auto_rtl", "rtl", "smart_rtl", "land", "brake", "circle", "flip", "autotune"}
-                | {"follow"}
-            ),
-            VehicleType.PLANE: frozenset({"rtl", "initializing"}),
-            VehicleType.VTOL: _QUADPLANE | {"rtl", "initializing"},
-            **dict.fromkeys(
-                (VehicleType.ROVER, VehicleType.BOAT), frozenset({"rtl", "smart_rtl", "initializing"})
-            ),
-        }
-    )
-    #: A wing with automatic throttle runs along the ground as soon as it moves.
-    SELF_STARTING_MODES: ClassVar[Mapping[VehicleType, frozenset[str]]] = MappingProxyType(
-        {
-            VehicleType.COPTER: frozenset({"auto", "throw"}),
-            VehicleType.PLANE: _WINGS | {"guided", "loiter"},
-            VehicleType.VTOL: _WINGS,
-            VehicleType.ROVER: _SURFACE,
-            VehicleType.BOAT: _SURFACE,
-            VehicleType.SUB: frozenset({"auto", "circle"}),
-        }
-    )
-    WAITING_MODES: ClassVar[Mapping[VehicleType, str]] = MappingProxyType(
-        {
-            VehicleType.COPTER: "GUIDED",
-            VehicleType.PLANE: "FBWA",
-            VehicleType.VTOL: "GUIDED",
-            VehicleType.ROVER: "HOLD",
-            VehicleType.BOAT: "HOLD",
-            VehicleType.SUB: "POSHOLD",
-        }
-    )
+    NO_ARMING_MODES: ClassVar[Mapping[VehicleType, frozenset[str]]] = ardupilot_modes.NO_ARMING
+    SELF_STARTING_MODES: ClassVar[Mapping[VehicleType, frozenset[str]]] = ardupilot_modes.SELF_STARTING
+    WAITING_MODES: ClassVar[Mapping[VehicleType, str]] = ardupilot_modes.WAITING
+    HOLD_MODES: ClassVar[Mapping[VehicleType, str]] = ardupilot_modes.HOLD
+    LAND_MODES: ClassVar[Mapping[VehicleType, str]] = ardupilot_modes.LAND
     FEATURES: ClassVar[Mapping[str, bool]] = MappingProxyType(
         dict.fromkeys(
             ("parameters", "mission", "logs", "servos", "relays", "motor_test", "manual_control"), True
@@ -181,18 +142,33 @@ class ArduPilot(Firmware):
         if not self._type.flies:
             raise self.unsupported("take off")
         if self._type is VehicleType.PLANE:
-            await self.changes.set_parameter("TKOFF_ALT", altitude)
+            await self.changes.set_parameter(_TAKEOFF_ALTITUDE, altitude, starting=True)
             await self.set_mode("TAKEOFF")
             return
         await self.set_mode("GUIDED")
         await self.command(CMD.NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, altitude)
 
+    async def reason_against_takeoff(self, altitude: float) -> str | None:
+        """Return that it flies; a plane in TAKEOFF keeps the altitude that it read as it began to move."""
+        if self._type is VehicleType.PLANE and (self.vehicle.mode or "").upper() == "TAKEOFF":
+            present = await self.read_number(_TAKEOFF_ALTITUDE)
+            if present == altitude:
+                return None
+            height = "another altitude" if present is None else f"{present:g} m"
+            return f"it takes off to {height} already; {_CLIMB_REMEDY}"
+        if not self.vehicle.in_air:
+            return None
+        with suppress(RemoteError):
+            if await self.vehicle.get_relative_altitude() < _MIN_FLYING_HEIGHT:
+                return None
+        return f"it is in the air; {_CLIMB_REMEDY}"
+
     async def land(self) -> None:
         """Land here; a plane lands where its mission says, as it has no other way."""
         if self._type is VehicleType.PLANE:
             await self._land_plane()
-        elif self._type in _LAND_MODES:
-            await self.set_mode(_LAND_MODES[self._type])
+        elif self._type in self.LAND_MODES:
+            await self.set_mode(self.LAND_MODES[self._type])
         else:
             raise self.unsupported("land")
 
@@ -213,7 +189,7 @@ class ArduPilot(Firmware):
         await self.set_mode("RTL")
 
     async def hold(self) -> None:
-        await self.set_mode(_HOLD_MODES.get(self._type, "LOITER"))
+        await self.set_mode(self.HOLD_MODES.get(self._type, "LOITER"))
 
     async def guide(self) -> None:
         await self.set_mode("GUIDED")
@@ -248,7 +224,10 @@ class ArduPilot(Firmware):
             raise self.unsupported("follow setpoints of positions and velocities", _ATTITUDE_ONLY)
 
     async def check_circle(self, radius: float, *, orbit: bool) -> None:
-        """Raise if the version of ArduPlane ignores the radius of DO_REPOSITION, as before 4.3."""
+        """Raise if ArduPlane ignores the radius of DO_REPOSITION, as before 4.3, or hovers there."""
+        if self._type is VehicleType.VTOL and await self.read_number("Q_GUIDED_MODE"):
+            reason = "it hovers at its destination in GUIDED; set Q_GUIDED_MODE to 0"
+            raise self.unsupported("circle a location", reason)
         version = await self.read_flight_version() if self._type in _WINGED else None
         if version is None or version[:2] >= _REPOSITION_RADIUS:
             return
@@ -313,10 +292,18 @@ class ArduPilot(Firmware):
         return navigates and (mode or "guided").lower() not in _NO_POSITION_MODES
 
     def allows_arming(self, mode: str | None) -> bool:
-        """Return whether it arms in a mode; a copter arms in AUTO if AUTO_OPTIONS says so."""
-        if (mode or "").lower() == "auto" and (options := self.vehicle.params.cached.get("AUTO_OPTIONS")):
-            return bool(int(options.value) & _ARMING_IN_AUTO)
+        """Return whether it arms in a mode; a copter's AUTO_OPTIONS and a quadplane's Q_OPTIONS count too."""
+        name = (mode or "").lower()
+        if self._type is VehicleType.COPTER and name == "auto":
+            return bool(self._options("AUTO_OPTIONS") & _ARMING_IN_AUTO)
+        if self._type is VehicleType.VTOL and self._options("Q_OPTIONS") & _ARMING_IN_Q_MODES_ONLY:
+            return (name.startswith("q") and super().allows_arming(mode)) or name in _WITHOUT_Q_CHECK
         return super().allows_arming(mode)
+
+    def _options(self, name: str) -> int:
+        """Return the bits of a parameter, as far as it is known."""
+        found = self.vehicle.params.cached.get(name)
+        return 0 if found is None else int(found.value)
 
     async def start_mission(self) -> None:
         """Enter AUTO, and send MISSION_START: on the ground a copter would wait for the throttle stick."""

@@ -22,7 +22,7 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
-from mavstack.errors import MavstackError, RemoteError, RemoteTimeout
+from mavstack.errors import ContactLost, MavstackError, RemoteCancelled, RemoteError, RemoteTimeout
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable
@@ -40,6 +40,10 @@ class Changes:
         self._vehicle = vehicle
         #: How to reverse each change: returns the text of a change that could not be reversed.
         self._reversals: list[Callable[[], Awaitable[str | None]]] = []
+        #: The parameters that the vehicle reads at the start of the action only, and their values before.
+        self._starting: dict[str, float] = {}
+        #: True once a request was sent that may have changed the mode.
+        self.requested = False
 
     @property
     def mode(self) -> str | None:
@@ -49,22 +53,33 @@ class Changes:
     async def set_mode(self, mode: str | int) -> None:
         """Enter a mode of the firmware."""
         before = self._vehicle.mode
+        self.requested = True
         await self._vehicle.component.modes.set(mode)
         self._note_mode(before)
 
     async def set_standard_mode(self, mode: int) -> None:
         """Enter a MAV_STANDARD_MODE."""
         before = self._vehicle.mode
+        self.requested = True
         await self._vehicle.component.modes.set_standard(mode)
         self._note_mode(before)
 
-    async def set_parameter(self, name: str, value: float) -> None:
-        """Set a parameter, unless it has the value."""
+    async def set_parameter(self, name: str, value: float, *, starting: bool = False) -> None:
+        """Set a parameter, unless it has the value.
+
+        Args:
+            name: The name.
+            value: The value.
+            starting: True if the vehicle reads it at the start of the action only; then it is restored also
+                if the action fails after its start.
+        """
         before = (await self._vehicle.params.get(name)).value
         if before == value:
             return
         await self._vehicle.params.set(name, value)
         self._reversals.append(lambda: self._restore_parameter(name, before))
+        if starting:
+            self._starting[name] = float(before)
 
     async def arm(self, force: float) -> None:
         """Arm, with the second parameter of COMPONENT_ARM_DISARM."""
@@ -76,11 +91,25 @@ class Changes:
     async def undo(self) -> tuple[str, ...]:
         """Reverse the changes, the last one first; return the texts of those that could not be reversed."""
         kept = []
+        self._starting.clear()
         while self._reversals:
             text = await self._reversals.pop()()
             if text is not None:
                 kept.append(text)
         return tuple(kept)
+
+    async def undo_after_start(self, *, reachable: bool) -> tuple[str, ...]:
+        """Restore the parameters that count at the start of the action; return the texts of the others.
+
+        Args:
+            reachable: False if the vehicle cannot be reached, so that all of them stay.
+        """
+        texts = []
+        for name, before in self._starting.items():
+            text = await self._restore_parameter(name, before) if reachable else _parameter_text(name, before)
+            texts += [] if text is None else [text]
+        self._starting.clear()
+        return tuple(texts)
 
     def _note_mode(self, before: str | None) -> None:
         entered = self._vehicle.mode
@@ -95,7 +124,7 @@ class Changes:
 
     async def _restore_parameter(self, name: str, before: float) -> str | None:
         restoring = self._vehicle.params.set(name, before, timeout=UNDO_TIMEOUT)
-        return await _outcome(restoring, f"parameter {name} {before:g}")
+        return await _outcome(restoring, _parameter_text(name, before))
 
     async def _disarm(self) -> str | None:
         disarming = self._vehicle.component.command(
@@ -112,13 +141,34 @@ async def undone_on_failure(changes: Changes) -> AsyncIterator[None]:
         yield
     except BaseException as error:
         kept = await changes.undo()
-        if not kept and isinstance(error, RemoteTimeout) and mode and mode != changes.mode:
+        unknown = changes.requested and isinstance(error, RemoteTimeout)
+        if not kept and unknown and mode and mode != changes.mode:
             kept = (f"mode {mode} (it is in {changes.mode})",)
-        if kept and isinstance(error, RemoteError):
-            error.not_restored = (*error.not_restored, *kept)
-        elif kept:
-            error.add_note(f"not restored: {', '.join(kept)}")
+        _report_kept(error, kept)
         raise
+
+
+@asynccontextmanager
+async def kept_only_if_reached(changes: Changes) -> AsyncIterator[None]:
+    """Restore the parameters of an action that has started if the block fails; a cancelled one keeps them."""
+    try:
+        yield
+    except MavstackError as error:
+        reachable = not isinstance(error, ContactLost | RemoteCancelled)
+        _report_kept(error, await changes.undo_after_start(reachable=reachable))
+        raise
+
+
+def _report_kept(error: BaseException, kept: tuple[str, ...]) -> None:
+    """Let an error name the changes that could not be undone."""
+    if kept and isinstance(error, RemoteError):
+        error.not_restored = (*error.not_restored, *kept)
+    elif kept:
+        error.add_note(f"not restored: {', '.join(kept)}")
+
+
+def _parameter_text(name: str, before: float) -> str:
+    return f"parameter {name} {before:g}"
 
 
 async def _outcome(restoring: Awaitable[object], text: str) -> str | None:

@@ -83,6 +83,11 @@ class Firmware:
     #: The mode in which each vehicle type waits on the ground when it is armed; empty: none is known.
     WAITING_MODES: ClassVar[Mapping[VehicleType, str]] = MappingProxyType({})
 
+    #: The modes in which each vehicle type stays where it is, and in which it lands there; for the others
+    #: there are commands, or "LOITER" and "LAND".
+    HOLD_MODES: ClassVar[Mapping[VehicleType, str]] = MappingProxyType({})
+    LAND_MODES: ClassVar[Mapping[VehicleType, str]] = MappingProxyType({})
+
     #: The commands of the firmware's dialect.
     COMMANDS: ClassVar[type[MavEnum]] = common.MavCmd
     #: The message that reports the state estimator's health.
@@ -173,6 +178,11 @@ class Firmware:
 
     def check_setpoint(self, setpoint: Setpoint) -> None:
         """Raise `ActionUnsupported` if the vehicle ignores setpoints of a type; does not ask the vehicle."""
+
+    async def reason_against_takeoff(self, altitude: float) -> str | None:
+        """Return why an armed vehicle cannot take off now, and what to do; may read parameters."""
+        del altitude
+        return None
 
     async def check_circle(self, radius: float, *, orbit: bool) -> None:
         """Raise `ActionUnsupported` if a wing cannot circle with a radius in metres; may read parameters.
@@ -358,6 +368,7 @@ class Firmware:
 
     async def command(self, command: int, *params: float, frame: int | None = None) -> None:
         """Send a command to the autopilot."""
+        self.changes.requested = True
         await self.vehicle.component.command(command, *params, frame=frame)
 
     async def set_standard_mode(self, mode: int) -> None:

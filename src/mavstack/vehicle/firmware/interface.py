@@ -66,6 +66,11 @@ class FirmwareVehicle(Protocol):
         ...
 
     @property
+    def in_air(self) -> bool | None:
+        """True if it flies; None if that is not known."""
+        ...
+
+    @property
     def heading(self) -> float | None:
         """The heading in degrees clockwise from north; None if it is not known."""
         ...

@@ -54,12 +54,13 @@ class Px4(Firmware):
     )
     #: The modes that PX4 marks as `mode_req_prevent_arming`.
     NO_ARMING_MODES: ClassVar[Mapping[VehicleType, frozenset[str]]] = MappingProxyType(
-        dict.fromkeys(VehicleType, frozenset({"rtl", "land", "precland", "descend", "orbit", "termination"}))
+        dict.fromkeys(
+            VehicleType,
+            frozenset({"rtl", "land", "precland", "descend", "orbit", "termination", "follow_target"}),
+        )
     )
     SELF_STARTING_MODES: ClassVar[Mapping[VehicleType, frozenset[str]]] = MappingProxyType(
-        dict.fromkeys(
-            VehicleType, frozenset({"takeoff", "vtol_takeoff", "mission", "offboard", "follow_target"})
-        )
+        dict.fromkeys(VehicleType, frozenset({"takeoff", "vtol_takeoff", "mission", "offboard"}))
     )
     WAITING_MODES: ClassVar[Mapping[VehicleType, str]] = MappingProxyType(
         dict.fromkeys(VehicleType, "LOITER")

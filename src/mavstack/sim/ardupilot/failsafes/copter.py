@@ -1,4 +1,4 @@
-"""Copter's failsafes: FS_THR_ENABLE, FS_GCS_ENABLE, BATT_FS_*_ACT, and FS_OPTIONS to continue.
+"""Copter's failsafes: FS_THR_ENABLE, FS_GCS_ENABLE, BATT_FS_*_ACT, and FS_OPTIONS to continue; terrain.
 
 A copter on the ground is disarmed. An action that is impossible falls back: SmartRTL to RTL or Land, RTL to
 Land.
@@ -9,8 +9,9 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
-from mavstack.dialects import ardupilotmega
+from mavstack.dialects import ardupilotmega, common
 from mavstack.sim.ardupilot.failsafes.firmware import FirmwareFailsafes
+from mavstack.sim.autopilot.terrain import ABOVE_GROUND, knows_terrain
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -33,6 +34,8 @@ _RADIO_IN_AUTO, _GROUND_IN_AUTO, _RADIO_IN_GUIDED, _LANDING, _GROUND_IN_MANUAL, 
 _THROTTLE_CLOSED: Final = 0.01
 #: Seconds after arming in which a failsafe disarms.
 _ARMING_DELAY: Final = 2.0
+#: Seconds without terrain data until the failsafe.
+_TERRAIN_TIMEOUT: Final = 5.0
 _ZERO_THROTTLE_MODES: Final = frozenset({_MODE.STABILIZE, _MODE.ACRO})
 
 
@@ -58,6 +61,7 @@ class CopterFailsafes(FirmwareFailsafes):
             self._on_ground_loss,
             lambda: self.send_statustext("GCS Failsafe Cleared"),
         )
+        self.add("terrain", self._terrain_is_missing, lambda: _TERRAIN_TIMEOUT, self._on_terrain_loss)
 
     # Actions
 
@@ -97,6 +101,25 @@ class CopterFailsafes(FirmwareFailsafes):
         else:
             self._announce("GCS")
             self._perform(action, "GCS")
+
+    def _terrain_is_missing(self) -> bool:
+        """Return whether the mission counts from a terrain that the vehicle does not know."""
+        autopilot = self.autopilot
+        item = autopilot.mission.flown if autopilot.mode.number == _MODE.AUTO else None
+        return (
+            autopilot.armed
+            and item is not None
+            and item.frame in ABOVE_GROUND
+            and not knows_terrain(autopilot)
+        )
+
+    def _on_terrain_loss(self) -> None:
+        """Return to home."""
+        self.send_statustext("Failsafe: Terrain data missing", common.MavSeverity.CRITICAL)
+        if self._should_disarm():
+            self.disarm("Terrain")
+        else:
+            self._enter_first(RTL, "Terrain")
 
     def battery_failsafe(self, level: str, action: int) -> None:
         """Execute BATT_FS_LOW_ACT or BATT_FS_CRT_ACT."""

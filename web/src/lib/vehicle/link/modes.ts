@@ -1,12 +1,15 @@
-/** Modes for the actions that firmwares and vehicle types name differently, as `mavstack.vehicle` chooses them. */
+/** Modes for the actions that firmwares and vehicle types name differently, from the tables of `mavstack.vehicle`. */
 
+import uses from '../../../generated/modes.json';
 import type { VehicleState, VehicleType } from '../Vehicle';
 
-/** Modes of ArduPilot that stay in place; those that need no throttle stick: a copter in LOITER sinks without one. */
-const ARDUPILOT_HOLD: Readonly<Partial<Record<VehicleType, string>>> = {
-  copter: 'BRAKE', helicopter: 'BRAKE', plane: 'LOITER', vtol: 'LOITER', rover: 'HOLD', boat: 'LOITER', sub: 'POSHOLD',
-};
-const ARDUPILOT_LAND: Readonly<Partial<Record<VehicleType, string>>> = { vtol: 'QLAND', sub: 'SURFACE' };
+type Use = 'noArming' | 'selfStarting' | 'waiting' | 'hold' | 'land';
+type ByType = Readonly<Record<string, string | readonly string[] | undefined>>;
+
+/** Uses of modes by firmware, use and type. */
+const USES: Readonly<Record<string, Readonly<Record<Use, ByType>> | undefined>> = uses;
+/** Modes in which a type lands that no call of `mavstack.vehicle` lands: a submarine comes up. */
+const LANDING_ELSE: Readonly<Partial<Record<VehicleType, string>>> = { sub: 'SURFACE' };
 
 export const RETURN_MODES = ['RTL', 'SURFACE'];
 export const MISSION_MODES = ['AUTO', 'MISSION'];
@@ -16,65 +19,40 @@ export const NOT_SELECTABLE: ReadonlySet<string> = new Set([
   'INITIALISING', 'INITIALIZING', 'READY', 'RATTITUDE', 'SIMPLE', 'TERMINATION',
 ]);
 
+type Typed = Pick<VehicleState, 'firmware' | 'type'>;
+type Moded = Typed & Pick<VehicleState, 'mode'>;
+
+function modeFor(use: Use, { firmware, type }: Typed): string | null {
+  const found = modesFor(use, { firmware, type });
+  return typeof found === 'string' ? found : null;
+}
+
+function modesFor(use: Use, { firmware, type }: Typed): string | readonly string[] | undefined {
+  return USES[firmware]?.[use][type === 'helicopter' ? 'copter' : type];
+}
+
 /** Returns the mode in which a vehicle stays where it is. */
 export function holdMode(firmware: VehicleState['firmware'], type: VehicleType): string {
-  return (firmware === 'ardupilot' ? ARDUPILOT_HOLD[type] : undefined) ?? 'LOITER';
+  return modeFor('hold', { firmware, type }) ?? 'LOITER';
 }
 
 /** Returns the mode in which a vehicle lands here. */
 export function landMode(firmware: VehicleState['firmware'], type: VehicleType): string {
-  return (firmware === 'ardupilot' ? ARDUPILOT_LAND[type] : undefined) ?? 'LAND';
-}
-
-type ByType = Readonly<Partial<Record<VehicleType, readonly string[]>>>;
-
-/** Modes in which a firmware does not arm: a copter stays in RTL, LAND or AUTO after it has landed there. */
-const NO_ARMING: Readonly<Partial<Record<VehicleState['firmware'], ByType | readonly string[]>>> = {
-  ardupilot: {
-    copter: ['AUTO', 'AUTO_RTL', 'RTL', 'SMART_RTL', 'LAND', 'BRAKE', 'CIRCLE', 'FLIP', 'AUTOTUNE', 'FOLLOW'],
-    helicopter: ['AUTO', 'AUTO_RTL', 'RTL', 'SMART_RTL', 'LAND', 'BRAKE', 'CIRCLE', 'FLIP', 'AUTOTUNE', 'FOLLOW'],
-    plane: ['RTL', 'QRTL', 'QLAND', 'INITIALIZING'],
-    vtol: ['RTL', 'QRTL', 'QLAND', 'INITIALIZING'],
-    rover: ['RTL', 'SMART_RTL', 'INITIALIZING'],
-    boat: ['RTL', 'SMART_RTL', 'INITIALIZING'],
-  },
-  px4: ['RTL', 'LAND', 'PRECLAND', 'DESCEND', 'ORBIT', 'TERMINATION'],
-};
-const WINGS = ['TAKEOFF', 'AUTO', 'AUTOLAND', 'CIRCLE', 'AVOID_ADSB', 'THERMAL'];
-const SURFACE = ['AUTO', 'CIRCLE', 'FOLLOW', 'DOCK'];
-/** Modes in which a vehicle starts to fly or to drive as soon as it is armed. */
-const SELF_STARTING: typeof NO_ARMING = {
-  ardupilot: {
-    copter: ['AUTO', 'THROW'], helicopter: ['AUTO', 'THROW'], plane: [...WINGS, 'GUIDED', 'LOITER'], vtol: WINGS,
-    rover: SURFACE, boat: SURFACE, sub: ['AUTO', 'CIRCLE'],
-  },
-  px4: ['TAKEOFF', 'VTOL_TAKEOFF', 'MISSION', 'OFFBOARD', 'FOLLOW_TARGET'],
-};
-/** Modes in which a vehicle of ArduPilot waits on the ground once it is armed. */
-const ARDUPILOT_WAITING: Readonly<Partial<Record<VehicleType, string>>> = {
-  copter: 'GUIDED', helicopter: 'GUIDED', plane: 'FLY_BY_WIRE_A', vtol: 'GUIDED', rover: 'HOLD', boat: 'HOLD', sub: 'POSHOLD',
-};
-
-type Moded = Pick<VehicleState, 'firmware' | 'type' | 'mode'>;
-
-function isIn(table: typeof NO_ARMING, { firmware, type, mode }: Moded): boolean {
-  const modes = table[firmware];
-  const names = Array.isArray(modes) ? (modes as readonly string[]) : (modes as ByType | undefined)?.[type];
-  return mode !== null && (names?.includes(mode) ?? false);
+  const other = firmware === 'ardupilot' ? LANDING_ELSE[type] : undefined;
+  return modeFor('land', { firmware, type }) ?? other ?? 'LAND';
 }
 
 /** Returns whether the firmware arms in the present mode; true if that is not known. */
 export function allowsArming(state: Moded): boolean {
-  return !isIn(NO_ARMING, state);
+  return state.mode === null || !modesFor('noArming', state)?.includes(state.mode);
 }
 
 /** Returns whether a vehicle that is armed in its mode starts to fly or to drive without a command. */
 export function startsByItself(state: Moded): boolean {
-  return isIn(SELF_STARTING, state);
+  return state.mode !== null && (modesFor('selfStarting', state)?.includes(state.mode) ?? false);
 }
 
 /** Returns the mode in which a vehicle waits on the ground once it is armed, or null. */
-export function waitingMode({ firmware, type }: Pick<VehicleState, 'firmware' | 'type'>): string | null {
-  if (firmware === 'px4') return 'LOITER';
-  return firmware === 'ardupilot' ? (ARDUPILOT_WAITING[type] ?? null) : null;
+export function waitingMode(state: Typed): string | null {
+  return modeFor('waiting', state);
 }

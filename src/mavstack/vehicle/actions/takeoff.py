@@ -1,0 +1,68 @@
+"""Taking off.
+
+A takeoff is complete when a vehicle that hovers is within half a metre of the altitude and settled there, or
+settled for longer within a metre or a twentieth of it; for a plane, from 3 metres or a sixteenth below it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from mavstack.vehicle.action_monitor import ActionGoal
+from mavstack.vehicle.actions.conditions import Settled
+from mavstack.vehicle.actions.limits import check_takeoff
+from mavstack.vehicle.actions.preconditions import check_preconditions, refusal
+from mavstack.vehicle.actions.quadplane import detect_quadplane
+from mavstack.vehicle.actions.running import relative_altitude_of, run_action
+from mavstack.vehicle.firmware import firmware_of
+from mavstack.vehicle.vehicle_type import VehicleType
+
+if TYPE_CHECKING:
+    from mavstack.vehicle.vehicle_state import VehicleState
+
+#: The distance to the altitude of a takeoff within which a vehicle that hovers has reached it, in metres.
+TAKEOFF_TOLERANCE: Final = 0.5
+#: It has settled when its altitude changed by less than the span for so long, in metres and seconds; one that
+#: settles farther away, since its estimate of home drifts, needs the longer time.
+TAKEOFF_SETTLING_SPAN: Final = 0.3
+TAKEOFF_SETTLING_TIME: Final = 1.0
+TAKEOFF_RESTING_TIME: Final = 6.0
+
+
+async def takeoff(
+    vehicle: VehicleState, altitude: float, *, override_limits: bool, wait: bool, timeout: float | None
+) -> None:
+    """Take off to an altitude in metres above home."""
+    check_takeoff(altitude, override_limits=override_limits)
+    operation = f"takeoff to {altitude:g} m of"
+    check_preconditions(vehicle, "takeoff", operation)
+    await detect_quadplane(vehicle)
+    firmware = firmware_of(vehicle)
+    if reason := await firmware.reason_against_takeoff(altitude):
+        raise refusal(vehicle, operation, reason)
+    wing = vehicle.vehicle_type is VehicleType.PLANE
+    # ArduPlane ends its climb some metres below the altitude, which it counts from the start, not from home.
+    tolerance = max(3.0, altitude / 16) if wing else max(1.0, altitude / 20)
+    near = Settled(vehicle, TAKEOFF_SETTLING_TIME, TAKEOFF_SETTLING_SPAN)
+    at_rest = Settled(vehicle, TAKEOFF_RESTING_TIME, TAKEOFF_SETTLING_SPAN)
+
+    def remaining() -> float | None:
+        height = relative_altitude_of(vehicle)
+        if height is None:
+            return None
+        return max(altitude - height, 0.0) if wing else abs(altitude - height)
+
+    def reached() -> bool:
+        rest, height = remaining(), relative_altitude_of(vehicle)
+        if vehicle.in_air is False:  # ArduPlane reports its altitude above the sea until it knows home
+            return False
+        if wing or rest is None:
+            return rest is not None and rest <= tolerance
+        settled = near.update(height if rest <= TAKEOFF_TOLERANCE else None)
+        return at_rest.update(height if rest <= tolerance else None) or settled
+
+    goal = ActionGoal(reached, remaining, modes=firmware.modes_of("takeoff"), armed=True)
+    request = firmware.takeoff(altitude)
+    await run_action(
+        vehicle, operation, request, lambda: goal, changes=firmware.changes, wait=wait, timeout=timeout
+    )
