@@ -70,7 +70,7 @@ def test_other_packages_add_schemes(install):
         open_link("owl://post")
 
 
-def test_the_record_of_a_plugin_says_how_its_url_is_read(install):
+def test_the_url_of_a_plugin_is_read_by_its_record(install):
     install(pigeon="PIGEON")
     link = open_link("pigeon://loft?speed=2")
     assert link.url == LinkURL("pigeon", "loft", 1870, options={"speed": "2"})
