@@ -25,6 +25,13 @@ def test_built_in_objects_come_first_and_are_not_replaced(registry):
     assert registry.get("other") is OTHER
 
 
+def test_a_plugin_with_a_name_that_is_taken_is_named(registry, caplog):
+    assert dict(registry.items()) == {"own": OWN, "other": OTHER}
+    assert [record.message for record in caplog.records] == [
+        "plug-in own was left out: there is a thing 'own' already"
+    ]
+
+
 def test_a_built_in_object_looks_up_no_packages(registry, monkeypatch):
     monkeypatch.setattr(registry, "plugins", None)
     assert registry.get("own") is OWN

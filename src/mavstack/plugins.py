@@ -49,7 +49,8 @@ class Registry(Generic[Item]):
         report: Callable[[str], None] | None = None,
     ) -> None:
         self._noun = noun
-        self._group = group
+        #: Group of the entry points.
+        self.group = group
         self._builtin = dict(builtin or {})
         self._objects = objects
         self._convert = convert
@@ -68,7 +69,7 @@ class Registry(Generic[Item]):
         """Return the entry points of other packages."""
         from importlib.metadata import entry_points
 
-        return entry_points(group=self._group)
+        return entry_points(group=self.group)
 
     def get(self, name: str) -> Item:
         """Return the object of a name; a built-in one takes precedence.
@@ -106,10 +107,13 @@ class Registry(Generic[Item]):
 
     def plugin_items(self) -> Iterator[tuple[str, Item]]:
         """Yield names and objects of other packages, sorted, without those that cannot be loaded."""
-        found = self.plugins()
-        for name in self._plugin_names():
-            item = self._load_or_leave_out(found[name])
-            if item is not None:
+        found, taken = self.plugins(), set(self.builtin_names())
+        for name in sorted(found.names):
+            if name in taken:
+                self._leave_out(
+                    found[name], InvalidArgumentError(f"there is a {self._noun} {name!r} already")
+                )
+            elif (item := self._load_or_leave_out(found[name])) is not None:
                 yield name, item
 
     def _plugin_names(self) -> list[str]:
