@@ -65,7 +65,7 @@ def test_repr():
 
 
 @given(LATITUDES, LONGITUDES, METRES, METRES)
-def test_the_sphere_is_wrong_by_at_most_six_parts_in_a_thousand(latitude, longitude, north, east):
+def test_the_sphere_is_wrong_by_less_than_six_parts_in_a_thousand(latitude, longitude, north, east):
     to_latitude, to_longitude, _ = LocalFrame(latitude, longitude, 0).to_global(north, east, 0)
     found = offset(latitude, longitude, to_latitude, to_longitude)
     assert found == pytest.approx((north, east), rel=0.006, abs=0.01)
