@@ -41,12 +41,16 @@ def find_scheme(name: str) -> LinkScheme | None:
     return SCHEMES.find(name)
 
 
+def unknown_scheme(name: str, backend: str = "") -> LinkScheme:
+    """Return the record of a scheme of which only the name is known, and perhaps the backend."""
+    return LinkScheme(name, backend, AddressKind.ANY, f"{name}://", "A scheme of another package.")
+
+
 def _plugin_scheme(entry: EntryPoint, loaded: Any) -> LinkScheme:  # noqa: ANN401 - of another package
     if not isinstance(loaded, LinkScheme):
         if not callable(loaded):
             raise InvalidArgumentError(f"{entry.value} is a {type(loaded).__name__}, not a LinkScheme")
-        backend = f"{entry.module}:{entry.attr}"
-        return LinkScheme(entry.name, backend, AddressKind.ANY, f"{entry.name}://", "A scheme of a plug-in.")
+        return unknown_scheme(entry.name, f"{entry.module}:{entry.attr}")
     if loaded.name != entry.name:
         raise InvalidArgumentError(f"its scheme is named {loaded.name!r}, its entry point {entry.name!r}")
     return loaded

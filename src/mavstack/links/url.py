@@ -11,19 +11,19 @@ parses to an equal URL.
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, NoReturn
 from urllib.parse import parse_qsl, quote, unquote, urlencode
 
 from mavstack.errors import LinkURLError
 from mavstack.links.scheme import AddressKind, LinkScheme
-from mavstack.links.scheme_table import builtin_schemes
+from mavstack.links.scheme_table import builtin_schemes, unknown_scheme
 from mavstack.links.schemes import file, serial, udp
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Collection
 
 (_SERIAL,) = serial.SCHEMES
 (_FILE,) = file.SCHEMES
@@ -89,12 +89,13 @@ def redact_options(text: str) -> str:
     return _SECRET_OPTION.sub(r"\1***", text)
 
 
-def parse_url(text: str, plugins: Mapping[str, LinkScheme] = MappingProxyType({})) -> LinkURL:
+def parse_url(text: str, plugins: Collection[str] = ()) -> LinkURL:
     """Parse a link URL.
 
     Args:
         text: The URL, or a form of another program.
-        plugins: Records of schemes beyond the built-in ones, by name.
+        plugins: Schemes beyond the built-in ones: a mapping to their records, or names alone, whose address
+            may be anything.
 
     Returns:
         The parsed URL.
@@ -121,16 +122,21 @@ def parse_url(text: str, plugins: Mapping[str, LinkScheme] = MappingProxyType({}
     return _parse_path(text, scheme, unquote(body) if slashes else body, options)
 
 
-def _resolve(name: str, plugins: Mapping[str, LinkScheme]) -> tuple[LinkScheme | None, Mapping[str, str]]:
+def _resolve(name: str, plugins: Collection[str]) -> tuple[LinkScheme | None, Mapping[str, str]]:
     """Return the record of a scheme or of an alias, and the options that the alias implies."""
-    builtin = builtin_schemes()
-    record = builtin.get(name) or plugins.get(name)
-    if record is not None:
-        return record, {}
-    for each in (*builtin.values(), *plugins.values()):
+    records = {**builtin_schemes(), **_records(plugins)}
+    if name in records:
+        return records[name], {}
+    for each in records.values():
         if name in each.aliases:
             return each, each.aliases[name]
     return None, {}
+
+
+def _records(plugins: Collection[str]) -> Mapping[str, LinkScheme]:
+    if isinstance(plugins, Mapping):
+        return plugins
+    return {name: unknown_scheme(name) for name in plugins}
 
 
 def _parse_bare(text: str) -> LinkURL:
@@ -214,7 +220,7 @@ def _unknown_scheme(text: str, name: str) -> NoReturn:
     aliases = [alias for record in builtin.values() for alias in record.aliases]
     near = get_close_matches(name, [*builtin, *aliases], n=1)
     hint = f"did you mean {near[0]}?" if near else "known schemes: " + ", ".join(builtin)
-    _refuse(text, f"unknown scheme {name!r}; {hint}", _resolve(near[0], {})[0] if near else None)
+    _refuse(text, f"unknown scheme {name!r}; {hint}", _resolve(near[0], ())[0] if near else None)
 
 
 def _refuse(text: str, problem: str, scheme: LinkScheme | None = None) -> NoReturn:
