@@ -15,6 +15,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import ardupilotmega as dialect
+from mavstack.geodesy import METRES_PER_DEGREE
 from mavstack.wire import Encoder
 
 if TYPE_CHECKING:
@@ -27,7 +28,6 @@ RATE: Final = 10
 #: Steps of a second, in each of which a share of the vehicles sends.
 STEPS: Final = 200
 LATITUDE, LONGITUDE, ALTITUDE = 47.3494, 8.5363, 407.0
-METRES_PER_DEGREE = 111_319.5
 #: Metres between vehicles, radius of their circles, seconds of a turn.
 SPACING, RADIUS, TURN = 260.0, 70.0, 40.0
 

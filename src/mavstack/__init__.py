@@ -1,320 +1,32 @@
 """The whole MAVLink system: `mavstack.connect`, `Vehicle`, `Node`, `Parser`, `open_log` and the rest.
 
-Names are imported on first use (PEP 562), so that `import mavstack` costs next to nothing.
+Names are imported on first use (PEP 562), so that `import mavstack` costs next to nothing. They are listed in
+the stub of this module, which type checkers read too.
 """
 
 from __future__ import annotations
 
 from importlib import import_module
 
-# Equal to False, but not at first sight: jedi skips the block below if it sees a false constant.
-TYPE_CHECKING = bool()  # noqa: UP018
-
-if TYPE_CHECKING:
-    from typing import Any
-
-    from mavstack.dialects import Dialect, Message
-    from mavstack.errors import (
-        ActionInterrupted,
-        ActionRefused,
-        ActionTimeout,
-        ActionUnsupported,
-        CommandDenied,
-        CommandTimeout,
-        ContactLost,
-        DialectError,
-        EncodeError,
-        FieldNameError,
-        FieldRangeError,
-        FieldTypeError,
-        FileDenied,
-        FileTimeout,
-        GroupError,
-        HealthTimeout,
-        InvalidArgumentError,
-        InvalidStateError,
-        InvalidTypeError,
-        LinkClosedError,
-        LinkError,
-        LinkURLError,
-        LocalProtocolError,
-        LogError,
-        LogTimeout,
-        MavstackError,
-        MessageTimeout,
-        MetadataError,
-        MissingExtraError,
-        MissionDenied,
-        MissionTimeout,
-        ModeTimeout,
-        MspDecodeError,
-        MspDenied,
-        MspError,
-        MspFirmwareError,
-        MspSettingError,
-        MspTimeout,
-        ParameterDenied,
-        ParameterFileError,
-        ParameterTimeout,
-        PlanFileError,
-        RadioError,
-        RemoteCancelled,
-        RemoteDenied,
-        RemoteError,
-        RemoteProtocolError,
-        RemoteTimeout,
-        RouterConfigError,
-        SetpointError,
-        SigningError,
-        UnknownDialectError,
-        UnknownMessageError,
-    )
-    from mavstack.links import open_link
-    from mavstack.logs import Log, MessageTable, open_log
-    from mavstack.node import EventListener, EventStream, Listener, Node, RemoteComponent, Subscription
-    from mavstack.security import SigningKey
-    from mavstack.services import Address
-    from mavstack.services.events import DecodedEvent, LogLevel
-    from mavstack.services.mission import MissionItem, Plan
-    from mavstack.vehicle import (
-        Connection,
-        Group,
-        GuidedSession,
-        Health,
-        MessageStream,
-        Mission,
-        Results,
-        Vehicle,
-        VehicleType,
-        connect,
-    )
-    from mavstack.vehicle.telemetry import (
-        Attitude,
-        Battery,
-        Gps,
-        HomePosition,
-        Imu,
-        LocalPosition,
-        Odometry,
-        Position,
-        Rc,
-        StatusText,
-        Velocity,
-        VfrHud,
-        Wind,
-    )
-    from mavstack.wire import Encoder, Packet, Parser, Signing, encode
-
 __version__ = "0.1.0"
 
-__all__ = [
-    "ActionInterrupted",
-    "ActionRefused",
-    "ActionTimeout",
-    "ActionUnsupported",
-    "Address",
-    "Attitude",
-    "Battery",
-    "CommandDenied",
-    "CommandTimeout",
-    "Connection",
-    "ContactLost",
-    "DecodedEvent",
-    "Dialect",
-    "DialectError",
-    "EncodeError",
-    "Encoder",
-    "EventListener",
-    "EventStream",
-    "FieldNameError",
-    "FieldRangeError",
-    "FieldTypeError",
-    "FileDenied",
-    "FileTimeout",
-    "Gps",
-    "Group",
-    "GroupError",
-    "GuidedSession",
-    "Health",
-    "HealthTimeout",
-    "HomePosition",
-    "Imu",
-    "InvalidArgumentError",
-    "InvalidStateError",
-    "InvalidTypeError",
-    "LinkClosedError",
-    "LinkError",
-    "LinkURLError",
-    "Listener",
-    "LocalPosition",
-    "LocalProtocolError",
-    "Log",
-    "LogError",
-    "LogLevel",
-    "LogTimeout",
-    "MavstackError",
-    "Message",
-    "MessageStream",
-    "MessageTable",
-    "MessageTimeout",
-    "MetadataError",
-    "MissingExtraError",
-    "Mission",
-    "MissionDenied",
-    "MissionItem",
-    "MissionTimeout",
-    "ModeTimeout",
-    "MspDecodeError",
-    "MspDenied",
-    "MspError",
-    "MspFirmwareError",
-    "MspSettingError",
-    "MspTimeout",
-    "Node",
-    "Odometry",
-    "Packet",
-    "ParameterDenied",
-    "ParameterFileError",
-    "ParameterTimeout",
-    "Parser",
-    "Plan",
-    "PlanFileError",
-    "Position",
-    "RadioError",
-    "Rc",
-    "RemoteCancelled",
-    "RemoteComponent",
-    "RemoteDenied",
-    "RemoteError",
-    "RemoteProtocolError",
-    "RemoteTimeout",
-    "Results",
-    "RouterConfigError",
-    "SetpointError",
-    "Signing",
-    "SigningError",
-    "SigningKey",
-    "StatusText",
-    "Subscription",
-    "UnknownDialectError",
-    "UnknownMessageError",
-    "Vehicle",
-    "VehicleType",
-    "Velocity",
-    "VfrHud",
-    "Wind",
-    "connect",
-    "encode",
-    "open_link",
-    "open_log",
-]
 
-#: The module of each name.
-_LAZY_IMPORTS = {
-    "ActionInterrupted": "mavstack.errors",
-    "ActionRefused": "mavstack.errors",
-    "ActionTimeout": "mavstack.errors",
-    "ActionUnsupported": "mavstack.errors",
-    "Address": "mavstack.services",
-    "Attitude": "mavstack.vehicle.telemetry",
-    "Battery": "mavstack.vehicle.telemetry",
-    "CommandDenied": "mavstack.errors",
-    "CommandTimeout": "mavstack.errors",
-    "Connection": "mavstack.vehicle",
-    "ContactLost": "mavstack.errors",
-    "DecodedEvent": "mavstack.services.events",
-    "Dialect": "mavstack.dialects",
-    "DialectError": "mavstack.errors",
-    "EncodeError": "mavstack.errors",
-    "Encoder": "mavstack.wire",
-    "EventListener": "mavstack.node",
-    "EventStream": "mavstack.node",
-    "FieldNameError": "mavstack.errors",
-    "FieldRangeError": "mavstack.errors",
-    "FieldTypeError": "mavstack.errors",
-    "FileDenied": "mavstack.errors",
-    "FileTimeout": "mavstack.errors",
-    "Gps": "mavstack.vehicle.telemetry",
-    "Group": "mavstack.vehicle",
-    "GroupError": "mavstack.errors",
-    "GuidedSession": "mavstack.vehicle",
-    "Health": "mavstack.vehicle",
-    "HealthTimeout": "mavstack.errors",
-    "HomePosition": "mavstack.vehicle.telemetry",
-    "Imu": "mavstack.vehicle.telemetry",
-    "InvalidArgumentError": "mavstack.errors",
-    "InvalidStateError": "mavstack.errors",
-    "InvalidTypeError": "mavstack.errors",
-    "LinkClosedError": "mavstack.errors",
-    "LinkError": "mavstack.errors",
-    "LinkURLError": "mavstack.errors",
-    "Listener": "mavstack.node",
-    "LocalPosition": "mavstack.vehicle.telemetry",
-    "LocalProtocolError": "mavstack.errors",
-    "Log": "mavstack.logs",
-    "LogError": "mavstack.errors",
-    "LogLevel": "mavstack.services.events",
-    "LogTimeout": "mavstack.errors",
-    "MavstackError": "mavstack.errors",
-    "Message": "mavstack.dialects",
-    "MessageStream": "mavstack.vehicle",
-    "MessageTable": "mavstack.logs",
-    "MessageTimeout": "mavstack.errors",
-    "MetadataError": "mavstack.errors",
-    "MissingExtraError": "mavstack.errors",
-    "Mission": "mavstack.vehicle",
-    "MissionDenied": "mavstack.errors",
-    "MissionItem": "mavstack.services.mission",
-    "MissionTimeout": "mavstack.errors",
-    "ModeTimeout": "mavstack.errors",
-    "MspDecodeError": "mavstack.errors",
-    "MspDenied": "mavstack.errors",
-    "MspError": "mavstack.errors",
-    "MspFirmwareError": "mavstack.errors",
-    "MspSettingError": "mavstack.errors",
-    "MspTimeout": "mavstack.errors",
-    "Node": "mavstack.node",
-    "Odometry": "mavstack.vehicle.telemetry",
-    "Packet": "mavstack.wire",
-    "ParameterDenied": "mavstack.errors",
-    "ParameterFileError": "mavstack.errors",
-    "ParameterTimeout": "mavstack.errors",
-    "Parser": "mavstack.wire",
-    "Plan": "mavstack.services.mission",
-    "PlanFileError": "mavstack.errors",
-    "RadioError": "mavstack.errors",
-    "Position": "mavstack.vehicle.telemetry",
-    "Rc": "mavstack.vehicle.telemetry",
-    "RemoteCancelled": "mavstack.errors",
-    "RemoteComponent": "mavstack.node",
-    "RemoteDenied": "mavstack.errors",
-    "RemoteError": "mavstack.errors",
-    "RemoteProtocolError": "mavstack.errors",
-    "RemoteTimeout": "mavstack.errors",
-    "RouterConfigError": "mavstack.errors",
-    "Results": "mavstack.vehicle",
-    "SetpointError": "mavstack.errors",
-    "Signing": "mavstack.wire",
-    "SigningError": "mavstack.errors",
-    "SigningKey": "mavstack.security",
-    "StatusText": "mavstack.vehicle.telemetry",
-    "Subscription": "mavstack.node",
-    "UnknownDialectError": "mavstack.errors",
-    "UnknownMessageError": "mavstack.errors",
-    "Vehicle": "mavstack.vehicle",
-    "VehicleType": "mavstack.vehicle",
-    "Velocity": "mavstack.vehicle.telemetry",
-    "VfrHud": "mavstack.vehicle.telemetry",
-    "Wind": "mavstack.vehicle.telemetry",
-    "connect": "mavstack.vehicle",
-    "encode": "mavstack.wire",
-    "open_link": "mavstack.links",
-    "open_log": "mavstack.logs",
-}
+_MODULES: dict[str, str] = {}  # the module of each name, read on first use
 
 
-def __getattr__(name: str) -> Any:  # noqa: ANN401 (any of the names above)
-    module = _LAZY_IMPORTS.get(name)
+def _modules() -> dict[str, str]:
+    """Return the module of each name, from the lines `from module import name as name` of the stub."""
+    if not _MODULES:
+        text = __loader__.get_data(f"{__path__[0]}/__init__.pyi").decode()
+        lines = (line.split() for line in text.splitlines() if line.startswith("from "))
+        _MODULES.update((words[-1], words[1]) for words in lines)
+    return _MODULES
+
+
+def __getattr__(name: str) -> object:
+    if name == "__all__":
+        return sorted(_modules())
+    module = _modules().get(name)
     if module is None:
         raise AttributeError(f"module 'mavstack' has no attribute {name!r}")
     value = getattr(import_module(module), name)
@@ -323,4 +35,4 @@ def __getattr__(name: str) -> Any:  # noqa: ANN401 (any of the names above)
 
 
 def __dir__() -> list[str]:
-    return sorted(set(globals()) | set(__all__))
+    return sorted({*globals(), *_modules(), "__all__"})

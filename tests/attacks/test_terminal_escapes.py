@@ -136,7 +136,7 @@ def hostile_texts(packet: Packet) -> bytes:
 @pytest.fixture
 def hostile_link(monkeypatch):
     """Rewrite the texts in all packets of vehicles."""
-    send = MemoryChannel._send
+    send = MemoryChannel.send_bytes
 
     def rewritten(self, data):
         packets = Parser(Dialect.load("all")).feed(bytes(data))
@@ -144,7 +144,7 @@ def hostile_link(monkeypatch):
             self, b"".join(each.raw if each.system == 255 else hostile_texts(each) for each in packets)
         )
 
-    monkeypatch.setattr(MemoryChannel, "_send", rewritten)
+    monkeypatch.setattr(MemoryChannel, "send_bytes", rewritten)
 
 
 @pytest.fixture

@@ -9,12 +9,13 @@ import pytest
 
 from docs._tools import api_table, error_tree, link_options, message_pages, msp_pages
 from mavstack import Dialect
-from mavstack.links.registry import BACKENDS
+from mavstack.links.scheme_table import builtin_schemes
 from mavstack.msp.messages.fields import layout_of
 from mavstack.msp.messages.registry import all_messages
 from mavstack.msp.settings.tables import ALL_SETTINGS
 from tests.docs.blocks import DOCS, ROOT
 
+BUILTIN = builtin_schemes()
 PAGES = list(message_pages.pages())
 
 
@@ -46,13 +47,20 @@ def test_links_between_message_pages_lead_to_anchors():
             assert not anchor or anchor in found, (page.path, target, anchor)
 
 
-def test_every_link_scheme_has_a_purpose():
-    assert set(link_options.PURPOSES) == set(BACKENDS)
+def test_the_table_of_schemes_has_every_scheme():
+    text = link_options.render()
+    assert all(f"| `{each.name}` | `{each.example}` | {each.purpose} |" in text for each in BUILTIN.values())
 
 
-def test_every_link_option_has_a_description():
-    used = {name for scheme in link_options.PURPOSES for name in link_options.options_of(scheme)}
-    assert used | set(link_options.impairment_options()) == set(link_options.DESCRIPTIONS)
+@pytest.mark.parametrize("scheme", BUILTIN.values(), ids=lambda each: each.name)
+def test_the_record_of_a_scheme_has_the_options_that_its_backend_reads(scheme):
+    read = set(link_options.options_of(scheme.name))
+    assert read - set(link_options.DESCRIPTIONS) == set(scheme.options)
+
+
+def test_every_common_option_exists():
+    common = set(link_options.options_of("file")) & set(link_options.DESCRIPTIONS)
+    assert common | set(link_options.impairment_options()) == set(link_options.DESCRIPTIONS)
 
 
 def test_the_msp_reference_holds_every_message_and_setting():

@@ -26,9 +26,9 @@ from mavstack.errors import (
     MissionDenied,
     RemoteError,
 )
+from mavstack.geodesy import distance
 from mavstack.services.mission import MissionItem, Plan
 from mavstack.vehicle import connect
-from mavstack.vehicle.geography import distance
 from mavstack.vehicle.vehicle_type import VehicleType
 from tests.interop import autopilots
 from tests.interop.autopilots import (

@@ -21,10 +21,10 @@ class Peer(Channel):
         self.last_valid = 0.0 if valid is None else NOW - valid
         table.append(self)
 
-    def _send(self, data) -> bool:
+    def send_bytes(self, data) -> bool:
         return True
 
-    def _close_transport(self) -> None:
+    def close_transport(self) -> None:
         pass
 
 

@@ -8,15 +8,15 @@ from importlib.metadata import EntryPoint, EntryPoints
 import pytest
 
 from mavstack.errors import LinkURLError
-from mavstack.links import LinkURL, memory_pair, open_link, registry
-from mavstack.links.url import EXAMPLES
+from mavstack.links import LinkURL, memory_pair, open_link
+from mavstack.links.scheme import AddressKind, LinkScheme
+from mavstack.links.scheme_table import ENTRY_POINTS, SCHEMES, builtin_schemes
 
 
-def test_every_scheme_has_a_backend():
-    assert set(registry.BACKENDS) == set(EXAMPLES)
-    for target in set(registry.BACKENDS.values()):
-        module, name = target.split(":")
-        assert callable(getattr(importlib.import_module(f"mavstack.links.{module}"), name))
+@pytest.mark.parametrize("scheme", builtin_schemes().values(), ids=lambda each: each.name)
+def test_every_scheme_has_a_backend(scheme):
+    module, name = scheme.backend.split(":")
+    assert callable(getattr(importlib.import_module(module), name))
 
 
 def test_an_unknown_option_raises_with_a_suggestion():
@@ -39,23 +39,67 @@ def test_a_memory_url_needs_a_network():
         open_link("memory://fleet")
 
 
-def test_other_packages_add_schemes(monkeypatch):
-    lookups = []
-
-    def entry_points():
-        lookups.append("lookup")
-        return EntryPoints(
-            [EntryPoint("carrier-pigeon", "links.test_registry:open_pigeon", "mavstack.links")]
-        )
-
-    monkeypatch.setattr(registry, "plugins", entry_points)
+@pytest.fixture
+def install(monkeypatch):
+    """Install plug-ins; returns the list to which each look-up of entry points adds."""
     monkeypatch.setitem(sys.modules, "links.test_registry", sys.modules[__name__])
+
+    def install(**entries):
+        lookups = []
+
+        def plugins():
+            lookups.append("lookup")
+            return EntryPoints(
+                EntryPoint(name.replace("_", "-"), f"links.test_registry:{target}", ENTRY_POINTS)
+                for name, target in entries.items()
+            )
+
+        monkeypatch.setattr(SCHEMES, "plugins", plugins)
+        return lookups
+
+    return install
+
+
+def test_other_packages_add_schemes(install):
+    lookups = install(carrier_pigeon="open_pigeon")
     open_link("udpin://0.0.0.0:14550")
     assert not lookups
     link = open_link("carrier-pigeon://loft/7?speed=2")
     assert link.url == LinkURL("carrier-pigeon", path="loft/7", options={"speed": "2"})
     with pytest.raises(LinkURLError, match="unknown scheme 'owl'"):
         open_link("owl://post")
+
+
+def test_the_url_of_a_plugin_is_read_by_its_record(install):
+    install(pigeon="PIGEON")
+    link = open_link("pigeon://loft?speed=2")
+    assert link.url == LinkURL("pigeon", "loft", 1870, options={"speed": "2"})
+    with pytest.raises(LinkURLError, match="it has no host; for example: pigeon://loft"):
+        open_link("pigeon://:7")
+
+
+def test_a_plugin_that_fails_is_an_error_only_for_its_own_urls(install, caplog):
+    install(owl="MISSING", pigeon="PIGEON", hawk="PIGEON")
+    for _ in range(2):
+        with pytest.raises(LinkURLError, match="owl failed: AttributeError"):
+            open_link("owl://post")
+    with pytest.raises(LinkURLError, match="its scheme is named 'pigeon', its entry point 'hawk'"):
+        open_link("hawk://post")
+    assert open_link("pigeon://loft?speed=2").url.port == 1870
+    assert [record.message.partition(":")[0] for record in caplog.records] == [
+        "plug-in owl was left out",
+        "plug-in hawk was left out",
+    ]
+
+
+PIGEON = LinkScheme(
+    name="pigeon",
+    backend="links.test_registry:open_pigeon",
+    address=AddressKind.HOST,
+    example="pigeon://loft",
+    purpose="Carries packets by birds.",
+    default_port=1870,
+)
 
 
 def open_pigeon(url, options):

@@ -57,9 +57,9 @@ class InterruptedPair(SignedPair):
             self.trust()
         else:  # as with UDP: the ground station reopens, and the vehicle does not notice
             await asyncio.sleep(0.01)
-            again = type(to_vehicle)(self.vehicle_link._name, self.ground_link._inbox, self.network.clock)
+            again = type(to_vehicle)(self.vehicle_link._name, self.ground_link.inbox, self.network.clock)
             again.other, to_ground.other = to_ground, again
-            self.ground_link._inbox.add_channel(again)
+            self.ground_link.inbox.add_channel(again)
 
 
 @pytest.mark.parametrize(("old", "new"), CHANGES)

@@ -301,7 +301,7 @@ class SilentLinkNode(Node):
     def cut(self, number: int) -> None:
         """Lose everything that is sent and received over a link from now on."""
         for channel in self.links[number].channels:
-            channel._send = lambda data: True
+            channel.send_bytes = lambda data: True
             channel.receive = lambda data: True
 
 

@@ -5,6 +5,7 @@ import asyncio
 import pytest
 
 from mavstack.http.bodies import MAX_BODY
+from mavstack.links.scheme_table import builtin_schemes
 from mavstack.security.roles import Role
 from mavstack.server.access import Access
 from mavstack.server.app import SCRIPT_POLICY, make_app
@@ -143,6 +144,20 @@ def test_clients_without_a_password_open_no_files() -> None:
             assert (answer.status, "only links of the network" in answer.problem) == (403, True)
         added = await ground.api.post("/api/sources", {"url": "udpin://127.0.0.1:0"})
         assert (added.status, added.json["state"]) == (201, "waiting")
+
+    serve((), scenario)
+
+
+def test_clients_without_a_password_open_links_of_every_network_scheme() -> None:
+    """Those that lack a certificate or a key fail for that reason."""
+
+    async def scenario(ground: Ground) -> None:
+        ground.station.sources._network_only = True
+        for scheme in builtin_schemes().values():
+            if scheme.is_network:
+                url = f"{scheme.name}://127.0.0.1:{0 if scheme.listens else 1}"
+                answer = await ground.api.post("/api/sources", {"url": url})
+                assert b"only links of the network" not in answer.data, url
 
     serve((), scenario)
 

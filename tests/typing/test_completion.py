@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import ast
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+
+import mavstack
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -43,3 +47,16 @@ def test_an_editor_completes_names(program: str, tmp_path: Path) -> None:
     lines = program.split("\n")
     completions = jedi.Script(program, project=project).complete(len(lines), len(lines[-1]))
     assert {each.name for each in completions} >= PROGRAMS[program]
+
+
+def test_the_names_at_top_level_are_those_of_the_stub():
+    stub = (Path(mavstack.__file__).parent / "__init__.pyi").read_text("utf-8")
+    imports = [node for node in ast.parse(stub).body if isinstance(node, ast.ImportFrom)]
+    listed = {alias.asname: (node.module, alias.name) for node in imports for alias in node.names}
+    assert sorted(listed) == mavstack.__all__
+    for name, (module, original) in listed.items():
+        assert name == original
+        assert getattr(mavstack, name) is getattr(import_module(module), name)
+        assert name in dir(mavstack)
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        mavstack.nothing  # noqa: B018

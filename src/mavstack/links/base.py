@@ -46,6 +46,17 @@ class Link(ABC):
     """A configured link: an async context manager, and an async iterator over its events.
 
     `async with link:` or `await link` opens it. Only one task may iterate over the events.
+
+    A backend implements `open_transport`, adds its channels and their bytes to `inbox`, and starts its tasks
+    by `spawn`; `stop_transport`, `release_transport` and `close_timeout` take part in closing. Its channels
+    implement `send_bytes` and `close_transport` (see `Channel`).
+
+    Attributes:
+        url: The URL of the link.
+        inbox: The channels, and the events that are not read yet.
+        pace: Bandwidth of the link in bytes per second; 0: unknown.
+        half_duplex: Both directions share the bandwidth.
+        settings: The options of the URL for the node.
     """
 
     logged = True  # false for a wrapper, whose inner link logs
@@ -60,7 +71,7 @@ class Link(ABC):
     def __init__(self, url: LinkURL, options: Options) -> None:
         self.url = url
         self._log = LinkLog(url) if self.logged else None
-        self._inbox = Inbox(options.size("receive_queue", DEFAULT_RECEIVE_QUEUE), self._log)
+        self.inbox = Inbox(options.size("receive_queue", DEFAULT_RECEIVE_QUEUE), self._log)
         self._send_queue = options.size("send_queue", DEFAULT_SEND_QUEUE)
         self.pace = options.size("pace", 0)
         self.half_duplex = options.flag("half_duplex", default=False)
@@ -86,12 +97,12 @@ class Link(ABC):
     @property
     def channels(self) -> Sequence[Channel]:
         """The open channels, oldest first."""
-        return self._inbox.channels
+        return self.inbox.channels
 
     @property
     def counters(self) -> Counters:
         """Total counters of all channels, including closed ones."""
-        return sum((channel.counters for channel in self.channels), self._inbox.closed_counters)
+        return sum((channel.counters for channel in self.channels), self.inbox.closed_counters)
 
     @property
     def address(self) -> tuple[str, int] | None:
@@ -113,7 +124,7 @@ class Link(ABC):
         if not self._opened:
             self._opened = True
             try:
-                await self._open()
+                await self.open_transport()
             except BaseException:
                 await self.close()
                 raise
@@ -126,14 +137,14 @@ class Link(ABC):
         if self._closed:
             return
         self._closed = True
-        await self._stop()
+        await self.stop_transport()
         for channel in self.channels:
             channel.close("link closed")
         if self._log and self._opened:
             self._log.link_closed()
-        self._inbox.end()
-        await self._finish_tasks(self._close_timeout())
-        await self._release()
+        self.inbox.end()
+        await self._finish_tasks(self.close_timeout())
+        await self.release_transport()
 
     async def batches(self) -> AsyncIterator[list[LinkEvent]]:
         """Iterate over lists of all queued events, which on a busy link is cheaper than one by one.
@@ -145,7 +156,7 @@ class Link(ABC):
             InvalidStateError: The link is not open, or another task iterates over it.
         """
         self._require_open()
-        while events := await self._inbox.get_all():
+        while events := await self.inbox.get_all():
             yield events
 
     async def read(self, callback: Callable[[Sequence[LinkEvent]], None], *, direct: bool = False) -> None:
@@ -162,23 +173,35 @@ class Link(ABC):
             InvalidStateError: The link is not open, or another task iterates over it.
         """
         self._require_open()
-        await self._inbox.run_reader(callback, direct=direct)
+        await self.inbox.run_reader(callback, direct=direct)
 
     @abstractmethod
-    async def _open(self) -> None:
-        """Open the transport, and start the tasks that read from it."""
+    async def open_transport(self) -> None:
+        """Open the transport, and start the tasks that read from it.
 
-    async def _stop(self) -> None:  # noqa: B027 - not every backend listens
+        Raises:
+            LinkError: The transport cannot be opened; the text names the URL and what to do.
+        """
+
+    async def stop_transport(self) -> None:  # noqa: B027 - not every backend listens
         """Stop accepting peers and bytes."""
 
-    async def _release(self) -> None:  # noqa: B027 - not every backend holds more than its channels
+    async def release_transport(self) -> None:  # noqa: B027 - not every backend holds more than its channels
         """Release the remaining resources after all channels and tasks have ended."""
 
-    def _close_timeout(self) -> float:
+    def close_timeout(self) -> float:
         """Return for how many seconds `close` waits for tasks that still send."""
         return 0
 
-    def _spawn(self, work: Coroutine[None, None, None]) -> asyncio.Task[None]:
+    def spawn(self, work: Coroutine[None, None, None]) -> asyncio.Task[None]:
+        """Start a task that ends with the link; an exception of it ends the iteration over the events.
+
+        Args:
+            work: The coroutine.
+
+        Returns:
+            The task.
+        """
         task = asyncio.get_running_loop().create_task(work)
         self._tasks.add(task)
         task.add_done_callback(self._task_done)
@@ -187,7 +210,7 @@ class Link(ABC):
     def _task_done(self, task: asyncio.Task[None]) -> None:
         self._tasks.discard(task)
         if not task.cancelled() and (error := task.exception()):
-            self._inbox.end(error)  # the iteration raises it, so that a bug is not silent
+            self.inbox.end(error)  # the iteration raises it, so that a bug is not silent
 
     async def _finish_tasks(self, timeout: float) -> None:  # noqa: ASYNC109 (how long tasks may still send)
         if self._tasks:
@@ -216,7 +239,7 @@ class Link(ABC):
         return self
 
     async def __anext__(self) -> LinkEvent:
-        event = await self._inbox.get()
+        event = await self.inbox.get()
         if event is None:
             raise StopAsyncIteration
         return event

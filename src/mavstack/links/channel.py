@@ -129,7 +129,7 @@ class Channel(ABC):
         """
         if self.closed:
             raise LinkClosedError(f"{self.name} is closed")
-        accepted = self._send(data)
+        accepted = self.send_bytes(data)
         if accepted:
             self.counters.bytes_out += len(data)
             self.counters.chunks_out += 1
@@ -152,20 +152,27 @@ class Channel(ABC):
         """
         if not self.closed:
             self.closed = True
-            self._close_transport()
+            self.close_transport()
             self._on_closed(self, reason)
 
-    def _allowed(self, data: bytes) -> bytes:
+    def allowed(self, data: bytes) -> bytes:
         """Return received bytes without packets that the role of the peer does not allow."""
         return data if self.role_filter is None else self.role_filter.filter(data, time())
 
     @abstractmethod
-    def _send(self, data: Data) -> bool:
-        """Send or queue the whole chunk, or return False."""
+    def send_bytes(self, data: Data) -> bool:
+        """Send or queue the whole chunk; a backend implements it, programs call `write`.
+
+        Args:
+            data: The chunk.
+
+        Returns:
+            False if there is no room for it; nothing of it is sent then.
+        """
 
     @abstractmethod
-    def _close_transport(self) -> None:
-        """Start closing the transport."""
+    def close_transport(self) -> None:
+        """Start closing the transport; a backend implements it, programs call `close`."""
 
     def __repr__(self) -> str:
         return f"<Channel {self.name}{' (closed)' if self.closed else ''}>"

@@ -73,16 +73,17 @@ class ConnectionLink(Link):
     def _add_channel(self, connection: ConnectionChannel) -> None:
         """Add a connection as a channel; the caller then runs `_serve`."""
         self._active.add(connection)
-        self._inbox.add_channel(connection)
+        self.inbox.add_channel(connection)
 
-    def _close_timeout(self) -> float:
+    def close_timeout(self) -> float:
+        """Return for how many seconds queued bytes may still be sent."""
         return CLOSE_TIMEOUT if self._active else 0
 
     async def _serve(self, connection: ConnectionChannel) -> str:
         """Read one connection until it ends; return the reason why it ended."""
         reason = "link closed"
         try:
-            reason = await connection.receive_all(self._inbox)
+            reason = await connection.receive_all(self.inbox)
             if connection.closed:  # by this side: bytes written before are still sent
                 await connection.wait_closed()
         finally:
@@ -103,7 +104,7 @@ class ServerLink(ConnectionLink):
 
     def _admit(self, connection: ConnectionChannel) -> bool:
         """Add a new connection as a channel, unless there are too many peers or the receive queue is full."""
-        is_full = self._closed or self._inbox.full
+        is_full = self._closed or self.inbox.full
         if self.before_choice is not None and len(self.channels) >= self.max_peers:
             self.before_choice()
         if is_full or not self._admission.admit(connection.host, self.channels, time()):
@@ -137,8 +138,9 @@ class ClientLink(ConnectionLink):
     async def _connect(self) -> ConnectionChannel:
         """Make one attempt to connect; raises `OSError` or `LinkError`."""
 
-    async def _open(self) -> None:
-        self._spawn(self._maintain_connection(None if self.wait_for_peer else await self._attempt()))
+    async def open_transport(self) -> None:
+        """Open the transport of the link."""
+        self.spawn(self._maintain_connection(None if self.wait_for_peer else await self._attempt()))
 
     async def _attempt(self) -> ConnectionChannel:
         try:
@@ -163,6 +165,6 @@ class ClientLink(ConnectionLink):
                     delays = self.backoff.delays()
                 connection = None
             delay = next(delays)
-            self._inbox.report_down(reason, delay)
+            self.inbox.report_down(reason, delay)
             await asyncio.sleep(delay)
-        self._inbox.end()
+        self.inbox.end()

@@ -37,11 +37,12 @@ MAX_SILENCE = 60.0  # seconds to which longer pauses of a recording are shortene
 class FileChannel(Channel):
     """The recorded peer; written bytes are dropped."""
 
-    def _send(self, data: Data) -> bool:
+    def send_bytes(self, data: Data) -> bool:
+        """Send or queue a chunk."""
         return False
 
-    def _close_transport(self) -> None:
-        pass
+    def close_transport(self) -> None:
+        """Start closing the transport."""
 
 
 class FileLink(Link):
@@ -65,7 +66,8 @@ class FileLink(Link):
             )
         return speed
 
-    async def _open(self) -> None:
+    async def open_transport(self) -> None:
+        """Open the transport of the link."""
         try:
             mode = self._path.stat().st_mode
             if stat.S_ISCHR(mode):
@@ -81,9 +83,9 @@ class FileLink(Link):
             raise LinkError(
                 f"cannot open {self.url.redacted}: this is {other}, not a stream of MAVLink packets"
             )
-        channel = FileChannel(f"file {self._path.name}", str(self._path), self._inbox.remove_channel)
-        self._inbox.add_channel(channel)
-        self._spawn(self._replay(channel, file))
+        channel = FileChannel(f"file {self._path.name}", str(self._path), self.inbox.remove_channel)
+        self.inbox.add_channel(channel)
+        self.spawn(self._replay(channel, file))
 
     async def _replay(self, channel: Channel, file: BinaryIO) -> None:
         with file:
@@ -94,11 +96,11 @@ class FileLink(Link):
                 file.seek(0)
                 await self._replay_plain(channel, file)
         channel.close("end of file")
-        self._inbox.end()
+        self.inbox.end()
 
     async def _replay_plain(self, channel: Channel, file: BinaryIO) -> None:
         while (data := file.read(CHUNK)) and not channel.closed:
-            self._inbox.put(channel, data, time())
+            self.inbox.put(channel, data, time())
             await self._wait_for_reader()
 
     async def _replay_timed(self, channel: Channel, groups: Iterable[TimedPacket]) -> None:
@@ -108,12 +110,12 @@ class FileLink(Link):
             await asyncio.sleep(due - asyncio.get_running_loop().time())
             if channel.closed:
                 return
-            self._inbox.put(channel, data, recorded)
+            self.inbox.put(channel, data, recorded)
             await self._wait_for_reader()
 
     async def _wait_for_reader(self) -> None:
         """Let the reader of the events run, and wait until it has made room."""
-        await self._inbox.wait_for_room()
+        await self.inbox.wait_for_room()
         await asyncio.sleep(0)
 
     def _chunks(self, file: BinaryIO) -> Iterator[TimedPacket]:

@@ -65,7 +65,7 @@ class ImpairedChannel(Channel):
         self.identity = inner.identity
         self.role_filter = inner.role_filter
         self._inner = inner
-        self._inbox = inbox
+        self.inbox = inbox
         self._outgoing = FlowDriver(outgoing, self._forward)
         self._incoming = FlowDriver(incoming, self._arrive)
         self._clock_offset = 0.0
@@ -85,7 +85,8 @@ class ImpairedChannel(Channel):
         """Wait until the inner channel has room."""
         await self._inner.drain()
 
-    def _send(self, data: Data) -> bool:
+    def send_bytes(self, data: Data) -> bool:
+        """Send or queue a chunk."""
         return self._outgoing.send(bytes(data))
 
     def _forward(self, data: bytes) -> None:
@@ -93,9 +94,10 @@ class ImpairedChannel(Channel):
             self._inner.write(data)
 
     def _arrive(self, data: bytes) -> None:
-        self._inbox.offer(self, data, self._clock_offset + asyncio.get_running_loop().time())
+        self.inbox.offer(self, data, self._clock_offset + asyncio.get_running_loop().time())
 
-    def _close_transport(self) -> None:
+    def close_transport(self) -> None:
+        """Start closing the transport."""
         self._outgoing.stop()
         self._incoming.stop()
         self._inner.close()
@@ -128,17 +130,18 @@ class ImpairedLink(Link):
         """Send everything to new peers at once; call it before `open`."""
         self._inner.trust_senders()
 
-    async def _open(self) -> None:
+    async def open_transport(self) -> None:
+        """Open the transport of the link."""
         await self._inner.open()
         for channel in self._inner.channels:  # channels that are open from the start
             self._wrap(channel)
-        self._spawn(self._follow())
+        self.spawn(self._follow())
 
     async def _follow(self) -> None:
         async for event in self._inner:
             self._handle(event)
-            await self._inbox.wait_for_room()
-        self._inbox.end()
+            await self.inbox.wait_for_room()
+        self.inbox.end()
 
     def _handle(self, event: LinkEvent) -> None:
         match event:
@@ -151,20 +154,21 @@ class ImpairedLink(Link):
             case ChannelClosed(channel, reason):
                 self._channels.pop(channel).close(reason)
             case LinkDown(reason, retry_in):
-                self._inbox.report_down(reason, retry_in)
+                self.inbox.report_down(reason, retry_in)
 
     def _wrap(self, inner: Channel) -> None:
         wrapper = self._new_channel(inner, next(self._numbers))
         self._channels[inner] = wrapper
-        self._inbox.add_channel(wrapper)
+        self.inbox.add_channel(wrapper)
 
     def _new_channel(self, inner: Channel, number: int) -> ImpairedChannel:
         outgoing, incoming = self._models
         return ImpairedChannel(
-            inner, self._inbox, Flow(outgoing, f"{number} out"), Flow(incoming, f"{number} in")
+            inner, self.inbox, Flow(outgoing, f"{number} out"), Flow(incoming, f"{number} in")
         )
 
-    async def _stop(self) -> None:
+    async def stop_transport(self) -> None:
+        """Stop accepting peers and bytes."""
         await self._inner.close()
 
 

@@ -79,21 +79,23 @@ class MemoryChannel(Channel):
     def __init__(self, name: str, inbox: Inbox, clock: Callable[[], float]) -> None:
         super().__init__(f"memory {name}", name, inbox.remove_channel)
         self.other: MemoryChannel | None = None
-        self._inbox = inbox
+        self.inbox = inbox
         self._clock = clock
 
-    def _send(self, data: Data) -> bool:
+    def send_bytes(self, data: Data) -> bool:
+        """Send or queue a chunk."""
         other = self.other
         return other is not None and other.receive(bytes(data))
 
     def receive(self, data: bytes) -> bool:
         """Receive a chunk, if the receive queue has room."""
-        if self._inbox.full:
+        if self.inbox.full:
             return False
-        self._inbox.put(self, data, self._clock())
+        self.inbox.put(self, data, self._clock())
         return True
 
-    def _close_transport(self) -> None:
+    def close_transport(self) -> None:
+        """Start closing the transport."""
         other, self.other = self.other, None
         if other is not None:
             other.close("closed by the peer")
@@ -109,16 +111,18 @@ class MemoryLink(Link):
 
     def connect(self, other: MemoryLink) -> None:
         """Open a channel at both links."""
-        local = MemoryChannel(other._name, self._inbox, self._network.clock)
-        remote = MemoryChannel(self._name, other._inbox, self._network.clock)
+        local = MemoryChannel(other._name, self.inbox, self._network.clock)
+        remote = MemoryChannel(self._name, other.inbox, self._network.clock)
         local.other, remote.other = remote, local
-        self._inbox.add_channel(local)
-        other._inbox.add_channel(remote)
+        self.inbox.add_channel(local)
+        other.inbox.add_channel(remote)
 
-    async def _open(self) -> None:
+    async def open_transport(self) -> None:
+        """Open the transport of the link."""
         self._network.connect_all(self)
 
-    async def _stop(self) -> None:
+    async def stop_transport(self) -> None:
+        """Stop accepting peers and bytes."""
         self._network.remove(self)
 
 

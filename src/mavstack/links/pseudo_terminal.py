@@ -37,7 +37,8 @@ class PseudoTerminalLink(ConnectionLink):
         self._descriptors: tuple[int, ...] = ()
         self._is_linked = False
 
-    async def _open(self) -> None:
+    async def open_transport(self) -> None:
+        """Open the transport of the link."""
         try:
             import tty
         except ImportError as error:
@@ -49,11 +50,11 @@ class PseudoTerminalLink(ConnectionLink):
             tty.setraw(terminal)
             self._link_path(os.ttyname(terminal))
         except OSError as error:
-            await self._release()
+            await self.release_transport()
             raise open_error(self.url, error) from error
-        channel = await _channel(master, self.url, self._inbox.remove_channel, self._send_queue)
+        channel = await _channel(master, self.url, self.inbox.remove_channel, self._send_queue)
         self._add_channel(channel)
-        self._spawn(self._serve_channel(channel))
+        self.spawn(self._serve_channel(channel))
 
     def _link_path(self, terminal: str) -> None:
         if self._path.is_symlink() and str(self._path.readlink()).startswith(_TERMINALS):
@@ -63,9 +64,10 @@ class PseudoTerminalLink(ConnectionLink):
 
     async def _serve_channel(self, channel: TerminalChannel) -> None:
         await self._serve(channel)
-        self._inbox.end()
+        self.inbox.end()
 
-    async def _release(self) -> None:
+    async def release_transport(self) -> None:
+        """Release the remaining resources."""
         if self._is_linked:
             self._path.unlink(missing_ok=True)
             self._is_linked = False
@@ -89,8 +91,9 @@ class TerminalChannel(StreamChannel):
         super().__init__(f"pty {url.path}", url.path, on_closed, streams, send_queue)
         self._read_transport = self._terminal = read_transport
 
-    def _close_transport(self) -> None:
-        super()._close_transport()
+    def close_transport(self) -> None:
+        """Start closing the transport."""
+        super().close_transport()
         self._terminal.close()
 
 

@@ -78,7 +78,8 @@ class QueuedChannel(ConnectionChannel):
         if self._queued * 2 <= self._limit:
             self._has_room.set()
 
-    def _send(self, data: Data) -> bool:
+    def send_bytes(self, data: Data) -> bool:
+        """Send or queue a chunk."""
         if self._queued + len(data) > self._limit:
             return False
         self._queue.append(bytes(data))
@@ -88,6 +89,7 @@ class QueuedChannel(ConnectionChannel):
         self._has_work.set()
         return True
 
-    def _close_transport(self) -> None:
+    def close_transport(self) -> None:
+        """Start closing the transport."""
         self._has_work.set()
         self._has_room.set()

@@ -131,8 +131,9 @@ class RadioChannel(ImpairedChannel):
         for report in self._far.reports(event.data, self._loop.time()):
             self._forward(report)
 
-    def _send(self, data: Data) -> bool:
-        accepted = super()._send(data)
+    def send_bytes(self, data: Data) -> bool:
+        """Send or queue a chunk."""
+        accepted = super().send_bytes(data)
         for report in self._near.reports(bytes(data), self._loop.time()):
             self._arrive(report)
         return accepted
@@ -146,7 +147,7 @@ class RadioLink(ImpairedLink):
         air = Air(outgoing.bandwidth)
         return RadioChannel(
             inner,
-            self._inbox,
+            self.inbox,
             RadioFlow(outgoing, f"{number} out", air),
             RadioFlow(incoming, f"{number} in", air),
         )

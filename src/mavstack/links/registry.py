@@ -1,59 +1,31 @@
-"""The registry of link backends by URL scheme; each backend is a module that is imported on first use.
+"""Links by their URLs; the backend of a scheme is a module that is imported on first use.
 
-Other packages add schemes by entry points of the group `mavstack.links`. The entry point has the name of the
-scheme and loads a callable that takes a `LinkURL` and its `Options` and returns a `Link`. Entry points are
-looked up only for schemes that are not built in.
+The schemes are in `scheme_table`: those of Mavstack, and those that other packages add.
 """
 
 from __future__ import annotations
 
 from importlib import import_module
 from os.path import isfile
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, TypeAlias
 
+from mavstack.errors import InvalidArgumentError, LinkURLError
 from mavstack.links.impairment import Impairment
 from mavstack.links.options import Options
-from mavstack.links.url import SEALED, LinkURL, parse_url
+from mavstack.links.scheme_table import SCHEMES, builtin_schemes
+from mavstack.links.schemes.sealed import SEALED
+from mavstack.links.url import LinkURL, parse_url, redact_options
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-    from importlib.metadata import EntryPoints
+    from collections.abc import Callable
 
     from mavstack.links.base import Link
-
-ENTRY_POINTS = "mavstack.links"
+    from mavstack.links.scheme import LinkScheme
 
 #: The values of the option `radio`, the default first.
 RADIOS: Final = ("none", "sik")
 
 Backend: TypeAlias = "Callable[[LinkURL, Options], Link]"
-
-BACKENDS: Final[Mapping[str, str]] = MappingProxyType(
-    {
-        "udpin": "udp:UdpListener",
-        "udpout": "udp_sender:UdpSender",
-        "tcpin": "tcp:TcpServer",
-        "tcpout": "tcp:TcpClient",
-        "tls": "tls:TlsClient",
-        "tlsin": "tls:TlsServer",
-        "serial": "serial:SerialLink",
-        "pty": "pseudo_terminal:PseudoTerminalLink",
-        "unix": "unix:UnixClient",
-        "unixin": "unix:UnixServer",
-        "ws": "ws:WsClient",
-        "wss": "ws:WsClient",
-        "wsin": "ws:WsServer",
-        "wssin": "ws:WsServer",
-        "sealed+udpin": "sealed:SealedLink",
-        "sealed+udpout": "sealed:SealedLink",
-        "sealed+tcpin": "sealed:SealedLink",
-        "sealed+tcpout": "sealed:SealedLink",
-        "sealed+serial": "sealed:SealedLink",
-        "file": "file:FileLink",
-        "memory": "memory:refuse_url",
-    }
-)
 
 
 def open_link(url: str | LinkURL, **options: object) -> Link:
@@ -102,24 +74,23 @@ def plain_link(url: LinkURL, options: Options) -> Link:
 
 def resolve_url(text: str) -> LinkURL:
     """Parse a URL, or the path of an existing file without a scheme; raises `LinkURLError`."""
-    scheme, separator, _ = text.partition("://")
-    if separator and scheme not in BACKENDS:
-        return parse_url(text, plugins().names)
-    is_file = isfile(text)  # noqa: PTH113 - unlike Path.is_file, it never raises
-    return LinkURL("file", path=text) if is_file else parse_url(text)
+    is_file = "://" not in text and isfile(text)  # noqa: PTH113 - unlike Path.is_file, it never raises
+    return LinkURL("file", path=text) if is_file else parse_url(text, _plugin_schemes(text))
 
 
-def plugins() -> EntryPoints:
-    """Return the entry points of other packages, by scheme."""
-    from importlib.metadata import entry_points
-
-    return entry_points(group=ENTRY_POINTS)
+def _plugin_schemes(text: str) -> dict[str, LinkScheme]:
+    """Return the record of the scheme of a URL that another package adds."""
+    scheme, separator, _ = text.strip().partition("://")
+    scheme = scheme.lower()
+    if not separator or scheme in builtin_schemes() or scheme not in SCHEMES.plugins().names:
+        return {}
+    try:
+        return {scheme: SCHEMES.get(scheme)}
+    except InvalidArgumentError as error:
+        raise LinkURLError(f"invalid link URL {redact_options(text)!r}: {error}") from error
 
 
 def _backend(scheme: str) -> Backend:
-    if scheme not in BACKENDS:
-        backend: Backend = plugins()[scheme].load()
-        return backend
-    module, name = BACKENDS[scheme].split(":")
-    builtin: Backend = getattr(import_module(f"mavstack.links.{module}"), name)
-    return builtin
+    module, name = SCHEMES.get(scheme).backend.split(":")
+    backend: Backend = getattr(import_module(module), name)
+    return backend

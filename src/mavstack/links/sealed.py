@@ -27,7 +27,9 @@ from mavstack.links.channel import Channel
 from mavstack.links.events import BytesReceived, ChannelClosed, ChannelOpened, LinkDown
 from mavstack.links.registry import impaired_link
 from mavstack.links.role_gate import RoleGate
-from mavstack.links.url import SEALED, LinkURL
+from mavstack.links.scheme_table import SCHEMES
+from mavstack.links.schemes.sealed import SEALED
+from mavstack.links.url import LinkURL
 from mavstack.security.key_store import find_key
 from mavstack.security.sealed import Responder, SealConfig, Tunnel, cobs
 from mavstack.security.sealed.keys import read_peers, read_private_key
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
     from mavstack.links.channel import Data
     from mavstack.links.events import LinkEvent
     from mavstack.links.options import Options
+    from mavstack.links.scheme import LinkScheme
 
 #: Seconds between two looks at the timers of all tunnels.
 TICK: Final = 0.1
@@ -46,10 +49,10 @@ TICK: Final = 0.1
 WARN_ATTEMPTS: Final = 5
 MAX_CHUNK: Final = 60_000
 CIPHERS: Final = ("chacha20", "aes256")
-_STREAMS: Final = frozenset({"tcpin", "tcpout", "serial"})
-_LISTENERS: Final = frozenset({"udpin", "tcpin"})
 #: Bytes of a joined datagram: whole on the Internet, short on radios, where a damaged byte loses all of it.
-_DEFAULT_MTU: Final = {"serial": 320, "tcpin": 8192, "tcpout": 8192}
+_DATAGRAM_MTU: Final = 1200
+_STREAM_MTU: Final = 8192
+_DEVICE_MTU: Final = 320
 
 _logger = logging.getLogger("mavstack.links")
 
@@ -79,10 +82,6 @@ class SealedChannel(Channel):
         self.send_waiting()
         return contents
 
-    def allowed(self, content: bytes) -> bytes:
-        """Return a content without packets that the role of the peer does not allow."""
-        return self._allowed(content)
-
     def tick(self) -> None:
         """Run the timers of the tunnel."""
         self._tunnel.handle_timeout(self._loop.time())
@@ -98,7 +97,8 @@ class SealedChannel(Channel):
         """The tunnel to the peer."""
         return self._tunnel
 
-    def _send(self, data: Data) -> bool:
+    def send_bytes(self, data: Data) -> bool:
+        """Send or queue a chunk."""
         size = len(data)
         if not self._tunnel.is_open or size > MAX_CHUNK:
             return False
@@ -125,7 +125,8 @@ class SealedChannel(Channel):
             return self._inner.write(datagram if self._decoder is None else cobs.encode(datagram))
         return False
 
-    def _close_transport(self) -> None:
+    def close_transport(self) -> None:
+        """Start closing the transport."""
         self._flush()
         self._inner.close()
 
@@ -135,20 +136,20 @@ class SealedLink(Link):
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
-        scheme = url.scheme.removeprefix(SEALED)
-        inner_url = LinkURL(scheme, url.host, url.port, url.path, url.options)
+        carrier = SCHEMES.get(url.scheme.removeprefix(SEALED))
+        inner_url = LinkURL(carrier.name, url.host, url.port, url.path, url.options)
         self._inner = impaired_link(inner_url, options)
         self._inner.trust_senders()  # the handshake proves the address of a peer before packets are sent
         #: Bytes of a joined datagram.
-        self.mtu = max(options.size("mtu", _DEFAULT_MTU.get(scheme, 1200)), OVERHEAD + 1)
+        self.mtu = max(options.size("mtu", _default_mtu(carrier)), OVERHEAD + 1)
         self._config = _read_config(url, options)
-        self._initiates = scheme not in _LISTENERS
-        answers = scheme in _LISTENERS or scheme == "serial"
+        self._initiates = not carrier.listens
+        answers = carrier.listens or carrier.is_device
         self._responder = Responder(self._config, os.urandom) if answers else None
-        if self._initiates and scheme != "serial" and not self._config.can_connect:
+        if self._initiates and not carrier.is_device and not self._config.can_connect:
             raise LinkURLError(f"{url.redacted}: an end that connects needs one public key in peer=")
         #: True if the inner link carries a stream.
-        self.is_stream = scheme in _STREAMS
+        self.is_stream = carrier.is_stream
         self._roles = RoleGate(url, options)
         self._sealed: dict[Channel, SealedChannel] = {}
         self._past_refusals: Counter[str] = Counter()
@@ -167,18 +168,19 @@ class SealedLink(Link):
 
     def channel_closed(self, channel: Channel, reason: str) -> None:
         """Remove a closed channel."""
-        self._inbox.remove_channel(channel, reason)
+        self.inbox.remove_channel(channel, reason)
 
-    async def _open(self) -> None:
+    async def open_transport(self) -> None:
+        """Open the transport of the link."""
         await self._inner.open()
         for channel in self._inner.channels:
             self._wrap(channel)
-        self._spawn(self._follow())
-        self._spawn(self._run_timers())
+        self.spawn(self._follow())
+        self.spawn(self._run_timers())
 
     async def _follow(self) -> None:
         await self._inner.read(self._handle)
-        self._inbox.end()
+        self.inbox.end()
 
     async def _run_timers(self) -> None:
         while True:
@@ -205,7 +207,7 @@ class SealedLink(Link):
                 case ChannelClosed(inner, reason):
                     self._unwrap(inner, reason)
                 case LinkDown(reason, retry_in):
-                    self._inbox.report_down(reason, retry_in)
+                    self.inbox.report_down(reason, retry_in)
 
     def _receive(self, inner: Channel, data: bytes, time: float) -> None:
         channel = self._sealed.get(inner)
@@ -216,12 +218,12 @@ class SealedLink(Link):
             channel.opened = True
             channel.identity = channel.tunnel.peer
             channel.role_filter = self._roles.filter_of(channel.identity)
-            self._inbox.add_channel(channel)
+            self.inbox.add_channel(channel)
         for content in contents:
             inner.last_valid = channel.last_received = time
             inner.is_authenticated = True
             if allowed := channel.allowed(content):
-                self._inbox.deliver(channel, allowed, time)
+                self.inbox.deliver(channel, allowed, time)
 
     def _wrap(self, inner: Channel) -> None:
         if inner not in self._sealed:
@@ -240,10 +242,17 @@ class SealedLink(Link):
             self._past_refusals += channel.tunnel.refusals
             channel.close(reason)
 
-    async def _stop(self) -> None:
+    async def stop_transport(self) -> None:
+        """Stop accepting peers and bytes."""
         for channel in self._sealed.values():
             channel.close("link closed")
         await self._inner.close()
+
+
+def _default_mtu(carrier: LinkScheme) -> int:
+    if carrier.is_device:
+        return _DEVICE_MTU
+    return _STREAM_MTU if carrier.is_stream else _DATAGRAM_MTU
 
 
 def _read_config(url: LinkURL, options: Options) -> SealConfig:

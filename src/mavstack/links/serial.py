@@ -56,10 +56,10 @@ class SerialLink(ClientLink):
         name = f"serial {self.url.path}"
         if self._threads:
             return ThreadedSerialChannel(
-                name, self.url.path, self._inbox.remove_channel, self._send_queue, port
+                name, self.url.path, self.inbox.remove_channel, self._send_queue, port
             )
         try:
-            return await _open_posix(port, name, self._inbox.remove_channel, self._send_queue)
+            return await _open_posix(port, name, self.inbox.remove_channel, self._send_queue)
         except BaseException:
             port.close()
             raise
@@ -161,8 +161,9 @@ class PosixSerialChannel(StreamChannel):
         self._terminal, self._port = resources
         self._read_transport = self._terminal
 
-    def _close_transport(self) -> None:
-        super()._close_transport()
+    def close_transport(self) -> None:
+        """Start closing the transport."""
+        super().close_transport()
         self._terminal.close()
         with suppress(OSError):
             self._port.close()

@@ -120,7 +120,7 @@ class StreamChannel(ConnectionChannel):
             return
         self.last_received = now = time()
         for chunk in (data,) if self._frames is None else self._frames.feed(data):
-            if allowed := self._allowed(chunk):
+            if allowed := self.allowed(chunk):
                 inbox.receive(self, allowed, now)
 
     async def drain(self) -> None:
@@ -139,7 +139,8 @@ class StreamChannel(ConnectionChannel):
         """Close the transport without sending its buffer."""
         self._writer.transport.abort()
 
-    def _send(self, data: Data) -> bool:
+    def send_bytes(self, data: Data) -> bool:
+        """Send or queue a chunk."""
         transport = self._writer.transport
         if self._frames is not None:
             data = frame(data)
@@ -148,7 +149,8 @@ class StreamChannel(ConnectionChannel):
         self._writer.write(data)
         return True
 
-    def _close_transport(self) -> None:
+    def close_transport(self) -> None:
+        """Start closing the transport."""
         self._writer.close()
 
 

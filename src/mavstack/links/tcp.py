@@ -46,7 +46,8 @@ class TcpServer(ServerLink):
         """Host and port on which the link listens, or None before it is open."""
         return self._server.sockets[0].getsockname()[:2] if self._server and self._server.sockets else None
 
-    async def _open(self) -> None:
+    async def open_transport(self) -> None:
+        """Open the transport of the link."""
         try:
             self._server = await asyncio.get_running_loop().create_server(
                 self._new_protocol, self.url.host, self.url.port
@@ -85,18 +86,20 @@ class TcpServer(ServerLink):
         enable_keepalive(writer)
         peer = format_address(writer.get_extra_info("peername"))
         name = f"{self.url.scheme} {peer}"
-        connection = StreamChannel(name, peer, self._inbox.remove_channel, (reader, writer), self._send_queue)
+        connection = StreamChannel(name, peer, self.inbox.remove_channel, (reader, writer), self._send_queue)
         connection.identity = client_subject(writer.transport)
         connection.role_filter = self._roles.filter_of(connection.identity)
         if self._admit(connection):
-            self._spawn(self._serve_task(connection))
+            self.spawn(self._serve_task(connection))
 
-    async def _stop(self) -> None:
+    async def stop_transport(self) -> None:
+        """Stop accepting peers and bytes."""
         if self._server is not None:
             await stop_accepting(self._server.sockets)
             self._server.close()
 
-    async def _release(self) -> None:
+    async def release_transport(self) -> None:
+        """Release the remaining resources."""
         if self._server is not None:
             await self._server.wait_closed()
 
@@ -116,7 +119,7 @@ class TcpClient(ClientLink):
         enable_keepalive(writer)
         peer = format_address(writer.get_extra_info("peername"))
         name = f"{self.url.scheme} {peer}"
-        return StreamChannel(name, peer, self._inbox.remove_channel, (reader, writer), self._send_queue)
+        return StreamChannel(name, peer, self.inbox.remove_channel, (reader, writer), self._send_queue)
 
     async def connect_socket(self) -> socket.socket:
         """Connect a socket alone, for a program that reads it itself; raises `OSError`."""

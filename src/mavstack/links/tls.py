@@ -33,8 +33,9 @@ class TlsServer(TcpServer):
     def _new_protocol(self) -> asyncio.Protocol:
         return TlsHandshake(super()._new_protocol(), self._context, self._handshakes)
 
-    async def _stop(self) -> None:
-        await super()._stop()
+    async def stop_transport(self) -> None:
+        """Stop accepting peers and bytes."""
+        await super().stop_transport()
         self._handshakes.close()
 
 

@@ -68,12 +68,14 @@ class UdpChannel(Channel):
         #: The limit for a new peer; None: there is no limit.
         self.probation: Probation | None = None
 
-    def _send(self, data: Data) -> bool:
+    def send_bytes(self, data: Data) -> bool:
+        """Send or queue a chunk."""
         if self.probation is not None and not self.probation.may_send(data):
             return False
         return self._link.send_to(data, self.address)
 
-    def _close_transport(self) -> None:
+    def close_transport(self) -> None:
+        """Start closing the transport."""
         self._link.remove_channel(self)
 
 
@@ -206,7 +208,7 @@ class UdpLink(Link):
                 continue
             senders.append(address)
             if not add((data, address, now), known=self._knows(address)):
-                self._inbox.drop()
+                self.inbox.drop()
         if self._filter is None:
             self._filter = FloodFilter(sock)
         self._filter.observe(senders, emptied=emptied)
@@ -237,7 +239,7 @@ class UdpLink(Link):
             if backlog and not self._closed:
                 asyncio.get_running_loop().call_soon(self._handle_backlog)
 
-    async def _stop(self) -> None:
+    async def stop_transport(self) -> None:
         """Stop reading."""
         self._backlog.clear()
         if self._filter_timer is not None:
@@ -246,7 +248,8 @@ class UdpLink(Link):
             with suppress(NotImplementedError):
                 asyncio.get_running_loop().remove_reader(self._socket)
 
-    async def _release(self) -> None:
+    async def release_transport(self) -> None:
+        """Release the remaining resources."""
         if self._transport is not None:
             self._transport.close()
         elif self._socket is not None:
@@ -291,10 +294,11 @@ class UdpListener(UdpLink):
             raise open_error(self.url, error) from error
         return sock
 
-    async def _open(self) -> None:
+    async def open_transport(self) -> None:
+        """Open the transport of the link."""
         await self._start_reading(await self.open_socket())
         if self.idle:
-            self._spawn(self._close_idle())
+            self.spawn(self._close_idle())
 
     def _bind(self, sock: socket.socket, address: Address) -> None:
         group_address = ip_of(address)
@@ -314,20 +318,20 @@ class UdpListener(UdpLink):
             if channel.probation is not None:
                 channel.probation.received(data)
                 channel.probation = None if channel.probation.is_over else channel.probation
-            self._inbox.deliver(channel, data, now, count)
+            self.inbox.deliver(channel, data, now, count)
         else:
-            self._inbox.drop(count=count)
+            self.inbox.drop(count=count)
 
     def _admit(self, address: Address, data: bytes, now: float) -> UdpChannel | None:
-        if self._inbox.full or self._closed:
+        if self.inbox.full or self._closed:
             return None
         host = format_address(address).rpartition(":")[0]
         if not self._admission.admit(host, self._peers.values(), now, self._proof_of(data)):
             return None
-        channel = UdpChannel(f"udpin {format_address(address)}", address, self._inbox.remove_channel, self)
+        channel = UdpChannel(f"udpin {format_address(address)}", address, self.inbox.remove_channel, self)
         channel.probation = None if self.trusts_senders else Probation()
         self._peers[address] = channel
-        self._inbox.add_channel(channel)
+        self.inbox.add_channel(channel)
         return channel
 
     def _proof_of(self, data: bytes) -> Proof:

@@ -41,13 +41,14 @@ class UdpSender(UdpLink):
             raise open_error(self.url, error) from error
         return sock, address
 
-    async def _open(self) -> None:
+    async def open_transport(self) -> None:
+        """Open the transport of the link."""
         sock, address = await self.open_socket()
         await self._start_reading(sock)
         self._channel = UdpChannel(
-            f"udpout {format_address(address)}", address, self._inbox.remove_channel, self
+            f"udpout {format_address(address)}", address, self.inbox.remove_channel, self
         )
-        self._inbox.add_channel(self._channel)
+        self.inbox.add_channel(self._channel)
 
     def _knows(self, address: Address) -> bool:
         return self._channel is not None and address == self._channel.address
@@ -63,11 +64,11 @@ class UdpSender(UdpLink):
     def _datagram(self, data: bytes, address: Address, now: float, count: int = 1) -> None:
         channel = self._channel
         if channel is not None and (self._accepts_any_sender or address[0] == channel.address[0]):
-            self._inbox.deliver(channel, data, now, count)
+            self.inbox.deliver(channel, data, now, count)
         else:
-            self._inbox.drop(count=count)
+            self.inbox.drop(count=count)
 
     def remove_channel(self, channel: UdpChannel) -> None:
         """End the link with its only channel."""
         self._channel = None
-        asyncio.get_running_loop().call_soon(self._inbox.end)
+        asyncio.get_running_loop().call_soon(self.inbox.end)

@@ -72,7 +72,8 @@ class UnixServer(ServerLink):
         sock.setblocking(False)
         return sock
 
-    async def _open(self) -> None:
+    async def open_transport(self) -> None:
+        """Open the transport of the link."""
         _require_posix(self.url)
         path = Path(self.url.path)
         try:
@@ -86,12 +87,13 @@ class UnixServer(ServerLink):
         name = f"unixin {peer}"
         streams = reader, writer
         connection = StreamChannel(
-            name, peer, self._inbox.remove_channel, streams, self._send_queue, framed=self.framed
+            name, peer, self.inbox.remove_channel, streams, self._send_queue, framed=self.framed
         )
         if self._admit(connection):
-            self._spawn(self._serve_task(connection))
+            self.spawn(self._serve_task(connection))
 
-    async def _stop(self) -> None:
+    async def stop_transport(self) -> None:
+        """Stop accepting peers and bytes."""
         if self._server is not None:
             await stop_accepting(self._server.sockets)
             self._server.close()
@@ -101,7 +103,8 @@ class UnixServer(ServerLink):
         """Remove the socket from the file system. Idempotent."""
         Path(self.url.path).unlink(missing_ok=True)
 
-    async def _release(self) -> None:
+    async def release_transport(self) -> None:
+        """Release the remaining resources."""
         if self._server is not None:
             await self._server.wait_closed()
 
@@ -135,7 +138,7 @@ class UnixClient(ClientLink):
         streams = await connect_stream(partial(loop.create_unix_connection, path=self.url.path))
         name, path = f"unix {self.url.path}", self.url.path
         return StreamChannel(
-            name, path, self._inbox.remove_channel, streams, self._send_queue, framed=self.framed
+            name, path, self.inbox.remove_channel, streams, self._send_queue, framed=self.framed
         )
 
 

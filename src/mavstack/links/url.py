@@ -11,61 +11,24 @@ parses to an equal URL.
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, NoReturn
 from urllib.parse import parse_qsl, quote, unquote, urlencode
 
 from mavstack.errors import LinkURLError
+from mavstack.links.scheme import AddressKind, LinkScheme
+from mavstack.links.scheme_table import builtin_schemes, unknown_scheme
+from mavstack.links.schemes import file, serial, udp
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping
+    from collections.abc import Collection
 
-EXAMPLES: Final[Mapping[str, str]] = MappingProxyType(
-    {
-        "udpin": "udpin://0.0.0.0:14550",
-        "udpout": "udpout://192.168.1.10:14550",
-        "tcpin": "tcpin://0.0.0.0:5760",
-        "tcpout": "tcpout://127.0.0.1:5760",
-        "tls": "tls://ground.example:5761?ca=ca.pem",
-        "tlsin": "tlsin://0.0.0.0:5761?cert=cert.pem&key=key.pem",
-        "serial": "serial:///dev/ttyACM0?baud=57600",
-        "pty": "pty:///tmp/ttyDrone",
-        "unix": "unix:///run/mavlink.sock",
-        "unixin": "unixin:///run/mavlink.sock",
-        "ws": "ws://127.0.0.1:5770/mavlink",
-        "wss": "wss://ground.example/mavlink",
-        "wsin": "wsin://0.0.0.0:5770",
-        "wssin": "wssin://0.0.0.0:5770?cert=cert.pem&key=key.pem",
-        "sealed+udpin": "sealed+udpin://0.0.0.0:14560?shared_key=fleet",
-        "sealed+udpout": "sealed+udpout://ground.example:14560?shared_key=fleet",
-        "sealed+tcpin": "sealed+tcpin://0.0.0.0:5762?private_key=ground&peer=peers.txt",
-        "sealed+tcpout": "sealed+tcpout://ground.example:5762?private_key=boat&peer=ground.pub",
-        "sealed+serial": "sealed+serial:///dev/ttyUSB0?baud=57600&shared_key=fleet",
-        "file": "file://flight.tlog?speed=2",
-        "memory": "memory://fleet",
-    }
-)
-
-_ALIASES: Final[Mapping[str, tuple[str, Mapping[str, str]]]] = MappingProxyType(
-    {
-        "udp": ("udpin", {}),
-        "udpbcast": ("udpout", {}),
-        "tcp": ("tcpout", {}),
-        "tlsout": ("tls", {}),
-        "sealed+udp": ("sealed+udpin", {}),
-        "sealed+tcp": ("sealed+tcpout", {}),
-        "serial_flowcontrol": ("serial", {"flow": "rtscts"}),
-        "wsserver": ("wsin", {}),
-    }
-)
-
-#: The prefix of the schemes of sealed links, in front of the scheme of the link that they use.
-SEALED: Final = "sealed+"
-_LISTENERS = frozenset({"udpin", "tcpin", "tlsin", "wsin", "wssin", "sealed+udpin", "sealed+tcpin"})
-_PATHS = frozenset({"serial", "pty", "unix", "unixin", "file", "memory", "sealed+serial"})
-_WEB_PORTS: Final[Mapping[str, int]] = MappingProxyType({"ws": 80, "wss": 443})
+(_SERIAL,) = serial.SCHEMES
+(_FILE,) = file.SCHEMES
+#: The scheme of the example for a text without one.
+_USUAL: Final = udp.SCHEMES[0]
 _RECORDINGS = (".tlog", ".rlog", ".raw")
 
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9_+.-]+):(//)?(.*)", re.DOTALL)
@@ -131,7 +94,8 @@ def parse_url(text: str, plugins: Collection[str] = ()) -> LinkURL:
 
     Args:
         text: The URL, or a form of another program.
-        plugins: Schemes beyond the built-in ones.
+        plugins: Schemes beyond the built-in ones: a mapping to their records, or names alone, whose address
+            may be anything.
 
     Returns:
         The parsed URL.
@@ -145,54 +109,65 @@ def parse_url(text: str, plugins: Collection[str] = ()) -> LinkURL:
     match = _SCHEME.fullmatch(text)
     if match is None or _BARE_SERIAL.fullmatch(text.partition("?")[0]):
         return _parse_bare(text)
-    scheme, slashes, rest = match[1].lower(), match[2], match[3]
-    if scheme not in EXAMPLES and scheme not in _ALIASES and scheme not in plugins:
-        return _unknown_scheme(text, scheme) if slashes else _parse_bare(text)
-    scheme, implied = _ALIASES.get(scheme, (scheme, {}))
+    name, slashes, rest = match[1].lower(), match[2], match[3]
+    scheme, implied = _resolve(name, plugins)
+    if scheme is None:
+        return _unknown_scheme(text, name) if slashes else _parse_bare(text)
     body, options = _split_query(text, rest, scheme)
     options = {**implied, **options}
-    if scheme in _PATHS:
-        return _parse_path(text, scheme, unquote(body) if slashes else body, options)
-    if scheme in EXAMPLES:
+    if scheme.is_network:
         return _parse_network(text, scheme, body, options)
-    return LinkURL(scheme, path=unquote(body), options=options)
+    if scheme.address is AddressKind.ANY:
+        return LinkURL(scheme.name, path=unquote(body), options=options)
+    return _parse_path(text, scheme, unquote(body) if slashes else body, options)
+
+
+def _resolve(name: str, plugins: Collection[str]) -> tuple[LinkScheme | None, Mapping[str, str]]:
+    """Return the record of a scheme or of an alias, and the options that the alias implies."""
+    records = {**builtin_schemes(), **_records(plugins)}
+    if name in records:
+        return records[name], {}
+    for each in records.values():
+        if name in each.aliases:
+            return each, each.aliases[name]
+    return None, {}
+
+
+def _records(plugins: Collection[str]) -> Mapping[str, LinkScheme]:
+    if isinstance(plugins, Mapping):
+        return plugins
+    return {name: unknown_scheme(name) for name in plugins}
 
 
 def _parse_bare(text: str) -> LinkURL:
     """Parse a text without a scheme: a device or a file."""
     body, _, _ = text.partition("?")
     if _BARE_SERIAL.fullmatch(body):
-        return _parse_path(text, "serial", *_split_query(text, text, "serial"))
+        return _parse_path(text, _SERIAL, *_split_query(text, text, _SERIAL))
     if "/" in body or "\\" in body or body.lower().endswith(_RECORDINGS):
-        return _parse_path(text, "file", *_split_query(text, text, "file"))
+        return _parse_path(text, _FILE, *_split_query(text, text, _FILE))
     if re.fullmatch(r"\S+:\d+", text):
         problem = f"it has no scheme: udpin://{text} listens, udpout://{text} sends, tcpout://{text} connects"
         raise LinkURLError(f"invalid link URL {redact_options(text)!r}: {problem}")
     return _refuse(text, "it has no scheme, and is not a device or file")
 
 
-def _parse_path(text: str, scheme: str, body: str, options: dict[str, str]) -> LinkURL:
-    if scheme == "file" and _DRIVE.match(body):
+def _parse_path(text: str, scheme: LinkScheme, body: str, options: dict[str, str]) -> LinkURL:
+    if scheme is _FILE and _DRIVE.match(body):
         body = body[1:]
-    if scheme.removeprefix(SEALED) == "serial" and (match := _DEVICE_BAUD.fullmatch(body)):
+    if scheme.is_device and (match := _DEVICE_BAUD.fullmatch(body)):
         body = match[1]
         options = {"baud": match[2] or match[3], **options}
     if not body.strip("/"):
-        _refuse(
-            text,
-            {"serial": "it has no device", "memory": "it has no name"}.get(
-                scheme.removeprefix(SEALED), "it has no path"
-            ),
-            scheme,
-        )
-    return LinkURL(scheme, path=body, options=options)
+        _refuse(text, f"it has no {scheme.address.value}", scheme)
+    return LinkURL(scheme.name, path=body, options=options)
 
 
-def _parse_network(text: str, scheme: str, body: str, options: dict[str, str]) -> LinkURL:
+def _parse_network(text: str, scheme: LinkScheme, body: str, options: dict[str, str]) -> LinkURL:
     authority, slash, path = body.partition("/")
-    web = scheme.startswith("ws")
+    web = scheme.address is AddressKind.WEB
     if path and not web:
-        _refuse(text, f"{scheme} takes no path ({slash + path})", scheme)
+        _refuse(text, f"{scheme.name} takes no path ({slash + path})", scheme)
     match = _HOST_PORT.fullmatch(authority)
     if match is None:
         problem = (
@@ -203,26 +178,27 @@ def _parse_network(text: str, scheme: str, body: str, options: dict[str, str]) -
         _refuse(text, problem, scheme)
     host = match[1] if match[1] is not None else match[2]
     port = _port(text, scheme, match[3])
-    if not host and scheme not in _LISTENERS:
+    if not host and not scheme.listens:
         _refuse(text, "it has no host", scheme)
-    return LinkURL(scheme, host or "0.0.0.0", port, "/" + unquote(path) if web else "", options)  # noqa: S104
+    target = "/" + unquote(path) if web else ""
+    return LinkURL(scheme.name, host or "0.0.0.0", port, target, options)  # noqa: S104
 
 
-def _port(text: str, scheme: str, digits: str | None) -> int:
+def _port(text: str, scheme: LinkScheme, digits: str | None) -> int:
     if not digits:
-        if scheme not in _WEB_PORTS:
+        if not scheme.default_port:
             _refuse(text, "it has no port", scheme)
-        return _WEB_PORTS[scheme]
+        return scheme.default_port
     if not (digits.isascii() and digits.isdigit()):
         _refuse(text, f"the port {digits!r} is not a number", scheme)
     port = int(digits)
-    minimum = 0 if scheme in _LISTENERS else 1
+    minimum = 0 if scheme.listens else 1
     if not minimum <= port <= 65535:
         _refuse(text, f"the port {port} is not between {minimum} and 65535", scheme)
     return port
 
 
-def _split_query(text: str, rest: str, scheme: str) -> tuple[str, dict[str, str]]:
+def _split_query(text: str, rest: str, scheme: LinkScheme) -> tuple[str, dict[str, str]]:
     body, _, query = rest.partition("?")
     query = query.strip("&")
     try:
@@ -239,13 +215,14 @@ def _option_text(value: object) -> str:
     return ("yes" if value else "no") if isinstance(value, bool) else str(value)
 
 
-def _unknown_scheme(text: str, scheme: str) -> NoReturn:
-    near = get_close_matches(scheme, [*EXAMPLES, *_ALIASES], n=1)
-    hint = f"did you mean {near[0]}?" if near else "known schemes: " + ", ".join(EXAMPLES)
-    _refuse(text, f"unknown scheme {scheme!r}; {hint}", near[0] if near else "udpin")
+def _unknown_scheme(text: str, name: str) -> NoReturn:
+    builtin = builtin_schemes()
+    aliases = [alias for record in builtin.values() for alias in record.aliases]
+    near = get_close_matches(name, [*builtin, *aliases], n=1)
+    hint = f"did you mean {near[0]}?" if near else "known schemes: " + ", ".join(builtin)
+    _refuse(text, f"unknown scheme {name!r}; {hint}", _resolve(near[0], ())[0] if near else None)
 
 
-def _refuse(text: str, problem: str, scheme: str = "udpin") -> NoReturn:
-    scheme = _ALIASES[scheme][0] if scheme in _ALIASES else scheme
-    example = EXAMPLES.get(scheme, EXAMPLES["udpin"])
+def _refuse(text: str, problem: str, scheme: LinkScheme | None = None) -> NoReturn:
+    example = (scheme or _USUAL).example
     raise LinkURLError(f"invalid link URL {redact_options(text)!r}: {problem}; for example: {example}")

@@ -92,7 +92,7 @@ class WsChannel(QueuedChannel):
             async for message in self._socket:
                 if isinstance(message, str):
                     inbox.drop(self.counters)
-                elif not self.closed and (allowed := self._allowed(message)):
+                elif not self.closed and (allowed := self.allowed(message)):
                     self.last_received = now = time()
                     inbox.put(self, allowed, now)
                     await inbox.wait_for_room()
@@ -129,13 +129,13 @@ class WsServer(ServerLink):
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
-        self._context: ssl.SSLContext | None = server_context(url, options) if url.scheme == "wssin" else None
         self._handshakes = Handshakes()
         self._origin = options.text("origin")
         self._subprotocols = _words(options, "subprotocol")
         #: Decides on the clients.
         self.gate = WsGate(url, options)
         self._roles = RoleGate(url, options)
+        self._context: ssl.SSLContext | None = server_context(url, options) if url.scheme == "wssin" else None
         self._server: Server | None = None
 
     @property
@@ -173,7 +173,8 @@ class WsServer(ServerLink):
         sockets = list(self._server.sockets) if self._server else []
         return sockets[0].getsockname()[:2] if sockets else None
 
-    async def _open(self) -> None:
+    async def open_transport(self) -> None:
+        """Open the transport of the link."""
         try:
             self._server = await serve(
                 self._accept, self.url.host, self.url.port,
@@ -221,18 +222,20 @@ class WsServer(ServerLink):
 
     async def _accept(self, socket: ServerConnection) -> None:
         self._handshakes.end(socket.transport)
-        connection = WsChannel(self.url.scheme, self._inbox.remove_channel, self._send_queue, socket)
+        connection = WsChannel(self.url.scheme, self.inbox.remove_channel, self._send_queue, socket)
         connection.role_filter = self._roles.filter_of(connection.identity, cast("_Opening", socket).role)
         if self._admit(connection):
-            await asyncio.wait({self._spawn(self._serve_task(connection))})
+            await asyncio.wait({self.spawn(self._serve_task(connection))})
 
-    async def _stop(self) -> None:
+    async def stop_transport(self) -> None:
+        """Stop accepting peers and bytes."""
         if self._server is not None:
             await stop_accepting(self._server.sockets)
             self._server.close(close_connections=False)
             self._handshakes.close()
 
-    async def _release(self) -> None:
+    async def release_transport(self) -> None:
+        """Release the remaining resources."""
         if self._server is not None:
             await self._server.wait_closed()
 
@@ -270,7 +273,7 @@ class WsClient(ClientLink):
             ) from error
         except WebSocketException as error:
             raise LinkError(f"cannot open {self.url.redacted}: {error}") from error
-        return WsChannel(self.url.scheme, self._inbox.remove_channel, self._send_queue, socket)
+        return WsChannel(self.url.scheme, self.inbox.remove_channel, self._send_queue, socket)
 
     def _offer(self) -> list[Subprotocol]:
         """Return the subprotocols of one attempt, with a new ticket if the URL names a key."""

@@ -98,7 +98,7 @@ def recognise_plugin(head: bytes) -> LogFormat | None:
     Args:
         head: The first bytes of the file, up to `MAX_HEAD`.
     """
-    return _first_match((log_format(name) for name in sorted(plugins().names)), head)
+    return _first_match((found for _, found in _REGISTRY.plugin_items()), head)
 
 
 def plugins() -> EntryPoints:

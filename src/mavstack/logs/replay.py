@@ -16,6 +16,7 @@ import numpy as np
 
 from mavstack.dialects import common
 from mavstack.errors import LogError
+from mavstack.geodesy import METRES_PER_DEGREE
 from mavstack.logs.analysis.signals import Signal, read_signal
 from mavstack.logs.export.tlog_file import ReceiveClock, StreamClock
 from mavstack.logs.flight_states import FlightStates, flight_states
@@ -272,10 +273,9 @@ def _velocities(track: Track, kept: list[int]) -> list[tuple[float, float, float
         return [(0.0, 0.0, 0.0)] * len(kept)
     times = track.times[kept]
     latitudes, longitudes = track.latitudes[kept], np.unwrap(track.longitudes[kept], period=360.0)
-    metres = np.radians(1.0) * 6_371_008.8
     # Rows without time between them would give infinite speeds.
-    north = np.gradient(latitudes * metres, times)
-    east = np.gradient(longitudes * metres, times) * np.cos(np.radians(latitudes))
+    north = np.gradient(latitudes * METRES_PER_DEGREE, times)
+    east = np.gradient(longitudes * METRES_PER_DEGREE, times) * np.cos(np.radians(latitudes))
     down = -np.gradient(track.altitudes[kept], times)
     return list(zip(north.tolist(), east.tolist(), down.tolist(), strict=True))
 

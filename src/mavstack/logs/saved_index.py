@@ -20,7 +20,7 @@ from hashlib import blake2b
 from typing import TYPE_CHECKING, Final, TypeVar
 from zlib import crc32
 
-from mavstack.cache_directory import cache_directory
+from mavstack.user_directories import cache_directory
 
 if TYPE_CHECKING:
     import mmap

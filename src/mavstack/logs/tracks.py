@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from mavstack.errors import LogError
+from mavstack.geodesy import MEAN_RADIUS
 from mavstack.logs.own_system import own_system
 
 if TYPE_CHECKING:
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
 
     from mavstack.logs.log import Log
     from mavstack.logs.message_table import MessageTable
-
-_EARTH_RADIUS: Final = 6_371_008.8  # metres, mean
 
 
 class _Source(NamedTuple):
@@ -136,7 +135,7 @@ def distances(
     first, second = np.radians(from_latitude), np.radians(to_latitude)
     half_longitude = np.radians(to_longitude - from_longitude) / 2
     chord = np.sin((second - first) / 2) ** 2 + np.cos(first) * np.cos(second) * np.sin(half_longitude) ** 2
-    angles: NDArray[np.float64] = 2 * _EARTH_RADIUS * np.arcsin(np.sqrt(np.clip(chord, 0, 1)))
+    angles: NDArray[np.float64] = 2 * MEAN_RADIUS * np.arcsin(np.sqrt(np.clip(chord, 0, 1)))
     return angles
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mavstack.links.scheme_table import find_scheme
+
 if TYPE_CHECKING:
     from mavstack.links import Channel, Link
     from mavstack.node.component import RemoteComponent
@@ -131,4 +133,9 @@ class SenderChoice:
         engine.on_channel_closed = forget
 
     def _may_have_several_peers(self) -> bool:
-        return len(self.links) > 1 or any(link.url.scheme.endswith("in") for link in self.links)
+        return len(self.links) > 1 or any(_listens(link.url.scheme) for link in self.links)
+
+
+def _listens(name: str) -> bool:
+    scheme = find_scheme(name)
+    return scheme is not None and scheme.listens

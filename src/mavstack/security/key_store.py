@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import os
 import re
-import sys
 from pathlib import Path
 from typing import Final
 
@@ -24,6 +23,7 @@ from mavstack.atomic_file import write_file_atomically
 from mavstack.errors import SigningError
 from mavstack.security import os_keyring
 from mavstack.security.keys import SigningKey
+from mavstack.user_directories import config_directory
 
 KEY_SUFFIX: Final = ".key"
 #: The suffix of the file that stands for a key in the keyring.
@@ -42,13 +42,7 @@ def key_directory() -> Path:
     Returns:
         The directory; it may not exist yet.
     """
-    if sys.platform == "win32":
-        base = Path(os.environ.get("APPDATA") or Path.home() / "AppData" / "Roaming")
-    elif sys.platform == "darwin":
-        base = Path.home() / "Library" / "Application Support"
-    else:
-        base = Path(os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config")
-    return base / "mavstack" / "keys"
+    return config_directory() / "keys"
 
 
 def find_key(file_or_name: str) -> SigningKey:

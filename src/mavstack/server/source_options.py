@@ -8,28 +8,21 @@ used has one text, whatever the reason is.
 from __future__ import annotations
 
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from mavstack.errors import LinkError, SigningError
 from mavstack.http.bodies import RefusedError
+from mavstack.links.client_urls import KEY_OPTIONS, options_with_paths
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.links.url import LinkURL
 
-#: Options that name a file, or a key by the name of its file.
-_FILES: Final = frozenset({"ca", "cert", "key", "roles"})
-_KEYS: Final = frozenset({"signing_key", "ticket_key", "shared_key", "private_key", "peer"})
-
 
 def refuse_paths(url: LinkURL) -> None:
     """Refuse a URL with an option that names a file; raises `RefusedError`."""
-    named = sorted(
-        name
-        for name, value in url.options.items()
-        if name in _FILES or (name in _KEYS and not _is_plain(value))
-    )
+    named = options_with_paths(url)
     if named:
         raise RefusedError(
             403, f"without a password no file can be named: leave out {', '.join(named)}, or set a password"
@@ -39,7 +32,7 @@ def refuse_paths(url: LinkURL) -> None:
 @contextmanager
 def same_error_for_keys(url: LinkURL) -> Iterator[None]:
     """Give errors about the keys of a URL one text; raises `RefusedError` for them."""
-    named = sorted(_KEYS & url.options.keys())
+    named = sorted(KEY_OPTIONS & url.options.keys())
     try:
         yield
     except SigningError:
@@ -52,8 +45,3 @@ def same_error_for_keys(url: LinkURL) -> Iterator[None]:
 
 def _refuse(named: list[str]) -> None:
     raise RefusedError(409, f"the link cannot be opened: {', '.join(named)} cannot be used") from None
-
-
-def _is_plain(value: str) -> bool:
-    """Return whether a value is the name of a key, or a public key: no path."""
-    return value.replace("-", "").replace("_", "").isalnum()

@@ -7,10 +7,10 @@ from itertools import count
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.http.bodies import RefusedError
+from mavstack.links.client_urls import is_network_or_device_scheme
 from mavstack.links.registry import resolve_url
 from mavstack.server.rows.hub import RowHub
 from mavstack.server.rows.source import RowReader
-from mavstack.server.rows.urls import SCHEMES as ROW_SCHEMES
 from mavstack.server.rows.urls import is_row_url, parse_row_url
 from mavstack.server.source_options import refuse_paths, same_error_for_keys
 
@@ -19,11 +19,6 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Connection
 
 MAX_SOURCES: Final = 256
-#: Schemes that a client may open where every program of this machine is a client: neither files nor sockets
-#: of the file system, which belong to the user of the station alone.
-NETWORK_SCHEMES: Final = frozenset(
-    {"udpin", "udpout", "tcpin", "tcpout", "tls", "ws", "wss", "wsin", "serial", "msp+tcp", "msp+serial"}
-) | frozenset(ROW_SCHEMES)
 
 
 class Source:
@@ -71,7 +66,7 @@ class Sources:
 
     Args:
         connection: The connection, open or not.
-        network_only: Open links of `NETWORK_SCHEMES` only.
+        network_only: Open only links of networks and serial ports for clients; see `links.client_urls`.
     """
 
     def __init__(self, connection: Connection, *, network_only: bool = False) -> None:
@@ -116,7 +111,7 @@ class Sources:
             return await self._add_rows(link, limited=from_client and self._network_only)
         if isinstance(link, str):
             url = resolve_url(link)
-            if from_client and self._network_only and url.scheme not in NETWORK_SCHEMES:
+            if from_client and self._network_only and not is_network_or_device_scheme(url.scheme):
                 allowed = "links of the network and serial ports"
                 raise RefusedError(403, f"without a password only {allowed} can be opened, not {url.scheme}:")
             if from_client and self._network_only:

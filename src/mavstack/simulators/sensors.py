@@ -12,7 +12,7 @@ from random import Random
 from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import InvalidArgumentError
-from mavstack.sim.motion.geodesy import LocalFrame
+from mavstack.geodesy import LocalFrame
 from mavstack.sim.motion.sensors import (
     DENSITY,
     EXPONENT,

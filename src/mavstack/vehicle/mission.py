@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.errors import MissionWarning
+from mavstack.geodesy import distance
 from mavstack.node.read_only import ReadOnly
 from mavstack.services.arguments import check_number
 from mavstack.services.mission import PlanType
@@ -27,7 +28,6 @@ from mavstack.vehicle.actions.preconditions import check_preconditions, refusal
 from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import firmware_of
 from mavstack.vehicle.firmware.changes import Changes, undone_on_failure
-from mavstack.vehicle.geography import distance
 from mavstack.vehicle.mission_completion import MissionCompletion
 from mavstack.vehicle.status_text_capture import with_status_texts
 

@@ -10,7 +10,7 @@ import pytest
 
 from mavstack.bridges.msp import link as module
 from mavstack.errors import LinkError, LinkURLError, MspTimeout
-from mavstack.links import LinkURL
+from mavstack.links import LinkURL, parse_url
 from mavstack.links.options import Options
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import connect
@@ -39,9 +39,14 @@ def test_the_schemes_are_entry_points():
     groups = tomllib.loads(PYPROJECT.read_text())["project"]["entry-points"]
     schemes = groups["mavstack.links"]
     assert set(schemes) == {"msp+serial", "msp+tcp"}
-    for target in schemes.values():
+    for scheme, target in schemes.items():
         name, attribute = target.split(":")
-        assert callable(getattr(import_module(name), attribute))
+        record = getattr(import_module(name), attribute)
+        assert record.name == scheme
+        assert record.is_network or record.is_device  # clients without a password may open it
+        module_name, backend = record.backend.split(":")
+        assert callable(getattr(import_module(module_name), backend))
+        assert str(parse_url(record.example, {scheme: record})) == record.example
 
 
 def test_a_vehicle_behind_a_url(monkeypatch):

@@ -7,7 +7,8 @@ import pytest
 from mavstack.cli.common.exposure import announce_exposure
 from mavstack.cli.main import main
 from mavstack.cli.shell.runner import run_line
-from mavstack.links import parse_url
+from mavstack.links import LinkURL, parse_url
+from mavstack.links.scheme_table import builtin_schemes
 from tests.cli.shell.shell_session import alone
 
 
@@ -15,6 +16,13 @@ from tests.cli.shell.shell_session import alone
 def test_ports_that_other_hosts_reach_are_named(capsys, url):
     announce_exposure("param", [SimpleNamespace(url=parse_url(url))])
     assert capsys.readouterr().err.startswith(f"mav param: {parse_url(url)} can be reached from the network")
+
+
+@pytest.mark.parametrize("scheme", builtin_schemes().values(), ids=lambda each: each.name)
+def test_listeners_of_every_network_scheme_are_named(capsys, scheme):
+    """Sealed links too."""
+    announce_exposure("param", [SimpleNamespace(url=LinkURL(scheme.name, "0.0.0.0", 1))])
+    assert ("from the network" in capsys.readouterr().err) is (scheme.is_network and scheme.listens)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from mavstack.cli.common.errors import UsageError
-from mavstack.cli.shell import Command, plugins
+from mavstack.cli.shell import Command
 from mavstack.cli.shell.completion import complete
 from mavstack.cli.shell.plugins import GROUP, with_plugins
 from mavstack.cli.shell.registry import COMMANDS
@@ -19,6 +19,7 @@ from mavstack.cli.shell.session import Session
 from mavstack.dialects import common
 from mavstack.links import MemoryNetwork
 from mavstack.node import Node
+from mavstack.plugins import Registry
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import connect
 
@@ -37,7 +38,7 @@ def install(monkeypatch):
 
     def install(**entries: str) -> tuple[dict[str, Command], list[str]]:
         found = EntryPoints(EntryPoint(name, value, GROUP) for name, value in entries.items())
-        monkeypatch.setattr(plugins, "entry_points", lambda group: found.select(group=group))
+        monkeypatch.setattr(Registry, "plugins", lambda registry: found.select(group=registry.group))
         problems: list[str] = []
         return with_plugins(COMMANDS, lambda error: problems.append(str(error))), problems
 

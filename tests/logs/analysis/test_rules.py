@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from importlib.metadata import EntryPoint, EntryPoints
+
 import pytest
 
 from mavstack import open_log
 from mavstack.dialects import common
 from mavstack.logs.analysis import Finding, Rule, Severity, all_rules, analyse, flights
+from mavstack.plugins import Registry
 from mavstack.wire import Encoder
 from tests.logs.analysis.telemetry import ARMED, during, flight_tlog
 from tests.logs.files import stamped
@@ -266,3 +269,20 @@ def test_a_counter_that_begins_again_takes_nothing_back(findings_of):
 
     (finding,) = findings_of(change)["clipping"]
     assert (finding.numbers, finding.time) == ({"samples": 40.0}, pytest.approx(20.0, abs=0.1))
+
+
+def test_a_plugin_that_cannot_be_loaded_keeps_no_rule_out(monkeypatch, caplog):
+    targets = {"lost": "no_such_module:RULE", "wrong": "json:loads", "own": f"{__name__}:OWN_RULE"}
+    entries = EntryPoints(
+        EntryPoint(name, value, "mavstack.analysis_rules") for name, value in targets.items()
+    )
+    builtin = all_rules()
+    monkeypatch.setattr(Registry, "plugins", lambda registry: entries)
+    assert all_rules() == (*builtin, OWN_RULE)
+    assert [record.message.partition(" was left out")[0] for record in caplog.records] == [
+        "plug-in lost",
+        "plug-in wrong",
+    ]
+
+
+OWN_RULE = Rule("own", "Finds nothing.", lambda _flight: ())

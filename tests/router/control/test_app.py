@@ -8,6 +8,7 @@ import pytest
 from mavstack.errors import LinkError
 from mavstack.http.bodies import MAX_BODY
 from mavstack.http.server import serving
+from mavstack.links.scheme_table import builtin_schemes
 from mavstack.router.config import EndpointConfig
 from mavstack.router.control.app import ControlApi
 from mavstack.router.control.client import ControlClient
@@ -76,6 +77,19 @@ async def test_routes_and_counters():
         ("POST", "/endpoints", {"name": "x", "url": "serial:///dev/ttyS0"}, "only network links"),
         ("POST", "/endpoints", {"name": "x", "url": "unixin:///tmp/x"}, "only network links"),
         ("PATCH", "/endpoints/ground", {"url": "file:///etc/passwd"}, "only network links"),
+        ("POST", "/endpoints", {"name": "x", "url": "tls://127.0.0.1:1?ca=/etc/passwd"}, "leave out ca"),
+        (
+            "POST",
+            "/endpoints",
+            {"name": "x", "url": "wssin://127.0.0.1:0?cert=a&key=b"},
+            "leave out cert, key",
+        ),
+        (
+            "POST",
+            "/endpoints",
+            {"name": "x", "url": "sealed+tcpin://127.0.0.1:0?shared_key=/a"},
+            "out shared_key",
+        ),
         ("PATCH", "/endpoints/other", {}, "there is no endpoint other"),
         ("DELETE", "/endpoints/other", None, "there is no endpoint other"),
         ("POST", "/reload", None, "without a configuration file"),
@@ -87,6 +101,23 @@ async def test_wrong_requests_are_refused_with_a_reason(method, path, body, prob
         with pytest.raises(LinkError, match=problem):
             await ask(ControlClient(address).request, method, path, body)
         assert [each.name for each in router.config.endpoints] == ["ground"]
+
+
+@pytest.mark.parametrize("scheme", [each for each in builtin_schemes().values() if each.is_network])
+async def test_clients_without_a_token_open_links_of_every_network_scheme(scheme):
+    """Those that lack a certificate or a key fail for that reason."""
+    async with controlled() as (_, address):
+        body = {"name": "x", "url": f"{scheme.name}://127.0.0.1:{0 if scheme.listens else 1}"}
+        status, text = await post(address, "/endpoints", body)
+        assert "control_token" not in text, status
+
+
+async def post(address, path, body):
+    """The status and the text of the answer to a request."""
+    try:
+        return 200, str(await ask(ControlClient(address).request, "POST", path, body))
+    except LinkError as error:
+        return 400, str(error)
 
 
 async def test_a_token_is_needed_where_there_is_one(tmp_path):

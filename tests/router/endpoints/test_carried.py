@@ -45,8 +45,8 @@ async def test_websocket_messages_hold_one_or_more_packets():
 
 
 async def test_packets_for_a_slow_channel_wait_in_the_engine(monkeypatch):
-    room, send = asyncio.Event(), WsChannel._send
-    monkeypatch.setattr(WsChannel, "_send", lambda self, data: room.is_set() and send(self, data))
+    room, send = asyncio.Event(), WsChannel.send_bytes
+    monkeypatch.setattr(WsChannel, "send_bytes", lambda self, data: room.is_set() and send(self, data))
     monkeypatch.setattr(WsChannel, "drain", lambda self: room.wait())
     async with routing(VEHICLE, WEB) as router:
         endpoint = router.endpoints["web"]

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from mavstack.sim.motion.geodesy import LocalFrame
+from mavstack.geodesy import LocalFrame
 from mavstack.sim.motion.readings import BatteryState, EstimateHealth, Motion, SensorReadings, Wind
 from mavstack.sim.telemetry.ardupilot import TYPES_SENDING, ardupilot_producers
 from mavstack.sim.telemetry.producers import Producers

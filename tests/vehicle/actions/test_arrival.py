@@ -10,10 +10,10 @@ import pytest
 import mavstack
 from mavstack.dialects import common
 from mavstack.errors import ActionTimeout, ActionUnsupported, InvalidArgumentError
+from mavstack.geodesy import offset_location
 from mavstack.services.setpoints import AttitudeSetpoint, LocalSetpoint
 from mavstack.services.version import FirmwareVersion
 from mavstack.sim.vehicle_types import VehicleType
-from mavstack.vehicle.geography import offset_location
 from mavstack.vehicle.guided_session import STANDING_STILL
 from tests.vehicle.failures.scripted_autopilot import ARDUPILOT as SCRIPTED_ARDUPILOT
 from tests.vehicle.failures.scripted_autopilot import run_scenario

@@ -7,8 +7,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from mavstack.geodesy import offset_location
 from mavstack.vehicle.actions.circling import CircleTracker
-from mavstack.vehicle.geography import offset_location
 from mavstack.vehicle.telemetry.values import Position
 
 HERE = (47.0, 8.0)

@@ -9,8 +9,8 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.errors import ActionRefused, ActionUnsupported, CommandDenied, RemoteError
+from mavstack.geodesy import offset_location
 from mavstack.vehicle.firmware.ardupilot import ArduPilot
-from mavstack.vehicle.geography import offset_location
 from tests.vehicle.failures.rows import ITEMS
 from tests.vehicle.failures.scripted_autopilot import ARDUPILOT, CMD, RESULT, run_scenario
 from tests.vehicle.firmware.received_requests import HERE, INT, LONG, NAN, THERE, mode, requests_of

@@ -1,8 +1,8 @@
 """Links to flight controllers that speak MSP: `msp+serial:///dev/ttyACM0`, `msp+tcp://127.0.0.1:5761`.
 
 Behind such a link there is a bridge within the process, so that a flight controller is a MAVLink vehicle for
-everything that opens links: connections, the router, recordings, the command line. The schemes are entry
-points of the group `mavstack.links`, since links know nothing of bridges.
+everything that opens links: connections, the router, recordings, the command line. The records of the schemes
+(`schemes`) are entry points of the group `mavstack.links`, since links know nothing of bridges.
 
 The option `system` is the system id of the vehicle, 1 by default; `baud` and the other options are those of
 the link that carries MSP.
@@ -43,7 +43,8 @@ class MspLink(MemoryLink):
         self._controller = FlightController(plain_link(carrier, options.of(carrier)))
         self._bridge = MspBridge(self._controller, self._peer, system=system)
 
-    async def _open(self) -> None:
+    async def open_transport(self) -> None:
+        """Open the transport of the link."""
         try:
             await self._controller.open()
             await self._bridge.open()
@@ -51,11 +52,12 @@ class MspLink(MemoryLink):
             raise LinkError(f"cannot open {self.url.redacted}: {error}") from error
         self.connect(self._peer)
 
-    async def _stop(self) -> None:
+    async def stop_transport(self) -> None:
+        """Stop accepting peers and bytes."""
         await self._bridge.close()
         await self._controller.close()
 
 
 def open_link(url: LinkURL, options: Options) -> Link:
-    """Create the link of a URL; the entry point of the schemes `msp+serial` and `msp+tcp`."""
+    """Create the link of a URL; the backend of the schemes `msp+serial` and `msp+tcp`."""
     return MspLink(url, options)

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 from math import cos, radians
 from typing import TYPE_CHECKING, TypeAlias
 
+from mavstack.geodesy import METRES_PER_DEGREE
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
@@ -17,7 +19,6 @@ Place: TypeAlias = tuple[float, float]  # latitude, longitude in degrees
 #: The dots of a braille character by column and row.
 _DOTS = ((0x01, 0x02, 0x04, 0x40), (0x08, 0x10, 0x20, 0x80))
 _BLANK = 0x2800
-_METRES_PER_DEGREE = 111_319.5
 #: Metres that a map shows at least, so that the track of a vehicle that stands still does not fill it.
 _MIN_EXTENT = 60.0
 _MARGIN = 1.15
@@ -89,15 +90,15 @@ class _View:
         south, north = min(place[0] for place in places), max(place[0] for place in places)
         west, east = min(place[1] for place in places), max(place[1] for place in places)
         latitude, longitude = (south + north) / 2, (west + east) / 2
-        height = max((north - south) * _METRES_PER_DEGREE, _MIN_EXTENT)
-        width = max((east - west) * _METRES_PER_DEGREE * cos(radians(latitude)), _MIN_EXTENT)
+        height = max((north - south) * METRES_PER_DEGREE, _MIN_EXTENT)
+        width = max((east - west) * METRES_PER_DEGREE * cos(radians(latitude)), _MIN_EXTENT)
         scale = max(width / (2 * columns), height / (4 * rows)) * _MARGIN
         return cls(latitude, longitude, scale, columns, rows)
 
     def dot(self, place: Place) -> tuple[int, int]:
         """Return the dot of a place: column from the left, row from the top."""
-        north = (place[0] - self.latitude) * _METRES_PER_DEGREE
-        east = (place[1] - self.longitude) * _METRES_PER_DEGREE * cos(radians(self.latitude))
+        north = (place[0] - self.latitude) * METRES_PER_DEGREE
+        east = (place[1] - self.longitude) * METRES_PER_DEGREE * cos(radians(self.latitude))
         return (
             round(self.columns + east / self.metres_per_dot),
             round(2 * self.rows - north / self.metres_per_dot),

@@ -6,6 +6,7 @@ from ipaddress import ip_address
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.output import echo
+from mavstack.links.scheme_table import find_scheme
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -23,18 +24,22 @@ if TYPE_CHECKING:
 
 #: Of more links only the first and the last are named.
 _MAX_SHOWN: Final = 3
-_LISTENING: Final = frozenset({"udpin", "tcpin", "tlsin", "wsin", "wssin"})
 
 
 def announce_exposure(command: str, links: Iterable[HasURL]) -> None:
     """Say on stderr, in one line, which links accept data from other hosts."""
     urls = [link.url for link in links]
-    exposed = [url.redacted for url in urls if url.scheme in _LISTENING and not _is_loopback(url.host)]
+    exposed = [url.redacted for url in urls if _is_exposed(url)]
     if not exposed:
         return
     shown = ", ".join(exposed) if len(exposed) <= _MAX_SHOWN else f"{exposed[0]} … {exposed[-1]}"
     remedy = "127.0.0.1 in the URL limits it to this machine"
     echo(f"mav {command}: {shown} can be reached from the network; {remedy}", error=True)
+
+
+def _is_exposed(url: LinkURL) -> bool:
+    scheme = find_scheme(url.scheme)
+    return scheme is not None and scheme.is_network and scheme.listens and not _is_loopback(url.host)
 
 
 def _is_loopback(host: str) -> bool:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.cli.common.identity import Identity, identify
 from mavstack.dialects import common
+from mavstack.geodesy import METRES_PER_DEGREE
 
 if TYPE_CHECKING:
     from mavstack.dialects import Dialect
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
 MAX_TRACK = 400
 _MIN_TRACK_STEP = 2.0
 _MAX_TEXTS = 100
-_METRES_PER_DEGREE = 111_319.5
 #: Firmwares by the beginning of `flight_custom_version`, which vehicles behind a bridge of MSP have.
 _FIRMWARES = {b"BTFL": "Betaflight", b"INAV": "iNav"}
 _UNKNOWN_PERCENT = -1
@@ -50,7 +50,7 @@ class FleetVehicle:
         if not self.track:
             return float("inf")
         north, east = self.track[-1]
-        return hypot(latitude - north, (longitude - east) * cos(radians(latitude))) * _METRES_PER_DEGREE
+        return hypot(latitude - north, (longitude - east) * cos(radians(latitude))) * METRES_PER_DEGREE
 
 
 @dataclass(frozen=True, slots=True)

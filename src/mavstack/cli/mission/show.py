@@ -19,7 +19,7 @@ from mavstack.cli.mission.text import altitude_text, length_text, number, params
 from mavstack.cli.mission.transfer import download_plans
 from mavstack.files.plans import check, fence_areas, plan_json
 from mavstack.files.plans.model import CMD, PLAN_NAMES
-from mavstack.vehicle.geography import distance
+from mavstack.geodesy import distance
 
 if TYPE_CHECKING:
     from argparse import Namespace

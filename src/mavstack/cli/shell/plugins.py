@@ -6,11 +6,12 @@ names are taken, is reported in one line, and the shell starts without it.
 
 from __future__ import annotations
 
-from importlib.metadata import entry_points
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.cli.common.errors import CommandError
 from mavstack.cli.shell.session import Command
+from mavstack.errors import InvalidArgumentError
+from mavstack.plugins import Registry
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -29,31 +30,27 @@ def with_plugins(
         report: Called with the problem of each plug-in that is left out.
     """
     commands = dict(builtin)
-    for entry in sorted(entry_points(group=GROUP), key=lambda each: each.name):
-        try:
-            command = _load(entry)
-            if taken := sorted(set(command.names) & set(commands)):
-                raise CommandError(f"there is a command {taken[0]!r} already")
-        except Exception as error:  # noqa: BLE001 (the code of another package may raise anything)
-            report(CommandError(f"plug-in {_name(entry)} was left out: {_reason(error)}"))
-        else:
-            commands.update(dict.fromkeys(command.names, command))
+
+    def convert(entry: EntryPoint, loaded: Any) -> Command:  # noqa: ANN401 - of another package
+        return _checked(entry, loaded, commands)
+
+    registry: Registry[Command] = Registry(
+        "command",
+        GROUP,
+        objects=lambda: builtin,
+        convert=convert,
+        report=lambda line: report(CommandError(line)),
+    )
+    for _, command in registry.plugin_items():
+        commands.update(dict.fromkeys(command.names, command))
     return commands
 
 
-def _load(entry: EntryPoint) -> Command:
-    command = entry.load()
-    if not isinstance(command, Command):
-        raise CommandError(f"{entry.value} is a {type(command).__name__}, not a Command")
-    if command.name != entry.name:
-        raise CommandError(f"its command is named {command.name!r}, its entry point {entry.name!r}")
-    return command
-
-
-def _name(entry: EntryPoint) -> str:
-    return f"{entry.name} of {entry.dist.name}" if entry.dist is not None else entry.name
-
-
-def _reason(error: Exception) -> str:
-    text = " ".join(str(error).split())
-    return text if isinstance(error, CommandError) else f"{type(error).__name__}: {text}"
+def _checked(entry: EntryPoint, loaded: object, commands: Mapping[str, Command]) -> Command:
+    if not isinstance(loaded, Command):
+        raise InvalidArgumentError(f"{entry.value} is a {type(loaded).__name__}, not a Command")
+    if loaded.name != entry.name:
+        raise InvalidArgumentError(f"its command is named {loaded.name!r}, its entry point {entry.name!r}")
+    if taken := sorted(set(loaded.names) & set(commands)):
+        raise InvalidArgumentError(f"there is a command {taken[0]!r} already")
+    return loaded

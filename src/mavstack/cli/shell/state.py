@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-import os
-import sys
-from pathlib import Path
+from typing import TYPE_CHECKING
 
+from mavstack.user_directories import state_directory
 
-def state_directory() -> Path:
-    """Return the directory; it may not exist yet."""
-    if sys.platform == "win32":
-        base = os.environ.get("LOCALAPPDATA") or str(Path.home() / "AppData" / "Local")
-        return Path(base) / "mavstack"
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Application Support" / "mavstack"
-    return Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state") / "mavstack"
+if TYPE_CHECKING:
+    from pathlib import Path
 
 
 def history_file(name: str = "shell") -> Path | None:

@@ -7,7 +7,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from mavstack.cli.common.output import echo_progress
-from mavstack.vehicle.geography import distance
+from mavstack.geodesy import distance
 
 if TYPE_CHECKING:
     from collections.abc import Callable

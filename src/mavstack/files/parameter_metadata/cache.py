@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.atomic_file import write_file_atomically
 from mavstack.bounded_file import read_file_bounded
-from mavstack.cache_directory import cache_directory
 from mavstack.errors import MetadataError
 from mavstack.services.component_metadata import MAX_CONTENT, has_crc
+from mavstack.user_directories import cache_directory
 
 if TYPE_CHECKING:
     import os

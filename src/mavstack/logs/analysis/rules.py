@@ -2,7 +2,7 @@
 
 A rule takes a `Flight` and yields findings with the numbers that it measured. It yields nothing where the log
 does not hold what it needs. Other packages add rules by entry points of the group `mavstack.analysis_rules`:
-the entry point loads a `Rule`.
+the entry point loads a `Rule`. One that cannot be loaded is left out, with a warning.
 """
 
 from __future__ import annotations
@@ -10,10 +10,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from importlib import import_module
 from math import inf
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
+
+from mavstack.errors import InvalidArgumentError
+from mavstack.plugins import Registry
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
+    from importlib.metadata import EntryPoint
 
     from mavstack.logs.analysis.findings import Finding
     from mavstack.logs.analysis.flight import Flight
@@ -40,18 +44,23 @@ class Rule:
 _MODULES: Final = ("vibration", "navigation", "power", "outputs", "radio_link", "events")
 
 
-def _builtin() -> tuple[Rule, ...]:
-    found: list[Rule] = []
-    for name in _MODULES:
-        found += import_module(f"mavstack.logs.analysis.{name}").RULES
-    return tuple(found)
+def _builtin() -> dict[str, Rule]:
+    modules = (import_module(f"mavstack.logs.analysis.{name}") for name in _MODULES)
+    return {rule.name: rule for module in modules for rule in module.RULES}
+
+
+def _plugin_rule(entry: EntryPoint, loaded: Any) -> Rule:  # noqa: ANN401 - of another package
+    if not isinstance(loaded, Rule):
+        raise InvalidArgumentError(f"{entry.value} is a {type(loaded).__name__}, not a Rule")
+    return loaded
+
+
+_REGISTRY: Final[Registry[Rule]] = Registry("rule", ENTRY_POINTS, objects=_builtin, convert=_plugin_rule)
 
 
 def all_rules() -> tuple[Rule, ...]:
     """Return all rules, those of other packages included."""
-    from importlib.metadata import entry_points
-
-    return (*_builtin(), *(entry.load() for entry in entry_points(group=ENTRY_POINTS)))
+    return tuple(rule for _, rule in _REGISTRY.items())
 
 
 def analyse(flight: Flight, rules: Sequence[Rule] | None = None) -> list[Finding]:

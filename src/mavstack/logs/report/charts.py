@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
+from mavstack.geodesy import METRES_PER_DEGREE
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
@@ -33,7 +35,6 @@ _MINOR: Final = ("", " minor")
 TIME_AXIS: Final = "s"
 #: A value beyond it is that of a damaged record, and drawn at the edge: the range must not overflow.
 _MAX_VALUE: Final = 1e30
-_METRES_PER_DEGREE: Final = 111_195.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,7 +174,7 @@ def track_places(track: Track) -> tuple[Track, NDArray[np.float64], NDArray[np.f
     thin = track.thinned(4000)
     north = np.cos(np.radians(float(np.median(thin.latitudes))))
     xs, ys = thin.longitudes * north, -thin.latitudes
-    span = max(float(np.ptp(xs)), float(np.ptp(ys)), 10 / _METRES_PER_DEGREE) * 1.15
+    span = max(float(np.ptp(xs)), float(np.ptp(ys)), 10 / METRES_PER_DEGREE) * 1.15
     places = [((column - (column.max() + column.min()) / 2) / span + 0.5) * _MAP_SIZE for column in (xs, ys)]
     return thin, places[0], places[1]
 
@@ -189,7 +190,7 @@ def draw_track(track: Track, marks: Sequence[tuple[float, float]] = (), number: 
     thin = track.thinned(4000)
     north = np.cos(np.radians(float(np.median(thin.latitudes))))
     xs, ys = thin.longitudes * north, -thin.latitudes
-    span = max(float(np.ptp(xs)), float(np.ptp(ys)), 10 / _METRES_PER_DEGREE) * 1.15
+    span = max(float(np.ptp(xs)), float(np.ptp(ys)), 10 / METRES_PER_DEGREE) * 1.15
     middle_x, middle_y = (xs.max() + xs.min()) / 2, (ys.max() + ys.min()) / 2
 
     def place(x: float, y: float) -> tuple[float, float]:
@@ -201,8 +202,8 @@ def draw_track(track: Track, marks: Sequence[tuple[float, float]] = (), number: 
     start, end = place(float(xs[0]), float(ys[0])), place(float(xs[-1]), float(ys[-1]))
     placed = [place(longitude * north, -latitude) for latitude, longitude in marks]
     found = "".join(f'<circle class="mark" cx="{x:.1f}" cy="{y:.1f}" r="6"/>' for x, y in placed)
-    length = _round_down(span * _METRES_PER_DEGREE / 3)
-    pixels = length / (span * _METRES_PER_DEGREE) * _MAP_SIZE
+    length = _round_down(span * METRES_PER_DEGREE / 3)
+    pixels = length / (span * METRES_PER_DEGREE) * _MAP_SIZE
     return (
         f'<svg class="map" data-vehicle="{number}" viewBox="0 0 {_MAP_SIZE} {_MAP_SIZE}" role="img" '
         'aria-label="track">'

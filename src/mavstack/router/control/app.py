@@ -17,19 +17,23 @@ refused, and the API opens only network links: no files, devices or sockets of t
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import asdict
 from hmac import compare_digest
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 from mavstack.errors import (
     InvalidArgumentError,
     LinkError,
+    LinkURLError,
     MavstackError,
     MissingExtraError,
     RouterConfigError,
 )
 from mavstack.http.bodies import RefusedError, read_json_object
 from mavstack.http.web_origin import is_local_host
+from mavstack.links import parse_url
+from mavstack.links.client_urls import is_network_scheme, options_with_paths
 from mavstack.router.config import endpoint_from_values
 from mavstack.router.control.endpoint_values import values_of
 from mavstack.router.snapshot import endpoint_values, take_snapshot
@@ -51,9 +55,6 @@ if TYPE_CHECKING:
     from mavstack.router.router import Router
 
     Handler: TypeAlias = Callable[[Request], Awaitable[Response]]
-
-#: Links that a client without a token may open.
-_NETWORK: Final = ("udpin:", "udpout:", "tcpin:", "tcpout:", "ws:", "wss:", "wsin:")
 
 
 class ControlApi:
@@ -178,11 +179,22 @@ class ControlApi:
     def _endpoint(
         self, name: str, values: dict[str, Any], present: EndpointConfig | None = None
     ) -> EndpointConfig:
+        is_same = present is not None and values.get("url") == present.url
+        if not self._token and not is_same:
+            _refuse_paths(values.get("url"))
         config = endpoint_from_values(name, values, self._router.config.dialect)
         is_same = present is not None and (present.url, present.record) == (config.url, config.record)
-        if not self._token and not is_same and not config.url.startswith(_NETWORK):
+        if not self._token and not is_same and not is_network_scheme(config.url.partition(":")[0]):
             raise RefusedError(403, "without control_token only network links can be opened")
         return config
+
+
+def _refuse_paths(url: object) -> None:
+    """Refuse a URL with an option that names a file, before the file is read."""
+    with suppress(LinkURLError):  # it is reported with the place in the configuration
+        if isinstance(url, str) and (named := options_with_paths(parse_url(url))):
+            problem = "without control_token no file can be named"
+            raise RefusedError(403, f"{problem}: leave out {', '.join(named)}")
 
 
 def _problem(status: int, error: Exception) -> Response:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import InvalidArgumentError, LinkClosedError
 from mavstack.links.events import BytesReceived, ChannelClosed, ChannelOpened
+from mavstack.links.scheme_table import find_scheme
 from mavstack.router.endpoints.base import DOWN, ENDED, LISTENING, OPEN, Endpoint
 from mavstack.router.endpoints.client_proofs import ClientProofs
 from mavstack.router.firewall import Peer
@@ -31,10 +32,6 @@ if TYPE_CHECKING:
     from mavstack.router.config import EndpointConfig
 
 _log = logging.getLogger("mavstack.router")
-#: Links on which several packets may share one chunk; on others a chunk is a datagram.
-_STREAMS: Final = frozenset(
-    {"ws", "wss", "wsin", "wssin", "tls", "tlsin", "tcpin", "tcpout", "unix", "unixin"}
-)
 #: Bytes of packets that share one chunk, such as one message of a WebSocket.
 MAX_CHUNK: Final = 4096
 #: Seconds for which the engine keeps a closed channel, whose last packets the firewall may still inspect.
@@ -57,7 +54,9 @@ class CarriedEndpoint(Endpoint):
         self._slow: set[int] = set()  # the channels that are waited for
         self._proofs = ClientProofs(attachments.engine)
         link.before_choice = self._update_proofs
-        self._joins = link.url.scheme in _STREAMS
+        scheme = find_scheme(link.url.scheme)
+        #: Several packets may share one chunk; otherwise a chunk is a datagram.
+        self._joins = scheme is not None and scheme.is_stream
 
     @property
     def address(self) -> tuple[str, int] | None:

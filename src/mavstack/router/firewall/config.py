@@ -212,4 +212,5 @@ def _detectors(table: Table, names: Names) -> tuple[Detector, ...]:
 def _known_detector(name: object) -> str:
     if name not in detector_names():
         raise ValueError(f"there is no detector {name!r}; known: {', '.join(detector_names())}")
+    make_detector(str(name))  # a firewall without a detector that it is to have is refused
     return str(name)

@@ -12,18 +12,18 @@ Detectors are registered by name. Other packages add them by entry points of the
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from mavstack.errors import InvalidArgumentError
+from mavstack.plugins import Registry
 from mavstack.router.firewall.alerts import Alert
 from mavstack.security.senders import Sender
 from mavstack.services import Address
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
-    from importlib.metadata import EntryPoints
+    from importlib.metadata import EntryPoint
     from typing import Self
 
     from mavstack.dialects import Dialect
@@ -157,9 +157,23 @@ DETECTORS: Final[Mapping[str, str]] = MappingProxyType(
 DEFAULT_DETECTORS: Final = tuple(name for name in DETECTORS if name != "sequence")
 
 
+def _plugin_detector(entry: EntryPoint, loaded: Any) -> type[Detector]:  # noqa: ANN401 - of another package
+    if not (isinstance(loaded, type) and issubclass(loaded, Detector)):
+        raise InvalidArgumentError(f"{entry.value} is not a class of detectors")
+    return loaded
+
+
+_REGISTRY: Final[Registry[type[Detector]]] = Registry(
+    "detector",
+    ENTRY_POINTS,
+    {name: f"mavstack.router.firewall.detectors.{place}" for name, place in DETECTORS.items()},
+    convert=_plugin_detector,
+)
+
+
 def detector_names() -> tuple[str, ...]:
     """Return the names of all detectors, those of other packages included."""
-    return (*DETECTORS, *sorted(_plugins().names - DETECTORS.keys()))
+    return _REGISTRY.names()
 
 
 def make_detector(name: str) -> Detector:
@@ -172,18 +186,9 @@ def make_detector(name: str) -> Detector:
         A new detector with its default options.
 
     Raises:
-        InvalidArgumentError: There is no detector of this name.
+        InvalidArgumentError: There is no detector of this name, or its plug-in cannot be loaded.
     """
-    if name in DETECTORS:
-        module, attribute = DETECTORS[name].split(":")
-        found: Any = getattr(import_module(f"mavstack.router.firewall.detectors.{module}"), attribute)
-    elif name in _plugins().names:
-        found = _plugins()[name].load()
-    else:
-        known = ", ".join(detector_names())
-        raise InvalidArgumentError(f"there is no detector {name!r}; known: {known}")
-    made: Detector = found()
-    return made
+    return _REGISTRY.get(name)()
 
 
 def messages_of(detectors: Iterable[Detector]) -> frozenset[int] | None:
@@ -199,12 +204,6 @@ def messages_of(detectors: Iterable[Detector]) -> frozenset[int] | None:
     if any(detector.every_packet for detector in chosen):
         return None
     return frozenset().union(*(detector.messages for detector in chosen))
-
-
-def _plugins() -> EntryPoints:
-    from importlib.metadata import entry_points
-
-    return entry_points(group=ENTRY_POINTS)
 
 
 def make_room(table: dict[Any, Any], maximum: int) -> None:

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import atan2, cos, degrees, hypot, radians
+from math import atan2, degrees, hypot
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.services.gimbal.rotation import wrap
+from mavstack.geodesy import offset
 
 if TYPE_CHECKING:
     from mavstack.services.command import Command
     from mavstack.wire import Packet
 
-#: Mean radius of the Earth, in metres.
-_EARTH_RADIUS = 6_371_000.0
 _UNKNOWN_HEADING = 0xFFFF
 _RELATIVE = frozenset({common.MavFrame.GLOBAL_RELATIVE_ALT, common.MavFrame.GLOBAL_RELATIVE_ALT_INT})
 _ABSOLUTE = frozenset({common.MavFrame.GLOBAL, common.MavFrame.GLOBAL_INT})
@@ -119,6 +117,5 @@ class Positions:
 def direction_to(pose: VehiclePose, region: RegionOfInterest) -> tuple[float, float]:
     """Return pitch above the horizon and yaw from north in degrees."""
     up = region.altitude - (pose.relative_altitude if region.relative else pose.altitude)
-    north = radians(region.latitude - pose.latitude) * _EARTH_RADIUS
-    east = radians(wrap(region.longitude - pose.longitude)) * cos(radians(pose.latitude)) * _EARTH_RADIUS
+    north, east = offset(pose.latitude, pose.longitude, region.latitude, region.longitude)
     return degrees(atan2(up, hypot(north, east))), degrees(atan2(east, north))

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from math import cos, degrees, hypot, radians
+from math import degrees, hypot, radians
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 from mavstack.dialects import common
+from mavstack.geodesy import distance
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -34,7 +35,6 @@ POSITION_TOLERANCE, SPEED_TOLERANCE = 20.0, 10.0
 HEADING_TOLERANCE, RATE_TOLERANCE = 40.0, 60.0
 #: Degrees of roll or pitch beyond which a heading means nothing.
 MAX_TILT = 45.0
-_METRES_PER_DEGREE = 111_320.0
 
 State = TypeVar("State", bound="PositionState | HeadingState")
 
@@ -59,11 +59,9 @@ class PositionState:
 
     def fits(self, other: PositionState) -> bool:
         """Return whether one vehicle can have had both positions."""
-        north = (self.latitude - other.latitude) * _METRES_PER_DEGREE
-        turn = (self.longitude - other.longitude + 180) % 360 - 180
-        east = turn * _METRES_PER_DEGREE * cos(radians(self.latitude))
+        apart = distance(self.latitude, self.longitude, other.latitude, other.longitude)
         fastest = max(self.speed, other.speed) * 1.5 + SPEED_TOLERANCE
-        return hypot(north, east) <= POSITION_TOLERANCE + fastest * abs(self.time - other.time)
+        return apart <= POSITION_TOLERANCE + fastest * abs(self.time - other.time)
 
 
 @dataclass(frozen=True, slots=True)

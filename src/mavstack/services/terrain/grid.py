@@ -17,6 +17,8 @@ from __future__ import annotations
 from math import cos, floor, radians
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+from mavstack.geodesy import ARDUPILOT_RADIUS
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -35,8 +37,8 @@ STEP_EAST, STEP_NORTH = POINTS_EAST - TILE_EDGE, POINTS_NORTH - TILE_EDGE
 #: Default of the distance between two points, in metres.
 DEFAULT_SPACING: Final = 100
 
-#: Metres per 1e-7 degree of latitude.
-_METRES: Final = 0.011131884502145034
+#: Metres per 1e-7 degree of latitude: blocks must be at the places where ArduPilot looks for them.
+_METRES: Final = radians(1e-7) * ARDUPILOT_RADIUS
 _DEGREE: Final = 10_000_000
 _HALF_TURN: Final = 180 * _DEGREE
 #: Bound of the cosine of the latitude: at a pole there is no east.

@@ -15,8 +15,9 @@ from __future__ import annotations
 
 from functools import partial
 from math import cos, isfinite, radians
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
+from mavstack.geodesy import METRES_PER_DEGREE
 from mavstack.sim.motion.airframes import AIRFRAMES
 from mavstack.sim.motion.battery import CELL_VOLTAGE
 
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from mavstack.services.parameters import Value
     from mavstack.sim.autopilot.interfaces import Vehicle
 
-_METRES_PER_DEGREE: Final = 111_195.0
 _NEW_PREFIX, _OLD_PREFIX = "SIM_GPS1_GLTCH_", "SIM_GPS_GLITCH_"
 
 
@@ -65,8 +65,8 @@ class SimulationParameters:
         """Apply a GPS offset, and keep both names equal."""
         north, east = (self._number(changed + axis) for axis in "XY")
         home = self._vehicle.body.frame
-        metres = _METRES_PER_DEGREE * cos(radians(home.latitude))
-        self._vehicle.faults.inject(f"gps spoof {north * _METRES_PER_DEGREE} {east * metres}")
+        metres = METRES_PER_DEGREE * cos(radians(home.latitude))
+        self._vehicle.faults.inject(f"gps spoof {north * METRES_PER_DEGREE} {east * metres}")
         for axis in "XY":
             self._parameters.set(other + axis, self._number(changed + axis))
 

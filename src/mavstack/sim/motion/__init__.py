@@ -1,7 +1,7 @@
 """Vehicle motion without MAVLink: true motion, sensors, state estimate and inner control loops."""
 
+from mavstack.geodesy import LocalFrame
 from mavstack.sim.motion.body import Body
-from mavstack.sim.motion.geodesy import LocalFrame
 from mavstack.sim.motion.readings import (
     BatteryState,
     EstimateHealth,

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mavstack.geodesy import LocalFrame
 from mavstack.sim.motion import estimate, servos
-from mavstack.sim.motion.geodesy import LocalFrame
 from mavstack.sim.motion.obstacles import Surroundings
 from mavstack.sim.motion.readings import (
     BatteryState,

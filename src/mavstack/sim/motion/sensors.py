@@ -22,7 +22,7 @@ from mavstack.sim.motion.state import StateArray
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from mavstack.sim.motion.geodesy import LocalFrame
+    from mavstack.geodesy import LocalFrame
     from mavstack.sim.motion.noise import Noise
 
 GYRO_DEVIATION, ACCELERATION_DEVIATION, MAGNETIC_DEVIATION = 0.003, 0.05, 0.002

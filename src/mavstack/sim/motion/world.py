@@ -16,6 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from mavstack.errors import InvalidArgumentError
+from mavstack.geodesy import LocalFrame
 from mavstack.sim.motion import (
     aerodynamics,
     attitude,
@@ -33,7 +34,6 @@ from mavstack.sim.motion import (
 from mavstack.sim.motion.airframes import AIRFRAMES
 from mavstack.sim.motion.arrays import Array, length
 from mavstack.sim.motion.body import Body
-from mavstack.sim.motion.geodesy import LocalFrame
 from mavstack.sim.motion.initial_state import initial_column
 from mavstack.sim.motion.noise import Noise
 from mavstack.sim.motion.obstacles import Cylinder, Obstacle

@@ -10,7 +10,7 @@ import math
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.errors import InvalidArgumentError, MissingExtraError
-from mavstack.sim.motion.geodesy import LocalFrame
+from mavstack.geodesy import LocalFrame
 from mavstack.simulators.rotation import from_euler
 from mavstack.simulators.state import State
 

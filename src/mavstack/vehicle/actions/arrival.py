@@ -22,11 +22,11 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import InvalidArgumentError
+from mavstack.geodesy import distance
 from mavstack.services.arguments import check_number
 from mavstack.vehicle.actions.circling import CircleTracker
 from mavstack.vehicle.actions.conditions import SustainedCondition
 from mavstack.vehicle.firmware import firmware_of
-from mavstack.vehicle.geography import distance
 from mavstack.vehicle.vehicle_type import VehicleType, flies_on_wing
 
 if TYPE_CHECKING:

@@ -14,10 +14,10 @@ On a straight line the distance stays within a ratio r over an angle of 2 acos(1
 from __future__ import annotations
 
 from collections import deque
-from math import atan2, cos, degrees, radians, remainder
+from math import atan2, degrees, remainder
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from mavstack.vehicle.geography import EARTH_RADIUS, distance
+from mavstack.geodesy import distance, offset
 
 if TYPE_CHECKING:
     from mavstack.vehicle.telemetry.values import Position
@@ -131,6 +131,5 @@ class CircleTracker:
 
 def _bearing(latitude: float, longitude: float, position: Position) -> float:
     """Return the bearing of a position from a place, in degrees clockwise from north."""
-    north = EARTH_RADIUS * radians(position.latitude - latitude)
-    east = EARTH_RADIUS * radians(remainder(position.longitude - longitude, 360.0)) * cos(radians(latitude))
+    north, east = offset(latitude, longitude, position.latitude, position.longitude)
     return degrees(atan2(east, north)) % 360.0

@@ -18,6 +18,7 @@ from math import isfinite
 from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import InvalidArgumentError, RemoteError
+from mavstack.geodesy import offset_location
 from mavstack.services.arguments import check_number, check_numbers
 from mavstack.vehicle.action_monitor import MIN_PROGRESS, STALL_TIMEOUT, ActionGoal
 from mavstack.vehicle.actions.arrival import (
@@ -39,7 +40,7 @@ from mavstack.vehicle.actions.quadplane import detect_quadplane
 from mavstack.vehicle.actions.running import relative_altitude_of, run_action
 from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import firmware_of
-from mavstack.vehicle.geography import Location, offset_location
+from mavstack.vehicle.geography import Location
 from mavstack.vehicle.status_text_capture import with_status_texts
 from mavstack.vehicle.vehicle_type import VehicleType, flies_on_wing
 

@@ -11,8 +11,8 @@ from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import ActionRefused, CommandDenied, InvalidArgumentError, RemoteDenied, RemoteTimeout
+from mavstack.geodesy import distance
 from mavstack.services.arguments import check_number, check_numbers
-from mavstack.vehicle.geography import distance
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

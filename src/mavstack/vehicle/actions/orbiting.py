@@ -5,9 +5,9 @@ from __future__ import annotations
 from math import inf, pi
 from typing import TYPE_CHECKING, Final
 
+from mavstack.geodesy import distance
 from mavstack.vehicle.actions.arrival import WING_HEIGHT, default_tolerance
 from mavstack.vehicle.actions.circling import QUARTER, WHOLE, CircleTracker
-from mavstack.vehicle.geography import distance
 from mavstack.vehicle.vehicle_type import flies_on_wing
 
 if TYPE_CHECKING:

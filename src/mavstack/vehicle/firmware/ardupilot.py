@@ -16,6 +16,7 @@ from mavstack.errors import (
     RemoteError,
     RemoteTimeout,
 )
+from mavstack.geodesy import offset_location
 from mavstack.services.parameters import RENAMED
 from mavstack.services.setpoints import AttitudeSetpoint, GlobalSetpoint
 from mavstack.vehicle.firmware import ardupilot_modes
@@ -28,7 +29,7 @@ from mavstack.vehicle.firmware.firmware import (
     Firmware,
     OrbitEntry,
 )
-from mavstack.vehicle.geography import Location, offset_location
+from mavstack.vehicle.geography import Location
 from mavstack.vehicle.vehicle_type import VehicleType
 
 if TYPE_CHECKING:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from importlib.metadata import EntryPoint, EntryPoints
+
 import pytest
 
 from mavstack.dialects import Dialect, common
 from mavstack.errors import InvalidArgumentError
+from mavstack.plugins import Registry
 from mavstack.router.config import Table
 from mavstack.router.firewall import Traffic, detector_names, make_detector
 from mavstack.router.firewall.detector import Origin
@@ -252,5 +255,17 @@ def test_forged_sources_do_not_fill_the_memory():
 
 def test_detectors_are_found_by_name():
     assert {type(make_detector(name)).name for name in detector_names()} == set(detector_names())
-    with pytest.raises(InvalidArgumentError, match="known: spoofed-ids"):
+    with pytest.raises(InvalidArgumentError, match="must be one of spoofed-ids"):
         make_detector("nosuch")
+
+
+@pytest.mark.parametrize(
+    ("target", "problem"),
+    [("no_such_module:X", "ModuleNotFoundError"), ("json:loads", "not a class of detectors")],
+)
+def test_a_plugin_that_cannot_be_loaded_is_an_error_only_for_those_who_name_it(monkeypatch, target, problem):
+    entry = EntryPoint("broken", target, "mavstack.router_filters")
+    monkeypatch.setattr(Registry, "plugins", lambda registry: EntryPoints([entry]))
+    assert make_detector("floods").name == "floods"
+    with pytest.raises(InvalidArgumentError, match=f"loading the detector broken failed: .*{problem}"):
+        make_detector("broken")

@@ -12,6 +12,7 @@ export interface Bounds {
   readonly east: number;
 }
 
+/** The mean radius in metres, as in `mavstack.geodesy`. */
 export const EARTH_RADIUS = 6_371_008.8;
 /** The Mercator projection ends here. */
 export const MAX_LATITUDE = 85.051129;

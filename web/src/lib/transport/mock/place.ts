@@ -1,11 +1,12 @@
 /** Conversions between degrees and the metres of the demo. */
 
+import { EARTH_RADIUS } from '$lib/map/geometry';
 import type { PlanItem } from '$lib/vehicle/Vehicle';
 
 import type { Point } from './motion';
 import { ORIGIN } from './profiles';
 
-const METRES_PER_DEGREE = 111_319.5;
+const METRES_PER_DEGREE = (EARTH_RADIUS * Math.PI) / 180;
 const COSINE = Math.cos((ORIGIN.latitude * Math.PI) / 180);
 const GLOBAL_FRAMES: ReadonlySet<number> = new Set([0, 5]);
 

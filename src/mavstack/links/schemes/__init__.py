@@ -1,0 +1,1 @@
+"""The records of the schemes of Mavstack: each module has them as `SCHEMES`, and is found by its place."""
