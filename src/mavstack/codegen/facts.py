@@ -65,18 +65,23 @@ def _code(text: str) -> str:
 
 
 def enum_numbers(library: Library) -> dict[str, EnumNumber]:
-    """Return the integers of all enums: as wide as their widest field, and wide enough for all entries."""
-    widths: dict[str, int] = {}
+    """Return the integers of all enums: each holds all entries, and all values of the fields that use the enum.
+
+    An integer is as wide as the widest field. It is signed if an entry is negative or a field is signed, and
+    then wider than the fields that are not, up to 64 bits.
+    """
+    types: dict[str, set[str]] = {}
     for message in library.messages:
         for item in message.fields:
-            if item.enum:
-                widths[item.enum] = max(widths.get(item.enum, 1), TYPE_SIZES[item.type])
-    return {enum.name: _number(enum, widths.get(enum.name, 4)) for enum in library.enums}
+            if item.enum and item.is_integer:
+                types.setdefault(item.enum, set()).add(item.type)
+    return {enum.name: _number(enum, types.get(enum.name, {"uint32_t"})) for enum in library.enums}
 
 
-def _number(enum: EnumDefinition, width: int) -> EnumNumber:
+def _number(enum: EnumDefinition, types: set[str]) -> EnumNumber:
     values = [entry.value for entry in enum.entries]
-    signed = any(value < 0 for value in values)
+    signed = any(value < 0 for value in values) or any(name.startswith("int") for name in types)
     # The most negative number needs no bit more than the greatest one.
-    bits = max((value if value >= 0 else ~value for value in values), default=0).bit_length() + signed
-    return EnumNumber(signed, max(width * 8, next((size for size in (8, 16, 32) if size >= bits), 64)))
+    needed = [max((value if value >= 0 else ~value for value in values), default=0).bit_length() + signed]
+    needed += [8 * TYPE_SIZES[name] + (signed and not name.startswith("int")) for name in types]
+    return EnumNumber(signed, next((size for size in (8, 16, 32) if size >= max(needed)), 64))
