@@ -65,7 +65,7 @@ def _code(text: str) -> str:
 
 
 def enum_numbers(library: Library) -> dict[str, EnumNumber]:
-    """Return the integers of all enums: each holds all entries, and all values of the fields that use the enum.
+    """Return the integers of all enums: each holds all entries, and all values of the fields that use it.
 
     An integer is as wide as the widest field. It is signed if an entry is negative or a field is signed, and
     then wider than the fields that are not, up to 64 bits.

@@ -1,4 +1,4 @@
-"""Negative values of signed fields with an enum keep their sign in languages whose enums are integers of their own."""
+"""Negative values of signed fields with an enum keep their sign where enums are integers of their own."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ FIELDS = "".join(
     for kind in KINDS
 )
 DIALECT = Dialect.from_xml(
-    f"""<mavlink><enums><enum name="MODE"><entry name="MODE_A" value="0"/><entry name="MODE_B" value="1"/></enum>
-    </enums><messages><message id="9" name="SIGNS">{FIELDS}</message></messages></mavlink>"""
+    f"""<mavlink><enums><enum name="MODE"><entry name="MODE_A" value="0"/><entry name="MODE_B" value="1"/>
+    </enum></enums><messages><message id="9" name="SIGNS">{FIELDS}</message></messages></mavlink>"""
 )
 VALUES = {"int8_t": -33, "int16_t": -20000, "int32_t": -2000000000, "uint8_t": 200}
 MESSAGE = DIALECT["SIGNS"](
