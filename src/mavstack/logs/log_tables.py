@@ -11,6 +11,7 @@ import numpy as np
 
 from mavstack.errors import UnknownMessageError
 from mavstack.logs.message_table import MessageTable
+from mavstack.logs.table_text import suggestion
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -96,7 +97,10 @@ class LogTables(Mapping[str, MessageTable]):
         """Return the names without duplicates, or all names without any; raises if the log lacks one."""
         for name in names:
             if name not in self.counts:
-                raise UnknownMessageError(f"{self.path} contains no {name}; it contains {', '.join(self)}")
+                close = suggestion(name, self)
+                raise UnknownMessageError(
+                    f"{self.path} contains no {name}{close}; it contains {', '.join(self)}"
+                )
         return list(dict.fromkeys(names or self))
 
     def load(self, *names: str) -> None:

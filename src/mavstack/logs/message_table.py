@@ -15,6 +15,7 @@ import numpy as np
 from mavstack.errors import InvalidArgumentError, MissingExtraError
 from mavstack.logs.columns import element_of, named_column, scaled_column
 from mavstack.logs.schema import schema_of_dtype
+from mavstack.logs.table_text import suggestion, table_text
 
 if TYPE_CHECKING:
     from typing import Any, Literal
@@ -40,12 +41,15 @@ class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
     if not TYPE_CHECKING:
 
         def __getitem__(self, key: Any) -> Any:  # noqa: ANN401 (the types of numpy's own method)
-            if isinstance(key, str) and key not in (self.dtype.names or ()) and (element := element_of(key)):
-                return self._element(*element)
+            if isinstance(key, str) and key not in (self.dtype.names or ()):
+                return self._element(*(element_of(key) or self._field(key)))
             return _plain_column(super().__getitem__(key))
 
         def __array_wrap__(self, array: Any, context: Any = None, return_scalar: bool = False) -> Any:  # noqa: ANN401
             return _plain_column(super().__array_wrap__(array, context, return_scalar))
+
+    def __str__(self) -> str:
+        return table_text(self) if self.dtype.names and self.ndim == 1 else super().__str__()
 
     def __array_finalize__(self, parent: object) -> None:
         self._source = getattr(parent, "_source", None)
@@ -156,7 +160,8 @@ class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
         name, index = element_of(field) or (field, 0)
         if name not in names or index >= (self.dtype[name].shape or (0,))[0]:
             label = self.schema.name or "the table"
-            raise InvalidArgumentError(f"{label} has no field {field}; it has {', '.join(names)}")
+            close = suggestion(field, names)
+            raise InvalidArgumentError(f"{label} has no field {field}{close}; it has {', '.join(names)}")
         return name, index
 
     def _element(self, name: str, index: int) -> np.ndarray[Any, np.dtype[Any]]:
