@@ -14,7 +14,7 @@ from textwrap import indent
 
 import pytest
 
-from mavstack.links import BytesReceived, ChannelClosed, ChannelOpened, LinkURL
+from mavstack.links import BytesReceived, ChannelClosed, ChannelOpened, LinkURL, parse_url
 from mavstack.links.options import Options
 from tests.docs.blocks import BLOCKS, ROOT, comparison_rows
 
@@ -214,9 +214,11 @@ def test_test_modules_pass(block, tmp_path):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="named pipes of POSIX")
 async def test_the_link_plug_in_carries_bytes(tmp_path):
-    (block,) = (block for block in PYTHON if block.page == "guides/link-plugin.md")
     namespace: dict = {}
-    exec(compile(block.text, block.page, "exec"), namespace)
+    for block in (block for block in PYTHON if block.page == "guides/link-plugin.md"):
+        exec(compile(block.text, block.page, "exec"), namespace)
+    example = namespace["PIPE"].example
+    assert str(parse_url(example, {"pipe": namespace["PIPE"]})) == example
     path = tmp_path / "vehicle"
     for end in ("in", "out"):
         os.mkfifo(f"{path}.{end}")

@@ -12,7 +12,7 @@ from mavstack.cli.common.exposure import announce_exposure
 from mavstack.errors import LinkURLError
 from mavstack.links import BytesReceived, ChannelOpened, open_link, schemes
 from mavstack.links.client_urls import is_network_scheme
-from mavstack.links.scheme_table import builtin_schemes
+from mavstack.links.scheme_table import builtin_schemes, find_scheme
 
 MODULE = '''
 """Links that return what is written to them."""
@@ -69,10 +69,15 @@ class EchoLink(Link):
 def _echo(tmp_path, monkeypatch):
     (tmp_path / "echo.py").write_text(MODULE)
     monkeypatch.setattr(schemes, "__path__", [*schemes.__path__, str(tmp_path)])
-    builtin_schemes.cache_clear()
+    forget()
     yield
     sys.modules.pop("mavstack.links.schemes.echo", None)
+    forget()
+
+
+def forget():
     builtin_schemes.cache_clear()
+    find_scheme.cache_clear()
 
 
 @pytest.mark.usefixtures("_echo")

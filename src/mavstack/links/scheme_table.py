@@ -8,7 +8,7 @@ accepted too, and is taken for a scheme that neither listens nor is reached over
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, lru_cache
 from importlib import import_module
 from pkgutil import iter_modules
 from types import MappingProxyType
@@ -36,6 +36,7 @@ def builtin_schemes() -> Mapping[str, LinkScheme]:
     return MappingProxyType({record.name: record for record in records})
 
 
+@lru_cache(maxsize=64)  # a look-up of entry points takes milliseconds
 def find_scheme(name: str) -> LinkScheme | None:
     """Return the record of a scheme; None if there is none, or its plug-in cannot be loaded."""
     return SCHEMES.find(name)
