@@ -35,6 +35,8 @@ _SOURCES: Final = (
     "src/mavstack/codegen/languages/typescript",
     "src/mavstack/cli/dialect",
     "src/mavstack/files/parameters/traits.py",
+    "src/mavstack/services/modes/names.py",
+    "src/mavstack/vehicle/firmware",
     "backend/mavstack_station.py",
 )
 _EXCLUDED: Final = frozenset({"node_modules", "generated", "__pycache__"})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -186,3 +187,15 @@ def test_built_files_are_ignored_by_git():
         subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False).stdout.split()
         == folders
     )
+
+
+def test_the_facts_that_python_gives_are_sources(station):
+    """A page is built again when a module changes from which `web/scripts/generate.mjs` takes facts."""
+    script = (ROOT / "web" / "scripts" / "generate.mjs").read_text()
+    modules = re.findall(r"^from (mavstack[\w.]*) import", script, re.MULTILINE)
+    assert len(modules) >= 2
+    for module in modules:
+        path = f"src/{module.replace('.', '/')}"
+        assert any(
+            f"{path}/".startswith(f"{each}/") or each.startswith(f"{path}/") for each in station._SOURCES
+        )
