@@ -18,7 +18,7 @@ class EnumNumber(NamedTuple):
     """The integers that hold the values of an enum.
 
     Attributes:
-        signed: True if an entry is negative.
+        signed: True if an entry is negative or a field of the enum is signed.
         bits: Number of bits: 8, 16, 32 or 64.
     """
 
