@@ -74,6 +74,8 @@ WITH_VEHICLE = [
     "shell --command 'ftp list /bad'", "shell --command 'watch STATUSTEXT 3'",
 ]  # fmt: skip
 WITHOUT_VEHICLE = [
+    "simulator list", "simulator px4 --listen tcpin://127.0.0.1:0 --for 0.01",
+    "simulator ardupilot --listen udpin://127.0.0.1:0 --for 0.01",
     "watch hostile.tlog --once", "watch hostile.tlog --json", "watch hostile.tlog",
     "watch hostile.tlog --once --json", "record udpin://127.0.0.1:0 new.tlog --for 0.1",
     "data info hostile.tlog", "data info hostile.tlog --json", "data messages hostile.tlog STATUSTEXT",

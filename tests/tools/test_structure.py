@@ -43,7 +43,7 @@ METHODS = {"client_server", "pitfalls", "properties", "pymavlink", "random", "ro
 SUBJECTS = {
     ".": {"api_docs", "build_backend", "build_station", "examples"},
     "codegen": {"conformance"},
-    "codegen/languages": {"awkward"},
+    "codegen/languages": {"awkward", "signs"},
     "cli": {"help", "process", "realdata", "redaction"},
     "cli/vehicle": {"modes"},
     "files/parameter_metadata": {"formats"},
@@ -62,7 +62,7 @@ SUBJECTS = {
     "sim/px4": {"mission_end", "offboard"},
     "sim/storage": {"log_downloads"},
     "sync": {"vehicle"},
-    "vehicle": {"arguments", "flying", "modes", "quadplane", "whole_missions"},
+    "vehicle": {"arguments", "empty_missions", "flying", "modes", "quadplane", "whole_missions"},
     "wire": {"core_docs", "object_lifetime", "parser_properties", "signing", "signing_pitfalls"},
 }
 

@@ -18,12 +18,13 @@ USED = {
     "CIRCLE_RADIUS": "CIRCLE_RADIUS_M",
     "CIRCLE_RATE": "CIRCLE_RATE",
     "Q_ENABLE": "Q_ENABLE",
+    "Q_OPTIONS": "Q_OPTIONS",
     "RCMAP_THROTTLE": "RCMAP_THROTTLE",
     "RTL_ALT": "RTL_ALT_M",
     "TKOFF_ALT": "TKOFF_ALT",
 }
 _BEFORE_NAME = (
-    r"\b(?:params|parameters)(?:\.cached)?\.(?:get|set)\(|\bset_parameter\(|RENAMED\[|"
+    r"\b(?:params|parameters)(?:\.cached)?\.(?:get|set)\(|\bset_parameter\(|\b_options\(|RENAMED\[|"
     r"QUADPLANE_PARAMETER: Final = "
 )
 _NAME_IN_CALL = re.compile(rf'(?:{_BEFORE_NAME})"([A-Z][A-Z0-9_]+)"')
