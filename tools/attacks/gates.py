@@ -78,7 +78,7 @@ def roles(field: Range) -> int:
         passed = field.passed()
     with _connected(field, "operate") as operator:
         operator(common.CommandLong(**_VEHICLE, command=ARM, param1=1))
-        _require(field.passed() == 1, "an operator arms the vehicle")
+        _require(field.passed(1) == 1, "an operator arms the vehicle")
         operator(
             common.ParamSet(**_VEHICLE, param_id="FENCE_ENABLE", param_value=0.0),
             common.CommandLong(**_VEHICLE, command=_REBOOT, param1=1),
@@ -107,7 +107,7 @@ def sealed_link(field: Range) -> int:
                 wire.sendto(frame, address)
         for datagram in (*plain, *handshake, *frames):
             wire.sendto(datagram, address)
-        passed = field.passed()
+        passed = field.passed(_COMMANDS)
     _require(passed >= _COMMANDS, "a sealed link delivers its packets in any order")
     return passed - _COMMANDS
 

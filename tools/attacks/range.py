@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 SILENCE: Final = 0.4
 #: Seconds to wait for a packet that should come, and attempts.
 _ANSWER_TIMEOUT: Final = 2.0
+_ARRIVAL_TIMEOUT: Final = 10.0
 _ATTEMPTS: Final = 4
 #: Messages that routers and ground stations send by themselves.
 _OWN: Final = frozenset({"HEARTBEAT", "STATUSTEXT", "REQUEST_DATA_STREAM", "TIMESYNC", "PARAM_REQUEST_LIST"})
@@ -105,8 +106,19 @@ class Range:
         """Return another program on the port of the vehicle."""
         return self._keep(Station(self.ports.vehicle, source))
 
-    def passed(self) -> int:
-        """Return the number of packets that reached the vehicle, without those of the router itself."""
+    def passed(self, expected: int = 0) -> int:
+        """Return the number of packets that reached the vehicle, without those of the router itself.
+
+        Args:
+            expected: Packets that should come. A busy machine delivers them late, so fewer are waited for.
+        """
+        end = monotonic() + _ARRIVAL_TIMEOUT
+        count = self._count_passed()
+        while count < expected and monotonic() < end:
+            count += self._count_passed()
+        return count
+
+    def _count_passed(self) -> int:
         return sum(packet.name not in _OWN for packet in self.vehicle.receive())
 
     def command_works(self) -> bool:

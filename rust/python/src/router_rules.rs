@@ -1,6 +1,6 @@
 //! Rules and addresses from Python.
 
-use mavstack_router::engine::udp::PeerRange;
+use mavstack_router::engine::peer_range::PeerRange;
 use mavstack_router::rules::{Action, Rule};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

@@ -16,30 +16,28 @@
 //!
 //! A monitor gets every accepted packet, whatever its target. It is never a route, and nothing comes from it.
 
-use crate::addressing::{Addressing, Kind, Summary};
+use crate::addressing::{Addressing, Summary};
 use crate::counters::Cause;
 use crate::duplicates::Duplicates;
 use crate::endpoint::Endpoint;
-use crate::event::{EndpointNumber, Event, Events, Notice};
+use crate::event::{EndpointNumber, Events, Notice};
 use crate::gateway::{Admission, rewrite};
-use crate::held::{Held, HeldPackets};
+use crate::held::HeldPackets;
 use crate::ports::{MAX_PORTS, PortId, PortSet};
 use crate::rules::{Rules, Verdict};
-use mavstack_core::claims::{Authority, BootClock, Claims, Contradiction, Paths, Standing};
+use mavstack_core::claims::{Claims, Paths, Standing};
 use mavstack_core::layout::Dialect;
 use mavstack_core::parser::Packet;
 use slab::Slab;
 use std::net::SocketAddr;
 use std::sync::Arc;
 
+mod holding;
+mod learning;
 mod members;
 
 /// Microseconds within which a packet that comes back is recognised, and a copy on a link of its group.
 const COPY_WINDOW: u64 = 1_000_000;
-/// Microseconds for which a claim is contested before it is a conflict.
-const CONTEST_TIME: u64 = 3_000_000;
-/// Messages without a target that answer one: PARAM_VALUE, COMMAND_ACK, TIMESYNC, AUTOPILOT_VERSION.
-const ANSWERS: [u32; 4] = [22, 77, 111, 148];
 
 /// The current time.
 #[derive(Clone, Copy, Debug, Default)]
@@ -253,69 +251,6 @@ impl Router {
         }
     }
 
-    /// Records the claim of a packet on its address.
-    #[inline]
-    fn hear(&mut self, from: PortId, passing: &Passing<'_>, time: Time) -> Standing {
-        let own = self.endpoints[self.ports[from].endpoint].authority;
-        let authority = if passing.admission.verified { Authority::Key } else { own };
-        let address = (passing.summary.system, passing.summary.component);
-        let senders = Senders { ports: &self.ports, endpoints: &self.endpoints };
-        self.claims.hear(address, from, authority, time.now, &senders)
-    }
-
-    /// Notes that a peer that is not proven sent a packet that is accepted.
-    #[cold]
-    fn advance(&mut self, from: PortId, passing: &Passing<'_>) {
-        let summary = &passing.summary;
-        let has_target = summary.target_system != 0
-            && self.targets(summary).is_some_and(|ports| ports.iter().any(|port| port != from));
-        let evidence = if passing.admission.verified {
-            Evidence::Verified
-        } else if has_target || ANSWERS.contains(&summary.message_id) {
-            Evidence::Answered
-        } else {
-            Evidence::Accepted
-        };
-        if !self.progress.contains(&(from, evidence)) {
-            self.progress.push((from, evidence));
-        }
-    }
-
-    /// Learns from the content of a packet whose claim was recorded.
-    #[inline]
-    fn learn(&mut self, from: PortId, summary: &Summary, time: Time) {
-        let address = (summary.system, summary.component);
-        if summary.kind == Kind::Heartbeat {
-            self.claims.note_ground_station(address, from, summary.is_station);
-        }
-        if let Some(boot_time) = summary.boot_time {
-            match self.claims.note_boot_time(address, from, boot_time, time.now) {
-                BootClock::Rebooted => self.notice(from, Notice::Rebooted, summary, time),
-                BootClock::Agrees | BootClock::Differs => {}
-            }
-        }
-    }
-
-    /// Takes note of a packet from a sender that does not hold its address.
-    ///
-    /// One that does not lead there must not hide the packet of the holder, if it guessed its bytes and came first. A
-    /// claim that stays contested is reported: the boot clock of a redundant link needs a moment to be known.
-    fn note_other(&mut self, from: PortId, standing: Standing, passing: &Passing<'_>, time: Time) {
-        let summary = &passing.summary;
-        let address = (summary.system, summary.component);
-        let own = self.claims.claims_on(address.0, address.1).find(|claim| claim.sender == from);
-        let (since, leads) = own.map_or((time.now, false), |claim| (claim.since, claim.leads));
-        if !leads {
-            self.duplicates.forget(passing.packet.raw, self.ports[from].serial);
-        }
-        if standing == Standing::Contested
-            && time.now.saturating_sub(since) >= CONTEST_TIME
-            && self.claims.contradict(address, from, Contradiction::Sender, time.now)
-        {
-            self.notice(from, Notice::Contested, summary, time);
-        }
-    }
-
     /// Returns the cause for which a copy of an earlier packet is dropped; `None`: it is none, or is not dropped.
     fn copy_of(&mut self, from: PortId, passing: &Passing<'_>, time: Time) -> Option<Cause> {
         let serial = self.ports[from].serial;
@@ -411,64 +346,6 @@ impl Router {
         let number = self.endpoint_of(from).number;
         self.events.notice(number, notice, (summary.system, summary.component), summary.message_id, time.now);
     }
-
-    /// Keeps a packet until the program decides about it.
-    #[cold]
-    fn hold(&mut self, from: PortId, port: PortId, outgoing: bool, passing: &Passing<'_>, time: Time) {
-        let raw = passing.packet.raw.to_vec();
-        let endpoint = self.endpoint_of(port).number;
-        let (peer, verified) = (self.ports[from].peer, passing.admission.verified);
-        let to = port;
-        let (from, port) = (self.ports[from].serial, self.ports[port].serial);
-        let held = Held { from, port, outgoing, admission: passing.admission, raw: raw.clone(), at: time.now };
-        let (token, expired) = self.held.insert(held);
-        for held in expired {
-            if let Some(port) = self.port_with_serial(held.port) {
-                self.endpoint_of(port).counters.drop_packet(Cause::NotInspected);
-            }
-        }
-        match token {
-            Some(token) => self.events.push(Event::Inspect { token, endpoint, outgoing, peer, verified, packet: raw }),
-            None => self.endpoint_of(to).counters.drop_packet(Cause::NotInspected),
-        }
-    }
-
-    fn port_with_serial(&self, serial: u64) -> Option<PortId> {
-        let port = (serial % MAX_PORTS as u64) as usize;
-        self.ports.get(port).is_some_and(|found| found.serial == serial).then_some(port)
-    }
-
-    /// Passes or drops a held packet; a token that is not known has no effect. A packet that waited for too long is
-    /// dropped: a command must not reach its vehicle long after it was given.
-    pub fn decide(&mut self, token: u64, passed: bool, time: Time, sink: &mut impl Sink) {
-        let Some(held) = self.held.remove(token) else {
-            return;
-        };
-        let (Some(from), Some(port)) = (self.port_with_serial(held.from), self.port_with_serial(held.port)) else {
-            return;
-        };
-        let endpoint = self.endpoint_of(port);
-        let cause = if held.is_expired(time.now) {
-            Some(Cause::NotInspected)
-        } else if !passed {
-            Some(Cause::Inspected)
-        } else {
-            endpoint.paused.then_some(Cause::Paused)
-        };
-        if let Some(cause) = cause {
-            return endpoint.counters.drop_packet(cause);
-        }
-        let Some(packet) = held.packet(&self.dialect) else {
-            return;
-        };
-        let summary = self.addressing.summary(&packet);
-        let passing = Passing { packet: &packet, summary, admission: held.admission };
-        if held.outgoing {
-            self.send(from, port, &passing, time, sink);
-        } else {
-            self.accept(from, &passing, time, sink);
-        }
-    }
 }
 
 /// Decides about a packet by the rules of one direction, and reports drops.
@@ -496,3 +373,7 @@ fn decide(
 #[cfg(test)]
 #[path = "router_tests.rs"]
 mod tests;
+
+#[cfg(test)]
+#[path = "router_claims_tests.rs"]
+mod claims_tests;

@@ -1,5 +1,6 @@
 use super::*;
 use crate::addressing::COMMAND_IDS;
+use crate::event::Event;
 use crate::gateway::Gateway;
 use crate::rules::{Action, Rule};
 use crate::tests::{command, dialect, heartbeat, packet_bytes};
@@ -8,19 +9,19 @@ use mavstack_core::signing::{Key, Policy, Signing};
 use proptest::prelude::*;
 
 /// A router with ports A, B, C … of an endpoint each, and what it sent.
-struct Network {
-    router: Router,
-    ports: Vec<PortId>,
+pub(super) struct Network {
+    pub(super) router: Router,
+    pub(super) ports: Vec<PortId>,
     sent: Vec<(PortId, Vec<u8>)>,
-    time: Time,
+    pub(super) time: Time,
 }
 
-const A: usize = 0;
-const B: usize = 1;
-const C: usize = 2;
-const D: usize = 3;
-const VEHICLE: (u8, u8, u8) = (1, 1, 0);
-const STATION: (u8, u8, u8) = (255, 190, 0);
+pub(super) const A: usize = 0;
+pub(super) const B: usize = 1;
+pub(super) const C: usize = 2;
+pub(super) const D: usize = 3;
+pub(super) const VEHICLE: (u8, u8, u8) = (1, 1, 0);
+pub(super) const STATION: (u8, u8, u8) = (255, 190, 0);
 
 impl Sink for Vec<(PortId, Vec<u8>)> {
     fn send(&mut self, port: PortId, packet: &[u8], _: Origin) -> Result<(), Unsent> {
@@ -30,7 +31,7 @@ impl Sink for Vec<(PortId, Vec<u8>)> {
 }
 
 impl Network {
-    fn new(ports: usize) -> Self {
+    pub(super) fn new(ports: usize) -> Self {
         let mut router = Router::new(Arc::new(dialect()), 0);
         let ports = (0..ports as u32).map(|number| {
             let endpoint = router.add_endpoint(number);
@@ -40,18 +41,18 @@ impl Network {
         Self { router, ports, sent: Vec::new(), time: Time { now: 1, signing: 1_000_000 } }
     }
 
-    fn endpoint(&mut self, index: usize) -> &mut Endpoint {
+    pub(super) fn endpoint(&mut self, index: usize) -> &mut Endpoint {
         self.router.endpoint_mut(index).expect("an endpoint")
     }
 
     /// Routes bytes from a port; returns the ports that got them, unchanged.
-    fn route(&mut self, from: usize, raw: &[u8]) -> Vec<usize> {
+    pub(super) fn route(&mut self, from: usize, raw: &[u8]) -> Vec<usize> {
         let sent = self.route_changed(from, raw);
         assert!(sent.iter().all(|(_, bytes)| bytes == raw), "changed");
         sent.into_iter().map(|(port, _)| port).collect()
     }
 
-    fn route_changed(&mut self, from: usize, raw: &[u8]) -> Vec<(usize, Vec<u8>)> {
+    pub(super) fn route_changed(&mut self, from: usize, raw: &[u8]) -> Vec<(usize, Vec<u8>)> {
         self.time.now += 10;
         let dialect = Arc::clone(self.router.dialect());
         Parser::new(false)
@@ -59,14 +60,14 @@ impl Network {
         self.take_sent()
     }
 
-    fn take_sent(&mut self) -> Vec<(usize, Vec<u8>)> {
+    pub(super) fn take_sent(&mut self) -> Vec<(usize, Vec<u8>)> {
         let index = |port| self.ports.iter().position(|&known| known == port).expect("a port");
         let mut sent: Vec<_> = self.sent.drain(..).map(|(port, bytes)| (index(port), bytes)).collect();
         sent.sort();
         sent
     }
 
-    fn dropped(&self, endpoint: usize, cause: Cause) -> u64 {
+    pub(super) fn dropped(&self, endpoint: usize, cause: Cause) -> u64 {
         self.router.endpoint(endpoint).map_or(0, |endpoint| endpoint.counters.dropped(cause))
     }
 }
@@ -274,7 +275,7 @@ fn a_byte_rate_keeps_a_reserve_for_addressed_packets() {
     assert_eq!(network.dropped(B, Cause::Rate), 100 - passed as u64);
 }
 
-fn signing(key: u8) -> Signing {
+pub(super) fn signing(key: u8) -> Signing {
     Signing::new(Key::new([key; 32]), 1, 0, Policy::default())
 }
 
@@ -319,106 +320,6 @@ fn ports_that_are_used_again_are_other_ports() {
     assert_eq!(network.ports[A], A);
     assert!(network.route(C, &command((1, 1), STATION)).is_empty(), "its routes were forgotten");
     assert_eq!(network.route(B, &raw), [A, C]);
-}
-
-/// A router whose endpoint A is a socket with two peers, A and the last port; the vehicle is the first of them.
-fn shared_socket() -> (Network, usize) {
-    let mut network = Network::new(3);
-    network.ports.push(network.router.add_port(A).expect("room"));
-    network.route(A, &heartbeat(VEHICLE));
-    network.route(C, &heartbeat((255, 190, 0)));
-    (network, D)
-}
-
-fn attitude(from: (u8, u8, u8)) -> Vec<u8> {
-    packet_bytes(2, &[9; 8], from)
-}
-
-#[test]
-fn a_stranger_that_names_itself_as_the_vehicle_gets_none_of_its_commands() {
-    let (mut network, stranger) = shared_socket();
-    for number in 0..30 {
-        network.time.now += 500_000;
-        network.route(A, &attitude((1, 1, number)));
-        network.route(B, &attitude((1, 1, 100 + number)));
-        network.route(stranger, &command((255, 190), (1, 1, 200 + number)));
-        assert_eq!(network.route(C, &command((1, 1), (255, 190, number))), [A]);
-        assert_eq!(network.route(C, &command((1, 0), (255, 190, number))), [A]);
-    }
-    let events = network.router.events.take();
-    let is_contested = |event: &&Event| matches!(event, Event::Notice { notice: Notice::Contested, .. });
-    assert_eq!(events.iter().filter(is_contested).count(), 1, "one conflict, reported once");
-    assert!(network.router.claims().conflict(1, 1).is_some());
-}
-
-#[test]
-fn commands_whose_signatures_are_removed_do_not_reach_a_stranger_on_the_socket_of_the_vehicle() {
-    let (mut network, stranger) = shared_socket();
-    network.endpoint(C).gateway = Gateway { incoming: Some(signing(1)), strip: true, ..Gateway::default() };
-    for number in 0..30u8 {
-        network.route(stranger, &attitude((1, 1, number)));
-        network.time.now += 100_000;
-        network.route(A, &attitude((1, 1, number)));
-        let (mut signed, signing_time) = (Vec::new(), 1_000_000 + u64::from(number));
-        let raw = command((1, 1), (255, 190, number));
-        Parser::new(false).feed(&dialect(), &raw, |packet| {
-            assert!(rewrite(&mut signed, &packet, Some(&mut signing(1)), signing_time));
-        });
-        assert_eq!(network.route_changed(C, &signed), [(A, raw)]);
-    }
-}
-
-#[test]
-fn another_link_takes_over_when_the_vehicle_is_silent_and_stations_share_their_address() {
-    let mut network = Network::new(4);
-    network.route(A, &heartbeat(VEHICLE));
-    network.route(B, &heartbeat((1, 1, 1)));
-    assert_eq!(network.route(C, &command((1, 1), STATION)), [A]);
-    network.time.now += 2_600_000;
-    network.route(B, &heartbeat((1, 1, 2)));
-    assert_eq!(network.route(C, &command((1, 1), STATION)), [A, B], "an outage costs no vehicle its route");
-    network.route(A, &heartbeat((1, 1, 3)));
-    assert_eq!(network.route(C, &command((1, 1), STATION)), [A]);
-    let station = |number| packet_bytes(0, &[0, 0, 0, 0, 6, 8, 0, 0, 3], (255, 190, number));
-    network.route(C, &station(1));
-    network.route(D, &station(2));
-    network.route(D, &station(3));
-    assert_eq!(network.route(A, &command((255, 190), VEHICLE)), [C, D]);
-}
-
-#[test]
-fn a_reboot_that_a_stranger_claims_leads_no_packets_to_it() {
-    let mut network = Network::new(3);
-    let system_time = |boot_time: u32, number| {
-        let mut payload = [0; 12];
-        payload[8..].copy_from_slice(&boot_time.to_le_bytes());
-        packet_bytes(2, &payload, (1, 1, number))
-    };
-    network.route(A, &system_time(90_000, 1));
-    network.route(B, &system_time(10, 2));
-    assert_eq!(network.route(C, &command((1, 1), STATION)), [A]);
-    network.route(A, &system_time(10, 3));
-    let events = network.router.events.take();
-    let rebooted = events.iter().filter(|event| matches!(event, Event::Notice { notice: Notice::Rebooted, .. }));
-    assert!(rebooted.eq([&Event::Notice {
-        endpoint: 0,
-        notice: Notice::Rebooted,
-        system: 1,
-        component: 1,
-        message_id: 2
-    }]));
-}
-
-#[test]
-fn an_endpoint_with_a_proven_peer_holds_its_addresses() {
-    let mut network = Network::new(3);
-    network.route(A, &heartbeat(VEHICLE));
-    network.router.set_authority(B, Authority::Certificate);
-    network.route(B, &heartbeat((1, 1, 1)));
-    assert!(network.route(A, &heartbeat((1, 1, 2))).is_empty());
-    assert_eq!((network.dropped(A, Cause::Spoofed), network.route(C, &command((1, 1), STATION))), (1, vec![B]));
-    network.router.set_authority(B, Authority::None);
-    assert_eq!(network.route(A, &heartbeat((1, 1, 3))), [B, C]);
 }
 
 /// A step of a random network: the port, the source, the target or none.

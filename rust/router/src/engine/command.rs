@@ -2,10 +2,11 @@
 
 use crate::engine::RuleSet;
 use crate::engine::notify::Notifier;
+use crate::engine::peer_range::PeerRange;
 use crate::engine::queue::Queue;
 use crate::engine::snapshot::Snapshot;
 use crate::engine::stream::{Framing, RawStream};
-use crate::engine::udp::{PeerRange, UdpOptions};
+use crate::engine::udp::UdpOptions;
 use crate::event::{EndpointNumber, Event, Events};
 use crate::gateway::Gateway;
 use mavstack_core::claims::Authority;

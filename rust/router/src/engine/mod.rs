@@ -17,6 +17,7 @@ mod lanes;
 mod links;
 mod moderation;
 mod notify;
+pub mod peer_range;
 pub mod queue;
 mod reading;
 mod shares;
@@ -31,6 +32,7 @@ use crate::rules::{Action, Rule};
 use command::{CloseAtEnd, Command, Shared};
 use mavstack_core::claims::Authority;
 use mavstack_core::layout::Dialect;
+use peer_range::PeerRange;
 use queue::Queue;
 use snapshot::Snapshot;
 use std::collections::{HashMap, HashSet, VecDeque};
@@ -40,7 +42,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::thread::JoinHandle;
 use stream::{Framing, RawStream};
-use udp::{PeerRange, UdpOptions};
+use udp::UdpOptions;
 use worker::{Worker, system_clock};
 
 /// The rules of one endpoint, and its byte rate.

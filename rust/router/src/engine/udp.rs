@@ -1,6 +1,7 @@
 //! UDP endpoints: one fixed peer, or a listening socket whose senders are peers of their own.
 
 use crate::engine::datagrams::{BATCH, ReceiveBuffer, SendQueue, TURN_BYTES};
+use crate::engine::peer_range::PeerRange;
 use crate::ports::PortId;
 use crate::router::{Origin, QueueFull};
 use mio::net::UdpSocket;
@@ -28,30 +29,6 @@ const MAX_WAITING_TIME: u64 = 5_000_000;
 /// Microseconds of silence for which any peer is kept. Longer silence is allowed to a peer that was heard as long before:
 /// datagrams with an invented sender must not have telemetry sent there for a minute.
 const MIN_IDLE: u64 = 10_000_000;
-
-/// Addresses and ports of which peers are accepted.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PeerRange {
-    pub network: IpAddr,
-    /// Bits of the network that count.
-    pub prefix: u8,
-    pub ports: std::ops::RangeInclusive<u16>,
-}
-
-impl PeerRange {
-    /// Returns whether the range contains an address.
-    #[must_use]
-    pub fn contains(&self, address: &SocketAddr) -> bool {
-        let bits = |value: IpAddr| match value.to_canonical() {
-            IpAddr::V4(v4) => (32, u128::from(u32::from(v4))),
-            IpAddr::V6(v6) => (128, u128::from(v6)),
-        };
-        let ((width, network), (other_width, other)) = (bits(self.network), bits(address.ip()));
-        let ignored = width - u32::from(self.prefix).min(width);
-        let is_inside = width == other_width && (network ^ other).checked_shr(ignored).unwrap_or(0) == 0;
-        is_inside && self.ports.contains(&address.port())
-    }
-}
 
 /// The options of a UDP endpoint.
 #[derive(Clone, Debug)]
@@ -357,82 +334,5 @@ impl UdpLink {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_peer_is_kept_for_as_long_as_it_was_heard() {
-        let socket = UdpSocket::bind(([127, 0, 0, 1], 0).into()).expect("a port");
-        let mut link = UdpLink::new(socket, options(8)).expect("a link");
-        let address = |port| SocketAddr::from(([127, 0, 0, 1], port));
-        for port in 1..=4u16 {
-            link.add_peer(address(port), usize::from(port), 0);
-            assert_eq!(link.accept(&address(port), false, 0), Accepted::New);
-        }
-        let (twice, long, longer) = (address(2), address(3), address(4));
-        assert_eq!(link.sender(twice, 1), Sender::Port(2));
-        assert_eq!(link.sender(long, 30_000_000), Sender::Port(3));
-        assert_eq!(link.sender(longer, 900_000_000), Sender::Port(4));
-        let mut expired = |now| {
-            let addresses = link.expired(now);
-            assert!(addresses.iter().all(|address| link.remove_peer(address).is_some()));
-            addresses
-        };
-        assert_eq!((expired(MIN_IDLE - 1), expired(MIN_IDLE)), (vec![], vec![address(1)]));
-        assert_eq!((expired(MIN_IDLE + 1), expired(59_999_999)), (vec![twice], vec![]));
-        assert_eq!((expired(60_000_000), expired(959_999_999)), (vec![long], vec![]));
-        assert_eq!(expired(960_000_000), [longer]);
-    }
-
-    fn options(max_peers: usize) -> UdpOptions {
-        UdpOptions { peer: None, idle: 60_000_000, max_peers, trusts_senders: false }
-    }
-
-    #[test]
-    fn a_verified_sender_replaces_any_that_is_not() {
-        let socket = UdpSocket::bind(([127, 0, 0, 1], 0).into()).expect("a port");
-        let mut link = UdpLink::new(socket, options(8)).expect("a link");
-        let address = |port| SocketAddr::from(([127, 0, 0, 1], port));
-        let add = |link: &mut UdpLink, port: u16, is_verified| {
-            link.add_peer(address(port), usize::from(port), 0);
-            link.sender(address(port), 1);
-            link.accept(&address(port), is_verified, 1)
-        };
-        assert!((1..=8).all(|port| add(&mut link, port, false) == Accepted::New));
-        assert_eq!(add(&mut link, 9, false), Accepted::NoRoom);
-        let Accepted::InPlaceOf(replaced) = add(&mut link, 10, true) else { panic!("no room") };
-        assert!(link.remove_peer(&replaced).is_some_and(|peer| !peer.is_verified));
-        assert_eq!(link.accept(&address(10), true, 1), Accepted::Known);
-        (100..400).for_each(|port| assert_eq!(add(&mut link, port, false), Accepted::NoRoom));
-        assert!(link.peers[&address(10)].is_accepted && link.make_room_to_wait().is_some());
-        assert!(!link.expired(MAX_WAITING_TIME).contains(&address(10)));
-    }
-
-    #[test]
-    fn one_address_leaves_half_of_the_places_to_others() {
-        let socket = UdpSocket::bind(([127, 0, 0, 1], 0).into()).expect("a port");
-        let options = UdpOptions { peer: None, idle: 60_000_000, max_peers: 4, trusts_senders: true };
-        let mut link = UdpLink::new(socket, options).expect("a link");
-        let mut add = |host, port: u16, is_verified| {
-            let address = SocketAddr::from(([10, 0, 0, host], port));
-            link.add_peer(address, usize::from(port), 0);
-            link.sender(address, u64::from(port));
-            link.accept(&address, is_verified, 10)
-        };
-        assert_eq!(add(1, 1, true), Accepted::New);
-        assert!((2..=4).all(|port| add(1, port, false) == Accepted::New));
-        assert_eq!(add(1, 5, false), Accepted::NoRoom, "another port of the same address");
-        let second = SocketAddr::from(([10, 0, 0, 1], 2));
-        assert_eq!(add(2, 6, false), Accepted::InPlaceOf(second), "not the verified one");
-    }
-
-    #[test]
-    fn ranges_contain_addresses_of_their_network_and_ports() {
-        let range = PeerRange { network: "10.1.0.0".parse().expect("valid"), prefix: 16, ports: 14_550..=14_560 };
-        let contains = |address: &str| range.contains(&address.parse().expect("valid"));
-        assert!(contains("10.1.200.3:14550") && contains("[::ffff:10.1.2.3]:14560"));
-        assert!(!contains("10.2.0.1:14550") && !contains("10.1.0.1:14561") && !contains("[::1]:14550"));
-        let all = PeerRange { network: "0.0.0.0".parse().expect("valid"), prefix: 0, ports: 0..=u16::MAX };
-        assert!(all.contains(&"203.0.113.9:1".parse().expect("valid")));
-    }
-}
+#[path = "udp_tests.rs"]
+mod tests;
