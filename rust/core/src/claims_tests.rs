@@ -75,6 +75,17 @@ fn a_silent_sender_is_replaced_without_losing_its_route_and_comes_back() {
 }
 
 #[test]
+fn an_unproven_packet_of_a_proven_sender_takes_no_address_from_another_one() {
+    let mut table = Table::default();
+    table.hear(A, Authority::Session, 0.0);
+    assert_eq!(table.hear(B, Authority::Certificate, 1.0), Standing::Contested);
+    for second in [4.0, 70.0, 200.0] {
+        assert_eq!((table.hear(B, NONE, second), table.routes()), (Standing::Contested, vec![A]));
+    }
+    assert_eq!((table.hear(B, Authority::Certificate, 201.0), table.routes()), (Standing::Held, vec![A, B]));
+}
+
+#[test]
 fn an_authenticated_claim_outranks_others_however_late_and_silent_it_is() {
     let mut table = Table::default();
     table.hear(A, NONE, 0.0);

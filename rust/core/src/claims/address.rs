@@ -117,6 +117,10 @@ impl Entry {
         }
         let index = self.find_or_add(sender, now);
         let mine = &mut self.others[index];
+        // What proven packets gained, or lost, an unproven packet of the same sender does not: its address may be forged.
+        if mine.is_authenticated() && !authority.is_authenticated() && self.holder.is_authenticated() {
+            return (if mine.leads { Standing::Shared } else { Standing::Contested }, false);
+        }
         if now.saturating_sub(mine.heard_at) > MEMORY {
             (mine.since, mine.has_clock) = (now, false);
         }
