@@ -48,9 +48,7 @@ def test_instances(log):
     assert log["numbers[3]"]["b"].tolist()[0] == -(2**31)
     with pytest.raises(UnknownMessageError, match="contains no esc_status\\[2\\]; instances: 0, 1"):
         log["esc_status[2]"]
-    with pytest.raises(
-        UnknownMessageError, match="contains no ATTITUDE; did you mean attitude"
-    ):
+    with pytest.raises(UnknownMessageError, match="contains no ATTITUDE; did you mean attitude"):
         log["ATTITUDE"]
 
 
