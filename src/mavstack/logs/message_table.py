@@ -49,7 +49,11 @@ class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
             return _plain_column(super().__array_wrap__(array, context, return_scalar))
 
     def __str__(self) -> str:
-        return table_text(self) if self.dtype.names and self.ndim == 1 else super().__str__()
+        if not self.dtype.names or self.ndim != 1:
+            return super().__str__()
+        schema = self.schema
+        columns = {name: self[name] for name in self.dtype.names}
+        return table_text(schema.name, columns, {name: schema[name].unit or "" for name in columns})
 
     def __array_finalize__(self, parent: object) -> None:
         self._source = getattr(parent, "_source", None)

@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from mavstack.logs.message_table import MessageTable
+    from collections.abc import Iterable, Mapping
 
 #: Rows that are shown from the start.
 _FIRST: Final = 3
@@ -19,21 +17,27 @@ _MAX_TEXT: Final = 24
 _DIGITS: Final = 6
 
 
-def table_text(table: MessageTable) -> str:
-    """Return the columns of a table with a few of its rows, as `print(table)` shows it."""
-    count = len(table)
+def table_text(
+    name: str, columns: Mapping[str, np.ndarray[Any, np.dtype[Any]]], units: Mapping[str, str]
+) -> str:
+    """Return the columns of a table with a few of its rows, as `print(table)` shows it.
+
+    Args:
+        name: The name of its records; empty: they have none.
+        columns: The columns by name, of equal length.
+        units: The units of columns by name.
+    """
+    count = len(next(iter(columns.values()), ()))
     shown = [*range(min(_FIRST, count)), *([count - 1] if count > _FIRST else [])]
     heads = ["first" if index == 0 else "" for index in range(len(shown))]
     if len(shown) > _FIRST:
         heads[-1] = "last"
     rows = [["field", "type", "unit", *heads]]
-    schema = table.schema
-    for name in table.dtype.names or ():
-        column, field = table[name], schema[name]
-        rows.append([name, _type_of(column), field.unit or "", *[_value(column[index]) for index in shown]])
+    for field, column in columns.items():
+        rows.append([field, _type_of(column), units[field], *[_value(column[index]) for index in shown]])
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) for row in rows]
-    title = f"{schema.name}: {count} rows" if schema.name else f"{count} rows"
+    title = f"{name}: {count} rows" if name else f"{count} rows"
     return "\n".join([title, *(line.rstrip() for line in lines)])
 
 

@@ -117,7 +117,7 @@ impl Entry {
         }
         let index = self.find_or_add(sender, now);
         let mine = &mut self.others[index];
-        // What proven packets gained, or lost, an unproven packet of the same sender does not: its address may be forged.
+        // An unproven packet gains nothing from earlier proven ones of its sender, whose address it may have forged.
         if mine.is_authenticated() && !authority.is_authenticated() && self.holder.is_authenticated() {
             return (if mine.leads { Standing::Shared } else { Standing::Contested }, false);
         }
