@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from mavstack.handshakes import MAX_HANDSHAKES
 from mavstack.links import open_link
-from mavstack.links.handshakes import MAX_HANDSHAKES
 from tests.links.certificates import certificates
 from tests.waiting import wait_until
 
@@ -74,8 +74,8 @@ async def test_closing_a_link_does_not_wait_for_handshakes(url) -> None:
 
 
 async def test_a_handshake_that_takes_too_long_ends(url, monkeypatch) -> None:
-    for module in ("handshakes", "ws"):
-        monkeypatch.setattr(f"mavstack.links.{module}.HANDSHAKE_TIMEOUT", 0.2)
+    for module in ("handshakes", "links.ws"):
+        monkeypatch.setattr(f"mavstack.{module}.HANDSHAKE_TIMEOUT", 0.2)
     async with open_link(url) as link, half_open(link, b"\x16") as readers:
         await wait_until(lambda: open_count(readers) == 0)
 

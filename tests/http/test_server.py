@@ -2,7 +2,8 @@ from __future__ import annotations
 
 import asyncio
 import socket
-from contextlib import suppress
+import ssl
+from contextlib import AsyncExitStack, suppress
 
 import pytest
 from starlette.applications import Starlette
@@ -10,9 +11,13 @@ from starlette.responses import PlainTextResponse
 from starlette.routing import Route
 
 from mavstack.errors import LinkError
+from mavstack.handshakes import MAX_HANDSHAKES
 from mavstack.http.connections import Connection
 from mavstack.http.server import Certificate, serving
+from tests.links.certificates import certificates
+from tests.waiting import wait_until
 
+__all__ = ["certificates"]
 REQUEST = b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n"
 
 
@@ -52,6 +57,33 @@ async def test_a_missing_certificate_is_an_error():
     ):
         async with serving(Starlette(), "127.0.0.1:0", name="a service", tls=Certificate("missing.pem")):
             pass
+
+
+async def test_handshakes_that_do_not_end_are_bounded_and_lock_out_no_client(certificates):
+    app = Starlette(routes=[Route("/", answer)])
+    tls = Certificate(str(certificates / "cert.pem"), str(certificates / "key.pem"))
+    context = ssl.create_default_context(cafile=certificates / "ca.pem")
+    async with AsyncExitStack() as stack, asyncio.timeout(60):
+        host, port = await stack.enter_async_context(serving(app, "127.0.0.1:0", name="a service", tls=tls))
+        silent = []
+        for _ in range(MAX_HANDSHAKES + 8):
+            reader, writer = await asyncio.open_connection(host, port)
+            stack.callback(writer.close)
+            silent.append(reader)
+        await wait_until(lambda: sum(not each.at_eof() for each in silent) <= MAX_HANDSHAKES)
+        reader, writer = await asyncio.open_connection(host, port, ssl=context)
+        stack.callback(writer.close)
+        writer.write(REQUEST)
+        await reader.readuntil(b"served")
+
+
+async def test_handshakes_that_do_not_end_do_not_delay_the_end_of_the_server(certificates):
+    tls = Certificate(str(certificates / "cert.pem"), str(certificates / "key.pem"))
+    async with asyncio.timeout(20):
+        async with serving(Starlette(), "127.0.0.1:0", name="a service", tls=tls) as (host, port):
+            reader, writer = await asyncio.open_connection(host, port)
+        assert await reader.read() == b""
+        writer.close()
 
 
 @pytest.mark.parametrize(("requests", "beginning"), [(0, b""), (0, REQUEST[:9]), (1, REQUEST[:9])])

@@ -6,10 +6,12 @@ import asyncio
 import logging
 import os
 import socket
+import ssl
 from contextlib import asynccontextmanager, contextmanager
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from mavstack.errors import LinkError, MissingExtraError
+from mavstack.handshakes import Handshakes, TlsHandshake
 from mavstack.http.connections import connection_factory
 
 try:
@@ -18,7 +20,7 @@ except ImportError as error:
     raise MissingExtraError("an HTTP server", "web") from error
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
+    from collections.abc import AsyncIterator, Callable, Iterator
 
     from starlette.applications import Starlette
 
@@ -90,15 +92,16 @@ async def serving(
         LinkError: The address cannot be listened on.
     """
     sock = await _listen(address, name)
+    handshakes = Handshakes()
     try:
-        config = _config(app, tls, websockets=websockets, proxy=proxy)
+        connect = _connections(tls, handshakes)
     except OSError as error:
         sock.close()
         files = " or ".join(filter(None, tls or ()))
         raise LinkError(
             f"cannot serve {name} with TLS: {files} is not a certificate with its key ({_reason(error)})"
         ) from None
-    server = _Server(config)
+    server = _Server(_config(app, connect, websockets=websockets, proxy=proxy))
     task = asyncio.create_task(server.serve(sockets=[sock]))
     try:
         while not server.started and not task.done():  # noqa: ASYNC110 (uvicorn has no event for it)
@@ -106,6 +109,7 @@ async def serving(
         yield sock.getsockname()[:2]
     finally:
         server.should_exit = True
+        handshakes.close()
         await asyncio.gather(task, return_exceptions=True)
         sock.close()
 
@@ -114,14 +118,33 @@ def _reason(error: OSError) -> str:
     return str(getattr(error, "reason", None) or error.strerror or error)
 
 
-def _config(app: Starlette, tls: Certificate | None, *, websockets: bool, proxy: str) -> uvicorn.Config:
+def _connections(tls: Certificate | None, handshakes: Handshakes) -> Callable[..., asyncio.Protocol]:
+    """Return the function that makes connections; with TLS each begins with a handshake.
+
+    The server of uvicorn sees a connection only after its handshake, of which it would take any number.
+    """
+    connect = connection_factory()
+    if tls is None:
+        return connect
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.load_cert_chain(tls.certificate, tls.key)
+
+    def make(*arguments: Any, **settings: Any) -> asyncio.Protocol:  # noqa: ANN401 (those of uvicorn)
+        return TlsHandshake(connect(*arguments, **settings), context, handshakes)
+
+    return make
+
+
+def _config(
+    app: Starlette, connect: Callable[..., asyncio.Protocol], *, websockets: bool, proxy: str
+) -> uvicorn.Config:
     config = uvicorn.Config(
         app,
         log_config=None,
         access_log=False,
         lifespan="off",
         server_header=False,
-        http=connection_factory(),  # type: ignore[arg-type]
+        http=connect,  # type: ignore[arg-type]
         ws="websockets-sansio" if websockets else "none",
         ws_max_size=MAX_WEBSOCKET_MESSAGE,
         ws_ping_interval=PING_INTERVAL,
@@ -130,8 +153,6 @@ def _config(app: Starlette, tls: Certificate | None, *, websockets: bool, proxy:
         # By default it believes all clients of this machine, which could then guess passwords without limit.
         proxy_headers=bool(proxy),
         forwarded_allow_ips=proxy,
-        ssl_certfile=None if tls is None else tls.certificate,
-        ssl_keyfile=None if tls is None else tls.key,
         timeout_graceful_shutdown=1,
     )
     config.load()

@@ -12,7 +12,7 @@ import ssl
 from typing import TYPE_CHECKING
 
 from mavstack.errors import LinkError, LinkURLError
-from mavstack.links.handshakes import Handshakes, TlsHandshake
+from mavstack.handshakes import Handshakes, TlsHandshake
 from mavstack.links.tcp import TcpClient, TcpServer
 
 if TYPE_CHECKING:

@@ -29,11 +29,11 @@ from typing import TYPE_CHECKING, Any, Final, cast
 from urllib.parse import parse_qsl, quote, unquote, urlencode, urlsplit
 
 from mavstack.errors import LinkError, LinkURLError, MissingExtraError
+from mavstack.handshakes import HANDSHAKE_TIMEOUT, Handshakes, TlsHandshake
 from mavstack.links.address import format_address
 from mavstack.links.certificates import client_subject
 from mavstack.links.channel import Request
 from mavstack.links.connection import ClientLink, ConnectionChannel, ServerLink
-from mavstack.links.handshakes import HANDSHAKE_TIMEOUT, Handshakes, TlsHandshake
 from mavstack.links.os_errors import open_error
 from mavstack.links.queued import QueuedChannel
 from mavstack.links.role_gate import RoleGate

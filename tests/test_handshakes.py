@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mavstack.links.handshakes import MAX_HANDSHAKES, Handshakes
+from mavstack.handshakes import MAX_HANDSHAKES, Handshakes
 
 
 class Transport:
