@@ -105,8 +105,34 @@ async def test_a_signed_vehicle_gets_in_while_unsigned_ports_keep_coming() -> No
             assert len(link.channels) == 16
 
 
-@pytest.mark.parametrize("count", [20, 300])
-async def test_a_signed_pilot_gets_into_a_full_port_of_a_router(count, tmp_path) -> None:
+#: A firewall as in the guide.
+RULES = """
+[firewall]
+default = "deny"
+quarantine = "1 min"
+[[firewall.rule]]
+endpoints = ["vehicle"]
+systems = [1]
+[[firewall.rule]]
+endpoints = ["ground"]
+systems = [255]
+"""
+
+
+@pytest.mark.parametrize(
+    ("count", "query", "firewall"),
+    [
+        (20, "?max_peers=16", ""),
+        (300, "?max_peers=16", ""),
+        (300, "", ""),
+        (
+            300,
+            "",
+            RULES,
+        ),
+    ],
+)
+async def test_a_signed_pilot_gets_into_a_full_port_of_a_router(count, query, firewall, tmp_path) -> None:
     """Before: unsigned heartbeats from 300 ports took all places, and the pilot heard nothing."""
     KEY.save(tmp_path / "field.key")
     config = parse_config(
@@ -114,9 +140,10 @@ async def test_a_signed_pilot_gets_into_a_full_port_of_a_router(count, tmp_path)
         [endpoint.vehicle]
         url = "udpin://127.0.0.1:0"
         [endpoint.ground]
-        url = "udpin://127.0.0.1:0?max_peers=16"
+        url = "udpin://127.0.0.1:0{query}"
         [endpoint.ground.signing]
         in = "{tmp_path}/field.key"
+        {firewall}
         '''
     )
     async with Router(config) as router:
