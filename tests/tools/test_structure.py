@@ -51,7 +51,7 @@ SUBJECTS = {
     "files/plans": {"plan_cases", "round_trips"},
     "logs/packets": {"recordings"},
     "node": {"closing"},
-    "router": {"cases"},
+    "router": {"cases", "quarantine_reload"},
     "router/firewall/detectors": {"flights"},
     "services/ftp": {"interruptions", "radio"},
     "services/mission": {"autopilots", "goals"},
