@@ -21,7 +21,17 @@ if TYPE_CHECKING:
     from typing import TextIO
 
 _CODES: Final[Mapping[str, str]] = MappingProxyType(
-    {"bold": "1", "red": "31", "green": "32", "yellow": "33", "cyan": "36", "grey": "90", "alarm": "1;31"}
+    {
+        "bold": "1",
+        "red": "31",
+        "green": "32",
+        "yellow": "33",
+        "blue": "34",
+        "magenta": "35",
+        "cyan": "36",
+        "grey": "90",
+        "alarm": "1;31",
+    }
 )
 _MARKS: Final[Mapping[str, str]] = MappingProxyType(
     {colour: chr(0xDFF0 + index) for index, colour in enumerate(_CODES)}

@@ -1,10 +1,16 @@
-"""Charts on a terminal, drawn with Braille patterns: eight points in each cell."""
+"""Charts on a terminal, drawn with Braille patterns: eight points in each cell.
+
+Each line of a chart has a colour; a cell in which several lines meet has that of the last one.
+"""
 
 from __future__ import annotations
 
+from itertools import groupby
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+
+from mavstack.cli.common.output import coloured
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -15,6 +21,7 @@ if TYPE_CHECKING:
 _BITS: Final = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
 _BRAILLE: Final = 0x2800
 _LABEL: Final = 10
+_COLOURS: Final = ("cyan", "yellow", "magenta", "green", "blue", "red")
 
 
 def chart_lines(chart: Chart, width: int, height: int = 8) -> Iterator[str]:
@@ -33,18 +40,44 @@ def chart_lines(chart: Chart, width: int, height: int = 8) -> Iterator[str]:
     low, high = min(line.ys.min() for line in lines), max(line.ys.max() for line in lines)
     if low == high:  # a constant is drawn in the middle
         low, high = low - 1, high + 1
-    cells = np.zeros((height, columns), np.intp)
-    for line in lines:
+    cells, owners = np.zeros((height, columns), np.intp), np.zeros((height, columns), np.intp)
+    for number, line in enumerate(lines):
         xs = (line.xs - left) / ((right - left) or 1) * (2 * columns - 1)
         ys = (high - line.ys) / (high - low) * (4 * height - 1)
-        _plot(cells, xs.round().astype(np.intp).tolist(), ys.round().astype(np.intp).tolist())
-    unit = f" [{chart.unit}]" if chart.unit else ""
-    yield f"{chart.title}{unit}: {', '.join(line.label for line in lines)}"
-    for number, row in enumerate(cells.tolist()):
-        label = f"{high:.6g}" if number == 0 else f"{low:.6g}" if number == height - 1 else ""
-        yield f"{label:>{_LABEL}} {''.join(chr(_BRAILLE + cell) for cell in row)}"
+        own = np.zeros_like(cells)
+        _plot(own, xs.round().astype(np.intp).tolist(), ys.round().astype(np.intp).tolist())
+        cells |= own
+        owners[own != 0] = number
+    yield _legend(chart)
+    for number, (row, colours) in enumerate(zip(cells.tolist(), owners.tolist(), strict=True)):
+        label = f"{high:.4g}" if number == 0 else f"{low:.4g}" if number == height - 1 else ""
+        yield f"{label:>{_LABEL}} {_row(row, colours, is_coloured=len(lines) > 1)}"
     first, last = (f"{round(end, 3):.4g} {chart.axis}" for end in (left, right))
     yield f"{'':{_LABEL}} {first}{last:>{max(columns - len(first), len(last) + 1)}}"
+
+
+def _legend(chart: Chart) -> str:
+    """Return title and unit, and the name of each line in its colour where there are several."""
+    title = f"{chart.title} [{chart.unit}]" if chart.unit else chart.title
+    lines = chart.drawn_lines
+    if len(lines) == 1:
+        label = lines[0].label
+        return title if label.lower() == chart.title.lower() else f"{title}: {label}"
+    names = [
+        coloured(f"━ {line.label}", _COLOURS[number % len(_COLOURS)]) for number, line in enumerate(lines)
+    ]
+    return f"{title}   {'   '.join(names)}"
+
+
+def _row(row: list[int], owners: list[int], *, is_coloured: bool) -> str:
+    """Return a row of cells; neighbours of one colour are one text."""
+    letters = [chr(_BRAILLE + cell) for cell in row]
+    if not is_coloured:
+        return "".join(letters)
+    parts: list[str] = []
+    for owner, run in groupby(range(len(letters)), key=owners.__getitem__):
+        parts.append(coloured("".join(letters[index] for index in run), _COLOURS[owner % len(_COLOURS)]))
+    return "".join(parts)
 
 
 def _plot(
