@@ -44,7 +44,7 @@ def test_another_path_and_a_part_of_the_log(mav, tlog, tmp_path):
 def test_charts_on_the_terminal(mav, tlog, monkeypatch):
     monkeypatch.setenv("COLUMNS", "60")
     lines = mav("data", "plot", tlog, "altitude", "BATTERY_STATUS.voltages[0]").out.splitlines()
-    assert lines[0] == "Altitude above home [m]: altitude above home"
+    assert lines[0] == "Altitude above home [m]"
     assert any(any(0x2800 < ord(letter) < 0x2900 for letter in line) for line in lines)
     assert all(len(line) <= 60 for line in lines)
     assert "BATTERY_STATUS.voltages[0] [V]: voltages[0]" in lines
