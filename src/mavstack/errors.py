@@ -185,6 +185,15 @@ class RemoteError(MavstackError):
     def __reduce__(self) -> tuple[object, ...]:
         return _restore, (type(self), self.args, self.__dict__)
 
+    def rename(self, operation: str) -> None:
+        """Name the operation of which the failed one was all: "arming", not "COMPONENT_ARM_DISARM on".
+
+        Args:
+            operation: The operation, as in the attribute of this name.
+        """
+        self.operation = operation
+        self.args = (f"{operation} {self.target} {self._outcome()}",)
+
     def without_target(self) -> str:
         """Return the text without the target: the same for all targets that failed for one reason."""
         operation = self.operation

@@ -112,8 +112,19 @@ def attach_status_texts(error: RemoteError, texts: Iterable[values.StatusText]) 
     error.status_texts = error.status_texts or tuple(dict.fromkeys(reversed(warnings)))[MAX_TEXTS - 1 :: -1]
 
 
-async def with_status_texts(vehicle: StatusTextSource, operation: Coroutine[Any, Any, Result]) -> Result:
-    """Await an operation; attach the vehicle's warnings, or the reasons of a refusal, to its error."""
+async def with_status_texts(
+    vehicle: StatusTextSource, operation: Coroutine[Any, Any, Result], name: str = ""
+) -> Result:
+    """Await an operation; attach the vehicle's warnings, or the reasons of a refusal, to its error.
+
+    Args:
+        vehicle: The vehicle.
+        operation: The operation.
+        name: The name of the action in the error, if the operation is all of it; empty: its own name.
+
+    Returns:
+        The result of the operation.
+    """
     with StatusTextCapture(vehicle) as capture:
         try:
             return await operation
@@ -122,6 +133,8 @@ async def with_status_texts(vehicle: StatusTextSource, operation: Coroutine[Any,
             if isinstance(error, RemoteDenied):
                 await capture.wait_for_warning(REASON_TIMEOUT)
             error.status_texts = _reasons(remarks, error.status_texts or capture.warnings)
+            if name:
+                error.rename(name)
             raise
 
 

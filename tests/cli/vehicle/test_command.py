@@ -165,7 +165,7 @@ def test_refusal_is_one_line_with_the_reason(simulate, mav):
     result = mav("vehicle", "arm", "--system", 1)
     assert result.code == 1
     assert result.out == ""
-    assert result.err.startswith("mav vehicle: COMPONENT_ARM_DISARM on 1/1 failed: ")
+    assert result.err.startswith("mav vehicle: arming 1/1 failed: FAILED (Arm: ")
     assert "Arm" in result.err.split("(", 1)[1]
     assert result.err.count("\n") == 1
     result = mav("vehicle", "arm", "--json", "--system", 1)

@@ -60,7 +60,7 @@ async def arm(
         async with undone_on_failure(changes):
             if leaves:
                 await with_status_texts(vehicle, enter_waiting_mode(vehicle, changes))
-            await with_status_texts(vehicle, changes.arm(FORCE if force else 0.0))
+            await with_status_texts(vehicle, changes.arm(FORCE if force else 0.0), _ARMING)
         await monitor.wait_until_reached(_confirmed(vehicle, armed=True))
 
 
@@ -69,7 +69,7 @@ async def disarm(vehicle: VehicleState, *, force: bool, timeout: float | None) -
     check_preconditions(vehicle, "disarm", "disarming")
     async with ActionMonitor(vehicle, "disarming", timeout) as monitor:
         command = vehicle.component.command(_CMD.COMPONENT_ARM_DISARM, 0.0, FORCE if force else 0.0)
-        await with_status_texts(vehicle, command)
+        await with_status_texts(vehicle, command, "disarming")
         await monitor.wait_until_reached(_confirmed(vehicle, armed=False))
 
 
