@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 
-from mavstack.cli.vehicle.info import page
+import pytest
+
+from mavstack.cli.vehicle.info import page, readiness
 from tests.vehicle.world import ARDUPILOT, VehicleType
 
 FACTS = {
@@ -24,7 +26,7 @@ FACTS = {
     "home_distance": None,
     "batteries": [],
     "gps": None,
-    "health": {"ready": None, "mode": None, "problems": [], "warnings": []},
+    "health": {"ready": None, "armed": False, "mode": None, "problems": [], "warnings": []},
     "components": [{"component": 100, "kind": "camera", "alive": True}],
     "features": {"mission": True, "calibrations": (), "cameras": (1, 100), "gimbals": (1,)},
     "board": None,
@@ -47,3 +49,17 @@ def test_a_rover_has_no_altitude_above_home(simulate, mav):
     assert "m above sea" in shown
     assert "m above home" not in shown
     assert json.loads(mav("vehicle", "info", "--json").out)["position"]["relative_altitude"] is None
+
+
+@pytest.mark.parametrize(
+    ("ready", "armed", "text"),
+    [
+        (True, False, "ready to arm in mode LAND"),
+        (True, True, "armed in mode LAND"),
+        (False, True, "armed in mode LAND"),
+        (False, False, "not ready to arm"),
+        (None, None, "readiness to arm unknown"),
+    ],
+)
+def test_an_armed_vehicle_is_not_ready_to_arm(ready, armed, text):
+    assert readiness({"ready": ready, "armed": armed, "mode": "LAND"}) == text

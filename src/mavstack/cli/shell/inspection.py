@@ -17,7 +17,7 @@ from mavstack.cli.shell import completion
 from mavstack.cli.shell.console_command import expect_words, parse_integer, parse_number
 from mavstack.cli.shell.session import Command
 from mavstack.cli.shell.subcommands import run_subcommand
-from mavstack.cli.vehicle.info import gather_facts, page
+from mavstack.cli.vehicle.info import gather_facts, page, readiness
 from mavstack.dialects import Dialect
 from mavstack.errors import MavstackError
 
@@ -80,8 +80,7 @@ async def health(session: Session, words: list[str]) -> None:
     """Run `health`: readiness to arm and problems."""
     expect_words(words, 0, 0, "health")
     facts = (await gather_facts(session.vehicle))["health"]
-    head = {True: "ready to arm", False: "not ready to arm", None: "readiness to arm unknown"}
-    session.print(head[facts["ready"]], *(f"  {problem}" for problem in facts["problems"]))
+    session.print(readiness(facts), *(f"  {problem}" for problem in facts["problems"]))
 
 
 async def ready(session: Session, words: list[str]) -> None:

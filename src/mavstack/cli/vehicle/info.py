@@ -66,6 +66,7 @@ def health_facts(vehicle: Vehicle) -> dict[str, Any]:
     health = vehicle.health
     return {
         "ready": health.ready,
+        "armed": vehicle.armed,
         "mode": health.mode,
         "problems": [printable(str(problem)) for problem in health.problems],
         "warnings": [printable(str(warning)) for warning in health.warnings],
@@ -74,10 +75,17 @@ def health_facts(vehicle: Vehicle) -> dict[str, Any]:
 
 def health_lines(facts: dict[str, Any]) -> list[str]:
     """Return the facts of `health_facts` as lines: the readiness, then problems and warnings."""
-    mode = f" in mode {facts['mode']}" if facts["mode"] else ""
-    head = {True: f"ready to arm{mode}", False: "not ready to arm", None: "readiness to arm unknown"}
     warnings = (f"warning: {text}" for text in facts["warnings"])
-    return [head[facts["ready"]], *facts["problems"], *warnings]
+    return [readiness(facts), *facts["problems"], *warnings]
+
+
+def readiness(facts: dict[str, Any]) -> str:
+    """Return what `health_facts` say of the readiness to arm; an armed vehicle is not to be armed."""
+    mode = f" in mode {facts['mode']}" if facts["mode"] else ""
+    if facts["armed"]:
+        return f"armed{mode}"
+    heads = {True: f"ready to arm{mode}", False: "not ready to arm", None: "readiness to arm unknown"}
+    return heads[facts["ready"]]
 
 
 def _identity(vehicle: Vehicle) -> dict[str, Any]:
