@@ -28,6 +28,32 @@ if TYPE_CHECKING:
 _TERMINALS = "/dev/pts/"
 
 
+def link_terminal(path: Path, terminal: str) -> None:
+    """Give a terminal another name; a name that a killed program left is replaced.
+
+    Args:
+        path: The name, a symbolic link. Only a link to a pseudo terminal is replaced.
+        terminal: The terminal, such as `/dev/pts/3`.
+
+    Raises:
+        OSError: The name is used by something else, or cannot be made.
+    """
+    if path.is_symlink() and str(path.readlink()).startswith(_TERMINALS):
+        path.unlink()
+    path.symlink_to(terminal)
+
+
+def unlink_terminal(path: Path, terminal: str) -> None:
+    """Remove the name of a terminal, unless another program has taken the name over. Idempotent.
+
+    Args:
+        path: The name.
+        terminal: The terminal.
+    """
+    if path.is_symlink() and str(path.readlink()) == terminal:
+        path.unlink(missing_ok=True)
+
+
 class PseudoTerminalLink(ConnectionLink):
     """A link over one pseudo terminal."""
 
@@ -35,7 +61,7 @@ class PseudoTerminalLink(ConnectionLink):
         super().__init__(url, options)
         self._path = Path(url.path)
         self._descriptors: tuple[int, ...] = ()
-        self._is_linked = False
+        self._terminal = ""
 
     async def open_transport(self) -> None:
         """Open the transport of the link."""
@@ -57,10 +83,8 @@ class PseudoTerminalLink(ConnectionLink):
         self.spawn(self._serve_channel(channel))
 
     def _link_path(self, terminal: str) -> None:
-        if self._path.is_symlink() and str(self._path.readlink()).startswith(_TERMINALS):
-            self._path.unlink()
-        self._path.symlink_to(terminal)
-        self._is_linked = True
+        link_terminal(self._path, terminal)
+        self._terminal = terminal
 
     async def _serve_channel(self, channel: TerminalChannel) -> None:
         await self._serve(channel)
@@ -68,9 +92,9 @@ class PseudoTerminalLink(ConnectionLink):
 
     async def release_transport(self) -> None:
         """Release the remaining resources."""
-        if self._is_linked:
-            self._path.unlink(missing_ok=True)
-            self._is_linked = False
+        if self._terminal:
+            unlink_terminal(self._path, self._terminal)
+            self._terminal = ""
         for descriptor in self._descriptors:
             with suppress(OSError):
                 os.close(descriptor)

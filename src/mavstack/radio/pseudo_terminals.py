@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
 from mavstack.errors import LinkError
+from mavstack.links.pseudo_terminal import link_terminal, unlink_terminal
 from mavstack.radio.simulator import RadioPair
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ class RadioTerminals:
         self.pair = pair or RadioPair()
         self.devices: tuple[str, ...] = ()
         self._descriptors: list[int] = []
-        self._links: list[Path] = []
+        self._links: list[tuple[Path, str]] = []
         self._driver: PairDriver | None = None
 
     def link(self, index: int, path: str | os.PathLike[str]) -> None:
@@ -73,17 +74,17 @@ class RadioTerminals:
 
         Args:
             index: 0 for the near radio, 1 for the far one.
-            path: The name; it must not exist.
+            path: The name; it must not exist, unless a killed program left it.
 
         Raises:
             OSError: The name exists, or cannot be made.
         """
         name = Path(path)
         try:
-            name.symlink_to(self.devices[index])
+            link_terminal(name, self.devices[index])
         except OSError as error:  # names the terminal
             raise OSError(error.errno, error.strerror, str(path)) from None
-        self._links.append(name)
+        self._links.append((name, self.devices[index]))
 
     async def __aenter__(self) -> Self:
         try:
@@ -116,8 +117,8 @@ class RadioTerminals:
         for descriptor in self._descriptors:
             loop.remove_reader(descriptor)
             os.close(descriptor)
-        for name in self._links:
-            name.unlink(missing_ok=True)
+        for name, device in self._links:
+            unlink_terminal(name, device)
 
     def _read(self, index: int, master: int) -> None:
         with suppress(BlockingIOError):

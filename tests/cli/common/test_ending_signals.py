@@ -1,0 +1,93 @@
+"""Signals that end a command leave no name of a pseudo terminal behind."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from contextlib import contextmanager
+
+import pytest
+
+from mavstack.cli.common.ending_signals import ending_like_ctrl_c
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo terminals")
+#: Seconds in which a command ends; a busy machine takes long.
+LIMIT = 60
+COMMANDS = {
+    "sim": ("sim", "--out", "pty://{}/name"),
+    "radio": ("radio", "sim", "--near", "{}/name"),
+}
+
+
+@contextmanager
+def running(folder, command, *, ignores_sigint=False):
+    """Run a command until its name exists; a shell ignores SIGINT in background jobs."""
+    words = [word.format(folder) for word in COMMANDS[command]]
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN) if ignores_sigint else None
+    process = subprocess.Popen(
+        [sys.executable, "-m", "mavstack", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    if before is not None:
+        signal.signal(signal.SIGINT, before)
+    with process:
+        try:
+            process.stdout.readline()
+            assert (folder / "name").is_symlink()
+            yield process
+        finally:
+            process.kill()
+
+
+@pytest.mark.parametrize("ignores_sigint", [False, True])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP], ids=lambda number: number.name)
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_signal_removes_the_name(tmp_path, command, number, ignores_sigint):
+    with running(tmp_path, command, ignores_sigint=ignores_sigint) as process:
+        process.send_signal(number)
+        assert process.wait(LIMIT) == 128 + number
+        assert "Traceback" not in process.stderr.read()
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_name_that_a_killed_program_left_is_replaced(tmp_path, command):
+    with running(tmp_path, command) as process:
+        process.kill()
+        process.wait(LIMIT)
+    assert (tmp_path / "name").is_symlink()
+    with running(tmp_path, command) as process:
+        process.send_signal(signal.SIGTERM)
+        process.wait(LIMIT)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_file_is_never_replaced(tmp_path, command):
+    (tmp_path / "name").write_text("mine")
+    words = [word.format(tmp_path) for word in COMMANDS[command]]
+    done = subprocess.run(
+        [sys.executable, "-m", "mavstack", *words], capture_output=True, text=True, check=False, timeout=LIMIT
+    )
+    assert done.returncode == 1
+    assert done.stderr.count("\n") == 1
+    assert (tmp_path / "name").read_text() == "mine"
+
+
+def test_signals_are_as_before_after_the_block():
+    before = signal.getsignal(signal.SIGTERM)
+    with pytest.raises(SystemExit) as caught, ending_like_ctrl_c():
+        signal.raise_signal(signal.SIGTERM)
+    assert caught.value.code == 143
+    assert signal.getsignal(signal.SIGTERM) is before
+
+
+def test_a_handler_of_the_program_stays():
+    received = []
+    before = signal.signal(signal.SIGTERM, lambda *_: received.append(1))
+    try:
+        with ending_like_ctrl_c():
+            signal.raise_signal(signal.SIGTERM)
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert received == [1]
