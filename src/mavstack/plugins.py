@@ -10,7 +10,6 @@ caller that asks for it by its name.
 
 from __future__ import annotations
 
-import logging
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
@@ -21,8 +20,6 @@ if TYPE_CHECKING:
     from importlib.metadata import EntryPoint, EntryPoints
 
 Item = TypeVar("Item")
-
-_logger = logging.getLogger("mavstack.plugins")
 
 
 class Registry(Generic[Item]):
@@ -54,7 +51,7 @@ class Registry(Generic[Item]):
         self._builtin = dict(builtin or {})
         self._objects = objects
         self._convert = convert
-        self._report = report or _logger.warning
+        self._report = report or _log_warning
         self._left_out: set[str] = set()
 
     def names(self) -> tuple[str, ...]:
@@ -151,3 +148,10 @@ def _name(entry: EntryPoint) -> str:
 def _reason(error: Exception) -> str:
     text = " ".join(str(error).split())
     return text if isinstance(error, InvalidArgumentError) else f"{type(error).__name__}: {text}"
+
+
+def _log_warning(line: str) -> None:
+    # A command that only looks up built-in objects takes longer to import this than to do its work.
+    import logging
+
+    logging.getLogger("mavstack.plugins").warning(line)
