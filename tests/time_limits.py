@@ -3,11 +3,16 @@
 pytest-timeout raises its failure from a signal handler. An event loop whose callback is interrupted by it
 catches the failure, logs it and runs on: it lets only KeyboardInterrupt and SystemExit pass. Therefore the
 failure leaves the test as a KeyboardInterrupt, which becomes the failure again outside of the test.
+
+A test that failed is run again, within the same protocol, and both timers end with the first failure. So each
+run sets them anew.
 """
 
 from __future__ import annotations
 
+import faulthandler
 import signal
+import sys
 from typing import TYPE_CHECKING
 
 import pytest
@@ -17,6 +22,8 @@ if TYPE_CHECKING:
     from types import FrameType
     from typing import Any
 
+#: The settings of pytest-timeout for a test.
+SETTINGS = pytest.StashKey["Any"]()
 #: Seconds after which the exception is raised again, if something caught it.
 REPETITION_INTERVAL = 10.0
 
@@ -26,8 +33,9 @@ class TimeLimitExpired(KeyboardInterrupt):
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_timeout_set_timer(settings: Any) -> Generator[None, object, object]:
+def pytest_timeout_set_timer(item: pytest.Item, settings: Any) -> Generator[None, object, object]:
     """Start the timer of pytest-timeout with the other exception."""
+    item.stash[SETTINGS] = settings
     answer = yield
     fail = signal.getsignal(signal.SIGALRM)
     if settings.method == "signal" and callable(fail):
@@ -52,8 +60,13 @@ def _failing() -> Generator[None, object, object]:
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
-def pytest_runtest_setup() -> Generator[None, object, object]:
-    """Fail a test whose set-up took too long."""
+def pytest_runtest_setup(item: pytest.Item) -> Generator[None, object, object]:
+    """Fail a test whose set-up took too long; set the timers of a test that is run again."""
+    if SETTINGS in item.stash and getattr(item, "execution_count", 1) > 1:
+        item.config.hook.pytest_timeout_set_timer(item=item, settings=item.stash[SETTINGS])
+        limit = float(item.config.getini("faulthandler_timeout") or 0)
+        if limit > 0:
+            faulthandler.dump_traceback_later(limit, exit=True, file=sys.__stderr__ or sys.stderr)
     return (yield from _failing())
 
 

@@ -17,8 +17,10 @@ from tools.child_processes import VARIABLE
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no marks of descendants")
 
 #: Starts a shell in its own session, which starts a program; prints their ids, and waits for the word to end.
+#: Tests that run under nohup hand it an ignored SIGHUP.
 PROGRAM = """
-import subprocess, sys
+import signal, subprocess, sys
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 {start}
 words = ["sh", "-c", "sleep 600 & echo $! $$; wait"]
 child = subprocess.Popen(words, stdout=subprocess.PIPE, text=True, start_new_session=True)

@@ -54,6 +54,7 @@ def test_it(slow):
     pass
 """,
 }
+OPTIONS = ("-p", "no:cacheprovider", "-p", "no:xdist", "-p", "no:asyncio")
 
 
 @pytest.mark.parametrize("program", TESTS.values(), ids=TESTS)
@@ -63,8 +64,18 @@ def test_a_test_fails_at_its_limit_and_the_next_one_runs(
     pytester.makeconftest(HOOKS)
     pytester.makepyfile(HEAD + program + "\ndef test_next():\n    pass\n")
     monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[2]), prepend=os.pathsep)
-    result = pytester.runpytest_subprocess("-p", "no:cacheprovider", "-p", "no:xdist", "-p", "no:asyncio")
+    result = pytester.runpytest_subprocess(*OPTIONS)
     outcomes = result.parseoutcomes()
     assert outcomes.get("passed") == 1
     assert outcomes.get("failed", 0) + outcomes.get("errors", 0) == 1
     result.stdout.fnmatch_lines(["*Timeout*"])
+
+
+def test_a_test_that_is_run_again_has_its_limit_again(
+    pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytester.makeconftest(HOOKS)
+    pytester.makepyfile(HEAD + "def test_it():\n    time.sleep(30)\n")
+    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[2]), prepend=os.pathsep)
+    result = pytester.runpytest_subprocess(*OPTIONS, "--reruns", "1", timeout=20)
+    assert result.parseoutcomes() == {"failed": 1, "rerun": 1}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import signal
 import subprocess
 import sys
@@ -9,7 +10,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from mavstack.cli.common.ending_signals import ending_like_ctrl_c
+from mavstack.cli.common.ending_signals import run_until_signal
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo terminals")
 #: Seconds in which a command ends; a busy machine takes long.
@@ -22,12 +23,14 @@ COMMANDS = {
 
 @contextmanager
 def running(folder, command, *, ignores_sigint=False):
-    """Run a command until its name exists; a shell ignores SIGINT in background jobs."""
+    """Run a command until its name exists; shells ignore SIGINT for background jobs, nohup SIGHUP."""
     words = [word.format(folder) for word in COMMANDS[command]]
+    hangup = signal.signal(signal.SIGHUP, signal.SIG_DFL)
     before = signal.signal(signal.SIGINT, signal.SIG_IGN) if ignores_sigint else None
     process = subprocess.Popen(
         [sys.executable, "-m", "mavstack", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
+    signal.signal(signal.SIGHUP, hangup)
     if before is not None:
         signal.signal(signal.SIGINT, before)
     with process:
@@ -74,20 +77,40 @@ def test_a_file_is_never_replaced(tmp_path, command):
     assert (tmp_path / "name").read_text() == "mine"
 
 
-def test_signals_are_as_before_after_the_block():
-    before = signal.getsignal(signal.SIGTERM)
-    with pytest.raises(SystemExit) as caught, ending_like_ctrl_c():
+async def signalled(ended):
+    """Send SIGTERM to this process, and note an orderly end."""
+    try:
         signal.raise_signal(signal.SIGTERM)
+        await asyncio.sleep(LIMIT)
+    finally:
+        ended.append(True)
+
+
+def test_the_work_ends_in_order_and_signals_are_as_before():
+    before, ended = signal.getsignal(signal.SIGTERM), []
+    with pytest.raises(SystemExit) as caught:
+        run_until_signal(signalled(ended))
     assert caught.value.code == 143
+    assert ended == [True]
     assert signal.getsignal(signal.SIGTERM) is before
+
+
+def test_work_that_ends_before_has_its_result():
+    async def work():
+        return 7
+
+    assert run_until_signal(work()) == 7
 
 
 def test_a_handler_of_the_program_stays():
     received = []
+
+    async def work():
+        signal.raise_signal(signal.SIGTERM)
+
     before = signal.signal(signal.SIGTERM, lambda *_: received.append(1))
     try:
-        with ending_like_ctrl_c():
-            signal.raise_signal(signal.SIGTERM)
+        run_until_signal(work())
     finally:
         signal.signal(signal.SIGTERM, before)
     assert received == [1]

@@ -63,9 +63,11 @@ class Call:
     why_not: str = ""
 
 
-def command(name: str, do: Do, number: int, *, codes: tuple[int, ...] = CODES, **more: Any) -> Call:
-    """Return the row of a call that sends a command."""
-    operation = ardupilotmega.MavCmd(number).official_name.removeprefix("MAV_CMD_")
+def command(
+    name: str, do: Do, number: int, *, operation: str = "", codes: tuple[int, ...] = CODES, **more: Any
+) -> Call:
+    """Return the row of a call that sends a command; its errors name the command, or the operation."""
+    operation = operation or ardupilotmega.MavCmd(number).official_name.removeprefix("MAV_CMD_")
 
     def refuse(harness: ScriptedHarness, code: int) -> None:
         harness.autopilot.refuse(number, result=code)

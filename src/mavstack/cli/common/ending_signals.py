@@ -6,49 +6,71 @@ that the system gives to another program next: what is written to the link would
 
 from __future__ import annotations
 
+import asyncio
 import signal
+import sys
 import threading
-from contextlib import contextmanager
-from typing import TYPE_CHECKING, Final
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from types import FrameType
+    from collections.abc import Coroutine
+
+Result = TypeVar("Result")
 
 #: SIGHUP: the terminal of the command was closed; other systems have none.
 _NAMES: Final = ("SIGTERM", "SIGHUP")
 
 
-@contextmanager
-def ending_like_ctrl_c() -> Iterator[None]:
-    """Let SIGTERM and SIGHUP end a block as Ctrl-C does; a handler of the program, or none (`nohup`), stays.
+def run_until_signal(work: Coroutine[Any, Any, Result]) -> Result:
+    """Run a coroutine in an event loop of its own; SIGTERM and SIGHUP cancel it, and it ends in order.
 
-    Yields:
-        None.
+    A handler of the program stays, as does a signal that is ignored (`nohup`).
+
+    Args:
+        work: The coroutine.
+
+    Returns:
+        Its result.
 
     Raises:
-        SystemExit: One of them ended the block; its code is 128 and the number of the signal, as of a shell.
+        SystemExit: A signal ended it; its code is 128 and the number of the signal, as of a shell.
     """
     received: list[int] = []
-
-    def end(number: int, _: FrameType | None) -> None:
-        received.append(number)
-        if callable(signal.getsignal(signal.SIGINT)):
-            signal.raise_signal(signal.SIGINT)  # an event loop cancels its task
-        else:  # a shell ignores SIGINT in background jobs
-            raise KeyboardInterrupt
-
-    numbers = [getattr(signal, name) for name in _NAMES if hasattr(signal, name)]
-    is_main = threading.current_thread() is threading.main_thread()
-    taken = [number for number in numbers if is_main and signal.getsignal(number) is signal.SIG_DFL]
-    for number in taken:
-        signal.signal(number, end)
     try:
-        yield
-    except KeyboardInterrupt:
+        result = asyncio.run(_cancelled_by_signals(work, received))
+    except asyncio.CancelledError:
         if received:
-            raise SystemExit(128 + received[0]) from None
+            sys.exit(128 + received[0])
         raise
+    if received:
+        sys.exit(128 + received[0])
+    return result
+
+
+async def _cancelled_by_signals(work: Coroutine[Any, Any, Result], received: list[int]) -> Result:
+    loop = asyncio.get_running_loop()
+    task = loop.create_task(work)
+
+    def end(number: int) -> None:
+        received.append(number)
+        task.cancel()
+
+    taken = _default_signals()
+    for number in taken:
+        with suppress(NotImplementedError):  # Windows has no pseudo terminals either
+            loop.add_signal_handler(number, end, number)
+    try:
+        return await task
     finally:
         for number in taken:
-            signal.signal(number, signal.SIG_DFL)
+            with suppress(NotImplementedError):
+                loop.remove_signal_handler(number)
+
+
+def _default_signals() -> list[signal.Signals]:
+    """Return the signals that would end this process at once."""
+    if threading.current_thread() is not threading.main_thread():
+        return []
+    numbers = [getattr(signal, name) for name in _NAMES if hasattr(signal, name)]
+    return [number for number in numbers if signal.getsignal(number) is signal.SIG_DFL]

@@ -12,7 +12,7 @@ from contextlib import aclosing, asynccontextmanager
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.common.ending_signals import ending_like_ctrl_c
+from mavstack.cli.common.ending_signals import run_until_signal
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.options import seconds
 from mavstack.cli.common.output import align_columns, echo, echo_json
@@ -125,8 +125,7 @@ def rssi(arguments: Namespace) -> int:
 
 def simulate(arguments: Namespace) -> int:
     """Run `mav radio sim`."""
-    with ending_like_ctrl_c():
-        return asyncio.run(_simulate(arguments))
+    return run_until_signal(_simulate(arguments))
 
 
 async def _show(arguments: Namespace) -> int:

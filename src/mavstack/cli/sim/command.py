@@ -6,13 +6,12 @@ immediately (see `mavstack.sim.faults`).
 
 from __future__ import annotations
 
-import asyncio
 from dataclasses import replace
 from pathlib import Path
 from secrets import randbits
 from typing import TYPE_CHECKING, Final, TypeVar
 
-from mavstack.cli.common.ending_signals import ending_like_ctrl_c
+from mavstack.cli.common.ending_signals import run_until_signal
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.exposure import announce_exposure
 from mavstack.cli.common.link_options import add_link_options, with_link_options
@@ -178,8 +177,7 @@ def _add_disturbances(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Run `mav sim`, until Ctrl-C unless `--for` is given."""
-    with ending_like_ctrl_c():
-        return asyncio.run(_simulate(arguments))
+    return run_until_signal(_simulate(arguments))
 
 
 async def _simulate(arguments: Namespace) -> int:

@@ -100,6 +100,11 @@ internal static class Runner
 
     private static IEnumerable<byte> Little(object value, int size)
     {
+        if (value is Enum)
+        {
+            value = Convert.ChangeType(value, Enum.GetUnderlyingType(value.GetType()));
+        }
+
         if (value is float)
         {
             return BitConverter.GetBytes((float)value);
