@@ -35,6 +35,7 @@ DEFAULT_PATHS = (
     "examples",
     "tools",
     "backend",
+    "changes",
     "docs",
     "web/src",
     "web/scripts",
