@@ -5,7 +5,7 @@ catches the failure, logs it and runs on: it lets only KeyboardInterrupt and Sys
 failure leaves the test as a KeyboardInterrupt, which becomes the failure again outside of the test.
 
 A test that failed is run again, within the same protocol, and both timers end with the first failure. So each
-run sets them anew.
+run sets them again.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Notes of changes: each file has an area and a kind that exist, and towncrier joins them to release notes."""
+"""Notes of changes: each file has an existing area and kind, and towncrier joins them to release notes."""
 
 from __future__ import annotations
 
@@ -53,7 +53,17 @@ def test_towncrier_joins_the_notes(tmp_path: Path) -> None:
     note = tmp_path / "changes" / "vehicles" / "+example.fixed.md"
     note.parent.mkdir(exist_ok=True)
     note.write_text("An example of a note.\n", "utf-8")
-    command = [sys.executable, "-m", "towncrier", "build", "--version", "9.9.9", "--date", "2030-01-02", "--yes"]
+    command = [
+        sys.executable,
+        "-m",
+        "towncrier",
+        "build",
+        "--version",
+        "9.9.9",
+        "--date",
+        "2030-01-02",
+        "--yes",
+    ]
     subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
     written = (tmp_path / "CHANGELOG.md").read_text("utf-8")
     assert "## 9.9.9 (2030-01-02)\n" in written

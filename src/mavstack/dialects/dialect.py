@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from mavstack._core import FieldLayout, MessageLayout
-    from mavstack.dialects.includes import Source
+    from mavstack.dialects.includes import DefinitionFile
     from mavstack.dialects.message import Message
     from mavstack.dialects.model import DialectDefinition, EnumDefinition, MessageDefinition
 
@@ -367,7 +367,7 @@ def _load(name: str) -> Dialect:
     return Dialect(table, [_load(include.removesuffix(".xml")) for include in table.includes])
 
 
-def _from_source(source: Source) -> Dialect:
+def _from_source(source: DefinitionFile) -> Dialect:
     """Create the dialect of a definition file, and those of its included files."""
     from mavstack.dialects.includes import included_first
 

@@ -30,11 +30,11 @@ MAX_FILES = 100
 MAX_INCLUDE_DEPTH = 20
 
 
-class Source(NamedTuple):
+class DefinitionFile(NamedTuple):
     """A definition file with the files that it includes directly; `official` if it is a built-in dialect."""
 
     definition: DialectDefinition
-    includes: tuple[Source, ...]
+    includes: tuple[DefinitionFile, ...]
     official: bool
 
 
@@ -48,26 +48,26 @@ class _Collector:
     """Reads included files depth first; `chain` is the path of includes to the current file."""
 
     def __init__(self) -> None:
-        self.done: dict[str, Source] = {}
+        self.done: dict[str, DefinitionFile] = {}
         self.chain: list[str] = []
 
-    def text(self, data: bytes) -> Source:
+    def text(self, data: bytes) -> DefinitionFile:
         return self._source(TEXT_NAME, TEXT_NAME, data)
 
-    def file(self, path: str) -> Source:
+    def file(self, path: str) -> DefinitionFile:
         return self._source(str(Path(path).resolve()), path, None)
 
-    def _source(self, key: str, path: str, data: bytes | None) -> Source:
+    def _source(self, key: str, path: str, data: bytes | None) -> DefinitionFile:
         if key not in self.done:
             definition = parse_definition(read_bytes(path) if data is None else data, path, file_stem(path))
             self.chain.append(key)
             lines = definition.include_lines
             sources = tuple(map(self.include, [definition] * len(lines), definition.includes, lines))
             self.chain.pop()
-            self.done[key] = Source(definition, sources, official=False)
+            self.done[key] = DefinitionFile(definition, sources, official=False)
         return self.done[key]
 
-    def include(self, definition: DialectDefinition, name: str, line: int) -> Source:
+    def include(self, definition: DialectDefinition, name: str, line: int) -> DefinitionFile:
         path = str(Path(definition.path).parent / name)
         if not Path(path).is_file():
             if file_stem(name) in official_names():
@@ -83,11 +83,11 @@ class _Collector:
             raise DialectError(f"more than {MAX_FILES} files are included", definition.path, line)
         return self.file(path)
 
-    def official(self, name: str) -> Source:
+    def official(self, name: str) -> DefinitionFile:
         if name not in self.done:
             definition = official_definition(name)
             sources = tuple(self.official(file_stem(item)) for item in definition.includes)
-            self.done[name] = Source(definition, sources, official=True)
+            self.done[name] = DefinitionFile(definition, sources, official=True)
         return self.done[name]
 
 
@@ -97,7 +97,7 @@ def file_stem(path: str) -> str:
     return name[:-4] if name.lower().endswith(".xml") else name
 
 
-def collect(path: str) -> Source:
+def collect(path: str) -> DefinitionFile:
     """Read a definition file and all included files, and check them.
 
     Args:
@@ -118,23 +118,23 @@ def collect(path: str) -> Source:
     return source
 
 
-def collect_text(data: bytes) -> Source:
+def collect_text(data: bytes) -> DefinitionFile:
     """Read a definition from XML text, and all included files, and check them; see `collect`."""
     source = _Collector().text(data)
     check_definitions([item.definition for item in included_first(source)])
     return source
 
 
-def collect_official(name: str) -> Source:
+def collect_official(name: str) -> DefinitionFile:
     """Return an official definition with its includes."""
     return _Collector().official(name)
 
 
-def included_first(source: Source) -> list[Source]:
+def included_first(source: DefinitionFile) -> list[DefinitionFile]:
     """Return a file and all included files, included ones first, each once."""
-    found: dict[int, Source] = {}
+    found: dict[int, DefinitionFile] = {}
 
-    def visit(item: Source) -> None:
+    def visit(item: DefinitionFile) -> None:
         for child in item.includes:
             if id(child) not in found:
                 visit(child)
@@ -157,7 +157,7 @@ def check_definitions(definitions: Iterable[DialectDefinition]) -> None:
                     raise DialectError(problem, definition.path or definition.name, item.line or None)
 
 
-def _check_enums(source: Source) -> None:
+def _check_enums(source: DefinitionFile) -> None:
     """Raise `DialectError` if a field refers to an enum that neither its file nor an included one defines.
 
     The classes of a file are created without the files that include it.
@@ -193,6 +193,6 @@ def with_automatic_values(definition: DialectDefinition, highest: Mapping[str, i
     return definition._replace(enums=enums)
 
 
-def merged_definition(source: Source) -> DialectDefinition:
+def merged_definition(source: DefinitionFile) -> DialectDefinition:
     """Return one definition with the messages and enums of a file and its includes."""
     return merge_definitions([item.definition for item in included_first(source)])

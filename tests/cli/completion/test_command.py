@@ -6,7 +6,7 @@ import subprocess
 import pytest
 
 from mavstack.cli.completion.command import EXAMPLES, SHELLS
-from mavstack.cli.completion.words import all_words
+from mavstack.cli.completion.command_words import all_words
 from mavstack.cli.registry import COMMANDS
 from tests.cli.harness import examples_of
 

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from mavstack.cli.watch.follower import Follower
+from mavstack.cli.watch.link_follower import Follower
 from mavstack.cli.watch.observer import Observer
 from mavstack.cli.watch.sources import recording_path
 from mavstack.dialects import Dialect, common

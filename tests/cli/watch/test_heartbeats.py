@@ -6,8 +6,8 @@ import asyncio
 
 import pytest
 
-from mavstack.cli.watch.follower import Follower
 from mavstack.cli.watch.heartbeats import send_heartbeats
+from mavstack.cli.watch.link_follower import Follower
 from mavstack.cli.watch.observer import Observer
 from mavstack.dialects import Dialect, common
 from mavstack.links import MemoryNetwork

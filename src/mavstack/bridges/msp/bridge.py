@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Final, Self
 from mavstack.bridges.msp.arming_reasons import reason_texts
 from mavstack.bridges.msp.async_resource import AsyncResource
 from mavstack.bridges.msp.commands import BridgedCommands
-from mavstack.bridges.msp.facts import read_facts
+from mavstack.bridges.msp.controller_facts import read_facts
 from mavstack.bridges.msp.heartbeat import ControllerHeartbeat
 from mavstack.bridges.msp.missions import BridgedMissions
 from mavstack.bridges.msp.modes import BridgedModes
@@ -57,7 +57,7 @@ from mavstack.services.version import ProtocolVersion
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from mavstack.bridges.msp.facts import ControllerFacts
+    from mavstack.bridges.msp.controller_facts import ControllerFacts
     from mavstack.bridges.msp.flight_controller import FlightController
     from mavstack.links import Link
     from mavstack.msp.messages.base import MspMessage

@@ -11,7 +11,7 @@ from mavstack.dialects import common
 from mavstack.services.modes import ModeServer
 
 if TYPE_CHECKING:
-    from mavstack.bridges.msp.facts import ControllerFacts
+    from mavstack.bridges.msp.controller_facts import ControllerFacts
     from mavstack.bridges.msp.pilot import Pilot
     from mavstack.bridges.msp.status import ControllerStatus
     from mavstack.node import Node

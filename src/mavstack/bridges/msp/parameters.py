@@ -24,7 +24,7 @@ from mavstack.errors import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from mavstack.bridges.msp.facts import ControllerFacts
+    from mavstack.bridges.msp.controller_facts import ControllerFacts
     from mavstack.bridges.msp.flight_controller import FlightController
     from mavstack.msp.settings import SettingDefinition
     from mavstack.node import Node

@@ -23,7 +23,7 @@ from mavstack.msp.messages.rc import SetRawRc
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mavstack.bridges.msp.facts import ControllerFacts
+    from mavstack.bridges.msp.controller_facts import ControllerFacts
     from mavstack.bridges.msp.flight_controller import FlightController
     from mavstack.bridges.msp.mode_switches import Switch
     from mavstack.bridges.msp.status import ControllerStatus

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from mavstack.cli.completion.words import CommandWords
+    from mavstack.cli.completion.command_words import CommandWords
 
 _SCRIPT: Final = """\
 # Completion of mav in bash. For all sessions:

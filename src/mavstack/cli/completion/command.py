@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.output import echo_text
 from mavstack.cli.completion import bash, fish, zsh
-from mavstack.cli.completion.words import all_words
+from mavstack.cli.completion.command_words import all_words
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
     from collections.abc import Callable, Mapping, Sequence
 
-    from mavstack.cli.completion.words import CommandWords
+    from mavstack.cli.completion.command_words import CommandWords
 
 EXAMPLES: Final = """\
 examples:

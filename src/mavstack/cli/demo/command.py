@@ -79,7 +79,7 @@ async def _demo(arguments: Namespace) -> int:
     from mavstack.cli.demo.flights import add_vehicles, fly_missions
     from mavstack.cli.demo.racing_drone import add_racing_drone, bridged
     from mavstack.cli.demo.station import station_served
-    from mavstack.cli.watch.follower import background_tasks
+    from mavstack.cli.watch.link_follower import background_tasks
     from mavstack.dialects import Dialect
     from mavstack.links import MemoryNetwork
     from mavstack.node import Node
@@ -117,7 +117,7 @@ async def _observe(ground: Node, fleet: FleetState) -> None:
 
 
 async def _show(runner: Runner, fleet: FleetState, arguments: Namespace) -> None:
-    from mavstack.cli.watch.follower import background_tasks
+    from mavstack.cli.watch.link_follower import background_tasks
 
     if arguments.once:
         await runner.run(arguments.seconds or _SUMMARY_DURATION)

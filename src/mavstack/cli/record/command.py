@@ -17,7 +17,7 @@ from mavstack.cli.common.options import (
 )
 from mavstack.cli.record.observer import RecordingObserver
 from mavstack.cli.record.status import RecordingStatus
-from mavstack.cli.watch.following import follow_sources
+from mavstack.cli.watch.observation import follow_sources
 from mavstack.cli.watch.observer import Selection
 from mavstack.cli.watch.sources import open_sources
 from mavstack.dialects.lookup import find_dialect

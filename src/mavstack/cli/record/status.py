@@ -14,7 +14,7 @@ from mavstack.cli.watch.snapshot import elapsed_text, rate_text
 if TYPE_CHECKING:
     from typing import Self
 
-    from mavstack.cli.watch.following import Following
+    from mavstack.cli.watch.observation import Observation
 
 _INTERVAL: Final = 0.5
 
@@ -22,8 +22,8 @@ _INTERVAL: Final = 0.5
 class RecordingStatus:
     """The status line of a recording; a context manager that clears it."""
 
-    def __init__(self, following: Following) -> None:
-        self._following = following
+    def __init__(self, observation: Observation) -> None:
+        self._observation = observation
         self._started = self._measured = monotonic()
         self._packets = 0
         self._rate = 0.0
@@ -38,7 +38,7 @@ class RecordingStatus:
 
     def text(self, now: float) -> str:
         """Return the line at a time of the monotonic clock."""
-        recorder = self._following.recorder
+        recorder = self._observation.recorder
         if recorder is None:
             return ""
         if now > self._measured:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 from mavstack.cli.common.errors import CommandError
 from mavstack.cli.common.text import printable
 from mavstack.cli.shell.interrupt import on_interrupt
-from mavstack.cli.watch.follower import background_tasks
+from mavstack.cli.watch.link_follower import background_tasks
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator

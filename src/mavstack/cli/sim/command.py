@@ -269,7 +269,7 @@ async def _connect(
 
 
 async def _run(runner: Runner, script: FaultScript, printer: EventPrinter, duration: float | None) -> None:
-    from mavstack.cli.watch.follower import background_tasks
+    from mavstack.cli.watch.link_follower import background_tasks
 
     script.run_in(runner.simulation, lambda timed: printer.fault(timed, runner.simulation.elapsed))
     async with background_tasks(_read_faults(runner.simulation, printer)):

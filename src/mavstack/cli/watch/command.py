@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
     from collections.abc import Callable, Sequence
 
-    from mavstack.cli.watch.following import Following
     from mavstack.cli.watch.live_table import LiveTable
-    from mavstack.cli.watch.sources import Source
+    from mavstack.cli.watch.observation import Observation
+    from mavstack.cli.watch.sources import WatchedSource
     from mavstack.cli.watch.trend import FieldPatterns
     from mavstack.dialects import Dialect
     from mavstack.wire import Packet
@@ -139,7 +139,7 @@ def _patterns(arguments: Namespace, dialect: Dialect, mode: Mode) -> FieldPatter
     return FieldPatterns(arguments.trend, dialect)
 
 
-def _inspect(sources: Sequence[Source], arguments: Namespace, patterns: FieldPatterns | None) -> int:
+def _inspect(sources: Sequence[WatchedSource], arguments: Namespace, patterns: FieldPatterns | None) -> int:
     """Open the window; recordings are replayed as fast as recorded, or `--speed`."""
     if any(source.path is not None for source in sources):
         arguments.speed = arguments.speed or "1"
@@ -149,7 +149,7 @@ def _inspect(sources: Sequence[Source], arguments: Namespace, patterns: FieldPat
     return asyncio.run(inspect_sources(sources, arguments, patterns))
 
 
-def _is_read(sources: Sequence[Source], arguments: Namespace) -> bool:
+def _is_read(sources: Sequence[WatchedSource], arguments: Namespace) -> bool:
     """Return whether the sources are files to read, not links; refuse options that do not fit."""
     files = [source for source in sources if source.path is not None]
     if arguments.to is not None and (len(sources) > 1 or not files or files[0].path == STDIN):
@@ -170,7 +170,7 @@ def _is_read(sources: Sequence[Source], arguments: Namespace) -> bool:
 # files
 
 
-def _read_files(sources: Sequence[Source], arguments: Namespace) -> int:
+def _read_files(sources: Sequence[WatchedSource], arguments: Namespace) -> int:
     summary = arguments.once or (not arguments.json and sys.stdout.isatty())
     for source in sources:
         path = source.path or ""
@@ -196,9 +196,9 @@ def _print_recorded(
 
 
 async def _follow_links(
-    sources: Sequence[Source], arguments: Namespace, mode: Mode, patterns: FieldPatterns | None
+    sources: Sequence[WatchedSource], arguments: Namespace, mode: Mode, patterns: FieldPatterns | None
 ) -> int:
-    from mavstack.cli.watch.following import follow_sources
+    from mavstack.cli.watch.observation import follow_sources
 
     if mode is Mode.LINES:
         for source in sources:
@@ -206,12 +206,12 @@ async def _follow_links(
     is_limited = mode is Mode.SUMMARY and arguments.to is None
     duration = arguments.seconds or (_SUMMARY_DURATION if is_limited else None)
 
-    def display(following: Following) -> LiveTable:
+    def display(observation: Observation) -> LiveTable:
         from mavstack.cli.watch.live_table import LiveTable
         from mavstack.cli.watch.trend import Trends
 
         trends = None if patterns is None else Trends(patterns)
-        return LiveTable(sources, arguments.sort, trends, lambda: following.activity)
+        return LiveTable(sources, arguments.sort, trends, lambda: observation.activity)
 
     await follow_sources(
         sources,
@@ -226,7 +226,7 @@ async def _follow_links(
 # output of files and links
 
 
-def print_summary(sources: Sequence[Source], arguments: Namespace) -> None:
+def print_summary(sources: Sequence[WatchedSource], arguments: Namespace) -> None:
     """Print the summary as text or, with `--json`, as JSON."""
     if arguments.json:
         echo_json(take_summary(sources))
@@ -239,7 +239,7 @@ def _terminal_columns() -> int | None:
     return terminal_width() if sys.stdout.isatty() else None
 
 
-def _printer(arguments: Namespace, source: Source) -> Callable[[Sequence[Packet], float | None], None]:
+def _printer(arguments: Namespace, source: WatchedSource) -> Callable[[Sequence[Packet], float | None], None]:
     title = source.title if source.label else ""
 
     def show(packets: Sequence[Packet], time: float | None) -> None:

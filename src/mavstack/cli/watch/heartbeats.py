@@ -15,7 +15,7 @@ from mavstack.errors import LinkClosedError
 from mavstack.wire import Encoder
 
 if TYPE_CHECKING:
-    from mavstack.cli.watch.follower import Follower
+    from mavstack.cli.watch.link_follower import Follower
     from mavstack.links import Channel, Link
 
 GROUND_STATION: Final = 255

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from mavstack.cli.watch.observer import SourceCounts
     from mavstack.cli.watch.snapshot import ComponentRow, MessageRow, Snapshot
-    from mavstack.cli.watch.sources import Source
+    from mavstack.cli.watch.sources import WatchedSource
     from mavstack.cli.watch.trend import TrendRow, Trends
 
 _MARK_INTERVAL = 1.0
@@ -43,7 +43,7 @@ class LiveTable(LiveDisplay["Snapshot"]):
 
     def __init__(
         self,
-        sources: Sequence[Source],
+        sources: Sequence[WatchedSource],
         sort: str,
         trends: Trends | None = None,
         activity: Callable[[], str] = str,

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mavstack.dialects import Dialect
     from mavstack.wire import Packet, Signing
 
-Source: TypeAlias = tuple[int, int]
+SourceAddress: TypeAlias = tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +70,7 @@ class Totals:
     unknown: int = 0
     bad_bytes: int = 0
     bad_checksum: int = 0
-    sources: dict[Source, SourceCounts] = field(default_factory=dict)
+    sources: dict[SourceAddress, SourceCounts] = field(default_factory=dict)
 
     def add(self, parser: Parser) -> None:
         """Add the counts of one parser."""

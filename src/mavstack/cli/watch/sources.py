@@ -13,7 +13,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.cli.common.errors import UsageError
-from mavstack.cli.watch.follower import Follower
+from mavstack.cli.watch.link_follower import Follower
 from mavstack.cli.watch.observer import Observer
 from mavstack.cli.watch.recording import STDIN
 from mavstack.cli.watch.snapshot import merge_snapshots, take_snapshot
@@ -31,7 +31,7 @@ MAX_SOURCES: Final = len(ascii_uppercase)
 
 
 @dataclass(eq=False, slots=True)
-class Source:
+class WatchedSource:
     """A link or file: its text on the command line, its letter if there are several, its observer."""
 
     text: str
@@ -60,7 +60,7 @@ def open_sources(
     dialect: Dialect,
     selection: Selection,
     observer_class: type[Observer] = Observer,
-) -> list[Source]:
+) -> list[WatchedSource]:
     """Return the sources of the command line; raises UsageError if there are too many."""
     if len(texts) > MAX_SOURCES:
         raise UsageError(f"at most {MAX_SOURCES} sources can be given together, got {len(texts)}")
@@ -70,7 +70,7 @@ def open_sources(
         path = recording_path(text)
         title = text if path is not None else _redacted(text)
         label = letter if len(texts) > 1 else ""
-        sources.append(Source(text, label, observer, Follower(observer), title, path))
+        sources.append(WatchedSource(text, label, observer, Follower(observer), title, path))
     return sources
 
 
@@ -89,12 +89,12 @@ def recording_path(source: str) -> str | None:
     return url.path if url.scheme == "file" and not url.options else None
 
 
-def take_picture(sources: Sequence[Source]) -> Snapshot:
+def take_picture(sources: Sequence[WatchedSource]) -> Snapshot:
     """Return a snapshot of one source, or of several together."""
     return merge_snapshots(take_snapshots(sources, monotonic()))
 
 
-def take_snapshots(sources: Sequence[Source], now: float) -> dict[str, Snapshot]:
+def take_snapshots(sources: Sequence[WatchedSource], now: float) -> dict[str, Snapshot]:
     """Return a snapshot of each source by its letter; `now` is the time on a monotonic clock."""
     return {
         source.label: take_snapshot(
@@ -104,7 +104,7 @@ def take_snapshots(sources: Sequence[Source], now: float) -> dict[str, Snapshot]
     }
 
 
-def take_summary(sources: Sequence[Source]) -> dict[str, Any]:
+def take_summary(sources: Sequence[WatchedSource]) -> dict[str, Any]:
     """Return the counts of one source, or of several together, as values for JSON."""
     parts = [summary_object(each.observer, each.seconds, each.follower.refused) for each in sources]
     return merge_summaries([source.title for source in sources], parts)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
-from mavstack.files.parameter_metadata import facts
+from mavstack.files.parameter_metadata import value_readers
 from mavstack.services.parameters.metadata import ParameterMetadata
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ def read(document: dict[str, Any]) -> Iterator[ParameterMetadata]:
         if group == _HEAD or not isinstance(entries, dict):
             continue
         for key, entry in entries.items():
-            name = facts.name_of(key)
+            name = value_readers.name_of(key)
             if name is not None and isinstance(entry, dict) and any(each in entry for each in _DESCRIPTIONS):
                 yield _parameter(name, entry, group)
 
@@ -36,26 +36,28 @@ def _parameter(name: str, entry: dict[str, Any], group: str) -> ParameterMetadat
     low, high = _range(entry.get("Range"))
     return ParameterMetadata(
         name=name,
-        short_description=facts.text_of(entry.get("DisplayName") or entry.get("displayName")),
-        long_description=facts.text_of(entry.get("Description") or entry.get("description")),
-        unit=facts.text_of(entry.get("Units")),
+        short_description=value_readers.text_of(entry.get("DisplayName") or entry.get("displayName")),
+        long_description=value_readers.text_of(entry.get("Description") or entry.get("description")),
+        unit=value_readers.text_of(entry.get("Units")),
         minimum=low,
         maximum=high,
-        increment=facts.number_of(entry.get("Increment")),
-        values=facts.values_of(_pairs(entry.get("Values"))),
-        bitmask=facts.bits_of(_pairs(entry.get("Bitmask"))),
-        reboot_required=facts.flag_of(entry.get("RebootRequired")),
-        read_only=facts.flag_of(entry.get("ReadOnly")),
-        volatile=facts.flag_of(entry.get("Volatile")),
-        group=facts.text_of(group),
-        category=facts.text_of(entry.get("User") or entry.get("user")),
+        increment=value_readers.number_of(entry.get("Increment")),
+        values=value_readers.values_of(_pairs(entry.get("Values"))),
+        bitmask=value_readers.bits_of(_pairs(entry.get("Bitmask"))),
+        reboot_required=value_readers.flag_of(entry.get("RebootRequired")),
+        read_only=value_readers.flag_of(entry.get("ReadOnly")),
+        volatile=value_readers.flag_of(entry.get("Volatile")),
+        group=value_readers.text_of(group),
+        category=value_readers.text_of(entry.get("User") or entry.get("user")),
     )
 
 
 def _range(value: object) -> tuple[float | None, float | None]:
     if isinstance(value, dict):
-        return facts.ordered(facts.number_of(value.get("low")), facts.number_of(value.get("high")))
-    return facts.range_of(value)
+        return value_readers.ordered(
+            value_readers.number_of(value.get("low")), value_readers.number_of(value.get("high"))
+        )
+    return value_readers.range_of(value)
 
 
 def _pairs(entries: object) -> list[tuple[Any, Any]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mavstack.files.parameter_metadata import facts
+from mavstack.files.parameter_metadata import value_readers
 from mavstack.services.parameters.metadata import ParameterMetadata
 
 if TYPE_CHECKING:
@@ -23,29 +23,33 @@ def read(root: Element) -> Iterator[ParameterMetadata]:
     for part in root.children:  # vehicles, libraries
         for group in part.named("parameters"):
             for element in group.named("param"):
-                name = facts.name_of(element.attributes.get("name"))
+                name = value_readers.name_of(element.attributes.get("name"))
                 if name is not None:
                     yield _parameter(name, element, group.attributes.get("name", ""))
 
 
 def _parameter(name: str, element: Element, group: str) -> ParameterMetadata:
     fields = {each.attributes.get("name", ""): each.text for each in element.named("field")}
-    low, high = facts.range_of(fields.get("Range"))
+    low, high = value_readers.range_of(fields.get("Range"))
     return ParameterMetadata(
         name=name,
-        short_description=facts.text_of(element.attributes.get("humanName")),
-        long_description=facts.text_of(element.attributes.get("documentation")),
-        unit=facts.text_of(fields.get("Units")),
+        short_description=value_readers.text_of(element.attributes.get("humanName")),
+        long_description=value_readers.text_of(element.attributes.get("documentation")),
+        unit=value_readers.text_of(fields.get("Units")),
         minimum=low,
         maximum=high,
-        increment=facts.number_of(fields.get("Increment")),
-        values=facts.values_of(_pairs(element, "values", "value") or _listed(fields.get("Values", ""))),
-        bitmask=facts.bits_of(_pairs(element, "bitmask", "bit") or _listed(fields.get("Bitmask", ""))),
-        reboot_required=facts.flag_of(fields.get("RebootRequired")),
-        read_only=facts.flag_of(fields.get("ReadOnly")),
-        volatile=facts.flag_of(fields.get("Volatile")),
-        group=facts.text_of(group),
-        category=facts.text_of(element.attributes.get("user")),
+        increment=value_readers.number_of(fields.get("Increment")),
+        values=value_readers.values_of(
+            _pairs(element, "values", "value") or _listed(fields.get("Values", ""))
+        ),
+        bitmask=value_readers.bits_of(
+            _pairs(element, "bitmask", "bit") or _listed(fields.get("Bitmask", ""))
+        ),
+        reboot_required=value_readers.flag_of(fields.get("RebootRequired")),
+        read_only=value_readers.flag_of(fields.get("ReadOnly")),
+        volatile=value_readers.flag_of(fields.get("Volatile")),
+        group=value_readers.text_of(group),
+        category=value_readers.text_of(element.attributes.get("user")),
     )
 
 

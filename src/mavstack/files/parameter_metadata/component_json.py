@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from mavstack.errors import MetadataError
-from mavstack.files.parameter_metadata import facts
+from mavstack.files.parameter_metadata import value_readers
 from mavstack.services.parameters.metadata import ParameterMetadata
 
 if TYPE_CHECKING:
@@ -26,13 +26,13 @@ def read(document: dict[str, Any]) -> Iterator[ParameterMetadata]:
     if not isinstance(entries, list):
         raise MetadataError("'parameters' is not an array")
     for entry in entries:
-        name = facts.name_of(entry.get("name")) if isinstance(entry, dict) else None
+        name = value_readers.name_of(entry.get("name")) if isinstance(entry, dict) else None
         if name is not None:
             yield _parameter(name, entry)
 
 
 def _parameter(name: str, entry: dict[str, Any]) -> ParameterMetadata:
-    low, high = facts.ordered(_number(entry, "min", "minValue"), _number(entry, "max", "maxValue"))
+    low, high = value_readers.ordered(_number(entry, "min", "minValue"), _number(entry, "max", "maxValue"))
     return ParameterMetadata(
         name=name,
         short_description=_text(entry, "shortDesc", "shortDescription"),
@@ -42,15 +42,15 @@ def _parameter(name: str, entry: dict[str, Any]) -> ParameterMetadata:
         maximum=high,
         default=_number(entry, "default", "defaultValue"),
         increment=_number(entry, "increment"),
-        decimal_places=facts.decimals_of(entry.get("decimalPlaces")),
-        values=facts.values_of(_pairs(entry.get("values"), "value")),
-        bitmask=facts.bits_of(_pairs(entry.get("bitmask"), "index")),
-        reboot_required=facts.flag_of(entry.get("rebootRequired")),
-        read_only=facts.flag_of(entry.get("readOnly")),
-        volatile=facts.flag_of(entry.get("volatile")),
+        decimal_places=value_readers.decimals_of(entry.get("decimalPlaces")),
+        values=value_readers.values_of(_pairs(entry.get("values"), "value")),
+        bitmask=value_readers.bits_of(_pairs(entry.get("bitmask"), "index")),
+        reboot_required=value_readers.flag_of(entry.get("rebootRequired")),
+        read_only=value_readers.flag_of(entry.get("readOnly")),
+        volatile=value_readers.flag_of(entry.get("volatile")),
         group=_text(entry, "group"),
         category=_text(entry, "category"),
-        type=facts.type_of(entry.get("type")),
+        type=value_readers.type_of(entry.get("type")),
     )
 
 
@@ -87,11 +87,13 @@ def to_json(entry: ParameterMetadata, type_name: str) -> dict[str, object]:
 
 
 def _number(entry: dict[str, Any], *keys: str) -> float | None:
-    return next((found for key in keys if (found := facts.number_of(entry.get(key))) is not None), None)
+    return next(
+        (found for key in keys if (found := value_readers.number_of(entry.get(key))) is not None), None
+    )
 
 
 def _text(entry: dict[str, Any], *keys: str) -> str:
-    return next((found for key in keys if (found := facts.text_of(entry.get(key)))), "")
+    return next((found for key in keys if (found := value_readers.text_of(entry.get(key)))), "")
 
 
 def _pairs(entries: object, key: str) -> list[tuple[Any, Any]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mavstack.files.parameter_metadata import facts
+from mavstack.files.parameter_metadata import value_readers
 from mavstack.services.parameters.metadata import ParameterMetadata
 
 if TYPE_CHECKING:
@@ -22,33 +22,35 @@ def read(root: Element) -> Iterator[ParameterMetadata]:
     """Yield the metadata of each parameter."""
     for group in root.named("group"):
         for element in group.named("parameter"):
-            name = facts.name_of(element.attributes.get("name"))
+            name = value_readers.name_of(element.attributes.get("name"))
             if name is not None:
                 yield _parameter(name, element, group.attributes.get("name", ""))
 
 
 def _parameter(name: str, element: Element, group: str) -> ParameterMetadata:
     fields = {each.tag: each.text for each in element.children}
-    low, high = facts.ordered(facts.number_of(fields.get("min")), facts.number_of(fields.get("max")))
-    values = facts.values_of(_pairs(element, "values", "value", "code"))
-    is_boolean = "boolean" in fields or facts.flag_of(element.attributes.get("boolean"))
+    low, high = value_readers.ordered(
+        value_readers.number_of(fields.get("min")), value_readers.number_of(fields.get("max"))
+    )
+    values = value_readers.values_of(_pairs(element, "values", "value", "code"))
+    is_boolean = "boolean" in fields or value_readers.flag_of(element.attributes.get("boolean"))
     return ParameterMetadata(
         name=name,
-        short_description=facts.text_of(fields.get("short_desc")),
-        long_description=facts.text_of(fields.get("long_desc")),
-        unit=facts.text_of(fields.get("unit")),
+        short_description=value_readers.text_of(fields.get("short_desc")),
+        long_description=value_readers.text_of(fields.get("long_desc")),
+        unit=value_readers.text_of(fields.get("unit")),
         minimum=low,
         maximum=high,
-        default=facts.number_of(element.attributes.get("default")),
-        increment=facts.number_of(fields.get("increment")),
-        decimal_places=facts.decimals_of(fields.get("decimal")),
+        default=value_readers.number_of(element.attributes.get("default")),
+        increment=value_readers.number_of(fields.get("increment")),
+        decimal_places=value_readers.decimals_of(fields.get("decimal")),
         values=values or ({0: "Disabled", 1: "Enabled"} if is_boolean else {}),
-        bitmask=facts.bits_of(_pairs(element, "bitmask", "bit", "index")),
-        reboot_required=facts.flag_of(fields.get("reboot_required")),
-        volatile=facts.flag_of(element.attributes.get("volatile")),
-        group=facts.text_of(group),
-        category=facts.text_of(element.attributes.get("category")),
-        type=facts.type_of(element.attributes.get("type")),
+        bitmask=value_readers.bits_of(_pairs(element, "bitmask", "bit", "index")),
+        reboot_required=value_readers.flag_of(fields.get("reboot_required")),
+        volatile=value_readers.flag_of(element.attributes.get("volatile")),
+        group=value_readers.text_of(group),
+        category=value_readers.text_of(element.attributes.get("category")),
+        type=value_readers.type_of(element.attributes.get("type")),
     )
 
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Column: TypeAlias = "NDArray[np.float64]"
 
 
-class Source(NamedTuple):
+class SignalColumn(NamedTuple):
     """A column that holds a signal: the table, the field, and the factor to the unit of the signal.
 
     A factor of 0 stands for the multiplier of the table's schema: firmware changed the unit of the column.
@@ -45,7 +45,7 @@ class SignalDefinition:
 
     title: str
     unit: str
-    sources: tuple[Source, ...]
+    sources: tuple[SignalColumn, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +93,7 @@ def _define(
     *sources: tuple[str, str] | tuple[str, str, float],
     unknown_from: float = inf,
 ) -> SignalDefinition:
-    found = (Source(*source)._replace(unknown_from=unknown_from) for source in sources)
+    found = (SignalColumn(*source)._replace(unknown_from=unknown_from) for source in sources)
     return SignalDefinition(title, unit, tuple(found))
 
 
@@ -308,7 +308,7 @@ def _where(table: MessageTable, rows: NDArray[np.bool_]) -> MessageTable:
     return table if rows.all() else table.where(rows)
 
 
-def _values(table: MessageTable, source: Source) -> NDArray[np.float64]:
+def _values(table: MessageTable, source: SignalColumn) -> NDArray[np.float64]:
     schema = table.schema[source.field.partition("[")[0]]
     # The factors of this module are those of the stored value.
     factor = source.factor / schema.multiplier if source.factor else 1.0

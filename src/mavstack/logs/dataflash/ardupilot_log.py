@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
-from mavstack.logs.dataflash import clock, facts
+from mavstack.logs.dataflash import clock, vehicle_facts
 from mavstack.logs.dataflash.record_type import NEIGHBOUR_TIME
 from mavstack.logs.log import Log
 from mavstack.logs.schema import SchemaSource
@@ -66,7 +66,7 @@ class ArduPilotLog(Log):
     def _make_schema(self, name: str) -> TableSchema:
         kind = self.definitions[name]
         if kind.name == _MODE:
-            kind = replace(kind, enums=facts.mode_enums([text.text for text in self.texts]))
+            kind = replace(kind, enums=vehicle_facts.mode_enums([text.text for text in self.texts]))
         return kind.schema(name)
 
     # time
@@ -125,16 +125,16 @@ class ArduPilotLog(Log):
 
     def read_info(self, log: Log) -> dict[str, str]:
         """Return the facts in VER and the first texts."""
-        return facts.info(log)
+        return vehicle_facts.info(log)
 
     def read_parameters(self, log: Log) -> tuple[dict[str, float], list[ParameterChange]]:
         """Return the parameters in PARM."""
-        return facts.parameters(log)
+        return vehicle_facts.parameters(log)
 
     def read_texts(self, log: Log) -> list[LogText]:
         """Return the texts in MSG."""
-        return facts.texts(log)
+        return vehicle_facts.texts(log)
 
     def read_vehicles(self, log: Log) -> dict[int, LogVehicle]:
         """Return the vehicle that wrote the log."""
-        return facts.vehicles(log)
+        return vehicle_facts.vehicles(log)

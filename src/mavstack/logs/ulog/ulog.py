@@ -23,7 +23,7 @@ from mavstack.logs.message_table import MessageTable
 from mavstack.logs.saved_index import cached_index
 from mavstack.logs.schema import SchemaSource
 from mavstack.logs.table_memory import new_tables
-from mavstack.logs.ulog import facts
+from mavstack.logs.ulog import vehicle_facts
 from mavstack.logs.ulog.clock import GPS_TOPICS, time_base
 from mavstack.logs.ulog.entries import read_entries, read_texts
 from mavstack.logs.ulog.tables import table_dtype, table_schema
@@ -259,7 +259,7 @@ class ULog(Log):
     @property
     def skipped(self) -> LogDamage:
         """Bytes outside of messages, and messages that cannot be read."""
-        return facts.damage(self._index, self._entries.damaged)
+        return vehicle_facts.damage(self._index, self._entries.damaged)
 
     @property
     def _time_base(self) -> TimeBase:
@@ -317,19 +317,19 @@ class ULog(Log):
 
     def read_info(self, log: Log) -> dict[str, str]:
         """Return the information messages as text, and the firmware and hardware in them."""
-        return facts.info(self.information)
+        return vehicle_facts.info(self.information)
 
     def read_parameters(self, log: Log) -> tuple[dict[str, float], list[ParameterChange]]:
         """Return the parameters at the beginning of the log, and the changes in the time of the view."""
-        return facts.parameters(self._entries, self._time_base, self._span_of(log))
+        return vehicle_facts.parameters(self._entries, self._time_base, self._span_of(log))
 
     def read_texts(self, log: Log) -> list[LogText]:
         """Return the logged texts in the time of the view."""
-        return facts.texts(self.logged_texts, self._time_base, self._span_of(log))
+        return vehicle_facts.texts(self.logged_texts, self._time_base, self._span_of(log))
 
     def read_vehicles(self, log: Log) -> dict[int, LogVehicle]:
         """Return the vehicle that wrote the log."""
-        return facts.vehicles(self.parameters, self.info.get("autopilot", ""))
+        return vehicle_facts.vehicles(self.parameters, self.info.get("autopilot", ""))
 
     def _span_of(self, log: Log) -> tuple[float, float] | None:
         """Return the times of a view, or None for the whole log."""

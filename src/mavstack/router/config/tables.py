@@ -30,7 +30,7 @@ _NAMES: Final = {
 }
 
 
-class Source:
+class ConfigText:
     """The text of a file, and its name in error texts."""
 
     def __init__(self, text: str, path: str) -> None:
@@ -54,7 +54,7 @@ class Table:
         keys: The path of the table in the file.
     """
 
-    def __init__(self, values: Mapping[str, Any], source: Source, keys: KeyPath = ()) -> None:
+    def __init__(self, values: Mapping[str, Any], source: ConfigText, keys: KeyPath = ()) -> None:
         self._values = values
         self._source = source
         self.keys = keys
@@ -73,7 +73,7 @@ class Table:
         """
         try:
             # Line ends as on Windows are the same to the line finder.
-            return cls(tomllib.loads(text), Source(text.replace("\r\n", "\n"), path))
+            return cls(tomllib.loads(text), ConfigText(text.replace("\r\n", "\n"), path))
         except tomllib.TOMLDecodeError as error:
             raise _syntax_error(str(error), path, text) from None
         except RecursionError:
@@ -82,7 +82,7 @@ class Table:
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> Table:
         """Return a table of values that come from no file, such as a request's."""
-        return cls(values, Source("", ""))
+        return cls(values, ConfigText("", ""))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Table) and self._values == other._values

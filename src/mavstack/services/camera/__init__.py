@@ -26,9 +26,9 @@ from mavstack.services.camera.operations import (
     TakePhoto,
     mode_name,
 )
+from mavstack.services.camera.reports import CameraInformation, CameraStatus, CaptureStatus, Storage
 from mavstack.services.camera.server import CameraModeEntered, CameraServer, ImageTaken
 from mavstack.services.camera.settings_server import CameraSettingsServer
-from mavstack.services.camera.values import CameraInformation, CameraStatus, CaptureStatus, Storage
 
 __all__ = [
     "CameraDefinition",

@@ -15,13 +15,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.services.camera.media import CapturedImage
-from mavstack.services.camera.values import CameraInformation, CameraStatus
+from mavstack.services.camera.reports import CameraInformation, CameraStatus
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from mavstack.services.camera.media import TrackedTarget, VideoStream
-    from mavstack.services.camera.values import Storage
+    from mavstack.services.camera.reports import Storage
 
 
 class CameraDevice:

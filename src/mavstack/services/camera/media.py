@@ -7,7 +7,7 @@ from math import isfinite, nan
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.services.camera.values import OWN_COMPONENT
+from mavstack.services.camera.reports import OWN_COMPONENT
 
 if TYPE_CHECKING:
     from typing import Self

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from mavstack.dialects import common
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.camera.media import CapturedImage, TrackedTarget, VideoStream
-from mavstack.services.camera.values import CameraInformation, CameraStatus, CaptureStatus, Storage
+from mavstack.services.camera.reports import CameraInformation, CameraStatus, CaptureStatus, Storage
 from mavstack.services.message_request import RequestMessage
 from mavstack.services.service import Event, Service
 

@@ -18,7 +18,7 @@ from mavstack.errors import CommandDenied, CommandTimeout, MessageTimeout, ModeT
 from mavstack.services.addressing import message_ids
 from mavstack.services.camera import commands
 from mavstack.services.camera.media import CapturedImage, VideoStream
-from mavstack.services.camera.values import CameraInformation, CaptureStatus, Storage
+from mavstack.services.camera.reports import CameraInformation, CaptureStatus, Storage
 from mavstack.services.command import CommandOperation
 from mavstack.services.message_request import ListInstances, RequestMessage
 from mavstack.services.operation import Operation

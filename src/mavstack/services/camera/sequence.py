@@ -16,7 +16,7 @@ from math import floor
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.services.camera.values import CaptureStatus
+from mavstack.services.camera.reports import CaptureStatus
 
 if TYPE_CHECKING:
     from collections.abc import Callable

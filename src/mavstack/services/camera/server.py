@@ -18,7 +18,7 @@ from mavstack.services.addressing import Address, message_ids
 from mavstack.services.camera.camera_commands import CameraCommands
 from mavstack.services.camera.device import CameraDevice
 from mavstack.services.camera.managed import ManagedCamera
-from mavstack.services.camera.values import MAX_ATTACHED_DEVICE, OWN_COMPONENT
+from mavstack.services.camera.reports import MAX_ATTACHED_DEVICE, OWN_COMPONENT
 from mavstack.services.service import Event, Service, earliest
 
 if TYPE_CHECKING:

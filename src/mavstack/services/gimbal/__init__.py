@@ -11,6 +11,7 @@ from mavstack.services.gimbal.operations import (
     assign_control,
     release_control,
 )
+from mavstack.services.gimbal.reports import GimbalAttitude, GimbalInformation, GimbalStatus
 from mavstack.services.gimbal.rotation import angles_of, quaternion_of
 from mavstack.services.gimbal.server import (
     GimbalControlChanged,
@@ -20,7 +21,6 @@ from mavstack.services.gimbal.server import (
 )
 from mavstack.services.gimbal.setpoint import GimbalSetpoint, GimbalSticks, GimbalValue
 from mavstack.services.gimbal.streamer import GimbalStreamer
-from mavstack.services.gimbal.values import GimbalAttitude, GimbalInformation, GimbalStatus
 
 __all__ = [
     "GimbalAttitude",

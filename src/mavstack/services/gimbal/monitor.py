@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from mavstack.dialects import common
 from mavstack.services.addressing import Address, message_ids
-from mavstack.services.gimbal.values import ALL_DEVICES, GimbalAttitude, GimbalInformation, GimbalStatus
+from mavstack.services.gimbal.reports import ALL_DEVICES, GimbalAttitude, GimbalInformation, GimbalStatus
 from mavstack.services.service import Event, Service
 
 if TYPE_CHECKING:

@@ -11,9 +11,9 @@ from math import inf, isfinite
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
+from mavstack.services.gimbal.reports import GimbalAttitude, GimbalInformation
 from mavstack.services.gimbal.rotation import wrap
 from mavstack.services.gimbal.setpoint import GimbalSetpoint
-from mavstack.services.gimbal.values import GimbalAttitude, GimbalInformation
 
 if TYPE_CHECKING:
     from mavstack.services.gimbal.setpoint import GimbalValue

@@ -16,14 +16,14 @@ from mavstack.errors import ActionTimeout, CommandDenied, MessageTimeout, Remote
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.command import Command, CommandOperation
 from mavstack.services.gimbal.control import RELEASE, UNCHANGED
-from mavstack.services.gimbal.rotation import wrap
-from mavstack.services.gimbal.values import (
+from mavstack.services.gimbal.reports import (
     ALL_DEVICES,
     MAX_ATTACHED_DEVICE,
     GimbalAttitude,
     GimbalInformation,
     GimbalStatus,
 )
+from mavstack.services.gimbal.rotation import wrap
 from mavstack.services.message_request import ListInstances, RequestMessage
 from mavstack.services.operation import Operation
 from mavstack.services.procedure import Procedure

@@ -20,8 +20,8 @@ from mavstack.errors import InvalidArgumentError
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.gimbal.aim import Positions, RegionOfInterest, SystemOfInterest, direction_to
 from mavstack.services.gimbal.control import GimbalControl
+from mavstack.services.gimbal.reports import ALL_DEVICES, MAX_ATTACHED_DEVICE, GimbalStatus
 from mavstack.services.gimbal.setpoint import GimbalSetpoint, GimbalSticks
-from mavstack.services.gimbal.values import ALL_DEVICES, MAX_ATTACHED_DEVICE, GimbalStatus
 from mavstack.services.service import Event, Service
 
 if TYPE_CHECKING:
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from mavstack.dialects import Message
     from mavstack.services.command import CommandRequest, CommandServer
     from mavstack.services.gimbal.aim import VehiclePose
+    from mavstack.services.gimbal.reports import GimbalAttitude, GimbalInformation
     from mavstack.services.gimbal.setpoint import GimbalValue
-    from mavstack.services.gimbal.values import GimbalAttitude, GimbalInformation
     from mavstack.services.message_request import MessageServer
     from mavstack.wire import Packet
 

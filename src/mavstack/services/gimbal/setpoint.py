@@ -15,8 +15,8 @@ from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError
 from mavstack.services.arguments import check_number
 from mavstack.services.command import Command
+from mavstack.services.gimbal.reports import frame_of
 from mavstack.services.gimbal.rotation import angles_of, quaternion_of
-from mavstack.services.gimbal.values import frame_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

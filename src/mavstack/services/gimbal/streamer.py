@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mavstack.services.gimbal.values import ALL_DEVICES
+from mavstack.services.gimbal.reports import ALL_DEVICES
 from mavstack.services.stream_sender import StreamSender
 
 if TYPE_CHECKING:

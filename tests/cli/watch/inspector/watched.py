@@ -14,7 +14,7 @@ from mavstack.dialects import Dialect, common
 from mavstack.wire import Encoder
 
 if TYPE_CHECKING:
-    from mavstack.cli.watch.sources import Source
+    from mavstack.cli.watch.sources import WatchedSource
     from mavstack.dialects import Message
 
 ALL = Dialect.load("all")
@@ -48,7 +48,7 @@ class Watched:
         patterns = FieldPatterns(self.patterns, ALL) if self.patterns else None
         self.inspector = Inspector(self.sources, patterns=patterns)
 
-    def source(self, label: str) -> Source:
+    def source(self, label: str) -> WatchedSource:
         return next(source for source in self.sources if source.label == label)
 
     def send(self, *messages: Message, system: int = 1, label: str = "") -> None:

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from mavstack.cli.watch.inspector.plot import PlotSeries
     from mavstack.cli.watch.inspector.source_rows import SourceRow
     from mavstack.cli.watch.snapshot import MessageRow, Snapshot
-    from mavstack.cli.watch.sources import Source
+    from mavstack.cli.watch.sources import WatchedSource
     from mavstack.cli.watch.trend import FieldPatterns
     from mavstack.wire import Packet
 
@@ -64,7 +64,7 @@ class Inspector:
 
     def __init__(
         self,
-        sources: Sequence[Source],
+        sources: Sequence[WatchedSource],
         sort: str = SORTS[0],
         patterns: FieldPatterns | None = None,
         activity: Callable[[], str] = str,

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.log_output import stderr_log_held
-from mavstack.cli.watch.follower import background_tasks
-from mavstack.cli.watch.following import Following
 from mavstack.cli.watch.inspector.model import Inspector
+from mavstack.cli.watch.link_follower import background_tasks
+from mavstack.cli.watch.observation import Observation
 from mavstack.errors import MissingExtraError
 
 try:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from argparse import Namespace
     from collections.abc import Iterator, Sequence
 
-    from mavstack.cli.watch.sources import Source
+    from mavstack.cli.watch.sources import WatchedSource
     from mavstack.cli.watch.trend import FieldPatterns
     from mavstack.wire import Packet
 
@@ -35,7 +35,7 @@ _ENDING_SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
 
 
 async def inspect_sources(
-    sources: Sequence[Source], arguments: Namespace, patterns: FieldPatterns | None
+    sources: Sequence[WatchedSource], arguments: Namespace, patterns: FieldPatterns | None
 ) -> int:
     """Follow the links of the sources in a window until the user quits; return the exit code.
 
@@ -46,19 +46,19 @@ async def inspect_sources(
     """
     if not all(stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):  # textual draws on stderr
         raise UsageError("--tui needs a terminal; in a pipe use --once, --json or no option")
-    following = Following(sources, arguments)
-    inspector = Inspector(sources, arguments.sort, patterns, lambda: following.activity)
+    observation = Observation(sources, arguments)
+    inspector = Inspector(sources, arguments.sort, patterns, lambda: observation.activity)
     for source in sources:
         source.follower.show = partial(_receive, inspector, source.label)
     window = InspectorWindow(inspector)
     try:
-        async with following:
-            follow = _follow(following, window, arguments.seconds)
+        async with observation:
+            follow = _follow(observation, window, arguments.seconds)
             with stderr_log_held(), _closed_by_signals(window):
-                async with background_tasks(*following.jobs(), follow):
+                async with background_tasks(*observation.jobs(), follow):
                     code = await window.run_async()
     finally:
-        following.report_activity()
+        observation.report_activity()
     return code or 0
 
 
@@ -66,9 +66,9 @@ def _receive(inspector: Inspector, label: str, packets: Sequence[Packet], time: 
     inspector.receive(label, packets, time, monotonic())
 
 
-async def _follow(following: Following, window: InspectorWindow, duration: float | None) -> None:
+async def _follow(observation: Observation, window: InspectorWindow, duration: float | None) -> None:
     """Follow the links; the window stays when they end, unless the user gave a duration."""
-    await following.run(duration)
+    await observation.run(duration)
     window.inspector.has_ended = True
     if duration is not None:
         window.exit(0)

@@ -6,19 +6,19 @@ import re
 from html import escape
 from typing import TYPE_CHECKING, Any, Final
 
-from mavstack.codegen.facts import enum_numbers, message_facts, table_row
 from mavstack.codegen.identifiers import distinct, enum_members, package_part, pascal_field, type_names
 from mavstack.codegen.language import GeneratedFile, Language
-from mavstack.codegen.languages.csharp.values import ARRAYS, TYPES, Access, access
-from mavstack.codegen.languages.csharp.words import CLASSES, CSHARP_WORDS, MEMBERS, RUNTIME
+from mavstack.codegen.languages.csharp.field_access import ARRAYS, TYPES, Access, access
+from mavstack.codegen.languages.csharp.reserved import CLASSES, CSHARP_WORDS, MEMBERS, RUNTIME
+from mavstack.codegen.message_facts import enum_numbers, message_facts, table_row
 from mavstack.codegen.templates import Templates, one_line, string_literal
 from mavstack.errors import InvalidArgumentError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.codegen.facts import EnumNumber
     from mavstack.codegen.library import Library
+    from mavstack.codegen.message_facts import EnumNumber
     from mavstack.dialects.model import EnumDefinition, EnumEntry, FieldDefinition, MessageDefinition
 
 _NAMESPACE: Final = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", re.ASCII)

@@ -5,19 +5,19 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any, Final
 
-from mavstack.codegen.facts import enum_numbers, message_facts
 from mavstack.codegen.identifiers import distinct, enum_members, package_part, pascal_field, type_names
 from mavstack.codegen.language import GeneratedFile, Language
-from mavstack.codegen.languages.go.values import access, field_type, imports
-from mavstack.codegen.languages.go.words import GO_WORDS, METHODS, RUNTIME, RUNTIME_NAMES
+from mavstack.codegen.languages.go.field_access import access, field_type, imports
+from mavstack.codegen.languages.go.reserved import GO_WORDS, METHODS, RUNTIME, RUNTIME_NAMES
+from mavstack.codegen.message_facts import enum_numbers, message_facts
 from mavstack.codegen.templates import Templates, one_line, string_literal
 from mavstack.errors import InvalidArgumentError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.codegen.facts import EnumNumber
     from mavstack.codegen.library import Library
+    from mavstack.codegen.message_facts import EnumNumber
     from mavstack.dialects.model import EnumDefinition, EnumEntry, FieldDefinition, MessageDefinition
 
 _MODULE: Final = re.compile(r"[a-z0-9][\w.~-]*(/[\w.~-]+)*", re.ASCII | re.IGNORECASE)

@@ -6,11 +6,11 @@ import re
 from html import escape
 from typing import TYPE_CHECKING, Any, Final
 
-from mavstack.codegen.facts import message_facts, table_row
 from mavstack.codegen.identifiers import camel_field, distinct, enum_members, package_part, type_names
 from mavstack.codegen.language import GeneratedFile, Language
-from mavstack.codegen.languages.java.values import ARRAYS, SCALARS, Access, access, field_type
-from mavstack.codegen.languages.java.words import JAVA_WORDS, OTHER_CLASSES, RUNTIME
+from mavstack.codegen.languages.java.field_access import ARRAYS, SCALARS, Access, access, field_type
+from mavstack.codegen.languages.java.reserved import JAVA_WORDS, OTHER_CLASSES, RUNTIME
+from mavstack.codegen.message_facts import message_facts, table_row
 from mavstack.codegen.templates import Templates, one_line, string_literal
 from mavstack.errors import InvalidArgumentError
 

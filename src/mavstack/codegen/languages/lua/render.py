@@ -6,8 +6,8 @@ import re
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
-from mavstack.codegen.facts import message_facts
 from mavstack.codegen.identifiers import enum_members
+from mavstack.codegen.message_facts import message_facts
 from mavstack.codegen.templates import Templates, one_line, string_literal
 from mavstack.errors import InvalidArgumentError
 

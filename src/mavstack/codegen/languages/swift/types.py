@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from mavstack.codegen.facts import enum_numbers, field_description, message_facts
 from mavstack.codegen.identifiers import distinct, enum_members, type_names
+from mavstack.codegen.message_facts import enum_numbers, field_description, message_facts
 from mavstack.codegen.templates import camel_case, one_line, string_literal
 
 if TYPE_CHECKING:

@@ -3,7 +3,13 @@ from __future__ import annotations
 import pytest
 
 from mavstack.codegen import make_library
-from mavstack.codegen.facts import EnumNumber, enum_numbers, field_description, message_facts, table_row
+from mavstack.codegen.message_facts import (
+    EnumNumber,
+    enum_numbers,
+    field_description,
+    message_facts,
+    table_row,
+)
 from mavstack.codegen.templates import one_line
 from mavstack.dialects import Dialect
 from mavstack.dialects.model import FieldDefinition

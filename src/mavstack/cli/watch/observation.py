@@ -1,4 +1,4 @@
-"""Following links until they end or the time is up: displayed, recorded, replayed onto another link."""
+"""An observation of links until they end or the time is up: displayed, recorded, replayed onto a link."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Final
 from mavstack.cli.common.exposure import announce_exposure
 from mavstack.cli.common.link_options import with_link_options
 from mavstack.cli.common.output import echo
-from mavstack.cli.watch.follower import background_tasks
 from mavstack.cli.watch.heartbeats import send_heartbeats
+from mavstack.cli.watch.link_follower import background_tasks
 from mavstack.cli.watch.vehicle_relays import VehicleRelays
 from mavstack.errors import LinkError
 from mavstack.links import open_link
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
     from typing import Any, Protocol, Self
 
-    from mavstack.cli.watch.sources import Source
+    from mavstack.cli.watch.sources import WatchedSource
     from mavstack.links import Link
     from mavstack.wire import Packet
 
@@ -40,10 +40,10 @@ SYNC_INTERVAL: Final = 1.0
 
 
 async def follow_sources(
-    sources: Sequence[Source],
+    sources: Sequence[WatchedSource],
     arguments: Namespace,
     duration: float | None,
-    display: Callable[[Following], Display] | None,
+    display: Callable[[Observation], Display] | None,
     at_end: Callable[[], None] | None = None,
 ) -> None:
     """Follow the links of the sources together.
@@ -59,29 +59,29 @@ async def follow_sources(
         LinkError: A link cannot be opened, or nothing was received.
         LogError: The recording cannot be written.
     """
-    following = Following(sources, arguments)
+    observation = Observation(sources, arguments)
     try:
-        async with following:
-            jobs = following.jobs()
+        async with observation:
+            jobs = observation.jobs()
             if display is None:
                 async with background_tasks(*jobs):
-                    await following.run(duration)
+                    await observation.run(duration)
             else:
-                with display(following) as drawn:
+                with display(observation) as drawn:
                     async with background_tasks(*jobs, drawn.run()):
-                        await following.run(duration)
+                        await observation.run(duration)
             if at_end is not None:
                 at_end()
     except asyncio.CancelledError:  # Ctrl-C, the usual end of a recording
-        following.report_activity()
+        observation.report_activity()
         raise
-    following.report()
+    observation.report()
 
 
-class Following:
+class Observation:
     """The open links of the sources, with the recording and the output; an async context manager."""
 
-    def __init__(self, sources: Sequence[Source], arguments: Namespace) -> None:
+    def __init__(self, sources: Sequence[WatchedSource], arguments: Namespace) -> None:
         self._sources = sources
         self._arguments = arguments
         self._links: list[Link] = []
@@ -128,7 +128,7 @@ class Following:
         if self.activity:
             echo(f"mav {self._arguments.command}: {self.activity}", error=True)
 
-    def _pairs(self) -> list[tuple[Link, Source]]:
+    def _pairs(self) -> list[tuple[Link, WatchedSource]]:
         return list(zip(self._links, self._sources, strict=True))
 
     async def __aenter__(self) -> Self:
@@ -164,7 +164,7 @@ class Following:
             return open_link(url)
         return open_link(url, speed=speed)
 
-    def _connect(self, source: Source) -> None:
+    def _connect(self, source: WatchedSource) -> None:
         """Pass the packets of a source to the recording and to the output."""
         if self.recorder is not None:
             source.observer.tap = self.recorder.add
@@ -195,7 +195,7 @@ class Following:
             return [system for system in log.vehicles if self._arguments.system in (None, system)]
 
 
-def silence(source: Source) -> LinkError | None:
+def silence(source: WatchedSource) -> LinkError | None:
     """Return why a source has shown no packet; None if it has."""
     follower = source.follower
     if source.observer.totals().packets > follower.refused:

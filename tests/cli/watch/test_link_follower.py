@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 
-from mavstack.cli.watch.follower import Follower, join_chunks
+from mavstack.cli.watch.link_follower import Follower, join_chunks
 from mavstack.cli.watch.observer import Observer
 from mavstack.dialects import common
 from mavstack.links import BytesReceived, ChannelClosed, LinkDown, MemoryNetwork
