@@ -18,7 +18,7 @@ PYTEST := $(BIN)/pytest --reruns 1 -r fER
 # Modules are compiled once, not by every worker and every `mav` that a test starts.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: rust demo station station-tests test flights interop nightly check newest lint lint-python lint-rust rust-tests test-programs docs format bench \
+.PHONY: rust demo station station-tests test flights interop nightly check newest lint lint-python lint-rust lint-station rust-tests test-programs docs format bench \
 	fuzz generate clean
 
 demo: $(VENV)/package ## Fly eight simulated vehicles and show their live picture; WEB=1: in the browser too
@@ -30,6 +30,9 @@ station: $(VENV)/package ## Build the browser ground station that `mav web` serv
 
 station-tests: $(VENV)/package
 	@$(BIN)/python backend/mavstack_station.py --install --test
+
+lint-station: $(VENV)/package
+	@$(BIN)/python backend/mavstack_station.py --install --lint
 
 # One core is busy with the link of the package or with downloads, the other one checks the Rust code.
 test: ## Run the fast tier: lint, types, unit and property tests, one smoke test per peer
@@ -64,7 +67,7 @@ newest: $(VENV)/installed ## Run `check` on the newest Python of this machine, u
 	@newest=$$($(BIN)/python -m tools.interpreters); [ -z "$$newest" ] || $(MAKE) --no-print-directory check \
 	PYTHON="$$newest" $(if $(filter command line,$(origin VENV)),VENV=$(VENV)-newest)
 
-lint: lint-python lint-rust ## Check style, types, layers, vocabulary and generated files
+lint: lint-python lint-rust lint-station ## Check style, types, layers, vocabulary and generated files
 
 lint-python: $(VENV)/installed
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .
@@ -92,6 +95,7 @@ fuzz: $(VENV)/installed ## Fuzz each target for SECONDS (600)
 
 format: $(VENV)/installed ## Put the code into its usual form
 	$(BIN)/ruff check --fix . && $(BIN)/ruff format . && $(RUST) cargo fmt --all
+	@$(BIN)/python backend/mavstack_station.py --install --format
 
 generate: $(VENV)/installed ## Make tables and stubs anew from the definitions
 	$(BIN)/python -m mavstack.dialects.generate

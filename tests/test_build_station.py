@@ -82,6 +82,14 @@ def test_a_changed_lock_file_installs_packages(station, project):
     assert calls(project)[2:] == ["ci --silent --prefer-offline", "run --silent build"]
 
 
+@pytest.mark.parametrize("script", ["lint", "format"])
+def test_style_is_checked_and_changed_without_a_build(station, project, monkeypatch, script):
+    monkeypatch.setattr(station, "ROOT", project)
+    monkeypatch.setattr(station.install, "__defaults__", (project,))
+    assert station.main([f"--{script}"]) == 0
+    assert calls(project) == ["ci --silent --prefer-offline", f"run --silent {script}"]
+
+
 def test_generated_files_and_packages_are_no_sources(station, project):
     before = station.digest(project)
     for folder in ("node_modules", "src/generated"):

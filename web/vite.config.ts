@@ -27,7 +27,7 @@ export default defineConfig({
   resolve: {
     alias: { $lib: path('./src/lib'), $generated: path('./src/generated/src/index.ts') },
     // Without this vitest takes the build of Svelte for servers, where nothing is reactive.
-    ...(process.env['VITEST'] ? { conditions: ['browser'] } : {}),
+    ...(process.env.VITEST ? { conditions: ['browser'] } : {}),
   },
   // The station is served at the root, and below any path behind a proxy.
   base: './',

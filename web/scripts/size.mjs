@@ -1,4 +1,5 @@
-// Size of the first load: the page, and the scripts and styles that it and its first view need, as the station sends them.
+// Size of the first load: the page, and the scripts and styles that it and its first view need, as the station sends
+// them.
 //
 //     node scripts/size.mjs [--limit 1.5]      # exit code 1 above the limit, in MB
 import { readFileSync, readdirSync, statSync } from 'node:fs';

@@ -1,7 +1,7 @@
 import { afterEach, describe, expect, it, vi } from 'vitest';
 
 import { ApiClient } from './client';
-import { StationError } from './errors';
+import type { StationError } from './errors';
 
 interface Call {
   readonly method: string;
@@ -19,7 +19,10 @@ function clientOf(answers: readonly (() => Response)[]): { client: ApiClient; ca
   return { client: new ApiClient('/api', fetcher as typeof fetch), calls };
 }
 
-const json = (value: unknown, status = 200) => (): Response => new Response(JSON.stringify(value), { status });
+const json =
+  (value: unknown, status = 200) =>
+  (): Response =>
+    new Response(JSON.stringify(value), { status });
 
 async function errorOf(action: Promise<unknown>): Promise<StationError> {
   return (await action.catch((reason: unknown) => reason)) as StationError;
@@ -30,22 +33,35 @@ afterEach(() => vi.unstubAllGlobals());
 describe('ApiClient', () => {
   it('sends JSON and query, and returns JSON', async () => {
     const { client, calls } = clientOf([json({ state: 'done' })]);
-    expect(await client.post('vehicles/1/takeoff', { altitude: 10 }, { accepted: true, wait: undefined })).toEqual({ state: 'done' });
+    expect(await client.post('vehicles/1/takeoff', { altitude: 10 }, { accepted: true, wait: undefined })).toEqual({
+      state: 'done',
+    });
     expect(calls).toEqual([{ method: 'POST', url: '/api/vehicles/1/takeoff?accepted=true', body: '{"altitude":10}' }]);
   });
 
   it('throws the reasons of the vehicle', async () => {
-    const error = { kind: 'CommandDenied', text: 'arming 1/1 failed: FAILED (PreArm: x)', code: 4, status_texts: ['PreArm: x'] };
+    const error = {
+      kind: 'CommandDenied',
+      text: 'arming 1/1 failed: FAILED (PreArm: x)',
+      code: 4,
+      status_texts: ['PreArm: x'],
+    };
     const { client } = clientOf([json({ error }, 409)]);
     expect(await errorOf(client.post('vehicles/1/arm'))).toMatchObject({
-      kind: 'CommandDenied', message: error.text, statusTexts: ['PreArm: x'], code: 4,
+      kind: 'CommandDenied',
+      message: error.text,
+      statusTexts: ['PreArm: x'],
+      code: 4,
     });
   });
 
   it('tells a station that does not answer, and pages that are not its own', async () => {
     const { client } = clientOf([() => new Response('<html>', { status: 502, statusText: 'Bad Gateway' })]);
     expect((await errorOf(client.get('vehicles'))).message).toBe('the station answered 502 Bad Gateway');
-    expect(await errorOf(client.get('vehicles'))).toMatchObject({ kind: 'Unreachable', message: 'the station does not answer' });
+    expect(await errorOf(client.get('vehicles'))).toMatchObject({
+      kind: 'Unreachable',
+      message: 'the station does not answer',
+    });
   });
 
   it('asks for the password when the session has ended, but not while it is asked', async () => {
@@ -62,7 +78,9 @@ describe('ApiClient', () => {
   it('gives up a station that takes a request and does not answer', async () => {
     vi.useFakeTimers();
     const hanging = (_: string, init: RequestInit): Promise<Response> =>
-      new Promise((_resolve, reject) => init.signal!.addEventListener('abort', () => reject(init.signal!.reason as Error)));
+      new Promise((_resolve, reject) =>
+        init.signal!.addEventListener('abort', () => reject(init.signal!.reason as Error)),
+      );
     const client = new ApiClient('/api', hanging as typeof fetch);
     const failure = errorOf(client.post('vehicles/1/rtl'));
     await vi.advanceTimersByTimeAsync(60_000);
@@ -118,7 +136,9 @@ describe('ApiClient', () => {
     vi.stubGlobal('EventSource', FakeEvents);
     const { client, calls } = clientOf([json({ task: '3' }, 202), json({ parameters: [] })]);
     const progress: (number | null)[][] = [];
-    expect(await client.longJson('GET', 'vehicles/1/parameters', (...step) => progress.push(step))).toEqual({ parameters: [] });
+    expect(await client.longJson('GET', 'vehicles/1/parameters', (...step) => progress.push(step))).toEqual({
+      parameters: [],
+    });
     expect(progress).toEqual([[3, 9]]);
     expect(calls.map(({ url }) => url)).toEqual(['/api/vehicles/1/parameters?wait=false', '/api/tasks/3/result']);
   });
@@ -127,7 +147,12 @@ describe('ApiClient', () => {
     class FakeEvents {
       static readonly CLOSED = 2;
       addEventListener(name: string, listener: (event: { data: string }) => void): void {
-        const error = { kind: 'MissionDenied', text: 'downloading the fence failed: UNSUPPORTED', code: 3, status_texts: ['No fence'] };
+        const error = {
+          kind: 'MissionDenied',
+          text: 'downloading the fence failed: UNSUPPORTED',
+          code: 3,
+          status_texts: ['No fence'],
+        };
         if (name === 'failed') queueMicrotask(() => listener({ data: JSON.stringify({ task: '3', error }) }));
       }
       close(): void {}
@@ -135,7 +160,10 @@ describe('ApiClient', () => {
     vi.stubGlobal('EventSource', FakeEvents);
     const { client, calls } = clientOf([json({ task: '3' }, 202)]);
     expect(await errorOf(client.longJson('GET', 'vehicles/1/fence'))).toMatchObject({
-      kind: 'MissionDenied', message: 'downloading the fence failed: UNSUPPORTED', statusTexts: ['No fence'], code: 3,
+      kind: 'MissionDenied',
+      message: 'downloading the fence failed: UNSUPPORTED',
+      statusTexts: ['No fence'],
+      code: 3,
     });
     expect(calls).toHaveLength(1);
   });
@@ -152,7 +180,9 @@ describe('ApiClient', () => {
     vi.stubGlobal('EventSource', FakeEvents);
     const { client, calls } = clientOf([json({ task: '3' }, 202), json({ state: 'cancelled' })]);
     const aborter = new AbortController();
-    const failure = client.long('GET', 'vehicles/1/logs/1', undefined, undefined, {}, aborter.signal).catch((error: unknown) => error);
+    const failure = client
+      .long('GET', 'vehicles/1/logs/1', undefined, undefined, {}, aborter.signal)
+      .catch((error: unknown) => error);
     await vi.waitFor(() => expect(calls).toHaveLength(1));
     await vi.waitFor(() => expect(cancelled.name).not.toBe('cancelled'));
     aborter.abort();

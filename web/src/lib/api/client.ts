@@ -80,7 +80,13 @@ export class ApiClient {
   }
 
   /** Returns the JSON of long work. */
-  async longJson<Result>(method: string, path: string, onProgress?: Progress, body?: object | Blob, query: Query = {}): Promise<Result> {
+  async longJson<Result>(
+    method: string,
+    path: string,
+    onProgress?: Progress,
+    body?: object | Blob,
+    query: Query = {},
+  ): Promise<Result> {
     return (await (await this.long(method, path, onProgress, body, query)).json()) as Result;
   }
 
@@ -104,7 +110,13 @@ export class ApiClient {
     const { signal } = aborter;
     let response: Response;
     try {
-      response = await this.fetcher(this.url(path, query), { method, headers, body: sent, credentials: 'same-origin', signal });
+      response = await this.fetcher(this.url(path, query), {
+        method,
+        headers,
+        body: sent,
+        credentials: 'same-origin',
+        signal,
+      });
     } catch {
       throw unreachable();
     } finally {

@@ -14,8 +14,9 @@ describe('Decoder', () => {
 
   it('gives 64-bit integers as numbers where they are exact', () => {
     const encoder = new Encoder();
-    const times = [1_790_000_000_000_000, 2n ** 60n].map((time_unix_usec) =>
-      new Decoder().push(encoder.build('SYSTEM_TIME', { time_unix_usec }))[0]?.fields.time_unix_usec,
+    const times = [1_790_000_000_000_000, 2n ** 60n].map(
+      (time_unix_usec) =>
+        new Decoder().push(encoder.build('SYSTEM_TIME', { time_unix_usec }))[0]?.fields.time_unix_usec,
     );
     expect(times).toEqual([1_790_000_000_000_000, 2n ** 60n]);
   });

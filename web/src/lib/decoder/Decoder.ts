@@ -5,7 +5,17 @@ import type { AnyMessageType, AnyPacket, Counters, FieldInfo, MessageInfo, RawPa
 
 /** Bytes of one value of each type. */
 export const SIZES: Readonly<Record<string, number>> = {
-  char: 1, int8_t: 1, uint8_t: 1, int16_t: 2, uint16_t: 2, int32_t: 4, uint32_t: 4, float: 4, int64_t: 8, uint64_t: 8, double: 8,
+  char: 1,
+  int8_t: 1,
+  uint8_t: 1,
+  int16_t: 2,
+  uint16_t: 2,
+  int32_t: 4,
+  uint32_t: 4,
+  float: 4,
+  int64_t: 8,
+  uint64_t: 8,
+  double: 8,
 };
 
 /** Integers beyond 2^53 are `bigint`; `char[n]` is text, `uint8_t[n]` bytes. */
@@ -170,7 +180,9 @@ export class Encoder {
   readonly component: number;
   private readonly builder: PacketBuilder;
 
-  /** Creates an encoder; 255/190 is the usual address of a ground station, `sequence` the number of the first packet. */
+  /**
+   * Creates an encoder; 255/190 is the usual address of a ground station, `sequence` the number of the first packet.
+   */
   constructor(system = 255, component = 190, sequence = 0) {
     this.system = system;
     this.component = component;
@@ -195,7 +207,9 @@ export class Encoder {
 
 /** Returns a type that also writes the values of fields that are given as their bytes. */
 function withBytes(type: AnyMessageType, values: SentFields): AnyMessageType {
-  const raw = type.info.fields.filter(({ name, arrayLength }) => arrayLength === 0 && values[name] instanceof Uint8Array);
+  const raw = type.info.fields.filter(
+    ({ name, arrayLength }) => arrayLength === 0 && values[name] instanceof Uint8Array,
+  );
   if (raw.length === 0) return type;
   const write = (view: DataView, at: number, fields: never): void => {
     (type.write as typeof write)(view, at, fields);

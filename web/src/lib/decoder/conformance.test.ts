@@ -1,4 +1,7 @@
-/** The conformance corpus: the decoder finds the same packets with the same values as the core, and builds the same bytes. */
+/**
+ * The conformance corpus: the decoder finds the same packets with the same values as the core, and builds the same
+ * bytes.
+ */
 
 import { readFileSync } from 'node:fs';
 
@@ -79,11 +82,18 @@ function differences({ name, input, packets, counters }: Case): string[] {
   const found: DecodedMessage[] = [];
   for (let at = 0; at < bytes.length; at += CHUNK) found.push(...decoder.push(bytes.subarray(at, at + CHUNK)));
   const known = found.filter((message) => !message.name.startsWith('UNKNOWN_')).map(shown);
-  const wanted = packets.map(({ message, sequence, system, component, fields }) => ({ message, sequence, system, component, fields }));
+  const wanted = packets.map(({ message, sequence, system, component, fields }) => ({
+    message,
+    sequence,
+    system,
+    component,
+    fields,
+  }));
   const { good, badCrc, unknown } = decoder.counters;
   const result: string[] = [];
   if (JSON.stringify(known) !== JSON.stringify(wanted)) result.push(`${name}: packets`);
-  if (good !== counters.good || badCrc !== counters.bad_crc || unknown !== counters.unknown) result.push(`${name}: counters`);
+  if (good !== counters.good || badCrc !== counters.bad_crc || unknown !== counters.unknown)
+    result.push(`${name}: counters`);
   return result;
 }
 

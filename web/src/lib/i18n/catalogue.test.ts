@@ -11,7 +11,16 @@ import { en } from './en';
 
 const SOURCES = join(import.meta.dirname, '..', '..');
 /** Attributes whose texts people see or hear. */
-const SHOWN = new Set(['aria-label', 'aria-description', 'aria-valuetext', 'alt', 'label', 'placeholder', 'title', 'hint']);
+const SHOWN = new Set([
+  'aria-label',
+  'aria-description',
+  'aria-valuetext',
+  'alt',
+  'label',
+  'placeholder',
+  'title',
+  'hint',
+]);
 /** Two letters in a row are a word, others are symbols such as × and °. */
 const WORD = /\p{L}{2}/u;
 /** Names and keys, in every language. */
@@ -20,7 +29,9 @@ const NAMES = new Set(['MAV_FRAME', 'Terrarium', 'Terrain-RGB', '(Ctrl+Z)', '(Ct
 /** Milliseconds: a busy machine parses all components slowly. */
 const PATIENT = 60_000;
 
-const files = readdirSync(SOURCES, { recursive: true, encoding: 'utf8' }).filter((name) => !name.startsWith('generated'));
+const files = readdirSync(SOURCES, { recursive: true, encoding: 'utf8' }).filter(
+  (name) => !name.startsWith('generated'),
+);
 const read = (name: string): string => readFileSync(join(SOURCES, name), 'utf8');
 
 /** Returns the texts that stand in a component's markup, outside of expressions. */
@@ -43,18 +54,25 @@ function ownTexts(source: string): string[] {
 }
 
 describe('catalogue', () => {
-  it('has all texts of the components', () => {
-    const components = files.filter((name) => name.endsWith('.svelte'));
-    const own = components.flatMap((name) => ownTexts(read(name)).map((text) => `${name}: ${text}`));
-    expect(own).toEqual([]);
-  }, PATIENT);
+  it(
+    'has all texts of the components',
+    () => {
+      const components = files.filter((name) => name.endsWith('.svelte'));
+      const own = components.flatMap((name) => ownTexts(read(name)).map((text) => `${name}: ${text}`));
+      expect(own).toEqual([]);
+    },
+    PATIENT,
+  );
 
   it('finds texts in markup and in attributes', () => {
     expect(ownTexts('<p class="wide">Hold <b title="Two words">{t("a.b")}</b> ×</p>')).toEqual(['Hold', 'Two words']);
   });
 
   it('has no text that nothing shows', () => {
-    const all = files.filter((name) => /\.(svelte|ts)$/.test(name) && !name.includes('i18n')).map(read).join('\n');
+    const all = files
+      .filter((name) => /\.(svelte|ts)$/.test(name) && !name.includes('i18n'))
+      .map(read)
+      .join('\n');
     const parts = Object.entries(en).flatMap(([part, texts]) => Object.keys(texts).map((name) => `${part}.${name}`));
     // A key that is put together, such as `shell.${view}`, uses all texts of its beginning.
     const beginnings = [...all.matchAll(/[`'"](\w+\.\w*)\$\{/g)].map(([, beginning]) => beginning!);
@@ -63,11 +81,17 @@ describe('catalogue', () => {
   });
 
   it('counts with the form that fits the number', () => {
-    expect([0, 1, 2].map((count) => t('setup.found', { count }))).toEqual(['0 parameters', '1 parameter', '2 parameters']);
+    expect([0, 1, 2].map((count) => t('setup.found', { count }))).toEqual([
+      '0 parameters',
+      '1 parameter',
+      '2 parameters',
+    ]);
     expect(t('sources.rows', { received: 1, refused: 3 })).toBe('1 row, 3 lines refused');
     expect(t('inspect.packetBytes', { count: 12, source: '$& {count}' })).toBe('12 bytes from $& {count}');
     const texts = Object.values(en).flatMap((part) => Object.values(part));
-    expect(texts.filter((text) => /\{count\} [a-z]+s\b(?!\/)/.test(text))).toEqual(['A spectrum needs {count} values.']);
+    expect(texts.filter((text) => /\{count\} [a-z]+s\b(?!\/)/.test(text))).toEqual([
+      'A spectrum needs {count} values.',
+    ]);
   });
 });
 
@@ -80,7 +104,11 @@ describe('languages', () => {
     expect([t('shell.fly'), t('shell.plan')]).toEqual(['Fliegen', 'Plan']);
     addLanguage('pl', { setup: { found: '{count, one: # parametr, few: # parametry, other: # parametrów}' } });
     setLanguage('pl');
-    expect([1, 3, 5].map((count) => t('setup.found', { count }))).toEqual(['1 parametr', '3 parametry', '5 parametrów']);
+    expect([1, 3, 5].map((count) => t('setup.found', { count }))).toEqual([
+      '1 parametr',
+      '3 parametry',
+      '5 parametrów',
+    ]);
     expect(chooseLanguage(['fr', 'it'])).toBe('en');
     expect(t('shell.fly')).toBe('Fly');
   });

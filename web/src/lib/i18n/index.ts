@@ -1,8 +1,8 @@
 /**
  * Texts of the user interface: `t('fly.takeoff')`, with values: `t('fly.several', { count: 3 })`.
  *
- * A text has values as `{name}`, and the forms of a number as `{name, one: # vehicle, other: # vehicles}`: `#` is the number, the
- * words before the colons are the categories of `Intl.PluralRules` for the language.
+ * A text has values as `{name}`, and the forms of a number as `{name, one: # vehicle, other: # vehicles}`: `#` is the
+ * number, the words before the colons are the categories of `Intl.PluralRules` for the language.
  */
 
 import { en } from './en';

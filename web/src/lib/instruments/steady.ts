@@ -14,10 +14,13 @@ export function steady<Values extends object>(): (next: Values) => Values {
 
 function looksSame(one: object, other: object): boolean {
   const [before, after] = [Object.entries(one), Object.entries(other)];
-  return before.length === after.length && before.every(([name, value], index) => {
-    const [otherName, otherValue] = after[index]!;
-    return name === otherName && rounded(value) === rounded(otherValue);
-  });
+  return (
+    before.length === after.length &&
+    before.every(([name, value], index) => {
+      const [otherName, otherValue] = after[index]!;
+      return name === otherName && rounded(value) === rounded(otherValue);
+    })
+  );
 }
 
 function rounded(value: unknown): unknown {

@@ -179,12 +179,7 @@ describe('base map', () => {
     expect(raster.layers.map((layer) => layer.id)).toEqual(['base', 'tracks-halo', 'tracks']);
     const archive = { isVector: true, maxZoom: 14, layers: ['water', 'roads', 'places'] };
     const vector = mapStyle({ url: 'https://t/a.pmtiles', attribution: 'T' }, DARK, archive);
-    expect(vector.layers.map((layer) => layer.id)).toEqual([
-      'base-water',
-      'base-roads',
-      'tracks-halo',
-      'tracks',
-    ]);
+    expect(vector.layers.map((layer) => layer.id)).toEqual(['base-water', 'base-roads', 'tracks-halo', 'tracks']);
   });
 
   it('gives eight vehicles in a row different colours', () => {

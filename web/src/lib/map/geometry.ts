@@ -112,3 +112,18 @@ export function mercatorY(latitude: number): number {
 export function mercatorLatitude(y: number): number {
   return Math.atan(Math.sinh(Math.PI * (1 - 2 * y))) / RADIANS;
 }
+
+/** Pixels at the edges of a map. */
+export interface Insets {
+  readonly top: number;
+  readonly right: number;
+  readonly bottom: number;
+  readonly left: number;
+}
+
+/** Returns edges in pixels that leave a fifth of a box free: MapLibre refuses bounds without room. */
+export function shrunk(edges: Insets, width: number, height: number): Insets {
+  const [wide, high] = [edges.left + edges.right, edges.top + edges.bottom];
+  const [x, y] = [Math.min(1, (width * 0.8) / Math.max(1, wide)), Math.min(1, (height * 0.8) / Math.max(1, high))];
+  return { top: edges.top * y, bottom: edges.bottom * y, left: edges.left * x, right: edges.right * x };
+}

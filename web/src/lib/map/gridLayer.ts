@@ -1,14 +1,7 @@
 /** Graticule with its labels at the edges, and the scale bar. */
 import { angleText, graticule, scaleLength } from './graticule';
 import { label, polyline, type Drawing } from './drawing';
-
-/** Pixels at the edges that panels cover: labels stay inside of them. */
-export interface Insets {
-  readonly top: number;
-  readonly right: number;
-  readonly bottom: number;
-  readonly left: number;
-}
+import type { Insets } from './geometry';
 
 /** Pixels between labels of longitudes. */
 const MIN_LABEL_GAP = 90;

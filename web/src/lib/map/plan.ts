@@ -101,7 +101,7 @@ const CIRCLE_OUT = 5004;
 /** Return the shapes of a fence; the corners of a polygon are as many items as its first parameter says. */
 export function fenceShapes(items: readonly MapItem[]): FenceShape[] {
   const shapes: FenceShape[] = [];
-  for (let index = 0; index < items.length;) {
+  for (let index = 0; index < items.length; ) {
     const item = items[index]!;
     const place = placeOf(item);
     const [size] = item.params;

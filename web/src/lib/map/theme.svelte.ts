@@ -7,7 +7,7 @@ class PageTheme {
     if (typeof document === 'undefined') return;
     const root = document.documentElement;
     const read = (): void => {
-      this.isDark = root.dataset['theme'] !== 'light';
+      this.isDark = root.dataset.theme !== 'light';
     };
     read();
     new MutationObserver(read).observe(root, { attributes: true, attributeFilter: ['data-theme'] });

@@ -1,4 +1,6 @@
-/** Whether the tiles of the base map come; a map that is used offline keeps its graticule, and the console stays empty. */
+/**
+ * Whether the tiles of the base map come; a map that is used offline keeps its graticule, and the console stays empty.
+ */
 import type { Map as MapLibreMap } from 'maplibre-gl';
 
 import { BASE_SOURCE, baseKind, type BaseMap } from './base';

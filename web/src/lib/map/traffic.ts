@@ -37,7 +37,7 @@ export function aircraftFrom(fields: Readonly<Record<string, unknown>>, time: nu
   if ((flags & VALID_COORDINATES) === 0) return null;
   const valid = (flag: number, value: number): number | null => ((flags & flag) === 0 ? null : value);
   const address = number('ICAO_address');
-  const callsign = (flags & VALID_CALLSIGN) === 0 ? '' : String(fields['callsign'] ?? '').trim();
+  const callsign = (flags & VALID_CALLSIGN) === 0 ? '' : String(fields.callsign ?? '').trim();
   return {
     address,
     callsign: callsign === '' ? address.toString(16).toUpperCase().padStart(6, '0') : callsign,

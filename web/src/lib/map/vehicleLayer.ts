@@ -81,12 +81,15 @@ function paintVehicle(drawing: Drawing, vehicle: MapVehicle, pixel: Point): void
 
 /** Paint the symbol of a kind of vehicle, turned to its heading in degrees. */
 export function paintSymbolAt(
-  { context, projection, palette }: Drawing, pixel: Point,
+  { context, projection, palette }: Drawing,
+  pixel: Point,
   { type, heading, colour, isArmed }: { type: string; heading: number | null; colour: string; isArmed: boolean },
 ): void {
   const kind = symbolKind(type);
-  const sprite = spriteOf(`${kind}|${colour}|${isArmed}|${palette.halo}`, () => SYMBOL_SIZE, (target) =>
-    paintSymbol(target, symbolShape(kind), colour, palette.halo, isArmed),
+  const sprite = spriteOf(
+    `${kind}|${colour}|${isArmed}|${palette.halo}`,
+    () => SYMBOL_SIZE,
+    (target) => paintSymbol(target, symbolShape(kind), colour, palette.halo, isArmed),
   );
   context.save();
   context.translate(pixel.x, pixel.y);
@@ -96,7 +99,11 @@ export function paintSymbolAt(
 }
 
 function paintSymbol(
-  context: CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D, shape: Path2D, colour: string, halo: string, isArmed: boolean,
+  context: CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D,
+  shape: Path2D,
+  colour: string,
+  halo: string,
+  isArmed: boolean,
 ): void {
   context.lineJoin = 'round';
   context.lineWidth = 4.5;

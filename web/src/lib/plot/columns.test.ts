@@ -10,7 +10,11 @@ function ringOf(...points: [number, number][]): Ring {
 
 it('joins series of different rates on one column of times', () => {
   const columns = columnsOf([ringOf([1000, 1], [2000, 2]), ringOf([1500, 5])], 0, 3000, 100);
-  expect(columns).toEqual([[1, 1.5, 2], [1, null, 2], [null, 5, null]]);
+  expect(columns).toEqual([
+    [1, 1.5, 2],
+    [1, null, 2],
+    [null, 5, null],
+  ]);
 });
 
 it('returns the window and one value before it', () => {

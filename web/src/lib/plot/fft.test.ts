@@ -27,7 +27,8 @@ it('finds the frequency and the amplitude of a sine', () => {
 
 it('is that of the newest values', () => {
   const ring = sine(5, 1, 100);
-  for (let index = 0; index < 64; index++) ring.push((6 + index / 100) * 1000, Math.sin(2 * Math.PI * 25 * (index / 100)));
+  for (let index = 0; index < 64; index++)
+    ring.push((6 + index / 100) * 1000, Math.sin(2 * Math.PI * 25 * (index / 100)));
   const { frequencies, amplitudes, rate } = spectrumOf(ring, 1, 64)!;
   expect(frequencies[amplitudes.indexOf(Math.max(...amplitudes))]).toBeCloseTo(25, 0);
   expect(frequencies).toHaveLength(32);
@@ -67,7 +68,11 @@ it('equals the definition of the transform', () => {
 });
 
 it('spectra of different rates share a column of frequencies', () => {
-  const spectrum = (step: number, ...amplitudes: number[]) => ({ frequencies: amplitudes.map((_, bin) => bin * step), amplitudes, rate: 1 });
+  const spectrum = (step: number, ...amplitudes: number[]) => ({
+    frequencies: amplitudes.map((_, bin) => bin * step),
+    amplitudes,
+    rate: 1,
+  });
   expect(spectrumColumns([spectrum(1, 5, 6), null, spectrum(0.5, 7, 8, 9)])).toEqual([
     [0, 0.5, 1],
     [5, null, 6],

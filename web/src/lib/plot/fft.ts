@@ -20,7 +20,9 @@ export interface Spectrum {
  * Fields of different rates have different frequencies: a spectrum has null where only another one has a value.
  */
 export function spectrumColumns(spectra: readonly (Spectrum | null)[]): [number[], ...(number | null)[][]] {
-  const known = spectra.map((spectrum) => new Map(spectrum?.frequencies.map((each, bin) => [each, spectrum.amplitudes[bin]!])));
+  const known = spectra.map(
+    (spectrum) => new Map(spectrum?.frequencies.map((each, bin) => [each, spectrum.amplitudes[bin]!])),
+  );
   const frequencies = [...new Set(known.flatMap((each) => [...each.keys()]))].sort((a, b) => a - b);
   return [frequencies, ...known.map((each) => frequencies.map((frequency) => each.get(frequency) ?? null))];
 }
@@ -44,7 +46,10 @@ export function spectrumOf(ring: Ring, factor = 1, size = 512): Spectrum | null 
   transform(real, imaginary);
   const half = length / 2;
   // 2 for the negative frequencies, 2 for the mean of the Hann window.
-  const amplitudes = Array.from({ length: half }, (_, bin) => (4 * Math.abs(factor) * Math.hypot(real[bin]!, imaginary[bin]!)) / length);
+  const amplitudes = Array.from(
+    { length: half },
+    (_, bin) => (4 * Math.abs(factor) * Math.hypot(real[bin]!, imaginary[bin]!)) / length,
+  );
   const step = (length - 1) / duration / length;
   return { frequencies: amplitudes.map((_, bin) => bin * step), amplitudes, rate };
 }

@@ -9,5 +9,9 @@ it('gives lines of one unit one scale', () => {
 });
 
 it('has axes at the left and at the right, and no more', () => {
-  expect(scalesOf([{ unit: 'a' }, { unit: 'b' }, { unit: 'c' }]).all.map(({ hasAxis }) => hasAxis)).toEqual([true, true, false]);
+  expect(scalesOf([{ unit: 'a' }, { unit: 'b' }, { unit: 'c' }]).all.map(({ hasAxis }) => hasAxis)).toEqual([
+    true,
+    true,
+    false,
+  ]);
 });

@@ -1,4 +1,6 @@
-/** Vertical scales of a plot: lines with the same unit share one, so that small values stay visible beside large ones. */
+/**
+ * Vertical scales of a plot: lines with the same unit share one, so that small values stay visible beside large ones.
+ */
 
 /** Scales beyond these are drawn without an axis; there is a left and a right one. */
 const MAX_AXES = 2;

@@ -18,7 +18,12 @@ it('writes numbers of axes', () => {
 
 it('writes values with digits that fit', () => {
   expect([null, NaN, 7, 0.0123456, 123.456, 5e-9].map((value) => readableNumber(value))).toEqual([
-    '–', '–', '7', '0.012346', '123.46', '5.000e-9',
+    '–',
+    '–',
+    '7',
+    '0.012346',
+    '123.46',
+    '5.000e-9',
   ]);
   expect(readableNumber(1.26, 1)).toBe('1.3');
 });

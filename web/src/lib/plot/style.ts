@@ -38,7 +38,11 @@ export function uncutLabels(labels: readonly string[], places: readonly number[]
 /** Returns the labels of the horizontal axis of a plot, as far as they are not cut. */
 export function horizontalLabels(plot: uPlot, splits: readonly number[], text: (value: number) => string): string[] {
   const left = plot.bbox.left / devicePixelRatio;
-  return uncutLabels(splits.map(text), splits.map((split) => left + plot.valToPos(split, 'x')), plot.width);
+  return uncutLabels(
+    splits.map(text),
+    splits.map((split) => left + plot.valToPos(split, 'x')),
+    plot.width,
+  );
 }
 
 /** Returns a number with as many digits as an axis has place for. */

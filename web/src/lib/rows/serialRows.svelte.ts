@@ -1,4 +1,6 @@
-/** Devices at serial ports of this computer that send lines of values: the page reads them itself, without a station. */
+/**
+ * Devices at serial ports of this computer that send lines of values: the page reads them itself, without a station.
+ */
 
 import { live } from '$lib/series/live.svelte';
 import { WebSerialTransport } from '$lib/transport/WebSerialTransport';
@@ -33,7 +35,11 @@ export class SerialSource {
   async open(): Promise<void> {
     await this.transport.open();
     for (const { message, columns } of this.templates) {
-      live.setUnits(this.name, message, columns.filter((each) => each !== null));
+      live.setUnits(
+        this.name,
+        message,
+        columns.filter((each) => each !== null),
+      );
     }
   }
 
@@ -59,7 +65,12 @@ class SerialSources {
   list: readonly SerialSource[] = $state.raw([]);
 
   /** Adds a device at a port that the user chooses; throws the reason if that is impossible. */
-  async add(name: string, template: string, baudRate: number, transport = new WebSerialTransport(baudRate)): Promise<void> {
+  async add(
+    name: string,
+    template: string,
+    baudRate: number,
+    transport = new WebSerialTransport(baudRate),
+  ): Promise<void> {
     if (!SOURCE_NAME.test(name)) throw new TemplateError('the name of a source has letters, digits, _ and -');
     if (this.list.some((each) => each.name === name)) throw new TemplateError(`another source has the name ${name}`);
     const source = new SerialSource(name, parseTemplates(template), transport);

@@ -50,7 +50,8 @@ function parseTemplate(text: string): RowTemplate {
   const separator = SEPARATORS.find((each) => text.includes(each)) ?? ',';
   const words = split(text, separator);
   const constant = words[0]!.startsWith('$') ? words.shift()! : null;
-  if (constant !== null && !CONSTANT.test(constant)) throw new TemplateError(`${constant} is not a constant such as $GPS`);
+  if (constant !== null && !CONSTANT.test(constant))
+    throw new TemplateError(`${constant} is not a constant such as $GPS`);
   if (words.length === 0 || words.length > MAX_COLUMNS) {
     throw new TemplateError(`a template has 1 to ${MAX_COLUMNS} columns, got ${words.length}`);
   }

@@ -1,7 +1,14 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { runInNewContext } from 'node:vm';
 import { ScriptRunner, type ScriptWorker } from './ScriptRunner';
-import { fieldsOf, problemOf, workerProgram, type ScriptAnswer, type ScriptProgram, type ScriptRequest } from './sandbox';
+import {
+  fieldsOf,
+  problemOf,
+  workerProgram,
+  type ScriptAnswer,
+  type ScriptProgram,
+  type ScriptRequest,
+} from './sandbox';
 
 /** Runs a program in a context that has what a worker has, as far as the sandbox must take it away. */
 class ContextWorker implements ScriptWorker {
@@ -13,8 +20,8 @@ class ContextWorker implements ScriptWorker {
   /** Runs the program of the first message, as the worker does. */
   private start(program: string): void {
     const scope = Object.create({ fetch: () => 'inherited', importScripts: () => 'loaded' }) as Record<string, unknown>;
-    scope['postMessage'] = (answer: ScriptAnswer) => this.onmessage?.({ data: JSON.parse(JSON.stringify(answer)) });
-    scope['addEventListener'] = (_: string, listener: ContextWorker['listener']) => (this.listener = listener);
+    scope.postMessage = (answer: ScriptAnswer) => this.onmessage?.({ data: JSON.parse(JSON.stringify(answer)) });
+    scope.addEventListener = (_: string, listener: ContextWorker['listener']) => (this.listener = listener);
     for (const name of ['fetch', 'XMLHttpRequest', 'WebSocket', 'setTimeout', 'indexedDB']) scope[name] = () => name;
     runInNewContext(program, scope);
   }
@@ -59,7 +66,8 @@ describe('scripts', () => {
   });
 
   it('return no more than the page can take', () => {
-    const replaced = 'Array.prototype.map = () => ["a"]; Array.prototype.filter = () => [["a", "<b>"]]; Object.keys = () => 5;';
+    const replaced =
+      'Array.prototype.map = () => ["a"]; Array.prototype.filter = () => [["a", "<b>"]]; Object.keys = () => 5;';
     expect(compute(`${replaced} return { a: "<b>", b: 2 }`)).toEqual([{ b: 2 }]);
     const many = Object.fromEntries(Array.from({ length: 100 }, (_, index) => [`f${index}`, index]));
     expect(Object.keys((compute(`return ${JSON.stringify(many)}`) as object[])[0]!)).toHaveLength(32);
@@ -81,10 +89,16 @@ describe('scripts', () => {
 describe('the sandbox', () => {
   const reach = (name: string) => `return { found: typeof ${name} === 'undefined' ? 0 : 1 }`;
 
-  it.each(['fetch', 'importScripts', 'XMLHttpRequest', 'WebSocket', 'setTimeout', 'indexedDB', 'postMessage', 'Function'])(
-    'has no %s',
-    (name) => expect(compute(reach(name))).toEqual([{ found: 0 }]),
-  );
+  it.each([
+    'fetch',
+    'importScripts',
+    'XMLHttpRequest',
+    'WebSocket',
+    'setTimeout',
+    'indexedDB',
+    'postMessage',
+    'Function',
+  ])('has no %s', (name) => expect(compute(reach(name))).toEqual([{ found: 0 }]));
 
   it('does not give it back by the prototypes', () => {
     const script = 'return { found: Object.getPrototypeOf(globalThis).fetch === undefined ? 0 : 1 }';
@@ -96,9 +110,9 @@ describe('the sandbox', () => {
   });
 
   it('is not weakened by declarations that come first', () => {
-    const escape = `return { found: globalThis.fetch === undefined ? 0 : 1 } });
+    const breakout = `return { found: globalThis.fetch === undefined ? 0 : 1 } });
       function Object() {} function JSON() {} function defineProperty() {} (function () {`;
-    expect(compute(escape)).toEqual([{ found: 0 }]);
+    expect(compute(breakout)).toEqual([{ found: 0 }]);
   });
 
   it('is strict', () => {
@@ -114,7 +128,12 @@ describe('a script that hangs', () => {
   it('is stopped after the time limit', () => {
     const worker: ScriptWorker = { postMessage: () => {}, terminate: vi.fn(), onmessage: null, onerror: null };
     const problems: string[] = [];
-    const runner = new ScriptRunner('for (;;) {}', () => {}, (problem) => problems.push(problem), () => worker);
+    const runner = new ScriptRunner(
+      'for (;;) {}',
+      () => {},
+      (problem) => problems.push(problem),
+      () => worker,
+    );
     runner.call({ values: {}, time: 0 });
     // The browser starts the worker.
     vi.advanceTimersByTime(4000);
@@ -131,7 +150,12 @@ describe('a script that hangs', () => {
   it('is stopped when it does not start', () => {
     const worker: ScriptWorker = { postMessage: () => {}, terminate: vi.fn(), onmessage: null, onerror: null };
     const onProblem = vi.fn();
-    new ScriptRunner('}); for (;;) {} (function () {', () => {}, onProblem, () => worker);
+    new ScriptRunner(
+      '}); for (;;) {} (function () {',
+      () => {},
+      onProblem,
+      () => worker,
+    );
     vi.advanceTimersByTime(5000);
     expect(onProblem).toHaveBeenCalledWith('the script took longer than 5 s and was stopped');
     expect(worker.terminate).toHaveBeenCalled();
@@ -145,7 +169,12 @@ describe('a script that hangs', () => {
       onmessage: null,
       onerror: null,
     };
-    const runner = new ScriptRunner('return {}', () => {}, () => {}, () => worker);
+    const runner = new ScriptRunner(
+      'return {}',
+      () => {},
+      () => {},
+      () => worker,
+    );
     worker.onmessage!({ data: { id: 0 } });
     for (let time = 0; time < 1000; time++) runner.call({ values: {}, time });
     expect(requests).toHaveLength(1);
@@ -158,7 +187,12 @@ describe('a script that hangs', () => {
   it('reports an error of its syntax', () => {
     const worker: ScriptWorker = { postMessage: () => {}, terminate: () => {}, onmessage: null, onerror: null };
     const onProblem = vi.fn();
-    const runner = new ScriptRunner('return (', () => {}, onProblem, () => worker);
+    const runner = new ScriptRunner(
+      'return (',
+      () => {},
+      onProblem,
+      () => worker,
+    );
     worker.onerror!({ message: 'SyntaxError: Unexpected token' });
     expect(onProblem).toHaveBeenCalledWith('SyntaxError: Unexpected token');
     expect(runner.problem).toContain('Unexpected token');

@@ -4,7 +4,14 @@
  * One batch is under way at a time; calls that come meanwhile wait, and the oldest of them are dropped. A script
  * that does not answer in time is stopped: its worker is terminated, and the reason is told once.
  */
-import { type ScriptAnswer, type ScriptProgram, type ScriptRequest, fieldsOf, problemOf, workerProgram } from './sandbox';
+import {
+  type ScriptAnswer,
+  type ScriptProgram,
+  type ScriptRequest,
+  fieldsOf,
+  problemOf,
+  workerProgram,
+} from './sandbox';
 
 export type ScriptCall = ScriptRequest['calls'][number];
 type Results = (results: readonly Readonly<Record<string, number>>[], calls: readonly ScriptCall[]) => void;
@@ -93,7 +100,10 @@ export class ScriptRunner {
       return;
     }
     const results = Array.isArray(answer.results) ? answer.results : [];
-    this.onResults(calls.map((_, index) => fieldsOf(results[index])), calls);
+    this.onResults(
+      calls.map((_, index) => fieldsOf(results[index])),
+      calls,
+    );
     this.send();
   }
 

@@ -2,11 +2,11 @@
  * The program text of a sandbox: a worker that runs one user script and can do nothing else.
  *
  * Two layers confine the script. The browser applies the policy that the station sends with the file of the worker
- * (`script.worker.ts`): no request to anywhere, no other worker, no data of the station's pages. And before the script runs,
- * everything is removed from the global object that is not part of the language itself: no network, no storage,
- * no timers, no other workers. The removal uses only built-ins that it reaches through literals, so that a script
- * that redefines globals (function declarations are hoisted) cannot weaken it, and results are read without methods
- * that a script can replace. `import` is syntax and cannot be removed: scripts that contain the word are refused
+ * (`script.worker.ts`): no request to anywhere, no other worker, no data of the station's pages. And before the script
+ * runs, everything is removed from the global object that is not part of the language itself: no network, no storage,
+ * no timers, no other workers. The removal uses only built-ins that it reaches through literals, so that a script that
+ * redefines globals (function declarations are hoisted) cannot weaken it, and results are read without methods that a
+ * script can replace. `import` is syntax and cannot be removed: scripts that contain the word are refused
  * (`problemOf`).
  */
 
@@ -32,13 +32,66 @@ export interface ScriptAnswer {
 
 /** Names of the global object that belong to the language and reach nothing outside. */
 const KEPT = [
-  'Object', 'Function', 'Array', 'Number', 'Boolean', 'String', 'Symbol', 'BigInt', 'Math', 'JSON', 'Date', 'RegExp',
-  'Map', 'Set', 'WeakMap', 'WeakSet', 'Error', 'RangeError', 'TypeError', 'SyntaxError', 'ReferenceError', 'EvalError',
-  'URIError', 'AggregateError', 'Promise', 'Proxy', 'Reflect', 'Iterator', 'ArrayBuffer', 'DataView', 'Float32Array',
-  'Float64Array', 'Int8Array', 'Int16Array', 'Int32Array', 'Uint8Array', 'Uint8ClampedArray', 'Uint16Array',
-  'Uint32Array', 'BigInt64Array', 'BigUint64Array', 'NaN', 'Infinity', 'undefined', 'isNaN', 'isFinite', 'parseInt',
-  'parseFloat', 'globalThis', 'constructor', 'hasOwnProperty', 'isPrototypeOf', 'propertyIsEnumerable', 'toString',
-  'toLocaleString', 'valueOf', '__proto__', '__defineGetter__', '__defineSetter__', '__lookupGetter__',
+  'Object',
+  'Function',
+  'Array',
+  'Number',
+  'Boolean',
+  'String',
+  'Symbol',
+  'BigInt',
+  'Math',
+  'JSON',
+  'Date',
+  'RegExp',
+  'Map',
+  'Set',
+  'WeakMap',
+  'WeakSet',
+  'Error',
+  'RangeError',
+  'TypeError',
+  'SyntaxError',
+  'ReferenceError',
+  'EvalError',
+  'URIError',
+  'AggregateError',
+  'Promise',
+  'Proxy',
+  'Reflect',
+  'Iterator',
+  'ArrayBuffer',
+  'DataView',
+  'Float32Array',
+  'Float64Array',
+  'Int8Array',
+  'Int16Array',
+  'Int32Array',
+  'Uint8Array',
+  'Uint8ClampedArray',
+  'Uint16Array',
+  'Uint32Array',
+  'BigInt64Array',
+  'BigUint64Array',
+  'NaN',
+  'Infinity',
+  'undefined',
+  'isNaN',
+  'isFinite',
+  'parseInt',
+  'parseFloat',
+  'globalThis',
+  'constructor',
+  'hasOwnProperty',
+  'isPrototypeOf',
+  'propertyIsEnumerable',
+  'toString',
+  'toLocaleString',
+  'valueOf',
+  '__proto__',
+  '__defineGetter__',
+  '__defineSetter__',
+  '__lookupGetter__',
   '__lookupSetter__',
 ] as const;
 
@@ -63,7 +116,9 @@ export function problemOf(script: string): string | null {
  */
 export function fieldsOf(result: unknown): Record<string, number> {
   const entries = Object.entries(typeof result === 'object' && result !== null ? result : {});
-  const valid = entries.filter(([name, value]) => name.length <= MAX_NAME_LENGTH && FIELD_NAME.test(name) && Number.isFinite(value));
+  const valid = entries.filter(
+    ([name, value]) => name.length <= MAX_NAME_LENGTH && FIELD_NAME.test(name) && Number.isFinite(value),
+  );
   return Object.fromEntries(valid.slice(0, MAX_FIELDS)) as Record<string, number>;
 }
 

@@ -6,4 +6,7 @@
  */
 import type { ScriptProgram } from './sandbox';
 
+// The program is the user's: a worker without network and storage is its place (`sandbox.ts`).
+// biome-ignore lint/security/noGlobalEval: running it is the purpose of the worker
+// biome-ignore lint/complexity/noCommaOperator: an indirect call, so that the program sees no names of this module
 addEventListener('message', ({ data }: MessageEvent<ScriptProgram>) => void (0, eval)(data.program), { once: true });

@@ -85,7 +85,12 @@ describe('the age of a value', () => {
   it('grows while only NaN comes, and the value before is kept', () => {
     const hub = new SeriesHub();
     const series = hub.watch(ref);
-    for (const [time, x] of [[0, 5], [100, 6], [200, NaN], [9000, NaN]] as const) {
+    for (const [time, x] of [
+      [0, 5],
+      [100, 6],
+      [200, NaN],
+      [9000, NaN],
+    ] as const) {
       hub.feed({ source: 'a', message: 'ROW', time, fields: { x } });
     }
     expect(series.value).toBe(6);

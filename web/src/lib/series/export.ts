@@ -15,7 +15,9 @@ export function csvOf(series: readonly Series[]): string {
       row[column] = ring.valueAt(index);
     }
   });
-  const rows = [...times].sort(([a], [b]) => a - b).map(([time, row]) => [time / 1000, ...row.map((value) => value ?? '')]);
+  const rows = [...times]
+    .sort(([a], [b]) => a - b)
+    .map(([time, row]) => [time / 1000, ...row.map((value) => value ?? '')]);
   return [header, ...rows].map((row) => `${row.join(',')}\n`).join('');
 }
 

@@ -2,10 +2,13 @@ import { describe, expect, it } from 'vitest';
 import { fieldLabel, formatFieldRef, matchesSource, numberOf, parseFieldRef } from './fieldRef';
 
 describe('references as text', () => {
-  it.each(['1/1:ATTITUDE.roll', '1:BATTERY_STATUS.voltages[3]', 'cansat:ROW.altitude', 'script:climb:OUT.value', '*:VFR_HUD.alt'])(
-    'reads and writes %s',
-    (text) => expect(formatFieldRef(parseFieldRef(text)!)).toBe(text),
-  );
+  it.each([
+    '1/1:ATTITUDE.roll',
+    '1:BATTERY_STATUS.voltages[3]',
+    'cansat:ROW.altitude',
+    'script:climb:OUT.value',
+    '*:VFR_HUD.alt',
+  ])('reads and writes %s', (text) => expect(formatFieldRef(parseFieldRef(text)!)).toBe(text));
 
   it.each(['', 'ATTITUDE.roll', '1/1:ATTITUDE', '1:A.b[x]', ':A.b'])('refuses %j', (text) => {
     expect(parseFieldRef(text)).toBeNull();

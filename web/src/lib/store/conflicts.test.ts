@@ -12,10 +12,21 @@ it('tells vehicles of conflicts that begin and end, while the station answers', 
   let [ready, fails, conflict] = [true, false, null as object | null];
   const fetcher = (): Promise<Response> => {
     if (fails) return Promise.reject(new Error('gone'));
-    return Promise.resolve(new Response(JSON.stringify([{ system: 1, conflict }, { system: 9, conflict }])));
+    return Promise.resolve(
+      new Response(
+        JSON.stringify([
+          { system: 1, conflict },
+          { system: 9, conflict },
+        ]),
+      ),
+    );
   };
   const vehicle = { takeFacts: ({ conflict: each }: { conflict: object | null }) => taken.push(each) };
-  const watch = new ConflictWatch((system) => (system === 1 ? vehicle : null), () => ready, new ApiClient('/api', fetcher as typeof fetch));
+  const watch = new ConflictWatch(
+    (system) => (system === 1 ? vehicle : null),
+    () => ready,
+    new ApiClient('/api', fetcher as typeof fetch),
+  );
   watch.start();
   await vi.advanceTimersByTimeAsync(2000);
   conflict = { text: 'two vehicles' };

@@ -116,7 +116,11 @@ describe('the frames of a fleet', () => {
   }
 
   it('shows a large fleet less often than each frame, and asks for no other frames', () => {
-    for (const [systems, times] of [[3, 30], [30, 15], [90, 5]] as const) {
+    for (const [systems, times] of [
+      [3, 30],
+      [30, 15],
+      [90, 5],
+    ] as const) {
       show(systems);
       expect(published).toBe(times);
       expect(asked).toBeLessThanOrEqual(2 * times);

@@ -1,4 +1,6 @@
-/** The latest message of each name, sender by sender, with counts and rates. Changes at most once per animation frame. */
+/**
+ * The latest message of each name, sender by sender, with counts and rates. Changes at most once per animation frame.
+ */
 
 import type { DecodedMessage } from '$lib/decoder/Decoder';
 
@@ -101,7 +103,8 @@ class Messages {
   /** Returns the latest messages of all names, of one system or all. */
   list(system?: number): LatestMessage[] {
     void this.version;
-    const systems = system === undefined ? [...this.systems.values()] : [this.systems.get(system) ?? new Map<string, Entry>()];
+    const systems =
+      system === undefined ? [...this.systems.values()] : [this.systems.get(system) ?? new Map<string, Entry>()];
     return systems.flatMap((entries) => [...entries.values()]);
   }
 }

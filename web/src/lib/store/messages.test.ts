@@ -11,7 +11,12 @@ function message(system: number, component: number, name: string, time: number):
 }
 
 it('has the latest message of each name, of one component or of the one that sent it last', () => {
-  for (const [component, time] of [[1, 10], [2, 20], [1, 5]] as const) messages.take(message(1, component, 'ATTITUDE', time));
+  for (const [component, time] of [
+    [1, 10],
+    [2, 20],
+    [1, 5],
+  ] as const)
+    messages.take(message(1, component, 'ATTITUDE', time));
   expect(messages.latest(1, 'ATTITUDE')?.message.time).toBe(20);
   expect(messages.latest(1, 'ATTITUDE', 1)).toMatchObject({ count: 2, message: { time: 5 } });
   expect(messages.latest(2, 'ATTITUDE')).toBeNull();

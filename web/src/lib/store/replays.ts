@@ -36,7 +36,10 @@ export async function telemetryOf(data: Uint8Array, name: string, api: ApiClient
     return new Uint8Array(await response.arrayBuffer());
   } catch (error) {
     if (!(error instanceof StationError) || !UNAVAILABLE.has(error.kind)) throw error;
-    throw new StationError(error.kind, `replaying ${name} failed: it is ${words}, which only a station can replay (${error.message})`);
+    throw new StationError(
+      error.kind,
+      `replaying ${name} failed: it is ${words}, which only a station can replay (${error.message})`,
+    );
   }
 }
 

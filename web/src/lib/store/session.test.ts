@@ -24,7 +24,13 @@ it('opens the port of the present link again, at another baud rate', async () =>
   let isOpen = false;
   const port = {
     readable: null,
-    writable: { getWriter: () => ({ write: () => Promise.resolve(), abort: () => Promise.resolve(), releaseLock: () => undefined }) },
+    writable: {
+      getWriter: () => ({
+        write: () => Promise.resolve(),
+        abort: () => Promise.resolve(),
+        releaseLock: () => undefined,
+      }),
+    },
     getInfo: () => ({}),
     open: async ({ baudRate }: { baudRate: number }) => {
       if (isOpen) throw new Error('The port is already open.');
@@ -42,7 +48,9 @@ it('opens the port of the present link again, at another baud rate', async () =>
 
 it('stays where it is when a recording is empty', async () => {
   await startDemo(1);
-  await expect(startReplay(new Uint8Array(100), 'empty.tlog')).rejects.toThrow('replaying empty.tlog failed: the file has no packets');
+  await expect(startReplay(new Uint8Array(100), 'empty.tlog')).rejects.toThrow(
+    'replaying empty.tlog failed: the file has no packets',
+  );
   expect(status.source).toBe('demo');
   expect(replay.current).toBeNull();
 });
@@ -71,17 +79,25 @@ it('asks the station once while it waits for the password, which connects', asyn
   };
   vi.stubGlobal('fetch', answer);
   vi.stubGlobal('location', { href: 'http://station/' });
-  vi.stubGlobal('WebSocket', class {
-    constructor(_url: string, protocols: string[]) {
-      sockets.push(...protocols);
-    }
-    close(): void {}
-  });
+  vi.stubGlobal(
+    'WebSocket',
+    class {
+      constructor(_url: string, protocols: string[]) {
+        sockets.push(...protocols);
+      }
+      close(): void {}
+    },
+  );
   void startServer();
   await vi.advanceTimersByTimeAsync(60_000);
   expect([asked, sockets, status.needsLogin, status.link]).toEqual([['GET'], [], true, 'connecting']);
   void logIn('fly it carefully');
   await vi.advanceTimersByTimeAsync(0);
-  expect([asked, sockets, status.needsLogin, status.role]).toEqual([['GET', 'POST', 'GET'], ['ados-ws-ticket', 'abc', 'mavstack.raw.1'], false, 'operate']);
+  expect([asked, sockets, status.needsLogin, status.role]).toEqual([
+    ['GET', 'POST', 'GET'],
+    ['ados-ws-ticket', 'abc', 'mavstack.raw.1'],
+    false,
+    'operate',
+  ]);
   vi.useRealTimers();
 });

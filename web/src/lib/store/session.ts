@@ -26,7 +26,10 @@ const serial: { current: WebSerialTransport | null } = { current: null };
 /** The recording that is replayed, for the time bar; null without one. */
 export const replay: { current: ReplayTransport | null } = { current: null };
 
-const conflicts = new ConflictWatch((system) => fleet.vehicle(system), () => status.link === 'open' && !status.needsLogin);
+const conflicts = new ConflictWatch(
+  (system) => fleet.vehicle(system),
+  () => status.link === 'open' && !status.needsLogin,
+);
 
 /** Connects to the station that served the page; asks for the password if it needs one. */
 export async function startServer(): Promise<void> {
@@ -45,7 +48,10 @@ export async function logIn(password: string): Promise<void> {
   await startServer();
 }
 
-/** Returns a ticket for the WebSocket, or null if the station is open; waits for ever while a password is asked: logging in connects again. */
+/**
+ * Returns a ticket for the WebSocket, or null if the station is open; waits for ever while a password is asked: logging
+ * in connects again.
+ */
 async function ticket(): Promise<string | null> {
   try {
     const session = await api.get<Session>('session');
@@ -72,7 +78,7 @@ export async function startSerial(baudRate?: number): Promise<void> {
   // First, so that a user who chooses no port, or one that is in use, stays where he is.
   await transport.choose();
   const { current } = serial;
-  if (current !== null && current.shares(transport)) {
+  if (current?.shares(transport)) {
     current.close();
     await current.closed;
   }
@@ -87,7 +93,8 @@ export async function startSerial(baudRate?: number): Promise<void> {
 export async function startReplay(given: Uint8Array, name: string): Promise<void> {
   const data = await telemetryOf(given, name);
   const transport = new ReplayTransport(data, name);
-  if (transport.packets === 0) throw new StationError('InvalidArgumentError', `replaying ${name} failed: the file has no packets`);
+  if (transport.packets === 0)
+    throw new StationError('InvalidArgumentError', `replaying ${name} failed: the file has no packets`);
   conflicts.stop();
   replay.current = transport;
   // The flight is over: no vehicle takes commands.

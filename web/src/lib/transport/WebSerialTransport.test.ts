@@ -90,7 +90,10 @@ it('reads and writes at the baud rate that was chosen', async () => {
   transport.send(new Uint8Array([9, 8]));
   await settle();
   expect([transport.name, port.baudRate]).toEqual(['USB 26ac:0011', 57_600]);
-  expect([received, port.written]).toEqual([[1, 2, 3], [9, 8]]);
+  expect([received, port.written]).toEqual([
+    [1, 2, 3],
+    [9, 8],
+  ]);
 });
 
 it('goes on after noise on the line', async () => {

@@ -43,7 +43,11 @@ export function toast(level: ToastLevel, text: string, details: readonly string[
 export function toastError(error: unknown): void {
   const details = error instanceof StationError ? error.statusTexts : [];
   const text = textOf(error);
-  toasts.show('error', text, details.filter((detail) => !text.includes(detail)));
+  toasts.show(
+    'error',
+    text,
+    details.filter((detail) => !text.includes(detail)),
+  );
 }
 
 /** Does an action; tells its success if there is a text for it, and always its failure. Resolves to its success. */

@@ -3,8 +3,23 @@
 import { settings, type UnitSystem } from '$lib/store/settings.svelte';
 
 export type Quantity =
-  | 'distance' | 'altitude' | 'speed' | 'climb' | 'area' | 'angle' | 'heading' | 'voltage' | 'current' | 'percent'
-  | 'temperature' | 'duration' | 'capacity' | 'rate' | 'frequency' | 'pressure' | 'number';
+  | 'distance'
+  | 'altitude'
+  | 'speed'
+  | 'climb'
+  | 'area'
+  | 'angle'
+  | 'heading'
+  | 'voltage'
+  | 'current'
+  | 'percent'
+  | 'temperature'
+  | 'duration'
+  | 'capacity'
+  | 'rate'
+  | 'frequency'
+  | 'pressure'
+  | 'number';
 
 interface Unit {
   readonly name: string;

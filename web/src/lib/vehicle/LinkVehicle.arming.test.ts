@@ -1,29 +1,28 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 
-import { StationError } from '$lib/api/errors';
 import { FLEET } from '$lib/transport/mock/profiles';
 
-import { startFlight, type Flight } from './testing';
+import { refusal, startFlight } from './testing';
 import type { PlanItem } from './Vehicle';
 
 const [COPTER, , PLANE] = FLEET;
 const NEAR: PlanItem = {
-  seq: 0, command: 16, name: 'NAV_WAYPOINT', frame: 3, params: [0, 0, 0, null, 47.35, 8.537, 20], autocontinue: true,
+  seq: 0,
+  command: 16,
+  name: 'NAV_WAYPOINT',
+  frame: 3,
+  params: [0, 0, 0, null, 47.35, 8.537, 20],
+  autocontinue: true,
 };
 
 beforeEach(() => vi.useFakeTimers({ now: 1_790_000_000_000 }));
 afterEach(() => vi.useRealTimers());
 
-async function refusal(flight: Flight, action: Promise<unknown>): Promise<StationError> {
-  const error: unknown = await flight.until(action).catch((reason: unknown) => reason);
-  expect(error).toBeInstanceOf(StationError);
-  return error as StationError;
-}
-
 describe('arming, takeoff and missions', () => {
   it('change nothing where a takeoff is refused', async () => {
     const flight = await startFlight([{ ...PLANE!, activity: 'parked' }]);
-    const altitude = (): number | undefined => flight.transport.vehicles[0]!.parameters.find(({ name }) => name === 'TKOFF_ALT')?.value;
+    const altitude = (): number | undefined =>
+      flight.transport.vehicles[0]!.parameters.find(({ name }) => name === 'TKOFF_ALT')?.value;
     const [mode, before] = [flight.vehicle.state.mode, altitude()];
     await refusal(flight, flight.vehicle.takeoff(77));
     expect([flight.vehicle.state.mode, altitude()]).toEqual([mode, before]);
@@ -61,7 +60,9 @@ describe('arming, takeoff and missions', () => {
     await flight.until(flight.vehicle.setMode('TAKEOFF'));
     await flight.pass(1);
     const { message } = await refusal(flight, flight.vehicle.arm());
-    expect(message).toBe('arming 3/1 failed: in mode TAKEOFF it would start by itself: change the mode to FLY_BY_WIRE_A first');
+    expect(message).toBe(
+      'arming 3/1 failed: in mode TAKEOFF it would start by itself: change the mode to FLY_BY_WIRE_A first',
+    );
     expect(flight.vehicle.state.armed).toBe(false);
   });
 
@@ -69,7 +70,9 @@ describe('arming, takeoff and missions', () => {
     const flight = await startFlight([COPTER!]);
     const { vehicle } = flight;
     await flight.until(vehicle.uploadPlan('mission', { items: [NEAR], home: null }));
-    expect((await refusal(flight, vehicle.startMission())).message).toBe('starting the mission of 1/1 failed: it is not armed');
+    expect((await refusal(flight, vehicle.startMission())).message).toBe(
+      'starting the mission of 1/1 failed: it is not armed',
+    );
     await flight.until(vehicle.setMode('RTL'));
     await flight.until(vehicle.startMission(true));
     await flight.pass(2);

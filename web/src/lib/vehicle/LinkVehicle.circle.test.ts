@@ -21,12 +21,20 @@ async function inFlight(): Promise<Flight> {
 }
 
 /** Returns the distances to a place in each of some seconds, and the degrees that the bearing to it turned by. */
-async function watch({ vehicle, pass }: Flight, center: Place, seconds: number): Promise<{ distances: number[]; turned: number }> {
+async function watch(
+  { vehicle, pass }: Flight,
+  center: Place,
+  seconds: number,
+): Promise<{ distances: number[]; turned: number }> {
   const distances: number[] = [];
   let turned = 0;
   const angle = (): number => {
     const { latitude, longitude } = vehicle.state.position!;
-    return (Math.atan2((longitude - center.longitude) * Math.cos((latitude * Math.PI) / 180), latitude - center.latitude) * 180) / Math.PI;
+    return (
+      (Math.atan2((longitude - center.longitude) * Math.cos((latitude * Math.PI) / 180), latitude - center.latitude) *
+        180) /
+      Math.PI
+    );
   };
   let last = angle();
   for (let second = 0; second < seconds; second += 1) {
@@ -92,7 +100,9 @@ it('refuses a circle in which a copter would sink by its throttle stick', async 
     const packet = new Encoder(1, 1).build('RC_CHANNELS', { chancount: 18, rssi: 254, ...channels, chan3_raw: pulse });
     vehicle.take(new Decoder().push(packet, Date.now())[0]!);
     vehicle.publish(Date.now());
-    await expect(vehicle.orbit({ center: { latitude, longitude } })).rejects.toThrow(`its throttle stick is at ${pulse} us`);
+    await expect(vehicle.orbit({ center: { latitude, longitude } })).rejects.toThrow(
+      `its throttle stick is at ${pulse} us`,
+    );
   }
   expect(vehicle.state.mode).toBe('GUIDED');
 });
@@ -100,5 +110,7 @@ it('refuses a circle in which a copter would sink by its throttle stick', async 
 it('has no circles for vehicles on the ground', async () => {
   const { vehicle } = await startFlight([ROVER!]);
   expect(vehicle.capabilities.orbit).toBe(false);
-  await expect(vehicle.orbit({ center: { latitude: 47, longitude: 8 } })).rejects.toThrow('the vehicle has no command for it');
+  await expect(vehicle.orbit({ center: { latitude: 47, longitude: 8 } })).rejects.toThrow(
+    'the vehicle has no command for it',
+  );
 });

@@ -31,7 +31,8 @@ it('points at a place at the altitude of home, and moves home', async () => {
 it('tells PX4 altitudes above the sea', () => {
   const sent: [string, object][] = [];
   const [encoder, decoder] = [new Encoder(1, 1), new Decoder()];
-  const decoded = (name: string, fields: Parameters<Encoder['build']>[1]) => decoder.push(encoder.build(name, fields))[0]!;
+  const decoded = (name: string, fields: Parameters<Encoder['build']>[1]) =>
+    decoder.push(encoder.build(name, fields))[0]!;
   const heartbeat = decoded('HEARTBEAT', { type: 2, autopilot: 12 });
   const vehicle = new LinkVehicle(heartbeat, (name, fields) => sent.push([name, fields]));
   vehicle.take(heartbeat);

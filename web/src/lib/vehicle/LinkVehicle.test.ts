@@ -1,30 +1,28 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 
-import { StationError } from '$lib/api/errors';
-import { Decoder, Encoder, type DecodedMessage } from '$lib/decoder/Decoder';
+import { Decoder, Encoder } from '$lib/decoder/Decoder';
 import { FLEET } from '$lib/transport/mock/profiles';
 
 import { capabilitiesFrom } from './capabilities';
 import { LinkVehicle } from './LinkVehicle';
-import { someLost, startFlight, type Flight } from './testing';
-import type { Plan } from './Vehicle';
+import { refusal, startFlight } from './testing';
 
-const [COPTER, , PLANE, ROVER, , SUB, MSP] = FLEET as readonly [typeof FLEET[0], ...typeof FLEET[0][]];
+const [COPTER, , PLANE, ROVER, , SUB, MSP] = FLEET as readonly [(typeof FLEET)[0], ...(typeof FLEET)[0][]];
 
 beforeEach(() => vi.useFakeTimers({ now: 1_790_000_000_000 }));
 afterEach(() => vi.useRealTimers());
-
-async function refusal(flight: Flight, action: Promise<unknown>): Promise<StationError> {
-  const error: unknown = await flight.until(action).catch((reason: unknown) => reason);
-  expect(error).toBeInstanceOf(StationError);
-  return error as StationError;
-}
 
 describe('actions', () => {
   it('arm, take off, fly somewhere, land', async () => {
     const flight = await startFlight([COPTER!]);
     const { vehicle } = flight;
-    expect(vehicle.state).toMatchObject({ type: 'copter', firmware: 'ardupilot', armed: false, inAir: false, ready: true });
+    expect(vehicle.state).toMatchObject({
+      type: 'copter',
+      firmware: 'ardupilot',
+      armed: false,
+      inAir: false,
+      ready: true,
+    });
     await flight.until(vehicle.setMode('GUIDED'));
     await flight.until(vehicle.arm());
     await flight.until(vehicle.takeoff(20));
@@ -97,7 +95,9 @@ describe('actions', () => {
     const packet = new Encoder(1, 1).build('HEARTBEAT', { type: 2, autopilot: 3 });
     const vehicle = new LinkVehicle(new Decoder().push(packet, Date.now())[0]!, (name) => sent.push(name));
     const place = { latitude: 47, longitude: 8 };
-    await expect(vehicle.goto(place)).rejects.toThrow('going to a position with 1/1 failed: its altitude is not known, enter one');
+    await expect(vehicle.goto(place)).rejects.toThrow(
+      'going to a position with 1/1 failed: its altitude is not known, enter one',
+    );
     await expect(vehicle.orbit({ center: place })).rejects.toThrow('orbiting with 1/1 failed');
     expect(sent).toEqual([]);
     vehicle.dispose();
@@ -134,7 +134,10 @@ describe('actions', () => {
     expect(takeoff.message).toBe('takeoff altitude must be positive and finite, got -5');
     const endless = await refusal(flight, flight.vehicle.takeoff(Infinity));
     expect(endless.message).toBe('takeoff altitude must be positive and finite, got Infinity');
-    const orbit = await refusal(flight, flight.vehicle.orbit({ center: { latitude: 47, longitude: 8 }, altitude: 10, radius: 0 }));
+    const orbit = await refusal(
+      flight,
+      flight.vehicle.orbit({ center: { latitude: 47, longitude: 8 }, altitude: 10, radius: 0 }),
+    );
     expect(orbit.message).toBe('orbit radius must be finite and not 0 (negative: counter-clockwise), got 0');
     const mode = await refusal(flight, flight.vehicle.setMode('QRTL'));
     expect(mode.message).toBe('changing to QRTL 1/1 failed: the vehicle has no mode QRTL');
@@ -210,8 +213,16 @@ describe('an action that was replaced', () => {
 
 describe('a vehicle without a position', () => {
   it.each([
-    ['goto', 'going to a position with 1/1 failed: its altitude is not known, enter one', (vehicle: LinkVehicle) => vehicle.goto({ latitude: 47, longitude: 8 })],
-    ['setAltitude', 'changing the altitude of 1/1 failed: no position yet', (vehicle: LinkVehicle) => vehicle.setAltitude(20)],
+    [
+      'goto',
+      'going to a position with 1/1 failed: its altitude is not known, enter one',
+      (vehicle: LinkVehicle) => vehicle.goto({ latitude: 47, longitude: 8 }),
+    ],
+    [
+      'setAltitude',
+      'changing the altitude of 1/1 failed: no position yet',
+      (vehicle: LinkVehicle) => vehicle.setAltitude(20),
+    ],
     ['takeoff of PX4', 'taking off 1/1 failed: no position yet', (vehicle: LinkVehicle) => vehicle.takeoff(20)],
   ])('is not sent to a guessed altitude: %s', async (_, text, act) => {
     const sent: string[] = [];
@@ -220,113 +231,6 @@ describe('a vehicle without a position', () => {
     await expect(act(vehicle)).rejects.toThrow(text);
     expect(sent).toEqual([]);
     vehicle.dispose();
-  });
-});
-
-describe('parameters', () => {
-  it('are read, set and listed, also over a link that loses packets', async () => {
-    const flight = await startFlight([ROVER!], { losesReceived: someLost(0.3) });
-    const progress: number[] = [];
-    const all = await flight.until(flight.vehicle.getParameters((done) => progress.push(done)));
-    expect(all.map(({ name }) => name)).toEqual([...all.map(({ name }) => name)].sort());
-    expect(all.length).toBe(flight.transport.vehicles[0]?.parameters.length);
-    expect(progress.at(-1)).toBe(all.length);
-    expect(await flight.until(flight.vehicle.getParameter('TURN_RADIUS'))).toEqual({
-      name: 'TURN_RADIUS', value: Math.fround(0.9), text: '0.9', type: 'REAL32',
-    });
-    expect(await flight.until(flight.vehicle.setParameter('CRUISE_SPEED', 2.5))).toMatchObject({ value: 2.5 });
-    expect(await flight.until(flight.vehicle.getParameter('CRUISE_SPEED'))).toMatchObject({ text: '2.5' });
-  });
-
-  it('are not refused by a late answer to the question for their type', async () => {
-    const flight = await startFlight([ROVER!]);
-    let old: DecodedMessage | null = null;
-    const end = flight.vehicle.onMessage('PARAM_VALUE', (message) => (old = message));
-    await flight.until(flight.vehicle.getParameter('CRUISE_SPEED'));
-    end();
-    const send = flight.vehicle.sendMessage.bind(flight.vehicle);
-    vi.spyOn(flight.vehicle, 'sendMessage').mockImplementation((name, fields) => {
-      send(name, fields);
-      if (name === 'PARAM_SET') flight.vehicle.take(old!);
-    });
-    expect(await flight.until(flight.vehicle.setParameter('CRUISE_SPEED', 2.25))).toMatchObject({ value: 2.25 });
-  });
-
-  it('that the vehicle keeps are refused', async () => {
-    const flight = await startFlight([ROVER!]);
-    const { parameters } = flight.transport.vehicles[0]!;
-    const kept = parameters.find(({ name }) => name === 'CRUISE_SPEED')!;
-    Object.defineProperty(kept, 'value', { get: () => 3, set: () => undefined });
-    const error = await refusal(flight, flight.vehicle.setParameter('CRUISE_SPEED', 2.5));
-    expect(error).toMatchObject({ kind: 'ParameterDenied', message: 'setting CRUISE_SPEED of 4/1 failed: the vehicle keeps 3' });
-  });
-
-  it('that their type cannot hold are not sent', async () => {
-    const flight = await startFlight([ROVER!]);
-    const whole = flight.transport.vehicles[0]!.parameters.find(({ type }) => type !== 9)!;
-    const before = whole.value;
-    for (const value of [1.5, 2 ** 40]) {
-      const error = await refusal(flight, flight.vehicle.setParameter(whole.name, value));
-      expect(error.kind).toBe('InvalidArgumentError');
-      expect(error.message).toMatch(new RegExp(`^${whole.name} is of type U?INT\\d+, which cannot hold ${value}$`));
-    }
-    expect(whole.value).toBe(before);
-  });
-
-  it('that do not exist end in one error', async () => {
-    const flight = await startFlight([ROVER!]);
-    const error = await refusal(flight, flight.vehicle.getParameter('NO_SUCH'));
-    expect(error.message).toBe('reading NO_SUCH of 4/1 failed: no answer to 5 requests');
-  });
-});
-
-describe('plans', () => {
-  const items = [1, 2, 3].map((seq) => ({
-    seq: seq - 1, command: 16, name: 'NAV_WAYPOINT', frame: 3, params: [0, 0, 0, null, 47 + seq / 8, 8.54, 30], autocontinue: true,
-  }));
-  const jump = { seq: 3, command: 177, name: 'DO_JUMP', frame: 3, params: [0, 2, 0, 0, 0, 0, 0], autocontinue: false };
-  // Metres north, east and down.
-  const local = { seq: 4, command: 16, name: 'NAV_WAYPOINT', frame: 1, params: [0, 0, 0, null, 12.5, -3.25, -10], autocontinue: true };
-  const plan: Plan = { items: [...items, jump, local], home: null };
-
-  it('come back as they were sent, without the home item of ArduPilot', async () => {
-    const flight = await startFlight([COPTER!], { losesReceived: someLost(0.2), losesSent: someLost(0.1) });
-    await flight.until(flight.vehicle.uploadPlan('mission', plan));
-    // Home, and jumps to the item after it.
-    expect(flight.transport.vehicles[0]?.autopilot.mission).toHaveLength(6);
-    expect(flight.transport.vehicles[0]?.autopilot.mission[4]?.params[0]).toBe(1);
-    const back = await flight.until(flight.vehicle.downloadPlan('mission'));
-    expect(back.items).toEqual(plan.items);
-    expect(back.home).toMatchObject({ latitude: 47.3494, longitude: 8.5363 });
-  });
-
-  it('can be cleared, each kind by itself', async () => {
-    const flight = await startFlight([COPTER!]);
-    await flight.until(flight.vehicle.uploadPlan('rally', { items: items.slice(0, 1), home: null }));
-    await flight.until(flight.vehicle.clearPlan('mission'));
-    expect((await flight.until(flight.vehicle.downloadPlan('rally'))).items).toHaveLength(1);
-    expect((await flight.until(flight.vehicle.downloadPlan('mission'))).items).toEqual([]);
-  });
-
-  it('are flown', async () => {
-    const flight = await startFlight([COPTER!]);
-    const near = { ...items[0]!, params: [0, 0, 0, null, 47.35, 8.537, 20] };
-    await flight.until(flight.vehicle.uploadPlan('mission', { items: [near], home: null }));
-    await flight.until(flight.vehicle.setMode('GUIDED'));
-    await flight.until(flight.vehicle.arm());
-    await flight.until(flight.vehicle.startMission());
-    await flight.pass(90);
-    expect(flight.vehicle.state.statusTexts.map(({ text }) => text)).toContain('Mission complete');
-  });
-
-  it('are paused where the vehicle is', async () => {
-    const flight = await startFlight([PLANE!]);
-    await flight.until(flight.vehicle.startMission());
-    await flight.pass(1);
-    expect(flight.vehicle.state.mode).toBe('AUTO');
-    await flight.until(flight.vehicle.pauseMission());
-    await flight.pass(1);
-    expect(flight.vehicle.state.mode).toBe('LOITER');
   });
 });
 
@@ -367,7 +271,15 @@ describe('capabilities', () => {
 
   it('follow from firmware, type and flags', async () => {
     const copter = (await startFlight([COPTER!])).vehicle.capabilities;
-    expect(copter).toMatchObject({ params: true, mission: true, fence: true, ftp: false, takeoff: true, vtol: false, msp: false });
+    expect(copter).toMatchObject({
+      params: true,
+      mission: true,
+      fence: true,
+      ftp: false,
+      takeoff: true,
+      vtol: false,
+      msp: false,
+    });
     expect(copter.calibration).toContain('compass-motor');
     const plane = (await startFlight([PLANE!])).vehicle.capabilities;
     expect(plane.calibration).toContain('airspeed');
@@ -378,7 +290,13 @@ describe('capabilities', () => {
     const flight = await startFlight([MSP!]);
     await flight.pass(5);
     expect(flight.vehicle.state).toMatchObject({ firmware: 'msp', mode: 'ANGLE', armed: true });
-    expect(flight.vehicle.capabilities).toMatchObject({ msp: true, mission: false, takeoff: false, osd: true, vtx: true });
+    expect(flight.vehicle.capabilities).toMatchObject({
+      msp: true,
+      mission: false,
+      takeoff: false,
+      osd: true,
+      vtx: true,
+    });
     const error = await refusal(flight, flight.vehicle.arm());
     expect(error.message).toBe('arming 7/1 failed: UNSUPPORTED');
   });

@@ -1,5 +1,6 @@
 /** A vehicle that the page itself talks to by MAVLink: over USB, or in the demo. */
 
+import { AutopilotVersion, HomePosition, MavFrame, MavModeFlag, MavProtocolCapability, MavResult } from '$generated';
 import { StationError } from '$lib/api/errors';
 import type { DecodedMessage } from '$lib/decoder/Decoder';
 import { distance } from '$lib/map/geometry';
@@ -8,31 +9,33 @@ import { EQUIPMENT_PARAMETERS, capabilitiesFrom, equipmentOf, type Equipment } f
 import { circle, type CircleSteps } from './link/circle';
 import { ConflictDetector, ONE_LINK } from './link/conflict';
 import { commandNumber, sendCommand, type CommandPlace } from './link/commands';
-import { armFirst, FORCE, orRestoreMode, startMission, takeOffInMode, type FlightSteps } from './link/flight';
+import { armFirst, FORCE, landByMission, orRestoreMode, startMission, takeOffInMode } from './link/flight';
+import type { FlightFacts, FlightSteps } from './link/flight';
 import { holdMode, landMode, NOT_SELECTABLE, RETURN_MODES } from './link/modes';
 import { PendingCommands } from './link/pending';
 import { encodingOf, type ParameterEncoding } from './link/parameterValue';
 import { readParameter, readParameters, writeParameter } from './link/parameters';
+import { aboveSea, homeAltitude, placeOf } from './link/places';
 import { PlanClient } from './link/plans';
 import { TelemetryRequests } from './link/telemetry';
 import { sequenceOf } from './missionItem';
 import { ObservedVehicle, type Send } from './ObservedVehicle.svelte';
 import type {
-  CommandResult, Mode, OrbitOptions, Parameter, Plan, PlanKind, ProgressListener, StatusText, Target, Vehicle,
+  CommandResult,
+  Mode,
+  OrbitOptions,
+  Parameter,
+  Plan,
+  PlanKind,
+  ProgressListener,
+  StatusText,
+  Target,
+  Vehicle,
 } from './Vehicle';
 import { ardupilotModes, px4Modes } from './vehicleType';
 
-const CUSTOM_MODE_ENABLED = 1;
-const GLOBAL = 0;
-const GLOBAL_RELATIVE_ALT_INT = 6;
-const UNSUPPORTED = 3;
-const AUTOPILOT_VERSION_ID = 148;
-const HOME_POSITION_ID = 242;
-/** MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE. */
-const BYTEWISE = 1 << 4;
 const DEFAULT_RADIUS = 20;
 const VERSION_DELAY = 500;
-const NO_LANDING = 'its mission has no landing sequence and it has no AUTOLAND mode: let it return home';
 
 /** Parameter by which ArduPilot tells a quadplane, which calls itself a plane. */
 const QUADPLANE_PARAMETER = 'Q_ENABLE';
@@ -124,29 +127,35 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
     const signal = this.pending.startAction();
     const steps = this.steps('taking off', signal);
     if (await this.isFixedWing()) return takeOffInMode(steps, altitude);
-    const height = this.state.firmware === 'px4' ? this.aboveSea('taking off', altitude) : altitude;
+    const height = this.state.firmware === 'px4' ? aboveSea(steps, altitude) : altitude;
     await orRestoreMode(steps, async () => {
       if (this.state.firmware === 'ardupilot') await steps.enter(['GUIDED']);
       await steps.send('NAV_TAKEOFF', [0, 0, 0, null, null, null, height]);
     });
   }
 
-  private steps(operation: string, signal: AbortSignal): FlightSteps {
+  private facts(operation: string): FlightFacts {
     return {
       state: this.state,
+      failure: (reason, kind = 'InvalidStateError') => this.failure(kind, operation, reason),
+    };
+  }
+
+  private steps(operation: string, signal: AbortSignal): FlightSteps {
+    return {
+      ...this.facts(operation),
       signal,
       enter: (modes) => this.enter(operation, modes, signal),
       send: (command, params) => this.transmit(operation, command, params, undefined, signal),
       getParameter: (name) => this.getParameter(name),
       setParameter: (name, value) => this.setParameter(name, value),
-      failure: (reason) => this.failure('InvalidStateError', operation, reason),
     };
   }
 
   async land(): Promise<void> {
     const signal = this.pending.startAction();
     const { firmware, type } = this.state;
-    if (await this.isFixedWing()) return this.landByMission(signal);
+    if (await this.isFixedWing()) return landByMission(this.steps('landing', signal));
     const kind = firmware === 'ardupilot' && type === 'plane' ? 'vtol' : type;
     await this.enter('landing', [landMode(firmware, kind)], signal);
   }
@@ -161,14 +170,16 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
 
   async goto(target: Target, altitude?: number): Promise<void> {
     const operation = 'going to a position with';
-    await this.act(operation, 'DO_REPOSITION', [-1, 1, 0, null], this.placeOf(operation, target, altitude));
+    await this.act(operation, 'DO_REPOSITION', [-1, 1, 0, null], placeOf(this.facts(operation), target, altitude));
   }
 
   async orbit({ center, altitude, radius = DEFAULT_RADIUS, speed }: OrbitOptions): Promise<void> {
     const operation = 'orbiting with';
-    if (this.capabilities.orbit === false) throw this.failure('ActionUnsupported', operation, 'the vehicle has no command for it');
-    const place = this.placeOf(operation, center, altitude);
-    if (this.state.firmware !== 'ardupilot') return this.act(operation, 'DO_ORBIT', [radius, speed ?? null, 0, 0], place);
+    if (this.capabilities.orbit === false)
+      throw this.failure('ActionUnsupported', operation, 'the vehicle has no command for it');
+    const place = placeOf(this.facts(operation), center, altitude);
+    if (this.state.firmware !== 'ardupilot')
+      return this.act(operation, 'DO_ORBIT', [radius, speed ?? null, 0, 0], place);
     const signal = this.pending.startAction();
     await circle(this.circleSteps(operation, place, signal), radius, speed);
   }
@@ -191,17 +202,18 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
   async lookAt(target: Target | null, altitude = 0): Promise<void> {
     const operation = 'setting the region of interest of';
     if (target === null) return this.lookAhead(operation);
-    const place = this.state.firmware === 'px4'
-      ? { ...target, frame: GLOBAL, altitude: this.homeAltitude(operation) + altitude }
-      : this.placeOf(operation, target, altitude);
+    const place =
+      this.state.firmware === 'px4'
+        ? { ...target, frame: MavFrame.GLOBAL, altitude: homeAltitude(this.facts(operation)) + altitude }
+        : placeOf(this.facts(operation), target, altitude);
     await this.transmit(operation, 'DO_SET_ROI_LOCATION', [], place);
   }
 
   async setHome(target: Target): Promise<void> {
     const operation = 'setting the home position of';
-    const place = { ...target, frame: GLOBAL, altitude: this.homeAltitude(operation) };
+    const place = { ...target, frame: MavFrame.GLOBAL, altitude: homeAltitude(this.facts(operation)) };
     await this.transmit(operation, 'DO_SET_HOME', [0, 0, 0, null], place);
-    this.requestMessage(HOME_POSITION_ID);
+    this.requestMessage(HomePosition.info.id);
   }
 
   async setSpeed(speed: number): Promise<void> {
@@ -279,21 +291,9 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
     return vtolState === null && this.quadplane !== true;
   }
 
-  /** Starts the landing sequence of the mission; a plane without one lands in AUTOLAND, which Plane 4.7 has. */
-  private async landByMission(signal: AbortSignal): Promise<void> {
-    try {
-      await this.transmit('landing', 'DO_LAND_START', [], undefined, signal);
-    } catch (error) {
-      if (!(error instanceof StationError) || error.kind !== 'CommandDenied') throw error;
-      await this.enter('landing', ['AUTOLAND'], signal).catch((reason: unknown) => {
-        throw signal.aborted ? reason : this.failure('CommandDenied', 'landing', NO_LANDING);
-      });
-    }
-  }
-
   private get encoding(): ParameterEncoding {
     if (this.flags === null) return encodingOf(this.state.firmware) ?? 'cast';
-    return (this.flags & BYTEWISE) !== 0 ? 'bytewise' : 'cast';
+    return (BigInt(this.flags) & MavProtocolCapability.PARAM_ENCODE_BYTEWISE) !== 0n ? 'bytewise' : 'cast';
   }
 
   private get hasHomeItem(): boolean {
@@ -301,7 +301,7 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
   }
 
   private requestFacts(): void {
-    for (const id of [AUTOPILOT_VERSION_ID, HOME_POSITION_ID]) this.requestMessage(id);
+    for (const id of [AutopilotVersion.info.id, HomePosition.info.id]) this.requestMessage(id);
   }
 
   private requestMessage(id: number): void {
@@ -331,47 +331,38 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
     return new StationError(kind, `${operation} ${this.system}/${this.component} failed: ${reason}`);
   }
 
-  /** Returns a place at an altitude above home, at the present one if it is left out. */
-  private placeOf(operation: string, target: Target, altitude?: number): CommandPlace {
-    const height = altitude ?? this.state.position?.relativeAltitude ?? null;
-    if (height === null) throw this.failure('InvalidStateError', operation, 'its altitude is not known, enter one');
-    return { ...target, frame: GLOBAL_RELATIVE_ALT_INT, altitude: height };
-  }
-
   /** Points ahead again; ArduPilot before 4.2 takes a place of zeros for it. */
   private async lookAhead(operation: string): Promise<void> {
     try {
       await this.transmit(operation, 'DO_SET_ROI_NONE', []);
     } catch (error) {
-      if (!(error instanceof StationError) || error.code !== UNSUPPORTED || this.state.firmware !== 'ardupilot') throw error;
-      const place = { latitude: 0, longitude: 0, altitude: 0, frame: GLOBAL_RELATIVE_ALT_INT };
+      if (
+        !(error instanceof StationError) ||
+        error.code !== MavResult.UNSUPPORTED ||
+        this.state.firmware !== 'ardupilot'
+      )
+        throw error;
+      const place = { latitude: 0, longitude: 0, altitude: 0, frame: MavFrame.GLOBAL_RELATIVE_ALT_INT };
       await this.transmit(operation, 'DO_SET_ROI_LOCATION', [], place);
     }
   }
 
-  /** Returns the altitude of home above mean sea level. */
-  private homeAltitude(operation: string): number {
-    const altitude = this.state.home?.altitude ?? null;
-    if (altitude === null) throw this.failure('InvalidStateError', operation, 'its home position is not known yet');
-    return altitude;
-  }
-
-  /** PX4 takes altitudes above mean sea level. */
-  private aboveSea(operation: string, altitude: number): number {
-    const sea = this.state.position?.altitude ?? null;
-    if (sea === null) throw this.failure('InvalidStateError', operation, 'no position yet');
-    return sea + altitude;
-  }
-
   /** Sends the command of an action of the pilot, which replaces an earlier one. */
   private async act(
-    operation: string, command: string, params: readonly (number | null)[], place?: CommandPlace,
+    operation: string,
+    command: string,
+    params: readonly (number | null)[],
+    place?: CommandPlace,
   ): Promise<void> {
     await this.transmit(operation, command, params, place, this.pending.startAction());
   }
 
   private async transmit(
-    operation: string, command: string | number, params: readonly (number | null)[], place?: CommandPlace, action?: AbortSignal,
+    operation: string,
+    command: string | number,
+    params: readonly (number | null)[],
+    place?: CommandPlace,
+    action?: AbortSignal,
   ): Promise<CommandResult> {
     this.refuseInConflict(operation);
     return this.pending.run(commandNumber(command), params, action, (signal) =>
@@ -380,7 +371,9 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
   }
 
   private async enter(
-    operation: string, names: readonly string[], action: AbortSignal = this.pending.startAction(),
+    operation: string,
+    names: readonly string[],
+    action: AbortSignal = this.pending.startAction(),
   ): Promise<void> {
     const modes = this.modeNumbers();
     const number = names.map((name) => modes[name]).find((value) => value !== undefined);
@@ -389,7 +382,7 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
     }
     const main = this.state.firmware === 'px4' ? (number >>> 16) & 0xff : number;
     const sub = this.state.firmware === 'px4' ? number >>> 24 : 0;
-    await this.transmit(operation, 'DO_SET_MODE', [CUSTOM_MODE_ENABLED, main, sub], undefined, action);
+    await this.transmit(operation, 'DO_SET_MODE', [MavModeFlag.CUSTOM_MODE_ENABLED, main, sub], undefined, action);
   }
 
   private modeNumbers(): Readonly<Record<string, number>> {

@@ -5,7 +5,14 @@ import type { DecodedMessage, SentFields } from '$lib/decoder/Decoder';
 
 import { UNKNOWN_CAPABILITIES, type Capabilities } from './capabilities';
 import { StateTracker } from './StateTracker';
-import { isAmbiguous, type Conflict, type MessageListener, type Plan, type StatusText, type VehicleState } from './Vehicle';
+import {
+  isAmbiguous,
+  type Conflict,
+  type MessageListener,
+  type Plan,
+  type StatusText,
+  type VehicleState,
+} from './Vehicle';
 
 /** Sends a message by its name to all vehicles of the transport. */
 export type Send = (name: string, fields: SentFields) => void;
@@ -14,7 +21,13 @@ export type Home = NonNullable<Plan['home']>;
 
 /** Messages that ask and change nothing: they may go to both vehicles of a conflict. */
 const READS: ReadonlySet<string> = new Set([
-  'PARAM_REQUEST_READ', 'PARAM_REQUEST_LIST', 'MISSION_REQUEST_LIST', 'MISSION_REQUEST_INT', 'MISSION_ACK', 'TIMESYNC', 'PING',
+  'PARAM_REQUEST_READ',
+  'PARAM_REQUEST_LIST',
+  'MISSION_REQUEST_LIST',
+  'MISSION_REQUEST_INT',
+  'MISSION_ACK',
+  'TIMESYNC',
+  'PING',
 ]);
 /** SET_MESSAGE_INTERVAL and REQUEST_MESSAGE. */
 const READING_COMMANDS: ReadonlySet<unknown> = new Set([511, 512]);
@@ -53,7 +66,7 @@ export class ObservedVehicle {
   }
 
   sendMessage(name: string, fields: SentFields): void {
-    const reads = READS.has(name) || (name === 'COMMAND_LONG' && READING_COMMANDS.has(fields['command']));
+    const reads = READS.has(name) || (name === 'COMMAND_LONG' && READING_COMMANDS.has(fields.command));
     if (this.isAmbiguous && !reads) return;
     this.send(name, { target_system: this.system, target_component: this.component, ...fields });
   }

@@ -37,7 +37,9 @@ it('points at places and moves home by the API', async () => {
   await vehicle.lookAt(null);
   await vehicle.setHome(place);
   vehicle.dispose();
-  expect(calls.slice(1)).toEqual(['roi', 'roi/clear', 'home'].map((path) => `POST /api/vehicles/1/${path}?accepted=true`));
+  expect(calls.slice(1)).toEqual(
+    ['roi', 'roi/clear', 'home'].map((path) => `POST /api/vehicles/1/${path}?accepted=true`),
+  );
 });
 
 it('asks for them again, until it is left', async () => {
@@ -65,16 +67,28 @@ it('writes names of parameters so that they are no part of the path', async () =
 
 it('shows the texts that the vehicle sent before the page was opened, once and by the clock of the page', async () => {
   vi.setSystemTime(1_790_000_100_000);
-  const text = (time: number, words: string, severity: string | number = 'WARNING') => ({ time, severity, text: words, component: 1 });
+  const text = (time: number, words: string, severity: string | number = 'WARNING') => ({
+    time,
+    severity,
+    text: words,
+    component: 1,
+  });
   // The clock of the station is an hour ahead.
   const kept = [text(3590, 'Compass calibrated', 'INFO'), text(3598, 'PreArm: GPS'), text(3599.9, 'EKF3 active', 6)];
   const { vehicle } = vehicleOf(() => ({ capabilities: {}, time: 3600, status_texts: kept }));
-  const [live] = new Decoder().push(new Encoder(1, 1).build('STATUSTEXT', { severity: 6, text: 'EKF3 active' }), Date.now());
+  const [live] = new Decoder().push(
+    new Encoder(1, 1).build('STATUSTEXT', { severity: 6, text: 'EKF3 active' }),
+    Date.now(),
+  );
   vehicle.take(live!);
   await vi.advanceTimersByTimeAsync(0);
   vehicle.publish(Date.now());
-  expect(vehicle.state.statusTexts.map(({ text: words, severity, time }) => [words, severity, Date.now() - time])).toEqual([
-    ['Compass calibrated', 6, 10_000], ['PreArm: GPS', 4, 2000], ['EKF3 active', 6, 0],
+  expect(
+    vehicle.state.statusTexts.map(({ text: words, severity, time }) => [words, severity, Date.now() - time]),
+  ).toEqual([
+    ['Compass calibrated', 6, 10_000],
+    ['PreArm: GPS', 4, 2000],
+    ['EKF3 active', 6, 0],
   ]);
   expect(vehicle.takeLearned().map((each) => each.text)).toEqual(['Compass calibrated', 'PreArm: GPS']);
   await vi.advanceTimersByTimeAsync(2000);
@@ -84,9 +98,17 @@ it('shows the texts that the vehicle sent before the page was opened, once and b
 });
 
 const CONFLICT = {
-  text: 'two vehicles use system id 1', differs: ['position'], chosen: null,
+  text: 'two vehicles use system id 1',
+  differs: ['position'],
+  chosen: null,
   senders: [
-    { channel: 'udpin 127.0.0.1:4001', type: 'quadrotor with ArduPilot', unique_id: 'ab', position: null, chosen: false },
+    {
+      channel: 'udpin 127.0.0.1:4001',
+      type: 'quadrotor with ArduPilot',
+      unique_id: 'ab',
+      position: null,
+      chosen: false,
+    },
     { channel: 'udpin 127.0.0.1:4002', type: 'rover with ArduPilot', unique_id: null, position: null, chosen: false },
   ],
 };
@@ -98,17 +120,28 @@ it('acts on neither of two vehicles with its id, until one is chosen', async () 
   const fetcher = (url: string, init: RequestInit): Promise<Response> => {
     calls.push(`${init.method} ${url}`);
     if (url.endsWith('sender')) chosen = (JSON.parse(String(init.body)) as { channel: string }).channel;
-    return Promise.resolve(new Response(JSON.stringify({ capabilities: {}, id: 2, conflict: { ...CONFLICT, chosen } })));
+    return Promise.resolve(
+      new Response(JSON.stringify({ capabilities: {}, id: 2, conflict: { ...CONFLICT, chosen } })),
+    );
   };
-  const vehicle = new ServerVehicle(heartbeat, (name) => void sent.push(name), new ApiClient('/api', fetcher as typeof fetch));
+  const vehicle = new ServerVehicle(
+    heartbeat,
+    (name) => void sent.push(name),
+    new ApiClient('/api', fetcher as typeof fetch),
+  );
   await vi.advanceTimersByTimeAsync(0);
   vehicle.publish(Date.now());
   expect(vehicle.state.conflict?.senders.map((each) => each.uniqueId)).toEqual(['ab', null]);
   calls.length = 0;
   const plan = { items: [], home: null };
   const acts = [
-    () => vehicle.arm(), () => vehicle.takeoff(5), () => vehicle.setMode('RTL'), () => vehicle.sendCommand('DO_SET_MODE'),
-    () => vehicle.setParameter('RTL_ALT', 1), () => vehicle.uploadPlan('mission', plan), () => vehicle.clearPlan('mission'),
+    () => vehicle.arm(),
+    () => vehicle.takeoff(5),
+    () => vehicle.setMode('RTL'),
+    () => vehicle.sendCommand('DO_SET_MODE'),
+    () => vehicle.setParameter('RTL_ALT', 1),
+    () => vehicle.uploadPlan('mission', plan),
+    () => vehicle.clearPlan('mission'),
   ];
   for (const act of acts) await expect(act()).rejects.toMatchObject({ kind: 'SystemIdConflictError' });
   vehicle.sendMessage('MANUAL_CONTROL', {});

@@ -9,7 +9,17 @@ import { UNKNOWN_CAPABILITIES, capabilitiesFrom, type Capabilities } from './cap
 import { sequenceOf } from './missionItem';
 import { ObservedVehicle, type Home, type Send } from './ObservedVehicle.svelte';
 import type {
-  CommandResult, Mode, OrbitOptions, Parameter, Plan, PlanItem, PlanKind, ProgressListener, StatusText, Target, Vehicle,
+  CommandResult,
+  Mode,
+  OrbitOptions,
+  Parameter,
+  Plan,
+  PlanItem,
+  PlanKind,
+  ProgressListener,
+  StatusText,
+  Target,
+  Vehicle,
 } from './Vehicle';
 
 interface ServerCapabilities {
@@ -189,7 +199,15 @@ export class ServerVehicle extends ObservedVehicle implements Vehicle {
 
   async uploadPlan(kind: PlanKind, plan: Plan, onProgress?: ProgressListener): Promise<void> {
     this.refuseInConflict(`uploading the ${kind} to`);
-    const file = { fileType: 'MavstackPlan', version: 1, home: plan.home, mission: [], fence: [], rally: [], [kind]: plan.items };
+    const file = {
+      fileType: 'MavstackPlan',
+      version: 1,
+      home: plan.home,
+      mission: [],
+      fence: [],
+      rally: [],
+      [kind]: plan.items,
+    };
     await this.api.longJson('PUT', this.path(kind), onProgress, file);
   }
 
@@ -212,7 +230,12 @@ export class ServerVehicle extends ObservedVehicle implements Vehicle {
     const known = conflict && {
       text: conflict.text,
       chosen: conflict.chosen,
-      senders: conflict.senders.map(({ channel, type, unique_id, position }) => ({ channel, type, uniqueId: unique_id, position })),
+      senders: conflict.senders.map(({ channel, type, unique_id, position }) => ({
+        channel,
+        type,
+        uniqueId: unique_id,
+        position,
+      })),
     };
     if (JSON.stringify(known) !== JSON.stringify(this.conflict)) this.setConflict(known);
   }
@@ -255,7 +278,8 @@ function textsOf({ time = 0, status_texts: texts = [] }: ServerFacts, system: nu
     system,
     component,
     text,
-    severity: typeof severity === 'number' ? severity : (MavSeverity[severity as keyof typeof MavSeverity] ?? MavSeverity.INFO),
+    severity:
+      typeof severity === 'number' ? severity : (MavSeverity[severity as keyof typeof MavSeverity] ?? MavSeverity.INFO),
     time: Date.now() - (time - each.time) * 1000,
   }));
 }

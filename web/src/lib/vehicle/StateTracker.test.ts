@@ -39,17 +39,42 @@ describe('StateTracker', () => {
   it('reads mode, arming, attitude and position in degrees and metres', () => {
     const scene = new Station();
     scene.take('ATTITUDE', { roll: Math.PI / 6, yaw: -Math.PI / 2 });
-    scene.take('GLOBAL_POSITION_INT', { lat: 473_977_420, lon: 85_455_940, alt: 488_000, relative_alt: 12_500, vx: 300, vy: 400, vz: -100 });
-    expect(scene.state).toMatchObject({ mode: 'GUIDED', armed: true, type: 'copter', firmware: 'ardupilot', groundSpeed: 5, climbRate: 1 });
+    scene.take('GLOBAL_POSITION_INT', {
+      lat: 473_977_420,
+      lon: 85_455_940,
+      alt: 488_000,
+      relative_alt: 12_500,
+      vx: 300,
+      vy: 400,
+      vz: -100,
+    });
+    expect(scene.state).toMatchObject({
+      mode: 'GUIDED',
+      armed: true,
+      type: 'copter',
+      firmware: 'ardupilot',
+      groundSpeed: 5,
+      climbRate: 1,
+    });
     expect(scene.state.roll).toBeCloseTo(30, 4);
     expect(scene.state.heading).toBeCloseTo(270, 4);
-    expect(scene.state.position).toEqual({ latitude: 47.397742, longitude: 8.545594, altitude: 488, relativeAltitude: 12.5 });
+    expect(scene.state.position).toEqual({
+      latitude: 47.397742,
+      longitude: 8.545594,
+      altitude: 488,
+      relativeAltitude: 12.5,
+    });
   });
 
   it('reads the health of the estimate, vibrations, the fence and the charge, of the autopilot only', () => {
     const scene = new Station();
     expect(scene.state).toMatchObject({ estimator: null, vibration: null, fenceBreached: null });
-    scene.take('EKF_STATUS_REPORT', { flags: 0x33f, velocity_variance: 0.1, pos_horiz_variance: 0.4, compass_variance: 0.2 });
+    scene.take('EKF_STATUS_REPORT', {
+      flags: 0x33f,
+      velocity_variance: 0.1,
+      pos_horiz_variance: 0.4,
+      compass_variance: 0.2,
+    });
     expect(scene.state.estimator).toMatchObject({ worst: 'position', isInitialized: true });
     expect(scene.state.estimator?.ratio).toBeCloseTo(0.5);
     scene.take('EKF_STATUS_REPORT', { flags: 1024 });
@@ -74,7 +99,11 @@ describe('StateTracker', () => {
 
   it('adds the cells of a battery', () => {
     const scene = new Station();
-    scene.take('BATTERY_STATUS', { voltages: [4000, 4010, 3990, ...Array<number>(7).fill(65_535)], current_battery: 1250, battery_remaining: 80 });
+    scene.take('BATTERY_STATUS', {
+      voltages: [4000, 4010, 3990, ...Array<number>(7).fill(65_535)],
+      current_battery: 1250,
+      battery_remaining: 80,
+    });
     expect(scene.state.battery).toMatchObject({ current: 12.5, remaining: 0.8, cells: [4, 4.01, 3.99] });
     expect(scene.state.battery?.voltage).toBeCloseTo(12, 6);
   });
@@ -115,13 +144,16 @@ describe('StateTracker', () => {
   it('reads radio channels of RC_CHANNELS_RAW, port by port, where RC_CHANNELS is missing', () => {
     const scene = new Station();
     const port = (number: number, first: number): object =>
-      Object.fromEntries(Array.from({ length: 8 }, (_, index) => [`chan${index + 1}_raw`, first + index]).concat([['port', number]]));
+      Object.fromEntries(
+        Array.from({ length: 8 }, (_, index) => [`chan${index + 1}_raw`, first + index]).concat([['port', number]]),
+      );
     scene.take('RC_CHANNELS_RAW', { ...port(1, 1109), chan8_raw: 0xffff, rssi: 1 });
     scene.take('RC_CHANNELS_RAW', { ...port(0, 1101), chan2_raw: 0, rssi: 127 });
     scene.take('RC_CHANNELS_RAW', { ...port(0, 900) }, true);
     scene.take('RC_CHANNELS_RAW', { ...port(200, 900) });
     expect(scene.state.rc).toEqual({
-      channels: [1101, null, 1103, 1104, 1105, 1106, 1107, 1108, 1109, 1110, 1111, 1112, 1113, 1114, 1115, null], rssi: 0.5,
+      channels: [1101, null, 1103, 1104, 1105, 1106, 1107, 1108, 1109, 1110, 1111, 1112, 1113, 1114, 1115, null],
+      rssi: 0.5,
     });
     scene.take('RC_CHANNELS', { chancount: 2, chan1_raw: 1500, chan2_raw: 0, rssi: 254 });
     scene.take('RC_CHANNELS_RAW', port(0, 1101) as SentFields);

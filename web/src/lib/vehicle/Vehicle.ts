@@ -5,7 +5,18 @@ import type { DecodedMessage } from '$lib/decoder/Decoder';
 import type { Capabilities } from './capabilities';
 
 export type VehicleType =
-  | 'copter' | 'helicopter' | 'plane' | 'vtol' | 'rover' | 'boat' | 'sub' | 'blimp' | 'balloon' | 'rocket' | 'tracker' | 'unknown';
+  | 'copter'
+  | 'helicopter'
+  | 'plane'
+  | 'vtol'
+  | 'rover'
+  | 'boat'
+  | 'sub'
+  | 'blimp'
+  | 'balloon'
+  | 'rocket'
+  | 'tracker'
+  | 'unknown';
 
 /** A place; altitudes are in m, null where the source does not tell them. */
 export interface Position {
@@ -221,7 +232,9 @@ export interface Vehicle {
 
   /** Sends a command by its name without `MAV_CMD_` or its number; missing parameters are zero, null is NaN. */
   sendCommand(command: string | number, params?: readonly (number | null)[]): Promise<CommandResult>;
-  /** Arms; leaves a mode first in which the firmware does not arm, and refuses in one in which it would start by itself. */
+  /**
+   * Arms; leaves a mode first in which the firmware does not arm, and refuses in one in which it would start by itself.
+   */
   arm(force?: boolean): Promise<void>;
   disarm(force?: boolean): Promise<void>;
   takeoff(altitude: number): Promise<void>;

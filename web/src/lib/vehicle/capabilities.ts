@@ -78,7 +78,15 @@ const FENCE = 1 << 14;
 const RALLY = 1 << 15;
 
 const ALL_CALIBRATIONS = [
-  'accelerometer', 'gyroscope', 'compass', 'level', 'airspeed', 'barometer', 'radio', 'esc', 'compass-motor',
+  'accelerometer',
+  'gyroscope',
+  'compass',
+  'level',
+  'airspeed',
+  'barometer',
+  'radio',
+  'esc',
+  'compass-motor',
 ] as const;
 const GROUND_TYPES: ReadonlySet<VehicleType> = new Set(['rover', 'boat']);
 /** Types that circle places with ArduPilot. */
@@ -89,16 +97,48 @@ const ESC_TYPES: ReadonlySet<VehicleType> = new Set(['copter', 'helicopter', 'vt
 /** Features by firmware that do not depend on the vehicle's own flags. */
 const FIRMWARE: Readonly<Record<VehicleState['firmware'], Partial<Capabilities>>> = {
   ardupilot: {
-    params: true, mission: true, logs: true, motorTest: true, shell: false, events: false, manualControl: true, msp: false,
+    params: true,
+    mission: true,
+    logs: true,
+    motorTest: true,
+    shell: false,
+    events: false,
+    manualControl: true,
+    msp: false,
   },
   px4: {
-    params: true, mission: true, logs: true, motorTest: true, shell: true, manualControl: true, ekfSources: false, msp: false,
+    params: true,
+    mission: true,
+    logs: true,
+    motorTest: true,
+    shell: true,
+    manualControl: true,
+    ekfSources: false,
+    msp: false,
   },
   // Betaflight and iNav: their pilot flies them by radio control. iNav has missions, which its flags tell.
   msp: {
-    params: true, fence: false, rally: false, ftp: false, logs: false, shell: false, events: false,
-    setpoints: false, takeoff: false, goto: false, orbit: false, roi: false, home: false, manualControl: false, motorTest: false,
-    terminate: false, vtol: false, ekfSources: false, gripper: false, winch: false, msp: true,
+    params: true,
+    fence: false,
+    rally: false,
+    ftp: false,
+    logs: false,
+    shell: false,
+    events: false,
+    setpoints: false,
+    takeoff: false,
+    goto: false,
+    orbit: false,
+    roi: false,
+    home: false,
+    manualControl: false,
+    motorTest: false,
+    terminate: false,
+    vtol: false,
+    ekfSources: false,
+    gripper: false,
+    winch: false,
+    msp: true,
     calibration: ['accelerometer', 'compass'],
   },
   other: {},
@@ -111,7 +151,10 @@ const FIRMWARE: Readonly<Record<VehicleState['firmware'], Partial<Capabilities>>
  * @param equipment - What parameters of the vehicle told, such as `{ osd: true }`.
  */
 export function capabilitiesFrom(
-  firmware: VehicleState['firmware'], type: VehicleType, flags: number | null, equipment: Equipment = {},
+  firmware: VehicleState['firmware'],
+  type: VehicleType,
+  flags: number | null,
+  equipment: Equipment = {},
 ): Capabilities {
   const flag = (bit: number): Capability => (flags === null ? null : (flags & bit) !== 0);
   const isGround = GROUND_TYPES.has(type);
@@ -139,7 +182,10 @@ export function capabilitiesFrom(
 export type Equipment = Readonly<Partial<Record<'osd' | 'vtx', boolean>>>;
 
 /** Parameters by which a bridge of an MSP flight controller tells what the firmware has. */
-export const EQUIPMENT_PARAMETERS: Readonly<Record<string, keyof Equipment>> = { MSP_HAS_OSD: 'osd', MSP_HAS_VTX: 'vtx' };
+export const EQUIPMENT_PARAMETERS: Readonly<Record<string, keyof Equipment>> = {
+  MSP_HAS_OSD: 'osd',
+  MSP_HAS_VTX: 'vtx',
+};
 
 /** Returns the equipment that a parameter tells of, or null. */
 export function equipmentOf(parameter: string, value: number): Equipment | null {

@@ -8,8 +8,16 @@ const ACTIVE = 4;
 const CRITICAL = 5;
 
 const PLANE: Evidence = {
-  type: 'plane', firmware: 'ardupilot', armed: true, systemStatus: STANDBY, landedState: null, position: null,
-  airSpeed: 0.4, groundSpeed: 0.1, climbRate: 0, throttle: 0,
+  type: 'plane',
+  firmware: 'ardupilot',
+  armed: true,
+  systemStatus: STANDBY,
+  landedState: null,
+  position: null,
+  airSpeed: 0.4,
+  groundSpeed: 0.1,
+  climbRate: 0,
+  throttle: 0,
 };
 const at = (relativeAltitude: number) => ({ latitude: 47, longitude: 8, altitude: 500, relativeAltitude });
 const found = (changes: Partial<Evidence>, age = Infinity): boolean | null => isInAir({ ...PLANE, ...changes }, age);

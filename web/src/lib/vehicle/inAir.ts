@@ -1,15 +1,24 @@
 /**
  * Whether a vehicle flies: by its landed state, and by its heartbeat and its motion where it sends none.
  *
- * The landed state and ArduPilot's heartbeat are judged as in `mavstack.vehicle` (telemetry/readers/state.py). Motion is
- * the evidence of other firmwares, and of a heartbeat that tells a failsafe instead.
+ * The landed state and ArduPilot's heartbeat are judged as in `mavstack.vehicle` (telemetry/readers/state.py). Motion
+ * is the evidence of other firmwares, and of a heartbeat that tells a failsafe instead.
  */
 
 import type { VehicleState, VehicleType } from './Vehicle';
 
 type Evidence = Pick<
   VehicleState,
-  'type' | 'firmware' | 'armed' | 'systemStatus' | 'landedState' | 'position' | 'airSpeed' | 'groundSpeed' | 'climbRate' | 'throttle'
+  | 'type'
+  | 'firmware'
+  | 'armed'
+  | 'systemStatus'
+  | 'landedState'
+  | 'position'
+  | 'airSpeed'
+  | 'groundSpeed'
+  | 'climbRate'
+  | 'throttle'
 >;
 
 /** MAV_LANDED_STATE. */

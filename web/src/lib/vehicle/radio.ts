@@ -15,12 +15,12 @@ const MAX_PORTS = 4;
 
 /** Returns the radio control of RC_CHANNELS. */
 export function radioOf(fields: Fields): Radio {
-  return { channels: pulses(fields, Number(fields['chancount'])), rssi: rssiOf(fields) };
+  return { channels: pulses(fields, Number(fields.chancount)), rssi: rssiOf(fields) };
 }
 
 /** Returns a radio control with the channels of a port of RC_CHANNELS_RAW. */
 export function withPort(before: Radio | null, fields: Fields): Radio | null {
-  const port = Number(fields['port'] ?? 0);
+  const port = Number(fields.port ?? 0);
   if (port >= MAX_PORTS) return before;
   const first = port * PORT_CHANNELS;
   const [own, others] = [pulses(fields, PORT_CHANNELS), before?.channels ?? []];
@@ -41,6 +41,6 @@ function pulses(fields: Fields, count: number): (number | null)[] {
 }
 
 function rssiOf(fields: Fields): number | null {
-  const rssi = Number(fields['rssi']);
+  const rssi = Number(fields.rssi);
   return rssi === NO_U8 ? null : rssi / MAX_RSSI;
 }

@@ -1,7 +1,8 @@
 /** A vehicle of the demo behind a link in virtual time, for tests. */
 
-import { vi } from 'vitest';
+import { expect, vi } from 'vitest';
 
+import { StationError } from '$lib/api/errors';
 import { Decoder, Encoder } from '$lib/decoder/Decoder';
 import type { MockProfile } from '$lib/transport/mock/profiles';
 import { MockTransport } from '$lib/transport/MockTransport';
@@ -68,4 +69,11 @@ export async function startFlight(profiles: readonly MockProfile[], options: Lin
     return settled;
   };
   return { transport, vehicle: flown, sent, pass, until };
+}
+
+/** Returns the error in which an action ends. */
+export async function refusal(flight: Flight, action: Promise<unknown>): Promise<StationError> {
+  const error: unknown = await flight.until(action).catch((reason: unknown) => reason);
+  expect(error).toBeInstanceOf(StationError);
+  return error as StationError;
 }

@@ -45,13 +45,32 @@ export function firmwareOf(autopilot: number): VehicleState['firmware'] {
 const PX4_POSITION = 3;
 const PX4_AUTO = 4;
 const PX4_MAIN_MODES: readonly (string | undefined)[] = [
-  undefined, 'MANUAL', 'ALTCTL', 'POSCTL', 'AUTO', 'ACRO', 'OFFBOARD', 'STABILIZED', 'RATTITUDE', 'SIMPLE',
-  'TERMINATION', 'ALTITUDE_CRUISE',
+  undefined,
+  'MANUAL',
+  'ALTCTL',
+  'POSCTL',
+  'AUTO',
+  'ACRO',
+  'OFFBOARD',
+  'STABILIZED',
+  'RATTITUDE',
+  'SIMPLE',
+  'TERMINATION',
+  'ALTITUDE_CRUISE',
 ];
 const PX4_SUB_MODES: Readonly<Record<number, readonly (string | undefined)[]>> = {
   [PX4_POSITION]: [undefined, 'ORBIT', 'POSITION_SLOW'],
   [PX4_AUTO]: [
-    undefined, 'READY', 'TAKEOFF', 'LOITER', 'MISSION', 'RTL', 'LAND', undefined, 'FOLLOW_TARGET', 'PRECLAND',
+    undefined,
+    'READY',
+    'TAKEOFF',
+    'LOITER',
+    'MISSION',
+    'RTL',
+    'LAND',
+    undefined,
+    'FOLLOW_TARGET',
+    'PRECLAND',
     'VTOL_TAKEOFF',
   ],
 };

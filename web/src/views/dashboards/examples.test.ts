@@ -20,11 +20,14 @@ describe.each(EXAMPLES)('$id', ({ dashboard }) => {
     const columns = dashboard.sources.flatMap((url) => {
       const query = new URL(url.replace('csv+tcp', 'http')).searchParams;
       const templates = query.has('template') ? parseTemplates(query.get('template')!) : [];
-      return templates.flatMap((each) => each.columns.map((column) => `${query.get('name')}:${each.message}.${column?.name}`));
+      return templates.flatMap((each) =>
+        each.columns.map((column) => `${query.get('name')}:${each.message}.${column?.name}`),
+      );
     });
     for (const { ref } of dashboard.widgets.flatMap((widget) => widget.fields)) {
       const known = messageInfo(ref.message)?.fields.some((each) => each.name === ref.field);
-      const computed = ref.source.startsWith('script:') && dashboard.scripts.some(({ name }) => ref.source.endsWith(name));
+      const computed =
+        ref.source.startsWith('script:') && dashboard.scripts.some(({ name }) => ref.source.endsWith(name));
       expect(known || computed || columns.includes(`${ref.source}:${ref.message}.${ref.field}`), ref.field).toBe(true);
     }
   });

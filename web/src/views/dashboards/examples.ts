@@ -12,7 +12,13 @@ function field(text: string, label: string, unit = '', factor = 1): WidgetField 
   return fieldOf(ref, { label, unit, factor });
 }
 
-function widget(id: string, kind: WidgetKind, place: readonly [number, number, number, number], fields: readonly WidgetField[], options: Options): Widget {
+function widget(
+  id: string,
+  kind: WidgetKind,
+  place: readonly [number, number, number, number],
+  fields: readonly WidgetField[],
+  options: Options,
+): Widget {
   const [x, y, width, height] = place;
   return { ...newWidget(kind, fields), ...options, id, x, y, width, height };
 }
@@ -81,7 +87,10 @@ function twoDrones(title: string, sources: readonly string[], [one, two]: readon
       widget('horizon2', 'horizon', [9, 0, 3, 4], [two.roll, two.pitch], { title: two.name }),
       widget('compass1', 'compass', [6, 4, 3, 4], [one.heading], { title: `${one.name}: heading` }),
       widget('compass2', 'compass', [9, 4, 3, 4], [two.heading], { title: `${two.name}: heading` }),
-      widget('altitude', 'plot', [0, 8, 6, 5], [one.altitude, two.altitude], { title: 'Altitude above sea level', window: 60 }),
+      widget('altitude', 'plot', [0, 8, 6, 5], [one.altitude, two.altitude], {
+        title: 'Altitude above sea level',
+        window: 60,
+      }),
       widget('speed', 'plot', [6, 8, 4, 5], [one.speed, two.speed], { title: 'Ground speed', window: 60 }),
       widget('battery1', 'value', [10, 8, 2, 2], [one.battery], { title: `${one.name}: battery`, decimals: 2 }),
       widget('battery2', 'value', [10, 10, 2, 3], [two.battery], { title: `${two.name}: battery`, decimals: 2 }),
@@ -106,12 +115,22 @@ function cansat(): Dashboard {
     ],
     widgets: [
       widget('altitude', 'plot', [0, 0, 6, 5], [altitude], { title: 'Altitude', window: 120 }),
-      widget('rate', 'gauge', [6, 0, 3, 5], [field('script:descent:OUT.rate', 'Climb rate', 'm/s')], { title: 'Climb rate', minimum: -20, maximum: 20 }),
+      widget('rate', 'gauge', [6, 0, 3, 5], [field('script:descent:OUT.rate', 'Climb rate', 'm/s')], {
+        title: 'Climb rate',
+        minimum: -20,
+        maximum: 20,
+      }),
       widget('attitude', 'attitude', [9, 0, 3, 5], attitude, { title: 'Attitude' }),
-      widget('map', 'map', [0, 5, 4, 6], [column('lat', 'CanSat', 'deg'), column('lon', 'CanSat', 'deg')], { title: 'Map' }),
+      widget('map', 'map', [0, 5, 4, 6], [column('lat', 'CanSat', 'deg'), column('lon', 'CanSat', 'deg')], {
+        title: 'Map',
+      }),
       widget('acceleration', 'plot', [4, 5, 5, 3], acceleration, { title: 'Acceleration', window: 20 }),
       widget('spectrum', 'fft', [4, 8, 5, 3], [acceleration[2]!], { title: 'Spectrum of az' }),
-      widget('temperature', 'gauge', [9, 5, 3, 4], [column('temperature', 'Temperature', '°C')], { title: 'Temperature', minimum: -20, maximum: 40 }),
+      widget('temperature', 'gauge', [9, 5, 3, 4], [column('temperature', 'Temperature', '°C')], {
+        title: 'Temperature',
+        minimum: -20,
+        maximum: 40,
+      }),
       widget('pressure', 'value', [9, 9, 3, 2], [column('pressure', 'Pressure', 'hPa')], { title: 'Pressure' }),
     ],
   };
@@ -137,20 +156,45 @@ function oneVehicle(): Dashboard {
     sources: [],
     scripts: [],
     widgets: [
-      widget('attitude', 'attitude', [0, 0, 3, 5], [drone.roll, drone.pitch, field('1:ATTITUDE.yaw', 'yaw', 'deg', DEGREES)], { title: 'Attitude' }),
-      widget('angles', 'plot', [3, 0, 6, 5], [{ ...drone.roll, label: 'Roll' }, { ...drone.pitch, label: 'Pitch' }], { title: 'Roll and pitch' }),
+      widget(
+        'attitude',
+        'attitude',
+        [0, 0, 3, 5],
+        [drone.roll, drone.pitch, field('1:ATTITUDE.yaw', 'yaw', 'deg', DEGREES)],
+        { title: 'Attitude' },
+      ),
+      widget(
+        'angles',
+        'plot',
+        [3, 0, 6, 5],
+        [
+          { ...drone.roll, label: 'Roll' },
+          { ...drone.pitch, label: 'Pitch' },
+        ],
+        { title: 'Roll and pitch' },
+      ),
       widget('speed', 'gauge', [9, 0, 3, 5], [drone.speed], { title: 'Ground speed', maximum: 25 }),
       widget('map', 'map', [0, 5, 6, 6], [drone.latitude, drone.longitude], { title: 'Map' }),
-      widget('altitude', 'plot', [6, 5, 6, 4], [field('1:GLOBAL_POSITION_INT.relative_alt', 'Altitude', 'm', 1e-3)], { title: 'Altitude above home', window: 60 }),
+      widget('altitude', 'plot', [6, 5, 6, 4], [field('1:GLOBAL_POSITION_INT.relative_alt', 'Altitude', 'm', 1e-3)], {
+        title: 'Altitude above home',
+        window: 60,
+      }),
       widget('battery', 'value', [6, 9, 3, 2], [drone.battery], { title: 'Battery', decimals: 2 }),
-      widget('climb', 'value', [9, 9, 3, 2], [field('1:VFR_HUD.climb', 'Climb', 'm/s')], { title: 'Climb rate', decimals: 2 }),
+      widget('climb', 'value', [9, 9, 3, 2], [field('1:VFR_HUD.climb', 'Climb', 'm/s')], {
+        title: 'Climb rate',
+        decimals: 2,
+      }),
     ],
   };
 }
 
 export interface Example {
   readonly id: string;
-  readonly title: 'dashboards.exampleZermatt' | 'dashboards.exampleZermattCsv' | 'dashboards.exampleCansat' | 'dashboards.exampleVehicle';
+  readonly title:
+    | 'dashboards.exampleZermatt'
+    | 'dashboards.exampleZermattCsv'
+    | 'dashboards.exampleCansat'
+    | 'dashboards.exampleVehicle';
   readonly dashboard: Dashboard;
 }
 
@@ -164,7 +208,10 @@ export const EXAMPLES: readonly Example[] = [
   {
     id: 'zermatt-csv',
     title: 'dashboards.exampleZermattCsv',
-    dashboard: twoDrones('Two drones near Zermatt (CSV)', ZERMATT_CSV_SOURCES, [csvDrone('north', 'North'), csvDrone('south', 'South')]),
+    dashboard: twoDrones('Two drones near Zermatt (CSV)', ZERMATT_CSV_SOURCES, [
+      csvDrone('north', 'North'),
+      csvDrone('south', 'South'),
+    ]),
   },
   { id: 'cansat', title: 'dashboards.exampleCansat', dashboard: cansat() },
 ];

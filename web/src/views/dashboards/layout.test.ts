@@ -12,13 +12,20 @@ function assertNoOverlap({ widgets }: Dashboard): void {
 
 it('adds widgets below each other with ids of their own', () => {
   const { widgets } = dashboard('plot', 'gauge', 'plot');
-  expect(widgets.map(({ id, y }) => [id, y])).toEqual([['w1', 0], ['w2', 5], ['w3', 9]]);
+  expect(widgets.map(({ id, y }) => [id, y])).toEqual([
+    ['w1', 0],
+    ['w2', 5],
+    ['w3', 9],
+  ]);
 });
 
 it('pushes covered widgets down when one moves, and lets them rise', () => {
   const moved = withPlace(dashboard('plot', 'gauge'), 'w2', { x: 0, y: 0, width: 3, height: 4 });
   assertNoOverlap(moved);
-  expect(moved.widgets.map(({ id, y }) => [id, y])).toEqual([['w1', 4], ['w2', 0]]);
+  expect(moved.widgets.map(({ id, y }) => [id, y])).toEqual([
+    ['w1', 4],
+    ['w2', 0],
+  ]);
   const aside = withPlace(moved, 'w2', { x: 9, y: 0, width: 3, height: 4 });
   expect(aside.widgets.map(({ y }) => y)).toEqual([0, 0]);
 });

@@ -5,7 +5,10 @@ import { withWidget } from './layout';
 
 const ref = (text: string) => parseFieldRef(text)!;
 const FULL: Dashboard = {
-  ...withWidget(EMPTY, newWidget('plot', [fieldOf(ref('1:ATTITUDE.roll'), { factor: 57.3, unit: 'deg', label: 'Roll' })], 'Roll')),
+  ...withWidget(
+    EMPTY,
+    newWidget('plot', [fieldOf(ref('1:ATTITUDE.roll'), { factor: 57.3, unit: 'deg', label: 'Roll' })], 'Roll'),
+  ),
   sources: ['tcpout://127.0.0.1:5760'],
   scripts: [{ name: 'climb', inputs: { a: ref('cansat:ROW.altitude') }, code: 'return { rate: values.a }' }],
 };
@@ -23,7 +26,9 @@ it('takes short forms that people write', () => {
 });
 
 it('leaves out what it does not know', () => {
-  const { widgets } = loadDashboard(file({ widgets: [{ kind: 'hologram' }, 7, { kind: 'text', blink: true }], more: 1 }));
+  const { widgets } = loadDashboard(
+    file({ widgets: [{ kind: 'hologram' }, 7, { kind: 'text', blink: true }], more: 1 }),
+  );
   expect(widgets.map((widget) => widget.kind)).toEqual(['text']);
 });
 
@@ -33,7 +38,15 @@ describe('refuses', () => {
     ['[]', 'no "type"'],
     [file({ version: 9 }), 'version 9'],
     [file({ widgets: [{ kind: 'plot', fields: ['roll'] }] }), 'widget 1: "roll"'],
-    [file({ widgets: [{ kind: 'plot', id: 'a' }, { kind: 'plot', id: 'a' }] }), 'same id'],
+    [
+      file({
+        widgets: [
+          { kind: 'plot', id: 'a' },
+          { kind: 'plot', id: 'a' },
+        ],
+      }),
+      'same id',
+    ],
     [file({ scripts: [{ name: 'x', code: 'import("y")' }] }), 'script 1'],
     [file({ scripts: [{ name: 'no name', code: 'return {}' }] }), 'name of letters'],
   ])('%s', (text, reason) => {
@@ -47,7 +60,11 @@ describe('files of others', () => {
   const script = (name: string) => ({ name, code: 'return {}' });
 
   it('are moved into the grid, wherever their widgets are', () => {
-    const places = [{ y: 1e12, height: 1e9 }, { x: -5, y: -7, width: 1e6 }, { x: 3.6, width: 0, height: -1 }];
+    const places = [
+      { y: 1e12, height: 1e9 },
+      { x: -5, y: -7, width: 1e6 },
+      { x: 3.6, width: 0, height: -1 },
+    ];
     const { widgets } = loadDashboard(file({ widgets: places.map((place) => ({ kind: 'value', ...place })) }));
     expect(widgets).toHaveLength(3);
     for (const each of widgets) {
@@ -60,7 +77,9 @@ describe('files of others', () => {
 
   it('start no more than the browser can run', () => {
     const many = (count: number) => Array.from({ length: count }, (_, index) => index);
-    expect(() => loadDashboard(file({ scripts: many(17).map((each) => script(`s${each}`)) }))).toThrow('17 scripts are too many');
+    expect(() => loadDashboard(file({ scripts: many(17).map((each) => script(`s${each}`)) }))).toThrow(
+      '17 scripts are too many',
+    );
     expect(() => loadDashboard(file({ scripts: [script('a'), script('a')] }))).toThrow('two scripts have the name a');
     const fields = many(5000).map((each) => `1:A.f${each}`);
     expect(loadDashboard(file({ widgets: [{ kind: 'plot', fields }] })).widgets[0]!.fields).toHaveLength(32);
@@ -70,11 +89,14 @@ describe('files of others', () => {
   });
 
   it('change nothing but the dashboard', () => {
-    const hostile = '{"type": "mavstack-dashboard", "version": 1, "__proto__": {"polluted": 1}, "scripts": [{"name": "a", "code": "return {}", "inputs": {"__proto__": "1:A.b", "constructor": "1:A.c"}}], "widgets": [{"kind": "__proto__"}, {"kind": "constructor"}, null, 5, [], {"kind": "text", "__proto__": {"x": 3}}]}';
+    const hostile =
+      '{"type": "mavstack-dashboard", "version": 1, "__proto__": {"polluted": 1}, "scripts": [{"name": "a", ' +
+      '"code": "return {}", "inputs": {"__proto__": "1:A.b", "constructor": "1:A.c"}}], "widgets": [{"kind": ' +
+      '"__proto__"}, {"kind": "constructor"}, null, 5, [], {"kind": "text", "__proto__": {"x": 3}}]}';
     const loaded = loadDashboard(hostile);
     expect(loaded.widgets).toHaveLength(1);
     expect(Object.keys(loaded.scripts[0]!.inputs)).toEqual(['__proto__', 'constructor']);
-    expect(({} as Record<string, unknown>)['polluted']).toBeUndefined();
+    expect(({} as Record<string, unknown>).polluted).toBeUndefined();
     expect(loadDashboard(saveDashboard(loaded))).toEqual(loaded);
   });
 });

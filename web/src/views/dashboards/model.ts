@@ -99,7 +99,11 @@ export function fieldOf(ref: FieldRef, options: Partial<Omit<WidgetField, 'ref'>
 }
 
 /** Returns a widget of a kind with defaults, without a place. */
-export function newWidget(kind: WidgetKind, fields: readonly WidgetField[] = [], title = ''): Omit<Widget, 'id' | 'x' | 'y'> {
+export function newWidget(
+  kind: WidgetKind,
+  fields: readonly WidgetField[] = [],
+  title = '',
+): Omit<Widget, 'id' | 'x' | 'y'> {
   const [width, height] = DEFAULT_SIZES[kind];
   return { kind, title, width, height, fields, minimum: 0, maximum: 100, window: 30, decimals: 1, text: '' };
 }
@@ -139,19 +143,23 @@ export function loadDashboard(text: string): Dashboard {
   } catch (error) {
     throw new DashboardError(`not a dashboard: ${(error as Error).message}`);
   }
-  if (!isObject(value) || value['type'] !== FILE_TYPE) throw new DashboardError(`not a dashboard: no "type": "${FILE_TYPE}"`);
-  if (value['version'] !== FILE_VERSION) throw new DashboardError(`this dashboard has the version ${value['version']}`);
-  const widgets = list(value['widgets']).slice(0, MAX_WIDGETS).flatMap(loadWidget);
+  if (!isObject(value) || value.type !== FILE_TYPE)
+    throw new DashboardError(`not a dashboard: no "type": "${FILE_TYPE}"`);
+  if (value.version !== FILE_VERSION) throw new DashboardError(`this dashboard has the version ${value.version}`);
+  const widgets = list(value.widgets).slice(0, MAX_WIDGETS).flatMap(loadWidget);
   if (new Set(widgets.map((widget) => widget.id)).size < widgets.length) {
     throw new DashboardError('two widgets have the same id');
   }
-  const scripts = list(value['scripts']).flatMap(loadScript);
-  if (scripts.length > MAX_SCRIPTS) throw new DashboardError(`${scripts.length} scripts are too many: at most ${MAX_SCRIPTS} can run`);
+  const scripts = list(value.scripts).flatMap(loadScript);
+  if (scripts.length > MAX_SCRIPTS)
+    throw new DashboardError(`${scripts.length} scripts are too many: at most ${MAX_SCRIPTS} can run`);
   const repeated = scripts.find(({ name }, index) => scripts.findIndex((each) => each.name === name) < index);
   if (repeated) throw new DashboardError(`two scripts have the name ${repeated.name}`);
   return {
-    title: string(value['title'], EMPTY.title),
-    sources: list(value['sources']).filter((each): each is string => typeof each === 'string').slice(0, MAX_SOURCES),
+    title: string(value.title, EMPTY.title),
+    sources: list(value.sources)
+      .filter((each): each is string => typeof each === 'string')
+      .slice(0, MAX_SOURCES),
     // Places that no grid has are moved into it.
     widgets: compacted(widgets),
     scripts,
@@ -160,52 +168,57 @@ export function loadDashboard(text: string): Dashboard {
 
 function loadWidget(value: unknown, index: number): Widget[] {
   if (!isObject(value)) return [];
-  const kind = WIDGET_KINDS.find((each) => each === value['kind']);
+  const kind = WIDGET_KINDS.find((each) => each === value.kind);
   if (kind === undefined) return [];
   const [width, height] = DEFAULT_SIZES[kind];
   return [
     {
-      id: string(value['id'], `w${index + 1}`),
+      id: string(value.id, `w${index + 1}`),
       kind,
-      title: string(value['title'], ''),
-      x: number(value['x'], 0),
-      y: number(value['y'], 0),
-      width: number(value['width'], width),
-      height: number(value['height'], height),
-      fields: list(value['fields']).slice(0, MAX_WIDGET_FIELDS).map((field) => loadField(field, index)),
-      minimum: number(value['minimum'], 0),
-      maximum: number(value['maximum'], 100),
-      window: Math.min(3600, Math.max(1, number(value['window'], 30))),
-      decimals: Math.min(9, Math.max(0, Math.round(number(value['decimals'], 1)))),
-      text: string(value['text'], ''),
+      title: string(value.title, ''),
+      x: number(value.x, 0),
+      y: number(value.y, 0),
+      width: number(value.width, width),
+      height: number(value.height, height),
+      fields: list(value.fields)
+        .slice(0, MAX_WIDGET_FIELDS)
+        .map((field) => loadField(field, index)),
+      minimum: number(value.minimum, 0),
+      maximum: number(value.maximum, 100),
+      window: Math.min(3600, Math.max(1, number(value.window, 30))),
+      decimals: Math.min(9, Math.max(0, Math.round(number(value.decimals, 1)))),
+      text: string(value.text, ''),
     },
   ];
 }
 
 function loadField(value: unknown, index: number): WidgetField {
   const object = typeof value === 'string' ? { ref: value } : isObject(value) ? value : {};
-  return fieldOf(loadRef(object['ref'], `widget ${index + 1}`), {
-    label: string(object['label'], ''),
-    factor: number(object['factor'], 1),
-    offset: number(object['offset'], 0),
-    unit: string(object['unit'], ''),
+  return fieldOf(loadRef(object.ref, `widget ${index + 1}`), {
+    label: string(object.label, ''),
+    factor: number(object.factor, 1),
+    offset: number(object.offset, 0),
+    unit: string(object.unit, ''),
   });
 }
 
 function loadRef(value: unknown, place: string): FieldRef {
   const ref = typeof value === 'string' ? parseFieldRef(value) : null;
-  if (ref === null) throw new DashboardError(`${place}: ${JSON.stringify(value)} is not a field such as 1/1:ATTITUDE.roll`);
+  if (ref === null)
+    throw new DashboardError(`${place}: ${JSON.stringify(value)} is not a field such as 1/1:ATTITUDE.roll`);
   return ref;
 }
 
 function loadScript(value: unknown, index: number): UserScript[] {
   if (!isObject(value)) return [];
-  const name = string(value['name'], '');
-  const code = string(value['code'], '');
+  const name = string(value.name, '');
+  const code = string(value.code, '');
   const problem = /^[A-Za-z][A-Za-z0-9_]{0,31}$/.test(name) ? problemOf(code) : 'it needs a name of letters and digits';
   if (problem !== null) throw new DashboardError(`script ${index + 1}: ${problem}`);
-  const inputs = isObject(value['inputs']) ? Object.entries(value['inputs']).slice(0, MAX_INPUTS) : [];
-  return [{ name, code, inputs: Object.fromEntries(inputs.map(([input, ref]) => [input, loadRef(ref, `script ${name}`)])) }];
+  const inputs = isObject(value.inputs) ? Object.entries(value.inputs).slice(0, MAX_INPUTS) : [];
+  return [
+    { name, code, inputs: Object.fromEntries(inputs.map(([input, ref]) => [input, loadRef(ref, `script ${name}`)])) },
+  ];
 }
 
 function isObject(value: unknown): value is Record<string, unknown> {

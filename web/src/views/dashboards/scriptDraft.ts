@@ -27,7 +27,8 @@ export function readDraft({ name, inputs, code }: ScriptDraft): ReadScript {
   for (const line of inputs.split('\n').filter((each) => each.trim() !== '')) {
     const [input = '', ...rest] = line.split('=');
     const ref = parseFieldRef(rest.join('='));
-    if (ref === null || !/^\w{1,32}$/.test(input.trim())) return { script: null, problem: `${line.trim()} is not an input` };
+    if (ref === null || !/^\w{1,32}$/.test(input.trim()))
+      return { script: null, problem: `${line.trim()} is not an input` };
     found.set(input.trim(), ref);
   }
   const problem = problemOf(code);

@@ -39,7 +39,10 @@ it('keeps the refusal of a later action when an earlier one is answered late', a
 });
 
 it('does not call an action refused that the pilot replaced', () => {
-  const replaced = { status: 'rejected' as const, reason: new StationError('Cancelled', 'a later command replaced it') };
+  const replaced = {
+    status: 'rejected' as const,
+    reason: new StationError('Cancelled', 'a later command replaced it'),
+  };
   expect(refusalsOf('Arm', [{ system: 1 }], [replaced])).toEqual([]);
 });
 
@@ -69,9 +72,19 @@ it('sends flying vehicles in the air only, others as soon as they are armed', ()
 
 it('sends an action to those of several vehicles that can do it', () => {
   const vehicle = (armed: boolean, inAir: boolean | null, type = 'copter', orbit: boolean | null = null) =>
-    ({ state: { type, armed, inAir, alive: true }, capabilities: { takeoff: null, goto: true, orbit, mission: true } }) as never;
-  const chosen = [vehicle(false, false), vehicle(true, false), vehicle(true, true), vehicle(true, null), vehicle(true, false, 'rover', false)];
-  const numbers = (action: keyof typeof IS_FOR) => chosen.flatMap((each, index) => (IS_FOR[action](each) ? [index] : []));
+    ({
+      state: { type, armed, inAir, alive: true },
+      capabilities: { takeoff: null, goto: true, orbit, mission: true },
+    }) as never;
+  const chosen = [
+    vehicle(false, false),
+    vehicle(true, false),
+    vehicle(true, true),
+    vehicle(true, null),
+    vehicle(true, false, 'rover', false),
+  ];
+  const numbers = (action: keyof typeof IS_FOR) =>
+    chosen.flatMap((each, index) => (IS_FOR[action](each) ? [index] : []));
   expect(numbers('arm')).toEqual([0]);
   expect(numbers('disarm')).toEqual([1, 3, 4]);
   expect(numbers('takeoff')).toEqual([1, 3]);

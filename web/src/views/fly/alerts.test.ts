@@ -9,8 +9,19 @@ import { alertsOf, armingProblems, modeObstacle } from './alerts';
 const NOW = 1_790_000_000_000;
 const PLACE = { latitude: 47, longitude: 8 };
 const QUIET = {
-  system: 1, alive: true, armed: true, inAir: true, systemStatus: 4, mode: 'AUTO', battery: null, fenceBreached: null,
-  gps: { fix: 3 }, estimator: null, vibration: null, statusTexts: [], conflict: null,
+  system: 1,
+  alive: true,
+  armed: true,
+  inAir: true,
+  systemStatus: 4,
+  mode: 'AUTO',
+  battery: null,
+  fenceBreached: null,
+  gps: { fix: 3 },
+  estimator: null,
+  vibration: null,
+  statusTexts: [],
+  conflict: null,
   position: { ...PLACE, altitude: 500, relativeAltitude: 50 },
 } as unknown as VehicleState;
 
@@ -32,7 +43,11 @@ describe('alerts', () => {
 
   it.each([
     ['a conflict of ids', { conflict: { text: '', senders: [], chosen: null } }, ['Conflict!']],
-    ['a conflict of which one sender is chosen', { conflict: { text: '', senders: [], chosen: 'a' } }, ['ConflictChosen']],
+    [
+      'a conflict of which one sender is chosen',
+      { conflict: { text: '', senders: [], chosen: 'a' } },
+      ['ConflictChosen'],
+    ],
     ['a lost vehicle', { alive: false }, ['Lost!']],
     ['a lost vehicle that stands', { alive: false, armed: false }, ['Lost']],
     ['a failsafe', { systemStatus: 5 }, ['Failsafe!']],
@@ -93,10 +108,15 @@ it('tells the failed checks of the last run only, each once, as long as they are
 });
 
 it('tells what the mode of a vehicle means for arming', () => {
-  const words = (firmware: VehicleState['firmware'], type: VehicleState['type'], mode: string | null) => modeObstacle({ firmware, type, mode });
+  const words = (firmware: VehicleState['firmware'], type: VehicleState['type'], mode: string | null) =>
+    modeObstacle({ firmware, type, mode });
   expect(words('ardupilot', 'copter', 'RTL')).toBe('Does not arm in RTL; arming changes to GUIDED');
   expect(words('px4', 'copter', 'LAND')).toBe('Does not arm in LAND; arming changes to LOITER');
   expect(words('ardupilot', 'plane', 'TAKEOFF')).toBe('Would start by itself in TAKEOFF: change the mode to arm');
   for (const mode of ['GUIDED', 'STABILIZE', null]) expect(words('ardupilot', 'copter', mode)).toBeNull();
-  expect([words('msp', 'copter', 'LAND'), words('other', 'plane', 'RTL'), words('ardupilot', 'sub', 'SURFACE')]).toEqual([null, null, null]);
+  expect([
+    words('msp', 'copter', 'LAND'),
+    words('other', 'plane', 'RTL'),
+    words('ardupilot', 'sub', 'SURFACE'),
+  ]).toEqual([null, null, null]);
 });

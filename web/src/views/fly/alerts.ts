@@ -48,7 +48,11 @@ const CHECKS_LIFETIME = 40_000;
 const isGraver = (one: Alert, other: Alert): number => Number(other.isCritical) - Number(one.isCritical);
 
 /** Returns the alerts of vehicles; of equal ones those of the selected vehicle come first. */
-export function alertsOf(states: readonly VehicleState[], surroundings: Surroundings, selected: number | null): Alert[] {
+export function alertsOf(
+  states: readonly VehicleState[],
+  surroundings: Surroundings,
+  selected: number | null,
+): Alert[] {
   const found = states.flatMap((state) =>
     FINDERS.map((find) => find(state, surroundings)).filter((alert): alert is Alert => alert !== null),
   );
@@ -68,7 +72,8 @@ export function armingProblems(texts: readonly StatusText[], now: number): strin
 /** Returns in words what the mode of a disarmed vehicle means for arming; null: it arms there, and stays. */
 export function modeObstacle(state: Pick<VehicleState, 'firmware' | 'type' | 'mode'>): string | null {
   const [mode, next] = [state.mode ?? '', waitingMode(state)];
-  if (!allowsArming(state)) return next === null ? t('fly.notArmable', { mode }) : t('fly.readyElsewhere', { mode, next });
+  if (!allowsArming(state))
+    return next === null ? t('fly.notArmable', { mode }) : t('fly.readyElsewhere', { mode, next });
   return startsByItself(state) ? t('fly.startsAlone', { mode }) : null;
 }
 

@@ -44,14 +44,20 @@ it('knows which vehicles are not on the map, or behind a panel', () => {
 });
 
 it('shows so much that a fast vehicle does not leave the map at once', () => {
-  expect([spanOf([]), spanOf([{ groundSpeed: null }, { groundSpeed: 0.2 }]), spanOf([{ groundSpeed: 20 }])]).toEqual([80, 80, 800]);
+  expect([spanOf([]), spanOf([{ groundSpeed: null }, { groundSpeed: 0.2 }]), spanOf([{ groundSpeed: 20 }])]).toEqual([
+    80, 80, 800,
+  ]);
 });
 
 it('shows missions, fences and rally points whole', () => {
   const place = (latitude: number) => ({ latitude, longitude: 8 });
   const stop = { ...place(47), seq: 1, kind: 'loiter', altitude: 50, radius: -1000 } as const;
   const found = planPlaces(
-    [stop], [{ kind: 'circle', isInclusion: true, centre: place(46), radius: 2000 }, { kind: 'polygon', isInclusion: true, corners: [place(48)] }],
+    [stop],
+    [
+      { kind: 'circle', isInclusion: true, centre: place(46), radius: 2000 },
+      { kind: 'polygon', isInclusion: true, corners: [place(48)] },
+    ],
     [place(49)],
   );
   const latitudes = found.map(({ latitude }) => latitude);

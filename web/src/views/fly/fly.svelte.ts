@@ -146,10 +146,13 @@ class FlyState {
   }
 
   private publishTracks(): void {
-    const wanted = `${pageTheme.isDark} ${[...this.trackOf.all].map(([system, track]) => `${system}:${track.revision}`).join()}`;
+    const revisions = [...this.trackOf.all].map(([system, track]) => `${system}:${track.revision}`);
+    const wanted = `${pageTheme.isDark} ${revisions.join()}`;
     if (wanted === this.drawn) return;
     this.drawn = wanted;
-    const shown = [...this.trackOf.all].map(([system, track]) => [track, vehicleColour(system, pageTheme.isDark)] as const);
+    const shown = [...this.trackOf.all].map(
+      ([system, track]) => [track, vehicleColour(system, pageTheme.isDark)] as const,
+    );
     this.tracks = trackFeatures(shown);
   }
 

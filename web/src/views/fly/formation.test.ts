@@ -39,7 +39,11 @@ describe('a group that is sent to a place', () => {
     const spots = spotsOf(group, GOAL, { keepsFormation: false });
     expect(spots.map(({ place }) => place)).toEqual([GOAL, GOAL, GOAL]);
     const conflicts = conflictsOf(group, spots);
-    expect(conflicts.map(({ systems }) => systems)).toEqual([[1, 2], [1, 3], [2, 3]]);
+    expect(conflicts.map(({ systems }) => systems)).toEqual([
+      [1, 2],
+      [1, 3],
+      [2, 3],
+    ]);
     expect(conflicts[0]!.vertical).toBeCloseTo(2);
     const apart = [member(1, 0, 20, 10), member(2, 120, 20, 16)];
     expect(conflictsOf(apart, spotsOf(apart, GOAL, { keepsFormation: false }))).toEqual([]);

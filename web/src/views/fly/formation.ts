@@ -60,7 +60,10 @@ export function conflictsOf(members: readonly Member[], spots: readonly Spot[]):
   return found;
 }
 
-function conflictOf([one, spot]: readonly [Member, Spot], [other, otherSpot]: readonly [Member, Spot]): Conflict | null {
+function conflictOf(
+  [one, spot]: readonly [Member, Spot],
+  [other, otherSpot]: readonly [Member, Spot],
+): Conflict | null {
   const hasWing = isWing(one) || isWing(other);
   const minimum = hasWing ? WING_SEPARATION : { horizontal: MIN_SEPARATION, vertical: MIN_SEPARATION };
   const horizontal = distance(spot.place, otherSpot.place);

@@ -96,7 +96,10 @@ const ruler: Layer = (drawing) => {
 /** Returns distance and bearing of a ruler, as the map shows them. */
 export function measuredText({ from, to }: Ruler): string {
   if (to === null) return '';
-  return t('fly.measuredLabel', { distance: format(distance(from, to), 'distance') ?? '', bearing: bearingText(from, to) });
+  return t('fly.measuredLabel', {
+    distance: format(distance(from, to), 'distance') ?? '',
+    bearing: bearingText(from, to),
+  });
 }
 
 const vehicles: Layer = (drawing) => paintVehicles(drawing, mapVehicles());

@@ -24,7 +24,10 @@ export const UNCHECKED: Check = { problems: {}, commands: [] };
 const FILE_NAME = /^\w[\w .-]{0,99}\.xml$/;
 
 /** Returns the query of a form; a definition file is the body of the request, and the query holds its name. */
-export function queryOf(form: GeneratorForm, file: { readonly name: string } | null): Record<string, string | undefined> {
+export function queryOf(
+  form: GeneratorForm,
+  file: { readonly name: string } | null,
+): Record<string, string | undefined> {
   return {
     dialect: file === null ? form.dialect : undefined,
     file: file !== null && FILE_NAME.test(file.name) ? file.name : undefined,

@@ -1,20 +1,28 @@
 /** The plan that is edited, with its history, selection, tool and the drawing that is under way. */
 
-import { fleet } from '$lib/store/fleet.svelte';
 import { Persisted } from '$lib/store/settings.svelte';
-import { currentItemNumber } from '$lib/vehicle/missionItem';
 
 import { check, type Problem } from './logic/checks';
-import { commandInfo, itemPosition, newItem } from './logic/commands';
+import { itemPosition, newItem } from './logic/commands';
 import { corridorLanes } from './logic/corridor';
 import { hgtSource, tileSource, type ElevationSource, type HgtFile, type TileEncoding } from './logic/elevation';
-import { area, destination, pathLength, type Point } from './logic/geo';
+import { area, pathLength, type Point } from './logic/geo';
 import { draftPlan, draftText } from './logic/draft';
 import { has, moved, removed, type Selection } from './logic/edits';
 import { begin, commit, redo, undo, type History } from './logic/history';
 import {
-  changedAt, CMD, FRAME, insertItems, isEmpty, moveItem, replaceItem, waypoint,
-  type Item, type Place, type Plan, type PlanKind,
+  changedAt,
+  CMD,
+  FRAME,
+  insertItems,
+  isEmpty,
+  moveItem,
+  replaceItem,
+  waypoint,
+  type Item,
+  type Place,
+  type Plan,
+  type PlanKind,
 } from './logic/model';
 import { altitudeFor, CAMERAS, PATTERN, spacingOf, summaryOf, type Camera, type Lane } from './logic/pattern';
 import { isWing } from './logic/path';
@@ -22,6 +30,7 @@ import { patternOf, shapeOf, withPattern, type PatternRun } from './logic/patter
 import { statisticsOf } from './logic/statistics';
 import { maxEdgeAngle, surveyLanes } from './logic/survey';
 import type { Profile } from './logic/terrain';
+import { currentItemOf, firmwareFor, forVehicle, knownHome, placeOfVehicle } from './selectedVehicle';
 
 export type Tool = 'select' | 'waypoint' | 'survey' | 'corridor' | 'polygon' | 'circle' | 'rally' | 'home' | 'return';
 export type { Selection } from './logic/edits';
@@ -82,23 +91,21 @@ export class Editor {
   readonly canUndo: boolean = $derived(this.draft.length > 0 || this.history.past.length > 0);
   readonly canRedo: boolean = $derived(this.history.future.length > 0);
   readonly statistics = $derived(statisticsOf(this.plan));
-  readonly problems: Problem[] = $derived(check({
-    plan: this.plan,
-    statistics: this.statistics,
-    profile: this.profile,
-    ...this.limits.value,
-    vehicle: this.vehiclePlace,
-    wing: isWing(this.plan),
-    firmware: fleet.selected?.state.autopilot ?? this.plan.firmware,
-  }));
+  readonly problems: Problem[] = $derived(
+    check({
+      plan: this.plan,
+      statistics: this.statistics,
+      profile: this.profile,
+      ...this.limits.value,
+      vehicle: placeOfVehicle(),
+      wing: isWing(this.plan),
+      firmware: firmwareFor(this.plan),
+    }),
+  );
   /** Whether the plan has work that is in no file and on no vehicle. */
-  readonly hasUnsavedWork: boolean = $derived(this.plan !== this.kept && KINDS.some((kind) => !isEmpty(this.plan, kind)));
-
-  get vehiclePlace(): Point | null {
-    const at = fleet.selected?.state.position ?? null;
-    // Rounded to some hundred metres, so that a vehicle that moves does not check the plan again all the time.
-    return at && { latitude: Math.round(at.latitude * 200) / 200, longitude: Math.round(at.longitude * 200) / 200 };
-  }
+  readonly hasUnsavedWork: boolean = $derived(
+    this.plan !== this.kept && KINDS.some((kind) => !isEmpty(this.plan, kind)),
+  );
 
   /** Changes the plan; edits with the same key, such as those of one drag, are undone together. */
   change(plan: Plan, key: string | null = null): void {
@@ -171,10 +178,7 @@ export class Editor {
 
   /** The number of the item that the vehicle flies to, from 1; null if its mission is not the one that is shown. */
   get currentItem(): number | null {
-    const vehicle = fleet.selected;
-    const held = vehicle && this.held[`${vehicle.system} mission`];
-    const isShown = held && (held === this.plan.mission || JSON.stringify(held) === JSON.stringify(this.plan.mission));
-    return isShown ? currentItemNumber(vehicle.state) : null;
+    return currentItemOf(this.plan, this.held);
   }
 
   get selectedItem(): number | null {
@@ -204,26 +208,14 @@ export class Editor {
 
   private addWaypoint(place: Place): void {
     if (this.plan.mission.length === 0) {
-      const home = this.plan.home ?? this.knownHome() ?? { ...place, altitude: 0 };
+      const home = this.plan.home ?? knownHome() ?? { ...place, altitude: 0 };
       const takeoff = newItem(CMD.NAV_TAKEOFF, { ...home, altitude: place.altitude }, this.frame.value);
       const first = waypoint(place, place.altitude, this.frame.value);
-      this.change(this.forVehicle({ ...insertItems(this.plan, 0, [takeoff, first]), home }));
+      this.change(forVehicle({ ...insertItems(this.plan, 0, [takeoff, first]), home }));
       this.selection = { kind: 'item', index: 1 };
       return;
     }
     this.insertAt(this.insertionIndex(), waypoint(place, place.altitude, this.frame.value));
-  }
-
-  /** Returns a plan for the kind of vehicle that is selected, which speeds depend on. */
-  private forVehicle(plan: Plan): Plan {
-    const vehicle = fleet.selected?.state;
-    return vehicle ? { ...plan, firmware: vehicle.autopilot, vehicleType: vehicle.mavType } : plan;
-  }
-
-  /** The home of the vehicle, if it has told it. */
-  private knownHome(): Place | null {
-    const home = fleet.selected?.state.home ?? fleet.selected?.state.position ?? null;
-    return home && { latitude: home.latitude, longitude: home.longitude, altitude: home.altitude ?? 0 };
   }
 
   /** New items come after the selected one; without one at the end, before a landing or a return. */
@@ -247,8 +239,12 @@ export class Editor {
 
   /** The place of the items before an index, or a known one. */
   placeNear(index: number): Place {
-    const before = this.plan.mission.slice(0, index).reverse().map(itemPosition).find((each) => each !== null);
-    const at = before ?? this.plan.home ?? this.knownHome() ?? { latitude: 0, longitude: 0 };
+    const before = this.plan.mission
+      .slice(0, index)
+      .reverse()
+      .map(itemPosition)
+      .find((each) => each !== null);
+    const at = before ?? this.plan.home ?? knownHome() ?? { latitude: 0, longitude: 0 };
     return { latitude: at.latitude, longitude: at.longitude, altitude: this.altitude.value };
   }
 
@@ -324,7 +320,9 @@ export class Editor {
   /** Metres between lanes and between pictures. */
   get spacing(): { lanes: number; pictures: number } {
     const { camera, pattern } = this;
-    return camera ? spacingOf(camera, this.altitude.value, pattern.value) : { lanes: pattern.value.spacing, pictures: pattern.value.pictures ?? 0 };
+    return camera
+      ? spacingOf(camera, this.altitude.value, pattern.value)
+      : { lanes: pattern.value.spacing, pictures: pattern.value.pictures ?? 0 };
   }
 
   /** Centimetres on the ground of a pixel; null without a camera. */
@@ -369,31 +367,30 @@ export class Editor {
   private insertPattern(): void {
     const first = this.lanes[0]?.[0];
     if (!first) return;
-    const pattern = patternOf({
-      tool: this.tool === 'corridor' ? 'corridor' : 'survey', points: this.draft, angle: this.laneAngle, start: this.start,
-      altitude: this.altitude.value, frame: this.frame.value, settings: { ...PATTERN, ...this.pattern.value },
-    }, this.lanes);
+    const pattern = patternOf(
+      {
+        tool: this.tool === 'corridor' ? 'corridor' : 'survey',
+        points: this.draft,
+        angle: this.laneAngle,
+        start: this.start,
+        altitude: this.altitude.value,
+        frame: this.frame.value,
+        settings: { ...PATTERN, ...this.pattern.value },
+      },
+      this.lanes,
+    );
     this.selection = null;
     if (this.edited !== null) return this.change(withPattern(this.plan, this.edited, pattern));
     const isFirst = this.plan.mission.length === 0;
-    const home = this.plan.home ?? (isFirst ? (this.knownHome() ?? { ...first, altitude: 0 }) : null);
+    const home = this.plan.home ?? (isFirst ? (knownHome() ?? { ...first, altitude: 0 }) : null);
     const place = { ...(home ?? first), altitude: this.altitude.value };
     const takeoff = isFirst ? [newItem(CMD.NAV_TAKEOFF, place, this.frame.value)] : [];
     const back = isFirst ? [newItem(CMD.NAV_RETURN_TO_LAUNCH, place)] : [];
     const index = this.insertionIndex();
     const patterns = [...this.plan.patterns, pattern];
     const inserted = { ...insertItems(this.plan, index, [...takeoff, ...pattern.items, ...back]), home, patterns };
-    this.change(isFirst ? this.forVehicle(inserted) : inserted);
+    this.change(isFirst ? forVehicle(inserted) : inserted);
   }
-}
-
-/** The place on the edge of a circle to drag its radius by: to the east of its centre. */
-export function radiusHandle(center: Point, radius: number): Point {
-  return destination(center, 90, radius);
-}
-
-export function itemLabel(each: Item): string {
-  return each.kept ? each.kept.kind : commandInfo(each.command).label;
 }
 
 /** The plan stays while other views are shown. */

@@ -20,7 +20,12 @@ afterEach(() => {
   vi.unstubAllGlobals();
 });
 
-const AREA = [[47.397, 8.545], [47.398, 8.545], [47.398, 8.547], [47.397, 8.547]].map(([latitude, longitude]) => ({ latitude: latitude!, longitude: longitude! }));
+const AREA = [
+  [47.397, 8.545],
+  [47.398, 8.545],
+  [47.398, 8.547],
+  [47.397, 8.547],
+].map(([latitude, longitude]) => ({ latitude: latitude!, longitude: longitude! }));
 
 function surveyed(editor: Editor, tool: 'survey' | 'corridor' = 'survey'): Plan {
   editor.setTool(tool);
@@ -59,8 +64,11 @@ describe('a survey', () => {
     const plan = surveyed(editor, tool);
     const file = JSON.parse(writePlan(plan, 'plan', '')) as { mission: { items: Record<string, unknown>[] } };
     const [takeoff, survey, back, ...rest] = file.mission.items;
-    expect([takeoff!['command'], back!['command'], rest]).toEqual([CMD.NAV_TAKEOFF, CMD.NAV_RETURN_TO_LAUNCH, []]);
-    expect(survey).toMatchObject({ type: 'ComplexItem', complexItemType: tool === 'survey' ? 'survey' : 'CorridorScan' });
+    expect([takeoff!.command, back!.command, rest]).toEqual([CMD.NAV_TAKEOFF, CMD.NAV_RETURN_TO_LAUNCH, []]);
+    expect(survey).toMatchObject({
+      type: 'ComplexItem',
+      complexItemType: tool === 'survey' ? 'survey' : 'CorridorScan',
+    });
     const { plan: read, notes } = readPlan(JSON.stringify(file));
     expect(notes).toEqual([]);
     expect(read.mission).toEqual(plan.mission);
@@ -70,25 +78,62 @@ describe('a survey', () => {
   });
 
   it('has in a file what QGroundControl asks for', () => {
-    const file = JSON.parse(writePlan(surveyed(new Editor()), 'plan', '')) as { mission: { items: Record<string, any>[] } };
+    const file = JSON.parse(writePlan(surveyed(new Editor()), 'plan', '')) as {
+      // biome-ignore lint/suspicious/noExplicitAny: the shape of the file is what is tested
+      mission: { items: Record<string, any>[] };
+    };
     const survey = file.mission.items[1]!;
-    const style = survey['TransectStyleComplexItem'];
+    const style = survey.TransectStyleComplexItem;
     // The required keys of SurveyComplexItem, TransectStyleComplexItem, CameraCalc and CameraSpec.
-    const types = (of: Record<string, unknown>) => Object.fromEntries(Object.entries(of).map(([key, value]) => [key, Array.isArray(value) ? 'array' : typeof value]));
-    expect(types(survey)).toMatchObject({ version: 'number', angle: 'number', entryLocation: 'number', flyAlternateTransects: 'boolean', splitConcavePolygons: 'boolean', polygon: 'array' });
+    const types = (of: Record<string, unknown>) =>
+      Object.fromEntries(
+        Object.entries(of).map(([key, value]) => [key, Array.isArray(value) ? 'array' : typeof value]),
+      );
+    expect(types(survey)).toMatchObject({
+      version: 'number',
+      angle: 'number',
+      entryLocation: 'number',
+      flyAlternateTransects: 'boolean',
+      splitConcavePolygons: 'boolean',
+      polygon: 'array',
+    });
     expect(types(style)).toMatchObject({
-      version: 'number', TurnAroundDistance: 'number', CameraTriggerInTurnAround: 'boolean', HoverAndCapture: 'boolean',
-      Refly90Degrees: 'boolean', CameraCalc: 'object', VisualTransectPoints: 'array', Items: 'array', CameraShots: 'number', FollowTerrain: 'boolean',
+      version: 'number',
+      TurnAroundDistance: 'number',
+      CameraTriggerInTurnAround: 'boolean',
+      HoverAndCapture: 'boolean',
+      Refly90Degrees: 'boolean',
+      CameraCalc: 'object',
+      VisualTransectPoints: 'array',
+      Items: 'array',
+      CameraShots: 'number',
+      FollowTerrain: 'boolean',
     });
     expect(types(style.CameraCalc)).toMatchObject({
-      version: 'number', CameraName: 'string', AdjustedFootprintSide: 'number', AdjustedFootprintFrontal: 'number',
-      DistanceToSurface: 'number', DistanceToSurfaceRelative: 'boolean', ValueSetIsDistance: 'boolean', ImageDensity: 'number',
-      FrontalOverlap: 'number', SideOverlap: 'number', SensorWidth: 'number', SensorHeight: 'number', ImageWidth: 'number',
-      ImageHeight: 'number', FocalLength: 'number', Landscape: 'boolean', FixedOrientation: 'boolean', MinTriggerInterval: 'number',
+      version: 'number',
+      CameraName: 'string',
+      AdjustedFootprintSide: 'number',
+      AdjustedFootprintFrontal: 'number',
+      DistanceToSurface: 'number',
+      DistanceToSurfaceRelative: 'boolean',
+      ValueSetIsDistance: 'boolean',
+      ImageDensity: 'number',
+      FrontalOverlap: 'number',
+      SideOverlap: 'number',
+      SensorWidth: 'number',
+      SensorHeight: 'number',
+      ImageWidth: 'number',
+      ImageHeight: 'number',
+      FocalLength: 'number',
+      Landscape: 'boolean',
+      FixedOrientation: 'boolean',
+      MinTriggerInterval: 'number',
     });
-    expect(style.Items.map((each: { doJumpId: number }) => each.doJumpId)).toEqual(style.Items.map((_: unknown, index: number) => index + 2));
+    expect(style.Items.map((each: { doJumpId: number }) => each.doJumpId)).toEqual(
+      style.Items.map((_: unknown, index: number) => index + 2),
+    );
     expect(style.VisualTransectPoints[0]).toEqual(style.Items[0].params.slice(4, 6));
-    expect(survey['polygon']).toEqual(AREA.map(({ latitude, longitude }) => [latitude, longitude]));
+    expect(survey.polygon).toEqual(AREA.map(({ latitude, longitude }) => [latitude, longitude]));
   });
 
   it('of a file is drawn again with its settings, and replaced', () => {
@@ -99,7 +144,13 @@ describe('a survey', () => {
     editor.pattern.value = { ...editor.pattern.value, turnaround: 99, camera: '' };
     editor.altitude.value = 11;
     editor.editPattern(run!);
-    expect([editor.tool, editor.draft, editor.start, editor.altitude.value, editor.pattern.value.turnaround]).toEqual(['survey', AREA, 1, 30, 10]);
+    expect([editor.tool, editor.draft, editor.start, editor.altitude.value, editor.pattern.value.turnaround]).toEqual([
+      'survey',
+      AREA,
+      1,
+      30,
+      10,
+    ]);
     editor.finishDrawing();
     expect(editor.plan.mission).toEqual(plan.mission);
     editor.editPattern(patternRuns(editor.plan)[0]!);
@@ -115,11 +166,16 @@ describe('a survey', () => {
 
   it('is one still after a vehicle has rounded its places, and none after one item was moved', () => {
     const plan = surveyed(new Editor());
-    const rounded = plan.mission.map((each) => ({ ...each, params: each.params.map((value) => (value === null ? null : Math.round(value * 1e7) / 1e7)) }));
+    const rounded = plan.mission.map((each) => ({
+      ...each,
+      params: each.params.map((value) => (value === null ? null : Math.round(value * 1e7) / 1e7)),
+    }));
     expect(patternRuns({ ...plan, mission: rounded })).toHaveLength(1);
     const moved = plan.mission.map((each, index) => (index === 3 ? withParam(each, 5, 47.5) : each));
     expect(patternRuns({ ...plan, mission: moved })).toEqual([]);
-    const file = JSON.parse(writePlan({ ...plan, mission: moved }, 'plan', '')) as { mission: { items: { type: string }[] } };
+    const file = JSON.parse(writePlan({ ...plan, mission: moved }, 'plan', '')) as {
+      mission: { items: { type: string }[] };
+    };
     expect(new Set(file.mission.items.map(({ type }) => type))).toEqual(new Set(['SimpleItem']));
   });
 });

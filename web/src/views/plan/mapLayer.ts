@@ -5,10 +5,10 @@ import type { FenceShape, MissionPath, Stop, StopKind } from '$lib/map/plan';
 import { paintFence, paintHome, paintMission, paintRally } from '$lib/map/planLayer';
 import { disc, polyline, type Drawing } from '$lib/map/drawing';
 
-import { radiusHandle, type Editor, type Selection } from './editor.svelte';
+import type { Editor, Selection } from './editor.svelte';
 import { itemPosition, isOnPath } from './logic/commands';
 import { corridorOutline } from './logic/corridor';
-import { between, type Point } from './logic/geo';
+import { between, type Point, radiusHandle } from './logic/geo';
 import { CMD, FRAME, type Item, type Plan } from './logic/model';
 import { pathOf } from './logic/path';
 
@@ -32,7 +32,10 @@ const KINDS: Readonly<Record<number, StopKind>> = {
   [CMD.NAV_SPLINE_WAYPOINT]: 'spline',
 };
 const RADIUS_PARAM: Readonly<Record<number, number>> = {
-  [CMD.NAV_LOITER_UNLIM]: 2, [CMD.NAV_LOITER_TURNS]: 2, [CMD.NAV_LOITER_TIME]: 2, [CMD.NAV_LOITER_TO_ALT]: 1,
+  [CMD.NAV_LOITER_UNLIM]: 2,
+  [CMD.NAV_LOITER_TURNS]: 2,
+  [CMD.NAV_LOITER_TIME]: 2,
+  [CMD.NAV_LOITER_TO_ALT]: 1,
 };
 
 function stopOf(each: Item, index: number): Stop | null {
@@ -47,13 +50,20 @@ function stopOf(each: Item, index: number): Stop | null {
 export function missionPathOf(plan: Plan): MissionPath {
   const stops = plan.mission.map(stopOf).filter((each) => each !== null);
   const place = (index: number): Point | null =>
-    plan.mission.slice(0, index + 1).reverse().map(itemPosition).find((each) => each !== null) ?? null;
+    plan.mission
+      .slice(0, index + 1)
+      .reverse()
+      .map(itemPosition)
+      .find((each) => each !== null) ?? null;
   const jumps = plan.mission.flatMap((each, index) => {
     const [from, to] = [place(index), place(each.params[0] ?? -1)];
     return each.command === CMD.DO_JUMP && from && to ? [[from, to] as const] : [];
   });
   // Once through the items, without the repetitions of jumps.
-  const line = pathOf({ ...plan, mission: plan.mission.map((each) => (each.command === CMD.DO_JUMP ? NO_JUMP : each)) });
+  const line = pathOf({
+    ...plan,
+    mission: plan.mission.map((each) => (each.command === CMD.DO_JUMP ? NO_JUMP : each)),
+  });
   return { stops, line, jumps };
 }
 
@@ -63,7 +73,10 @@ export function shapesOf(plan: Plan): FenceShape[] {
   return [
     ...plan.polygons.map((each) => ({ kind: 'polygon' as const, isInclusion: each.inclusion, corners: each.vertices })),
     ...plan.circles.map((each) => ({
-      kind: 'circle' as const, isInclusion: each.inclusion, centre: each.center, radius: each.radius,
+      kind: 'circle' as const,
+      isInclusion: each.inclusion,
+      centre: each.center,
+      radius: each.radius,
     })),
     ...(plan.returnPoint ? [{ kind: 'return' as const, place: plan.returnPoint }] : []),
   ];
@@ -78,13 +91,19 @@ export function handlesOf(editor: Editor): Handle[] {
     const at = itemPosition(each);
     return at ? [{ at, target: { kind: 'item', index }, part: 0, role: 'place' }] : [];
   });
-  const circles = plan.circles.map(({ center }, index): Handle => ({ at: center, target: { kind: 'circle', index }, part: 0, role: 'place' }));
-  const rally = plan.rally.map((at, index): Handle => ({ at, target: { kind: 'rally', index }, part: 0, role: 'place' }));
+  const circles = plan.circles.map(
+    ({ center }, index): Handle => ({ at: center, target: { kind: 'circle', index }, part: 0, role: 'place' }),
+  );
+  const rally = plan.rally.map(
+    (at, index): Handle => ({ at, target: { kind: 'rally', index }, part: 0, role: 'place' }),
+  );
   const polygons = plan.polygons.flatMap(({ vertices }, index) =>
     vertices.map((at, part): Handle => ({ at, target: { kind: 'polygon', index }, part, role: 'place' })),
   );
   const home = plan.home ? [{ at: plan.home, target: { kind: 'home' }, part: 0, role: 'place' } as const] : [];
-  const back = plan.returnPoint ? [{ at: plan.returnPoint, target: { kind: 'return' }, part: 0, role: 'place' } as const] : [];
+  const back = plan.returnPoint
+    ? [{ at: plan.returnPoint, target: { kind: 'return' }, part: 0, role: 'place' } as const]
+    : [];
   return [...draft, ...chosen, ...items.reverse(), ...rally, ...circles, ...polygons, ...back, ...home];
 }
 
@@ -131,7 +150,10 @@ function paintShapeHandles(drawing: Drawing, handles: readonly Handle[]): void {
   const { projection, palette } = drawing;
   for (const { at, role } of handles) {
     const pixel = projection.toPixel(at.latitude, at.longitude);
-    disc(drawing, pixel, role === 'middle' ? 4.5 : 7, { fill: role === 'middle' ? palette.halo : palette.accent, outline: palette.accent });
+    disc(drawing, pixel, role === 'middle' ? 4.5 : 7, {
+      fill: role === 'middle' ? palette.halo : palette.accent,
+      outline: palette.accent,
+    });
   }
 }
 

@@ -40,7 +40,9 @@ class Transfer {
   /** Downloads all kinds of plans that the vehicle has. */
   async download(vehicle: Vehicle): Promise<boolean> {
     let plan: Plan = {
-      ...editor.plan, firmware: vehicle.state.autopilot, vehicleType: vehicle.state.mavType,
+      ...editor.plan,
+      firmware: vehicle.state.autopilot,
+      vehicleType: vehicle.state.mavType,
     };
     const ok = await this.run(false, vehicle, async (kind) => {
       const found = await vehicle.downloadPlan(kind, this.report);
@@ -72,7 +74,8 @@ class Transfer {
     try {
       for (const kind of KINDS) {
         if (vehicle.capabilities[kind] === false) {
-          if (isUpload && !isEmpty(editor.plan, kind)) toast('warning', t('plan.unsupported', { kind: t(`plan.${kind}`) }));
+          if (isUpload && !isEmpty(editor.plan, kind))
+            toast('warning', t('plan.unsupported', { kind: t(`plan.${kind}`) }));
           continue;
         }
         this.kind = kind;

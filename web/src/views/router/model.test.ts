@@ -2,8 +2,17 @@ import { expect, it } from 'vitest';
 import { NO_RATES, bytesText, dropReasons, ratesBetween, totalDropped, type Endpoint } from './model';
 
 const ENDPOINT: Endpoint = {
-  name: 'ground', url: 'udpin://:14550', state: 'open', reason: '', links: [], received: 100, received_bytes: 4000,
-  sent: 10, sent_bytes: 400, lost: 0, dropped: { loop: 2, rule: 5, queue: 0 },
+  name: 'ground',
+  url: 'udpin://:14550',
+  state: 'open',
+  reason: '',
+  links: [],
+  received: 100,
+  received_bytes: 4000,
+  sent: 10,
+  sent_bytes: 400,
+  lost: 0,
+  dropped: { loop: 2, rule: 5, queue: 0 },
 };
 
 it('measures rates between two readings', () => {

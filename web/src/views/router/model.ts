@@ -60,5 +60,8 @@ export function totalDropped({ dropped }: Endpoint): number {
 /** Returns the reasons of drops, the most frequent first: `rule 12, loop 3`. */
 export function dropReasons({ dropped }: Endpoint): string {
   const reasons = Object.entries(dropped).filter(([, count]) => count > 0);
-  return reasons.sort(([, a], [, b]) => b - a).map(([reason, count]) => `${reason} ${count}`).join(', ');
+  return reasons
+    .sort(([, a], [, b]) => b - a)
+    .map(([reason, count]) => `${reason} ${count}`)
+    .join(', ');
 }

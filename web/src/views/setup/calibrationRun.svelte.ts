@@ -7,7 +7,14 @@ import { status } from '$lib/store/status.svelte';
 import type { Vehicle } from '$lib/vehicle/Vehicle';
 import { toastError } from '$lib/ui/toasts.svelte';
 
-import { CalibrationMachine, cancelCommand, inOrder, kindsOf, startCommand, type CalibrationStep } from './logic/calibration';
+import {
+  CalibrationMachine,
+  cancelCommand,
+  inOrder,
+  kindsOf,
+  startCommand,
+  type CalibrationStep,
+} from './logic/calibration';
 import { parameterSet } from './parameterSet.svelte';
 
 export type RunState = 'running' | 'done' | 'failed' | 'cancelled';
@@ -23,7 +30,9 @@ export interface Outcome {
   readonly reboot_needed: boolean;
   readonly compasses: readonly { readonly id: number; readonly fitness: number }[];
   /** By the number of the channel, in µs. */
-  readonly channels: Readonly<Record<string, { readonly minimum: number; readonly trim: number; readonly maximum: number }>>;
+  readonly channels: Readonly<
+    Record<string, { readonly minimum: number; readonly trim: number; readonly maximum: number }>
+  >;
 }
 
 class CalibrationRun {
@@ -49,7 +58,7 @@ class CalibrationRun {
 
   /** The step waits for the person at the vehicle. */
   get waits(): boolean {
-    return this.step !== null && this.step.needs_confirmation && this.confirmed !== keyOf(this.step);
+    return this.step?.needs_confirmation === true && this.confirmed !== keyOf(this.step);
   }
 
   /** The kinds that can be run for a vehicle. */
@@ -147,7 +156,11 @@ class CalibrationRun {
   }
 
   private async startTask(vehicle: Vehicle, kind: string, run: number): Promise<void> {
-    const { task } = await api.post<{ task: string }>(`vehicles/${vehicle.system}/calibrations/${kind}`, {}, { wait: false });
+    const { task } = await api.post<{ task: string }>(
+      `vehicles/${vehicle.system}/calibrations/${kind}`,
+      {},
+      { wait: false },
+    );
     if (run === this.run && this.isRunning) this.follow(task, run);
     else await api.delete(`tasks/${task}`);
   }
@@ -161,7 +174,8 @@ class CalibrationRun {
       if (step) this.takeStep(step);
       if (state === 'done') void this.takeOutcome(task, run);
       // The answer to the cancellation tells how it ended.
-      else if (state !== 'running' && !this.isCancelling) this.fail([error?.text ?? t('setup.calibration_cancelled'), ...(error?.status_texts ?? [])]);
+      else if (state !== 'running' && !this.isCancelling)
+        this.fail([error?.text ?? t('setup.calibration_cancelled'), ...(error?.status_texts ?? [])]);
     };
     for (const name of ['progress', 'done', 'failed', 'cancelled']) events.addEventListener(name, take);
     events.onerror = () => {

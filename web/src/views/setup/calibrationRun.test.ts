@@ -6,7 +6,15 @@ import { calibration } from './calibrationRun.svelte';
 import { parameterSet } from './parameterSet.svelte';
 import { settled, vehicle } from './testing';
 
-const STEP = { kind: 'accelerometer', task: 'place', text: 'Place it.', pose: 'level', pending: [], progress: 0, needs_confirmation: true };
+const STEP = {
+  kind: 'accelerometer',
+  task: 'place',
+  text: 'Place it.',
+  pose: 'level',
+  pending: [],
+  progress: 0,
+  needs_confirmation: true,
+};
 
 /** The station's events of the task that the page follows. */
 class Events extends EventTarget {
@@ -27,7 +35,9 @@ class Events extends EventTarget {
   }
 
   emit(state: string, values: object = {}): void {
-    const event = new MessageEvent(state === 'running' ? 'progress' : state, { data: JSON.stringify({ state, ...values }) });
+    const event = new MessageEvent(state === 'running' ? 'progress' : state, {
+      data: JSON.stringify({ state, ...values }),
+    });
     this.dispatchEvent(event);
   }
 }
@@ -87,7 +97,8 @@ describe('a calibration of the station', () => {
     answer.resolve({ cancelled: false });
     await cancelling;
     expect([calibration.state, calibration.reasons]).toEqual([
-      'cancelled', ['The vehicle cannot cancel it: it ends by itself, or goes on when it is started again.'],
+      'cancelled',
+      ['The vehicle cannot cancel it: it ends by itself, or goes on when it is started again.'],
     ]);
   });
 
@@ -137,7 +148,10 @@ describe('a calibration of the page', () => {
     await calibration.start(vehicle({ sendCommand }), 'esc');
     expect(calibration.state).toBe('running');
     await calibration.cancel();
-    expect([calibration.state, calibration.reasons]).toEqual(['failed', ['It could not be cancelled and may go on: no reply']]);
+    expect([calibration.state, calibration.reasons]).toEqual([
+      'failed',
+      ['It could not be cancelled and may go on: no reply'],
+    ]);
   });
 
   it('reads the parameters again at its end', async () => {
@@ -148,7 +162,12 @@ describe('a calibration of the page', () => {
       emit = listener;
       return () => undefined;
     };
-    const target = vehicle({ sendCommand: vi.fn().mockResolvedValue({}), onStatusText, getParameters, capabilities: { params: true } });
+    const target = vehicle({
+      sendCommand: vi.fn().mockResolvedValue({}),
+      onStatusText,
+      getParameters,
+      capabilities: { params: true },
+    });
     parameterSet.use(target);
     await vi.waitFor(() => expect(parameterSet.isEmpty).toBe(false));
     await calibration.start(target, 'gyroscope');
@@ -170,6 +189,9 @@ describe('a calibration of the page', () => {
     publish({ alive: true });
     expect(calibration.state).toBe('running');
     publish({ alive: false });
-    expect([calibration.state, calibration.reasons]).toEqual(['failed', ['The vehicle does not answer: it may go on calibrating.']]);
+    expect([calibration.state, calibration.reasons]).toEqual([
+      'failed',
+      ['The vehicle does not answer: it may go on calibrating.'],
+    ]);
   });
 });

@@ -22,7 +22,13 @@ describe('a motor', () => {
     await test.start(2, 8);
     expect(sendCommand.mock.calls).toEqual([['DO_MOTOR_TEST', [2, 0, 8, 1, 1]]]);
     await vi.advanceTimersByTimeAsync(800);
-    expect([test.running, sentBy(sendMessage)]).toEqual([2, [[2, 8, 1], [2, 8, 1]]]);
+    expect([test.running, sentBy(sendMessage)]).toEqual([
+      2,
+      [
+        [2, 8, 1],
+        [2, 8, 1],
+      ],
+    ]);
     test.stop();
     await vi.advanceTimersByTimeAsync(5000);
     expect([test.running, sentBy(sendMessage).slice(2)]).toEqual([null, [[2, 0, 0]]]);
@@ -38,7 +44,10 @@ describe('a motor', () => {
     answer.resolve({} as CommandResult);
     await starting;
     await vi.advanceTimersByTimeAsync(5000);
-    expect(sentBy(sendMessage)).toEqual([[1, 0, 0], [1, 0, 0]]);
+    expect(sentBy(sendMessage)).toEqual([
+      [1, 0, 0],
+      [1, 0, 0],
+    ]);
   });
 
   it('is not run on when the vehicle is lost', async () => {
@@ -53,7 +62,9 @@ describe('a motor', () => {
 
   it('that is refused does not run, and the reason is told', async () => {
     const sendMessage = vi.fn();
-    const test = new MotorTest(tested({ sendCommand: vi.fn().mockRejectedValue(new Error('Motor Test: vehicle not landed')), sendMessage }));
+    const test = new MotorTest(
+      tested({ sendCommand: vi.fn().mockRejectedValue(new Error('Motor Test: vehicle not landed')), sendMessage }),
+    );
     await test.start(1, 8);
     test.stop();
     await vi.advanceTimersByTimeAsync(5000);

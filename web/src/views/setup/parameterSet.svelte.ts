@@ -169,7 +169,8 @@ class ParameterSet {
     const encoding = encodingOf(vehicle.state.firmware) ?? (known.type === 'REAL32' ? 'cast' : null);
     if (encoding === null) return;
     const held = parameterOf(message, encoding);
-    if (Math.fround(held.value) !== Math.fround(known.value)) this.parameters = { ...this.parameters, [known.name]: held };
+    if (Math.fround(held.value) !== Math.fround(known.value))
+      this.parameters = { ...this.parameters, [known.name]: held };
   }
 
   requireReboot(vehicle: Vehicle): void {

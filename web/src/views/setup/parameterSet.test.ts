@@ -17,7 +17,13 @@ function announced(component: number, fields: SentFields): DecodedMessage {
 /** Returns a vehicle that has parameters, and sets them as it is told. */
 function parametrised(system: number, values: readonly Parameter[], more: object = {}): Vehicle {
   const setParameter = vi.fn((name: string, value: number) => Promise.resolve(parameter(name, value)));
-  return vehicle({ system, capabilities: { params: true }, getParameters: () => Promise.resolve(values), setParameter, ...more });
+  return vehicle({
+    system,
+    capabilities: { params: true },
+    getParameters: () => Promise.resolve(values),
+    setParameter,
+    ...more,
+  });
 }
 
 async function shown(target: Vehicle): Promise<void> {
@@ -50,7 +56,7 @@ describe('the parameters', () => {
     slow.resolve([parameter('RTL_ALT', 1)]);
     await slow.promise;
     await vi.waitFor(() => expect(parameterSet.isLoading).toBe(false));
-    expect(parameterSet.parameters['RTL_ALT']?.value).toBe(2);
+    expect(parameterSet.parameters.RTL_ALT?.value).toBe(2);
   });
 
   it('that one vehicle answers are not shown for another', async () => {
@@ -62,7 +68,7 @@ describe('the parameters', () => {
     await shown(parametrised(2, [parameter('RTL_ALT', 9)]));
     answer.resolve(parameter('RTL_ALT', 5));
     await writing;
-    expect([parameterSet.parameters['RTL_ALT']?.value, parameterSet.before]).toEqual([9, {}]);
+    expect([parameterSet.parameters.RTL_ALT?.value, parameterSet.before]).toEqual([9, {}]);
   });
 
   it('show what a calibration has changed, but not what is being written', async () => {
@@ -83,6 +89,7 @@ describe('the parameters', () => {
     expect([value('CAL_GYRO0_XOFF'), value('NO_SUCH'), parameterSet.before]).toEqual([2, undefined, {}]);
 
     const writing = parameterSet.set('RTL_ALT', 5);
+    // biome-ignore lint/complexity/useLiteralKeys: the brackets reach a private member
     await vi.waitFor(() => expect(parameterSet['writing'].size).toBe(1));
     announce(1, 'RTL_ALT', 5);
     answer.resolve(parameter('RTL_ALT', 5));
@@ -105,14 +112,13 @@ describe('the parameters', () => {
     const values = [{ ...parameter('COM_FLTMODE1', 1), type: 'INT32' }];
     await shown(parametrised(1, values, { onMessage, state: { firmware: 'px4', alive: true, component: 1 } }));
     announce(Uint8Array.of(255, 255, 255, 255));
-    expect(parameterSet.parameters['COM_FLTMODE1']?.value).toBe(-1);
+    expect(parameterSet.parameters.COM_FLTMODE1?.value).toBe(-1);
   });
 
   it('whose encoding is not known keep their value, unless they are floats', async () => {
     let announce: (type: number, name: string) => void = () => undefined;
     const onMessage = (_: string, listener: (message: DecodedMessage) => void): (() => void) => {
-      announce = (type, name) =>
-        listener(announced(1, { param_id: name, param_value: 4, param_type: type }));
+      announce = (type, name) => listener(announced(1, { param_id: name, param_value: 4, param_type: type }));
       return () => undefined;
     };
     const values = [{ ...parameter('MODE', 1), type: 'INT32' }, parameter('GAIN', 1)];
@@ -139,7 +145,7 @@ describe('the parameters', () => {
   it('keep both of two bits that are changed at once', async () => {
     await shown(parametrised(1, [parameter('SERVO_MASK', 0)]));
     await Promise.all([0, 3].map((bit) => parameterSet.set('SERVO_MASK', (held) => toggleBit(held, bit))));
-    expect([parameterSet.parameters['SERVO_MASK']?.value, parameterSet.before]).toEqual([9, { SERVO_MASK: 0 }]);
+    expect([parameterSet.parameters.SERVO_MASK?.value, parameterSet.before]).toEqual([9, { SERVO_MASK: 0 }]);
     await parameterSet.set('SERVO_MASK', 0);
     expect(parameterSet.before).toEqual({});
   });

@@ -6,7 +6,14 @@ import type { Vehicle } from '$lib/vehicle/Vehicle';
 export function vehicle(values: object): Vehicle {
   const nothing = (): (() => void) => () => undefined;
   const state = { firmware: 'px4', alive: true };
-  return { system: 1, state, onMessage: nothing, onState: nothing, onStatusText: nothing, ...values } as unknown as Vehicle;
+  return {
+    system: 1,
+    state,
+    onMessage: nothing,
+    onState: nothing,
+    onStatusText: nothing,
+    ...values,
+  } as unknown as Vehicle;
 }
 
 /** Returns a promise with the function that resolves it. */

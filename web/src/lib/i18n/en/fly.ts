@@ -34,7 +34,8 @@ export const fly = {
   alertConflict: 'Two vehicles use system id {system}: all actions are refused until one of them is chosen',
   alertConflictChosen: 'Two vehicles use system id {system}: this is the one at {channel}',
   conflict: 'Two vehicles with one system id',
-  conflictHint: 'A command would reach both, or the wrong one. Choose the vehicle that you mean, and give it another id.',
+  conflictHint:
+    'A command would reach both, or the wrong one. Choose the vehicle that you mean, and give it another id.',
   conflictLink: 'Both are on this link: disconnect one of them, then set its system id by its parameter.',
   chooseSender: 'Use this one',
   chosenSender: 'in use',
@@ -117,7 +118,9 @@ export const fly = {
   toVehicles: 'For the vehicles {systems}',
   ownAltitudes: 'each its own',
   keepFormation: 'Keep the formation around this place',
-  tooClose: '{action}: vehicles {one} and {other} would be too close, {horizontal} apart and {vertical} in altitude. Hold for two seconds to send them anyway.',
+  tooClose:
+    '{action}: vehicles {one} and {other} would be too close, {horizontal} apart and {vertical} in altitude. ' +
+    'Hold for two seconds to send them anyway.',
   orbit: 'Orbit',
   more: 'More',
   several: '{count, one: # vehicle, other: # vehicles}',
@@ -197,7 +200,8 @@ export const fly = {
   videoUrlHint: 'http://…/whep (WebRTC), an HTTP video, MJPEG, or rtsp:// by the gateway',
   videoGateway: 'Gateway',
   videoGatewayHint: 'WHEP address of a gateway such as MediaMTX; {host} and {path} are those of the stream',
-  videoNeedsGateway: 'Browsers do not play this address. Run MediaMTX with this configuration, and enter its WHEP address below:',
+  videoNeedsGateway:
+    'Browsers do not play this address. Run MediaMTX with this configuration, and enter its WHEP address below:',
   videoFailed: 'The video cannot be played: {reason}',
   videoRetrying: 'The video cannot be played: {reason}. Connecting again …',
   videoThermal: 'thermal',

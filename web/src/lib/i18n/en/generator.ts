@@ -1,6 +1,8 @@
 export const generator = {
   title: 'Libraries in other languages',
-  about: 'Message classes, a parser and a builder of packets for your own programs, from an official dialect or your definition file.',
+  about:
+    'Message classes, a parser and a builder of packets for your own programs, from an official dialect or your ' +
+    'definition file.',
   dialect: 'Dialect',
   file: 'Definition file',
   fileHint: 'Your own MAVLink XML; it may include official files',

@@ -28,7 +28,9 @@ export const logs = {
   unknownDate: 'date unknown',
   stationOnly: 'Logs of vehicles and recordings need the station: this page runs without it.',
   openFile: 'Replay a file',
-  openFileHint: 'A log of this computer. A telemetry log (.tlog) stays in this page; others (.BIN, .ulg, .bbl, .pcap …) are read by the station, which keeps nothing.',
+  openFileHint:
+    'A log of this computer. A telemetry log (.tlog) stays in this page; others (.BIN, .ulg, .bbl, .pcap …) are ' +
+    'read by the station, which keeps nothing.',
   replaying: 'Replay of {name}',
   position: 'Time in the recording',
   play: 'Play',

@@ -88,7 +88,8 @@ export const plan = {
   surveyOf: 'Survey, {count, one: # item, other: # items}',
   corridorOf: 'Corridor, {count, one: # item, other: # items}',
   otherPattern: 'Pattern, {count, one: # item, other: # items}',
-  patternSummary: '{lanes, one: # lane, other: # lanes}, {distance}, {pictures, one: # picture, other: # pictures}, {area}',
+  patternSummary:
+    '{lanes, one: # lane, other: # lanes}, {distance}, {pictures, one: # picture, other: # pictures}, {area}',
   patternImpossible: 'No lanes: the area or the spacing is not possible.',
   distance: 'Distance',
   duration: 'Duration',
@@ -123,7 +124,9 @@ export const plan = {
   unsaved: 'Replace the plan?',
   unsavedHint: 'The plan has changes that are neither in a file nor on the vehicle. They would be replaced.',
   replace: 'Replace',
-  patternAboveSea: 'New items have altitudes above sea level, but the camera needs the altitude above the ground: choose “above home” or “above terrain” first.',
+  patternAboveSea:
+    'New items have altitudes above sea level, but the camera needs the altitude above the ground: choose “above ' +
+    'home” or “above terrain” first.',
   refusedByChecks: 'Upload: correct the errors below first, or upload anyway.',
   uploadAnyway: 'Upload anyway',
   new: 'New plan',
@@ -154,15 +157,20 @@ export const plan = {
   checkOutsideFence: 'Item {number} is outside of the fence.',
   checkLegLeavesFence: 'The way to item {number} leaves the fence.',
   checkPartly:
-    'The way to item {number} is not in all areas to stay in. PX4 asks for all, ArduPilot too, unless FENCE_OPTIONS has the bit “union of inclusion areas”.',
+    'The way to item {number} is not in all areas to stay in. PX4 asks for all, ArduPilot too, unless ' +
+    'FENCE_OPTIONS has the bit “union of inclusion areas”.',
   checkHomePartly:
-    'The planned home is not in all areas to stay in. PX4 asks for all, ArduPilot too, unless FENCE_OPTIONS has the bit “union of inclusion areas”.',
+    'The planned home is not in all areas to stay in. PX4 asks for all, ArduPilot too, unless FENCE_OPTIONS has ' +
+    'the bit “union of inclusion areas”.',
   checkRallyPartly:
-    'Rally point {number} is not in all areas to stay in. PX4 asks for all, ArduPilot too, unless FENCE_OPTIONS has the bit “union of inclusion areas”.',
+    'Rally point {number} is not in all areas to stay in. PX4 asks for all, ArduPilot too, unless FENCE_OPTIONS ' +
+    'has the bit “union of inclusion areas”.',
   checkPolygonIgnored: 'PX4 ignores fence polygon {number}, since it does not allow the home.',
   checkCircleIgnored: 'PX4 ignores fence circle {number}, since it does not allow the home.',
   checkRallyOutside: 'Rally point {number} is outside of the fence.',
-  checkKept: 'Item {number} is a {kind}, which only the program of its file can turn into items: vehicles get the plan without it.',
+  checkKept:
+    'Item {number} is a {kind}, which only the program of its file can turn into items: vehicles get the plan ' +
+    'without it.',
   checkReturnOutside: 'The return point is outside of the fence.',
   checkTerrainUnknown: 'The clearance is not known: no heights of the terrain are given.',
   checkTerrainPartly: 'Parts of the path have no heights of the terrain.',

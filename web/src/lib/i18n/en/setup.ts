@@ -45,7 +45,9 @@ export const setup = {
   mayLook: 'You may look at the set-up, not change it: that needs the role administer.',
   differences: 'Differences to {name}',
   compared: '{different} differ, {same} are the same, {missing} are not on the vehicle.',
-  owned: '{count, one: # value belongs, other: # values belong} to the vehicle of the file and {count, one: is, other: are} not chosen.',
+  owned:
+    '{count, one: # value belongs, other: # values belong} to the vehicle of the file and {count, one: is, ' +
+    'other: are} not chosen.',
   ownedCOUNTER: 'the vehicle counts or measures it itself',
   ownedIDENTITY: 'it is the id of one vehicle',
   ownedCALIBRATION: 'it belongs to the sensors of one vehicle',
@@ -121,7 +123,8 @@ export const setup = {
   esc: 'Speed controllers',
   escHint: 'Take the propellers off: motors may start.',
   compassMotor: 'Compass and motors',
-  compassMotorHint: 'Your transmitter runs the motors: turn the propellers upside down or take them off, and fix the vehicle.',
+  compassMotorHint:
+    'Your transmitter runs the motors: turn the propellers upside down or take them off, and fix the vehicle.',
   pose_level: 'level',
   pose_on_its_left_side: 'on its left side',
   pose_on_its_right_side: 'on its right side',

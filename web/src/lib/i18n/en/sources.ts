@@ -9,7 +9,8 @@ export const sources = {
   remove: 'Remove {url}',
   url: 'URL of a link',
   urlHint:
-    'Such as udpin://0.0.0.0:14550, tcpout://127.0.0.1:5760, serial:///dev/ttyACM0?baud=57600, or csv+tcp://127.0.0.1:5770?name=cansat&template=time:s,alt:m',
+    'Such as udpin://0.0.0.0:14550, tcpout://127.0.0.1:5760, serial:///dev/ttyACM0?baud=57600, or ' +
+    'csv+tcp://127.0.0.1:5770?name=cansat&template=time:s,alt:m',
   add: 'Add',
   usb: 'Values of a device at a serial port of this computer',
   usbName: 'Name',

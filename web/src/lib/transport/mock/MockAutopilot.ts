@@ -196,7 +196,8 @@ export class MockAutopilot {
   private loiter(): Demand {
     if (this.sticks.age < STICK_TIMEOUT) return this.manual();
     const target = this.target ?? this.here;
-    if (this.profile.limits.kind === 'wing') return this.motion.up > 5 ? this.around(target, this.profile.limits.radius) : { kind: 'stay' };
+    if (this.profile.limits.kind === 'wing')
+      return this.motion.up > 5 ? this.around(target, this.profile.limits.radius) : { kind: 'stay' };
     return { kind: 'point', point: target };
   }
 
@@ -242,7 +243,11 @@ export class MockAutopilot {
   private piloted(): Demand {
     const phase = this.time / 6;
     const { north, east } = this.profile.start;
-    const point = { north: north + 35 * Math.sin(phase), east: east + 25 * Math.sin(2 * phase), up: 12 + 6 * Math.sin(phase * 1.7) };
+    const point = {
+      north: north + 35 * Math.sin(phase),
+      east: east + 25 * Math.sin(2 * phase),
+      up: 12 + 6 * Math.sin(phase * 1.7),
+    };
     return { kind: 'point', point };
   }
 
@@ -265,7 +270,9 @@ export class MockAutopilot {
   }
 
   private loiterAtEnd(): Demand {
-    return this.profile.limits.kind === 'wing' && this.motion.up > 5 ? this.around(this.here, this.profile.limits.radius) : { kind: 'stay' };
+    return this.profile.limits.kind === 'wing' && this.motion.up > 5
+      ? this.around(this.here, this.profile.limits.radius)
+      : { kind: 'stay' };
   }
 
   /** Returns the demand of an item, or null if it is done. */
@@ -277,13 +284,17 @@ export class MockAutopilot {
         return this.flyTo(point, item.params[0] ?? 0);
       case NAV_TAKEOFF:
       case NAV_VTOL_TAKEOFF:
-        return this.motion.up > point.up - 1 ? null : { kind: 'point', point: { ...this.aheadOf(point), up: point.up } };
+        return this.motion.up > point.up - 1
+          ? null
+          : { kind: 'point', point: { ...this.aheadOf(point), up: point.up } };
       case NAV_LOITER_UNLIM:
         return this.toward(point);
       case NAV_LOITER_TIME:
         return this.itemTime > (item.params[0] ?? 0) + 20 ? null : this.toward(point);
       case NAV_LOITER_TURNS:
-        return this.itemTime > (item.params[0] ?? 1) * SECONDS_PER_TURN ? null : this.around(point, this.profile.limits.radius);
+        return this.itemTime > (item.params[0] ?? 1) * SECONDS_PER_TURN
+          ? null
+          : this.around(point, this.profile.limits.radius);
       case NAV_RETURN:
         this.enter(this.modes.RTL === undefined ? 'HOLD' : 'RTL');
         return { kind: 'stay' };
@@ -297,7 +308,8 @@ export class MockAutopilot {
   }
 
   private land(point: Point): Demand {
-    if (this.motion.distanceTo(point) > 3) return { kind: 'point', point: { ...point, up: Math.max(this.motion.up, 5) } };
+    if (this.motion.distanceTo(point) > 3)
+      return { kind: 'point', point: { ...point, up: Math.max(this.motion.up, 5) } };
     this.enter(this.modes.LAND === undefined ? 'QLAND' : 'LAND');
     return this.landing();
   }

@@ -113,7 +113,14 @@ export class MockVehicle {
     const { profile, autopilot } = this;
     const item = (seq: number, command: number, params: number[]): void => {
       const name = command === NAV_WAYPOINT ? 'NAV_WAYPOINT' : 'DO_JUMP';
-      autopilot.mission.push({ seq, command, name, frame: seq === 0 ? GLOBAL : GLOBAL_RELATIVE_ALT, params, autocontinue: true });
+      autopilot.mission.push({
+        seq,
+        command,
+        name,
+        frame: seq === 0 ? GLOBAL : GLOBAL_RELATIVE_ALT,
+        params,
+        autocontinue: true,
+      });
     };
     [profile.start, ...profile.mission].forEach((point, seq) => {
       const { latitude, longitude, altitude } = toDegrees(point);
@@ -135,7 +142,13 @@ export class MockVehicle {
   private sendParameter(index: number): void {
     const { name, value, type } = this.parameters[index]!;
     const count = this.parameters.length;
-    this.send('PARAM_VALUE', { param_id: name, param_value: value, param_type: type, param_count: count, param_index: index });
+    this.send('PARAM_VALUE', {
+      param_id: name,
+      param_value: value,
+      param_type: type,
+      param_count: count,
+      param_index: index,
+    });
   }
 
   private parameterOf(name: string): number | undefined {
@@ -168,7 +181,12 @@ export class MockVehicle {
   }
 
   /** Returns the point of a command's place; altitudes are above home unless the frame is global. */
-  pointOf(frame: number, latitude: number, longitude: number, altitude: number): { north: number; east: number; up: number } {
+  pointOf(
+    frame: number,
+    latitude: number,
+    longitude: number,
+    altitude: number,
+  ): { north: number; east: number; up: number } {
     const isSea = frame === GLOBAL || frame === 5;
     const up = isSea ? altitude - toDegrees({ north: 0, east: 0, up: 0 }).altitude : altitude + this.autopilot.home.up;
     return toMetres(latitude, longitude, up);

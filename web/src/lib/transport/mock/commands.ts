@@ -33,7 +33,9 @@ export function commandOf(message: DecodedMessage): MockCommand {
   const { fields, system, component } = message;
   const params = [1, 2, 3, 4].map((index) => Number(fields[`param${index}`]));
   const isInt = message.name === 'COMMAND_INT';
-  const place = isInt ? [Number(fields.x) / 1e7, Number(fields.y) / 1e7, Number(fields.z)] : [fields.param5, fields.param6, fields.param7].map(Number);
+  const place = isInt
+    ? [Number(fields.x) / 1e7, Number(fields.y) / 1e7, Number(fields.z)]
+    : [fields.param5, fields.param6, fields.param7].map(Number);
   const frame = isInt ? Number(fields.frame) : GLOBAL_RELATIVE_ALT;
   return { command: Number(fields.command), params: [...params, ...place], frame, system, component };
 }
@@ -146,7 +148,8 @@ const HANDLERS: Readonly<Record<number, Handler>> = {
   179(vehicle, params, { frame }) {
     const { autopilot } = vehicle;
     const { north, east } = autopilot.motion;
-    autopilot.home = params[0] === 1 ? { north, east, up: 0 } : vehicle.pointOf(frame, params[4]!, params[5]!, params[6]!);
+    autopilot.home =
+      params[0] === 1 ? { north, east, up: 0 } : vehicle.pointOf(frame, params[4]!, params[5]!, params[6]!);
     vehicle.sendRequested(242);
     return ACCEPTED;
   },

@@ -18,7 +18,13 @@ export type Demand =
   | { readonly kind: 'stay' }
   | { readonly kind: 'point'; readonly point: Point }
   | { readonly kind: 'circle'; readonly center: Point; readonly radius: number }
-  | { readonly kind: 'velocity'; readonly north: number; readonly east: number; readonly up: number; readonly yawRate: number };
+  | {
+      readonly kind: 'velocity';
+      readonly north: number;
+      readonly east: number;
+      readonly up: number;
+      readonly yawRate: number;
+    };
 
 export interface MotionLimits {
   readonly kind: MotionKind;
@@ -91,12 +97,18 @@ export class Motion {
   private hover(dt: number, demand: Demand): void {
     const [north, east, up] = this.wantedVelocity(demand);
     const maxChange = this.limits.acceleration * dt;
-    const [changeNorth, changeEast] = [clamp(north - this.velocityNorth, maxChange), clamp(east - this.velocityEast, maxChange)];
+    const [changeNorth, changeEast] = [
+      clamp(north - this.velocityNorth, maxChange),
+      clamp(east - this.velocityEast, maxChange),
+    ];
     this.velocityNorth += changeNorth;
     this.velocityEast += changeEast;
     this.velocityUp += clamp(up - this.velocityUp, 2 * dt);
     // Leans into acceleration and against the drag of its speed.
-    const [forceNorth, forceEast] = [changeNorth / dt / GRAVITY + this.velocityNorth / 60, changeEast / dt / GRAVITY + this.velocityEast / 60];
+    const [forceNorth, forceEast] = [
+      changeNorth / dt / GRAVITY + this.velocityNorth / 60,
+      changeEast / dt / GRAVITY + this.velocityEast / 60,
+    ];
     const [cos, sin] = [Math.cos(this.yaw), Math.sin(this.yaw)];
     const smooth = Math.min(1, 4 * dt);
     this.pitch += (-(forceNorth * cos + forceEast * sin) - this.pitch) * smooth;
@@ -126,7 +138,9 @@ export class Motion {
     const isWing = this.limits.kind === 'wing';
     let [speed, course, up] = [0, this.yaw, this.up];
     if (demand.kind === 'velocity') {
-      speed = Math.hypot(demand.north, demand.east) * Math.sign(demand.north * Math.cos(this.yaw) + demand.east * Math.sin(this.yaw));
+      speed =
+        Math.hypot(demand.north, demand.east) *
+        Math.sign(demand.north * Math.cos(this.yaw) + demand.east * Math.sin(this.yaw));
       course = this.yaw + demand.yawRate;
       up = this.up + demand.up;
     } else if (demand.kind === 'circle') {

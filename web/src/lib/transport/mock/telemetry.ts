@@ -44,8 +44,17 @@ const STREAMS: readonly Stream[] = [
   [5000, 'HOME_POSITION'],
 ];
 const REQUESTABLE: Readonly<Record<number, string>> = {
-  0: 'HEARTBEAT', 1: 'SYS_STATUS', 24: 'GPS_RAW_INT', 30: 'ATTITUDE', 33: 'GLOBAL_POSITION_INT', 74: 'VFR_HUD',
-  147: 'BATTERY_STATUS', 148: 'AUTOPILOT_VERSION', 242: 'HOME_POSITION', 245: 'EXTENDED_SYS_STATE', 436: 'CURRENT_MODE',
+  0: 'HEARTBEAT',
+  1: 'SYS_STATUS',
+  24: 'GPS_RAW_INT',
+  30: 'ATTITUDE',
+  33: 'GLOBAL_POSITION_INT',
+  74: 'VFR_HUD',
+  147: 'BATTERY_STATUS',
+  148: 'AUTOPILOT_VERSION',
+  242: 'HOME_POSITION',
+  245: 'EXTENDED_SYS_STATE',
+  436: 'CURRENT_MODE',
   435: 'AVAILABLE_MODES',
 };
 
@@ -93,7 +102,13 @@ export class Telemetry {
     const { motion } = this.vehicle.autopilot;
     switch (name) {
       case 'ATTITUDE':
-        return { time_boot_ms: this.now, roll: motion.roll, pitch: motion.pitch, yaw: motion.yaw, yawspeed: motion.yawRate };
+        return {
+          time_boot_ms: this.now,
+          roll: motion.roll,
+          pitch: motion.pitch,
+          yaw: motion.yaw,
+          yawspeed: motion.yawRate,
+        };
       case 'GLOBAL_POSITION_INT':
         return this.position();
       case 'VFR_HUD':
@@ -115,7 +130,10 @@ export class Telemetry {
       case 'GPS_RAW_INT':
         return this.gps();
       case 'EXTENDED_SYS_STATE':
-        return { landed_state: autopilot.landed ? ON_GROUND : IN_AIR, vtol_state: autopilot.type === 'vtol' ? FIXED_WING_STATE : 0 };
+        return {
+          landed_state: autopilot.landed ? ON_GROUND : IN_AIR,
+          vtol_state: autopilot.type === 'vtol' ? FIXED_WING_STATE : 0,
+        };
       case 'MISSION_CURRENT':
         return { seq: autopilot.current, total: Math.max(0, autopilot.mission.length - 1) };
       case 'HOME_POSITION':
@@ -243,7 +261,12 @@ export class Telemetry {
 
   private home(): SentFields {
     const { latitude, longitude, altitude } = toDegrees(this.vehicle.autopilot.home);
-    return { latitude: Math.round(latitude * 1e7), longitude: Math.round(longitude * 1e7), altitude: Math.round(altitude * 1000), q: [1, 0, 0, 0] };
+    return {
+      latitude: Math.round(latitude * 1e7),
+      longitude: Math.round(longitude * 1e7),
+      altitude: Math.round(altitude * 1000),
+      q: [1, 0, 0, 0],
+    };
   }
 
   /** All sticks of the transmitter are centred, so that a copter keeps its altitude in CIRCLE. */
@@ -257,7 +280,13 @@ export class Telemetry {
     const { motion, armed } = this.vehicle.autopilot;
     const throttle = armed ? 1450 + motion.velocityUp * 60 : 1000;
     const outputs = [1, -1, 1, -1].map((sign) => Math.round(throttle + (armed ? sign * motion.roll * 120 : 0)));
-    return { time_usec: this.now * 1000, servo1_raw: outputs[0]!, servo2_raw: outputs[1]!, servo3_raw: outputs[2]!, servo4_raw: outputs[3]! };
+    return {
+      time_usec: this.now * 1000,
+      servo1_raw: outputs[0]!,
+      servo2_raw: outputs[1]!,
+      servo3_raw: outputs[2]!,
+      servo4_raw: outputs[3]!,
+    };
   }
 
   private version(): SentFields {
@@ -277,8 +306,17 @@ export class Telemetry {
     const along = ((this.now / 1000) % 120) - 60;
     const { latitude, longitude } = toDegrees({ north: along * 45, east: 900 + along * 20, up: 0 });
     this.send('ADSB_VEHICLE', {
-      ICAO_address: 0x4b1801, lat: Math.round(latitude * 1e7), lon: Math.round(longitude * 1e7), altitude: 1_150_000, heading: 2400,
-      hor_velocity: 4900, flags: 0x1f, callsign: 'HBZUR', emitter_type: 1, tslc: 1, squawk: 7000,
+      ICAO_address: 0x4b1801,
+      lat: Math.round(latitude * 1e7),
+      lon: Math.round(longitude * 1e7),
+      altitude: 1_150_000,
+      heading: 2400,
+      hor_velocity: 4900,
+      flags: 0x1f,
+      callsign: 'HBZUR',
+      emitter_type: 1,
+      tslc: 1,
+      squawk: 7000,
     });
   }
 }

@@ -1,8 +1,8 @@
 /**
  * Circles of ArduPilot's vehicles, which have no DO_ORBIT.
  *
- * A wing circles the place that it is sent to. A copter has the mode CIRCLE; since 4.1 CIRCLE_OPTIONS can make the place
- * where the mode is entered its centre. So it is sent to the centre first.
+ * A wing circles the place that it is sent to. A copter has the mode CIRCLE; since 4.1 CIRCLE_OPTIONS can make the
+ * place where the mode is entered its centre. So it is sent to the centre first.
  */
 
 import { StationError } from '$lib/api/errors';
@@ -38,10 +38,15 @@ const POLL_INTERVAL = 250;
 const MAX_STALL = 30_000;
 const CENTIMETRES = 100;
 
-/** Circles the centre with a radius in metres (negative: counter-clockwise), at a speed in m/s or the one that is set. */
+/**
+ * Circles the centre with a radius in metres (negative: counter-clockwise), at a speed in m/s or the one that is set.
+ */
 export async function circle(steps: CircleSteps, radius: number, speed: number | undefined): Promise<void> {
   if (!(Number.isFinite(radius) && radius !== 0)) {
-    throw new StationError('InvalidArgumentError', `orbit radius must be finite and not 0 (negative: counter-clockwise), got ${radius}`);
+    throw new StationError(
+      'InvalidArgumentError',
+      `orbit radius must be finite and not 0 (negative: counter-clockwise), got ${radius}`,
+    );
   }
   if (steps.isWing) {
     await steps.enter('GUIDED');
@@ -55,7 +60,10 @@ export async function circle(steps: CircleSteps, radius: number, speed: number |
   await arrival(steps);
   await setRadius(steps, Math.abs(radius));
   checkThrottle(steps);
-  const rate = speed === undefined ? (await steps.getParameter('CIRCLE_RATE')).value : (speed / Math.abs(radius)) * (180 / Math.PI);
+  const rate =
+    speed === undefined
+      ? (await steps.getParameter('CIRCLE_RATE')).value
+      : (speed / Math.abs(radius)) * (180 / Math.PI);
   await set(steps, 'CIRCLE_RATE', Math.sign(radius) * Math.abs(rate));
   await steps.enter('CIRCLE');
 }
@@ -69,7 +77,10 @@ function checkThrottle({ operation, throttle }: CircleSteps): void {
 
 async function centerAtEntry(steps: CircleSteps): Promise<void> {
   const options = await steps.getParameter('CIRCLE_OPTIONS').catch(() => {
-    throw new StationError('ActionUnsupported', `${steps.operation} failed: its firmware has no CIRCLE_OPTIONS, which 4.1 introduced`);
+    throw new StationError(
+      'ActionUnsupported',
+      `${steps.operation} failed: its firmware has no CIRCLE_OPTIONS, which 4.1 introduced`,
+    );
   });
   if ((options.value & CENTER_AT_ENTRY) === 0) await set(steps, 'CIRCLE_OPTIONS', options.value | CENTER_AT_ENTRY);
 }

@@ -36,7 +36,11 @@ export function commandNumber(command: string | number): number {
  * @param signal - Ends it: it is not sent again.
  */
 export async function sendCommand(
-  channel: Channel, operation: string, command: string | number, params: readonly (number | null)[], place?: CommandPlace,
+  channel: Channel,
+  operation: string,
+  command: string | number,
+  params: readonly (number | null)[],
+  place?: CommandPlace,
   signal?: AbortSignal,
 ): Promise<CommandResult> {
   const id = commandNumber(command);
@@ -78,7 +82,11 @@ function refusal(target: string, name: string, result: number, texts: readonly S
 }
 
 function transmit(
-  channel: Channel, command: number, params: readonly (number | null)[], attempt: number, place?: CommandPlace,
+  channel: Channel,
+  command: number,
+  params: readonly (number | null)[],
+  attempt: number,
+  place?: CommandPlace,
 ): void {
   const fields: Record<string, number> = { command };
   params.forEach((value, index) => (fields[`param${index + 1}`] = value ?? NaN));

@@ -28,7 +28,9 @@ describe('a conflict of ids on a link of the page', () => {
   it('shows by two clocks that take turns, and ends when one of them is silent', () => {
     const scene = new Scene();
     expect([scene.attitude(60), scene.attitude(9000), scene.attitude(60)]).toEqual([null, null, null]);
-    expect(scene.attitude(9000)?.text).toContain('two vehicles use system id 1 on this link (they differ in boot time)');
+    expect(scene.attitude(9000)?.text).toContain(
+      'two vehicles use system id 1 on this link (they differ in boot time)',
+    );
     expect(scene.attitude(60)).toBe(scene.attitude(9000));
     for (let count = 0; count < 299; count += 1) scene.attitude(60);
     expect(scene.attitude(60)).not.toBeNull();

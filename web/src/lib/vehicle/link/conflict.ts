@@ -2,8 +2,8 @@
  * Notices two vehicles with one system id on a link of the page itself, where no station watches.
  *
  * A vehicle has one unique id, one type and one clock since its boot. A change of one of them is a reboot, or another
- * vehicle in its place; a change back within seconds is not: both are there. Vehicles that agree in all of them, such as
- * two of one type without unique ids that were switched on together, are not noticed.
+ * vehicle in its place; a change back within seconds is not: both are there. Vehicles that agree in all of them, such
+ * as two of one type without unique ids that were switched on together, are not noticed.
  */
 
 import type { DecodedMessage } from '$lib/decoder/Decoder';
@@ -20,7 +20,8 @@ const MIN_RETURNS = 2;
 const LIFETIME = 30_000;
 
 /** Why neither of two vehicles on one link can be chosen or renumbered. */
-export const ONE_LINK = 'both vehicles are on this link: disconnect one of them, then set its system id by its parameter';
+export const ONE_LINK =
+  'both vehicles are on this link: disconnect one of them, then set its system id by its parameter';
 
 /** One property of which a vehicle has one value. */
 class Property {
@@ -71,8 +72,8 @@ export class ConflictDetector {
     if (time < this.last) for (const property of Object.values(this.properties)) property.clear();
     this.last = time;
     this.system = system;
-    if (typeof fields['time_boot_ms'] === 'number') this.properties['boot time'].take(time - fields['time_boot_ms'], time);
-    if (name === 'HEARTBEAT') this.properties.type.take(`${Number(fields['type'])}/${Number(fields['autopilot'])}`, time);
+    if (typeof fields.time_boot_ms === 'number') this.properties['boot time'].take(time - fields.time_boot_ms, time);
+    if (name === 'HEARTBEAT') this.properties.type.take(`${Number(fields.type)}/${Number(fields.autopilot)}`, time);
     const id = name === 'AUTOPILOT_VERSION' ? uniqueId(fields) : '';
     if (id !== '') this.properties['unique id'].take(id, time);
   }
@@ -81,10 +82,14 @@ export class ConflictDetector {
   conflict(time: number): Conflict | null {
     const { type, 'unique id': id, 'boot time': boot } = this.properties;
     if (!type.isDouble(time) && !id.isDouble(time) && !boot.isDouble(time)) return (this.shown = null);
-    const differs = Object.entries(this.properties).filter(([, property]) => property.isDouble(time)).map(([name]) => name);
+    const differs = Object.entries(this.properties)
+      .filter(([, property]) => property.isDouble(time))
+      .map(([name]) => name);
     // Which property shows it first says nothing new.
     return (this.shown ??= {
-      text: `two vehicles use system id ${this.system} on this link (they differ in ${differs.join(', ')}): disconnect one of them`,
+      text:
+        `two vehicles use system id ${this.system} on this link (they differ in ${differs.join(', ')}): ` +
+        'disconnect one of them',
       senders: [],
       chosen: null,
     });
@@ -92,9 +97,9 @@ export class ConflictDetector {
 }
 
 function uniqueId(fields: DecodedMessage['fields']): string {
-  const long = fields['uid2'];
+  const long = fields.uid2;
   const bytes = long instanceof Uint8Array ? long : [];
   if (bytes.some((byte) => byte !== 0)) return Array.from(bytes, (byte) => byte.toString(16).padStart(2, '0')).join('');
-  const short = String(fields['uid'] ?? 0);
+  const short = String(fields.uid ?? 0);
   return short === '0' ? '' : short;
 }

@@ -1,27 +1,35 @@
 /** The steps of arming, takeoff and mission start; where one is refused, the vehicle is as it was before. */
 
-import type { StationError } from '$lib/api/errors';
+import { StationError } from '$lib/api/errors';
 
 import type { CommandResult, Parameter, VehicleState } from '../Vehicle';
 import { allowsArming, MISSION_MODES, startsByItself, waitingMode } from './modes';
 
 /** Value that makes ArduPilot and PX4 arm or disarm without their checks. */
 export const FORCE = 21196;
+const NO_LANDING = 'its mission has no landing sequence and it has no AUTOLAND mode: let it return home';
 
-export interface FlightSteps {
+export interface FlightFacts {
   /** The state when the action was given. */
   readonly state: VehicleState;
+  /** Returns the error of the action; its kind is `InvalidStateError` unless another one is given. */
+  failure(reason: string, kind?: string): StationError;
+}
+
+export interface FlightSteps extends FlightFacts {
   readonly signal: AbortSignal;
   /** Enters the first of some modes that the vehicle has. */
   enter(modes: readonly string[]): Promise<void>;
   send(command: string, params: readonly (number | null)[]): Promise<CommandResult>;
   getParameter(name: string): Promise<Parameter>;
   setParameter(name: string, value: number): Promise<Parameter>;
-  failure(reason: string): StationError;
 }
 
 /** Does something that begins with a change of the mode; where it fails, the vehicle gets its mode back. */
-export async function orRestoreMode<Result>({ state, signal, enter }: FlightSteps, act: () => Promise<Result>): Promise<Result> {
+export async function orRestoreMode<Result>(
+  { state, signal, enter }: FlightSteps,
+  act: () => Promise<Result>,
+): Promise<Result> {
   try {
     return await act();
   } catch (error) {
@@ -67,7 +75,22 @@ export async function takeOffInMode(steps: FlightSteps, altitude: number): Promi
   }
 }
 
-/** Starts the mission; a disarmed vehicle is armed first if that is allowed, and disarmed again if it refuses the mission. */
+/** Starts the landing sequence of the mission; a plane without one lands in AUTOLAND, which Plane 4.7 has. */
+export async function landByMission(steps: FlightSteps): Promise<void> {
+  try {
+    await steps.send('DO_LAND_START', []);
+  } catch (error) {
+    if (!(error instanceof StationError) || error.kind !== 'CommandDenied') throw error;
+    await steps.enter(['AUTOLAND']).catch((reason: unknown) => {
+      throw steps.signal.aborted ? reason : steps.failure(NO_LANDING, 'CommandDenied');
+    });
+  }
+}
+
+/**
+ * Starts the mission; a disarmed vehicle is armed first if that is allowed, and disarmed again if it refuses the
+ * mission.
+ */
 export async function startMission(steps: FlightSteps, arm: boolean): Promise<void> {
   const start = async (): Promise<void> => {
     await steps.enter(MISSION_MODES);

@@ -16,7 +16,12 @@ export const MISSION_MODES = ['AUTO', 'MISSION'];
 
 /** Modes that no user enters. */
 export const NOT_SELECTABLE: ReadonlySet<string> = new Set([
-  'INITIALISING', 'INITIALIZING', 'READY', 'RATTITUDE', 'SIMPLE', 'TERMINATION',
+  'INITIALISING',
+  'INITIALIZING',
+  'READY',
+  'RATTITUDE',
+  'SIMPLE',
+  'TERMINATION',
 ]);
 
 type Typed = Pick<VehicleState, 'firmware' | 'type'>;

@@ -17,7 +17,12 @@ const VALUES: readonly (readonly [type: number, name: string, values: readonly n
 /** Sends the value of a parameter in a packet and reads it again. */
 function sent(value: number, type: number): number {
   const wire = encodeValue(value, type, 'bytewise')!;
-  const packet = new Encoder(1, 1).build('PARAM_VALUE', { param_id: 'A', param_value: wire, param_type: type, param_count: 1 });
+  const packet = new Encoder(1, 1).build('PARAM_VALUE', {
+    param_id: 'A',
+    param_value: wire,
+    param_type: type,
+    param_count: 1,
+  });
   const [message] = new Decoder().push(packet, 0);
   return decodeValue(fieldBytes(message!, 'param_value'), type, 'bytewise');
 }
@@ -32,7 +37,10 @@ describe('values of parameters', () => {
 
   it('have the bytes of the integer at the begin of the float', () => {
     const encoded = [0x0102, -2].map((value) => [...(encodeValue(value, 4, 'bytewise') as Uint8Array)]);
-    expect(encoded).toEqual([[2, 1, 0, 0], [0xfe, 0xff, 0, 0]]);
+    expect(encoded).toEqual([
+      [2, 1, 0, 0],
+      [0xfe, 0xff, 0, 0],
+    ]);
     expect(encodeValue(-1, 2, 'bytewise')).toEqual(Uint8Array.of(0xff, 0, 0, 0));
     expect(decodeValue(Uint8Array.of(2, 1, 0, 0), 6, 'bytewise')).toBe(0x0102);
   });
@@ -53,11 +61,22 @@ describe('values of parameters', () => {
   it('are the number itself with ArduPilot, and where they are floats', () => {
     expect([encodeValue(300, 4, 'cast'), decodeValue(bytesOf(300), 4, 'cast')]).toEqual([300, 300]);
     expect([encodeValue(1.5, 9, 'bytewise'), decodeValue(bytesOf(1.5), 9, 'bytewise')]).toEqual([1.5, 1.5]);
-    expect(['ardupilot', 'px4', 'msp', 'generic'].map((each) => encodingOf(each as 'px4'))).toEqual(['cast', 'bytewise', 'bytewise', null]);
+    expect(['ardupilot', 'px4', 'msp', 'generic'].map((each) => encodingOf(each as 'px4'))).toEqual([
+      'cast',
+      'bytewise',
+      'bytewise',
+      null,
+    ]);
   });
 
   it('are written with the digits that mean the same float', () => {
-    expect([0.1, 16_777_216, 3.1415927, 1 / 3, -0.05].map((each) => floatText(Math.fround(each)))).toEqual(['0.1', '16777216', '3.1415927', '0.33333334', '-0.05']);
+    expect([0.1, 16_777_216, 2.7182817, 1 / 3, -0.05].map((each) => floatText(Math.fround(each)))).toEqual([
+      '0.1',
+      '16777216',
+      '2.7182817',
+      '0.33333334',
+      '-0.05',
+    ]);
     expect(floatText(NaN)).toBe('NaN');
   });
 });

@@ -30,7 +30,8 @@ const LIMITS: ReadonlyMap<number, readonly [smallest: number, largest: number]> 
 /**
  * Returns the value of a parameter from the bytes of the float on the wire.
  *
- * Bytes, since a float does not keep those of every integer: those of -5,000,000 are a NaN, and become those of another one.
+ * Bytes, since a float does not keep those of every integer: those of -5,000,000 are a NaN, and become those of
+ * another one.
  */
 export function decodeValue(bytes: Uint8Array, type: number, encoding: ParameterEncoding): number {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);

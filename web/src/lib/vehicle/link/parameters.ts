@@ -44,12 +44,16 @@ const MAX_OTHER_VALUES = 2;
 
 /** Sets a parameter and returns the value that the vehicle has then; rejects if it is another one. */
 export async function writeParameter(
-  channel: Channel, name: string, value: number, encoding: ParameterEncoding,
+  channel: Channel,
+  name: string,
+  value: number,
+  encoding: ParameterEncoding,
 ): Promise<Parameter> {
   const operation = `setting ${name} of ${channel.system}/${channel.component}`;
   const type = Number((await readMessage(channel, name)).fields.param_type);
   const wire = encodeValue(value, type, encoding);
-  if (wire === null) throw new StationError('InvalidArgumentError', `${name} is of type ${typeName(type)}, which cannot hold ${value}`);
+  if (wire === null)
+    throw new StationError('InvalidArgumentError', `${name} is of type ${typeName(type)}, which cannot hold ${value}`);
   let others = 0;
   const read = (message: DecodedMessage): Parameter | undefined => {
     if (message.fields.param_id !== name) return undefined;
@@ -71,7 +75,9 @@ export async function writeParameter(
 
 /** Reads all parameters, sorted by name. */
 export function readParameters(
-  channel: Channel, encoding: ParameterEncoding, onProgress?: ProgressListener,
+  channel: Channel,
+  encoding: ParameterEncoding,
+  onProgress?: ProgressListener,
 ): Promise<Parameter[]> {
   return new ParameterList(channel, encoding, onProgress).read();
 }

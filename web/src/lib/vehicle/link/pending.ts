@@ -23,7 +23,9 @@ export class PendingCommands {
 
   /** Sends a command by `send`; a later one with its number, or the end of its action, ends it. */
   async run<Result>(
-    command: number, params: readonly (number | null)[], action: AbortSignal | undefined,
+    command: number,
+    params: readonly (number | null)[],
+    action: AbortSignal | undefined,
     send: (signal: AbortSignal) => Promise<Result>,
   ): Promise<Result> {
     const key = BY_MESSAGE.has(command) ? `${command}/${params[0]}` : String(command);

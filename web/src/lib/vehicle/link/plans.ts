@@ -81,8 +81,12 @@ export class PlanClient {
   async download(kind: PlanKind, onProgress?: ProgressListener): Promise<Plan> {
     const operation = this.operation('downloading', kind);
     const type = TYPES[kind];
-    const total = await this.ask(operation, type, ['MISSION_COUNT'], () => this.send('MISSION_REQUEST_LIST', type), (message) =>
-      Number(message.fields.count),
+    const total = await this.ask(
+      operation,
+      type,
+      ['MISSION_COUNT'],
+      () => this.send('MISSION_REQUEST_LIST', type),
+      (message) => Number(message.fields.count),
     );
     const items: PlanItem[] = [];
     for (let seq = 0; seq < total; seq += 1) {
@@ -106,7 +110,13 @@ export class PlanClient {
   async clear(kind: PlanKind): Promise<void> {
     const type = TYPES[kind];
     const operation = this.operation('clearing', kind);
-    await this.ask(operation, type, ['MISSION_ACK'], () => this.send('MISSION_CLEAR_ALL', type), () => true);
+    await this.ask(
+      operation,
+      type,
+      ['MISSION_ACK'],
+      () => this.send('MISSION_CLEAR_ALL', type),
+      () => true,
+    );
   }
 
   private operation(verb: string, kind: PlanKind): string {
@@ -119,7 +129,11 @@ export class PlanClient {
 
   /** Sends a request of the protocol; a MISSION_ACK with an error is a refusal. */
   private ask<Answer>(
-    operation: string, type: number, answers: string[], send: () => void, read: (message: DecodedMessage) => Answer | undefined,
+    operation: string,
+    type: number,
+    answers: string[],
+    send: () => void,
+    read: (message: DecodedMessage) => Answer | undefined,
   ): Promise<Answer> {
     return request(this.channel, {
       operation,
@@ -167,7 +181,13 @@ class Upload {
   private readonly items: readonly PlanItem[];
   private readonly onProgress: ProgressListener | undefined;
 
-  constructor(channel: Channel, operation: string, type: number, items: readonly PlanItem[], onProgress?: ProgressListener) {
+  constructor(
+    channel: Channel,
+    operation: string,
+    type: number,
+    items: readonly PlanItem[],
+    onProgress?: ProgressListener,
+  ) {
     this.channel = channel;
     this.operation = operation;
     this.type = type;
@@ -185,7 +205,9 @@ class Upload {
       };
       const give = (message: DecodedMessage): void => this.give(message, fail);
       const fail = (): void =>
-        end(() => reject(new StationError('MissionTimeout', `${this.operation} failed: the vehicle stopped requesting items`)));
+        end(() =>
+          reject(new StationError('MissionTimeout', `${this.operation} failed: the vehicle stopped requesting items`)),
+        );
       removes.push(
         this.channel.onMessage('MISSION_REQUEST_INT', give),
         this.channel.onMessage('MISSION_REQUEST', give),

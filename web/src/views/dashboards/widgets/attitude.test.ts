@@ -6,7 +6,8 @@ import { numberText } from './reading.svelte';
 
 const QUARTER = Math.PI / 2;
 const near = (point: object, expected: object): void => {
-  for (const [key, value] of Object.entries(expected)) expect((point as Record<string, number>)[key]).toBeCloseTo(value);
+  for (const [key, value] of Object.entries(expected))
+    expect((point as Record<string, number>)[key]).toBeCloseTo(value);
 };
 
 it('turns as aircraft do', () => {
@@ -35,7 +36,8 @@ it('writes a number that rounds to zero without a sign', () => {
 });
 
 it('draws the kind of vehicle that it is: a plane where that is not known', () => {
-  const parts = (...type: [VehicleType?]) => attitudeFaces(0, 0, 0, ...type).map(({ part, points }) => [part, points.length]);
+  const parts = (...type: [VehicleType?]) =>
+    attitudeFaces(0, 0, 0, ...type).map(({ part, points }) => [part, points.length]);
   expect(parts('plane')).toEqual(parts());
   const rotors = (type: VehicleType) => parts(type).filter(([, corners]) => corners === 8).length;
   expect((['plane', 'copter', 'vtol', 'helicopter', 'rover'] as const).map(rotors)).toEqual([0, 4, 4, 1, 0]);

@@ -20,16 +20,93 @@ type Corner = readonly [number, number, number];
 type Model = readonly { readonly part: Face['part']; readonly corners: readonly Corner[] }[];
 
 const PLANE: Model = [
-  { part: 'left', corners: [[0.35, 0, 0], [-0.35, -1.1, 0.02], [-0.55, -1.1, 0.02], [-0.35, 0, 0]] },
-  { part: 'right', corners: [[0.35, 0, 0], [-0.35, 1.1, 0.02], [-0.55, 1.1, 0.02], [-0.35, 0, 0]] },
-  { part: 'left', corners: [[-0.75, 0, 0], [-1, -0.45, 0], [-1.1, -0.45, 0], [-1, 0, 0]] },
-  { part: 'right', corners: [[-0.75, 0, 0], [-1, 0.45, 0], [-1.1, 0.45, 0], [-1, 0, 0]] },
-  { part: 'fin', corners: [[-0.7, 0, 0], [-1.05, 0, -0.45], [-1.15, 0, -0.45], [-1.1, 0, 0]] },
-  { part: 'body', corners: [[1.2, 0, 0], [0.3, -0.14, 0], [-1.05, -0.05, 0], [-1.05, 0.05, 0], [0.3, 0.14, 0]] },
-  { part: 'body', corners: [[1.2, 0, 0], [0.3, -0.14, 0], [0.1, 0, -0.2]] },
-  { part: 'body', corners: [[1.2, 0, 0], [0.3, 0.14, 0], [0.1, 0, -0.2]] },
-  { part: 'body', corners: [[0.3, -0.14, 0], [-1.05, 0, -0.03], [0.1, 0, -0.2]] },
-  { part: 'body', corners: [[0.3, 0.14, 0], [-1.05, 0, -0.03], [0.1, 0, -0.2]] },
+  {
+    part: 'left',
+    corners: [
+      [0.35, 0, 0],
+      [-0.35, -1.1, 0.02],
+      [-0.55, -1.1, 0.02],
+      [-0.35, 0, 0],
+    ],
+  },
+  {
+    part: 'right',
+    corners: [
+      [0.35, 0, 0],
+      [-0.35, 1.1, 0.02],
+      [-0.55, 1.1, 0.02],
+      [-0.35, 0, 0],
+    ],
+  },
+  {
+    part: 'left',
+    corners: [
+      [-0.75, 0, 0],
+      [-1, -0.45, 0],
+      [-1.1, -0.45, 0],
+      [-1, 0, 0],
+    ],
+  },
+  {
+    part: 'right',
+    corners: [
+      [-0.75, 0, 0],
+      [-1, 0.45, 0],
+      [-1.1, 0.45, 0],
+      [-1, 0, 0],
+    ],
+  },
+  {
+    part: 'fin',
+    corners: [
+      [-0.7, 0, 0],
+      [-1.05, 0, -0.45],
+      [-1.15, 0, -0.45],
+      [-1.1, 0, 0],
+    ],
+  },
+  {
+    part: 'body',
+    corners: [
+      [1.2, 0, 0],
+      [0.3, -0.14, 0],
+      [-1.05, -0.05, 0],
+      [-1.05, 0.05, 0],
+      [0.3, 0.14, 0],
+    ],
+  },
+  {
+    part: 'body',
+    corners: [
+      [1.2, 0, 0],
+      [0.3, -0.14, 0],
+      [0.1, 0, -0.2],
+    ],
+  },
+  {
+    part: 'body',
+    corners: [
+      [1.2, 0, 0],
+      [0.3, 0.14, 0],
+      [0.1, 0, -0.2],
+    ],
+  },
+  {
+    part: 'body',
+    corners: [
+      [0.3, -0.14, 0],
+      [-1.05, 0, -0.03],
+      [0.1, 0, -0.2],
+    ],
+  },
+  {
+    part: 'body',
+    corners: [
+      [0.3, 0.14, 0],
+      [-1.05, 0, -0.03],
+      [0.1, 0, -0.2],
+    ],
+  },
 ];
 
 /** Returns a rotor: a flat octagon. */
@@ -44,37 +121,110 @@ function rotor(forward: number, right: number, radius: number, down = -0.06): Mo
 /** Returns an arm of a frame from the middle to a rotor. */
 function arm(forward: number, right: number): Model[number] {
   const side = Math.sign(forward * right) * 0.05;
-  return { part: 'body', corners: [[0.05, -side, 0], [forward, right - side, 0], [forward, right + side, 0], [-0.05, side, 0]] };
+  return {
+    part: 'body',
+    corners: [
+      [0.05, -side, 0],
+      [forward, right - side, 0],
+      [forward, right + side, 0],
+      [-0.05, side, 0],
+    ],
+  };
 }
 
 /** A body with a pointed nose, as long and as wide as is given; `down` is the height of its deck. */
 function hull(length: number, width: number, deck: number): Model {
   const [nose, tail, side] = [length, -length, width];
-  const top: Corner[] = [[nose, 0, deck], [nose * 0.5, side, deck], [tail, side, deck], [tail, -side, deck], [nose * 0.5, -side, deck]];
+  const top: Corner[] = [
+    [nose, 0, deck],
+    [nose * 0.5, side, deck],
+    [tail, side, deck],
+    [tail, -side, deck],
+    [nose * 0.5, -side, deck],
+  ];
   return [
-    { part: 'right', corners: [[nose * 0.5, side, deck], [tail, side, deck], [tail, side * 0.7, 0.2], [nose * 0.5, side * 0.7, 0.2]] },
-    { part: 'left', corners: [[nose * 0.5, -side, deck], [tail, -side, deck], [tail, -side * 0.7, 0.2], [nose * 0.5, -side * 0.7, 0.2]] },
+    {
+      part: 'right',
+      corners: [
+        [nose * 0.5, side, deck],
+        [tail, side, deck],
+        [tail, side * 0.7, 0.2],
+        [nose * 0.5, side * 0.7, 0.2],
+      ],
+    },
+    {
+      part: 'left',
+      corners: [
+        [nose * 0.5, -side, deck],
+        [tail, -side, deck],
+        [tail, -side * 0.7, 0.2],
+        [nose * 0.5, -side * 0.7, 0.2],
+      ],
+    },
     { part: 'body', corners: top },
-    { part: 'fin', corners: [[nose * 0.3, 0, deck], [-nose * 0.1, 0, deck - 0.3], [-nose * 0.5, 0, deck]] },
+    {
+      part: 'fin',
+      corners: [
+        [nose * 0.3, 0, deck],
+        [-nose * 0.1, 0, deck - 0.3],
+        [-nose * 0.5, 0, deck],
+      ],
+    },
   ];
 }
 
-const ARMS: readonly (readonly [number, number])[] = [[0.75, -0.75], [0.75, 0.75], [-0.75, -0.75], [-0.75, 0.75]];
+const ARMS: readonly (readonly [number, number])[] = [
+  [0.75, -0.75],
+  [0.75, 0.75],
+  [-0.75, -0.75],
+  [-0.75, 0.75],
+];
 const COPTER: Model = [
   ...ARMS.map(([forward, right]) => arm(forward, right)),
   ...ARMS.map(([forward, right]) => rotor(forward, right, 0.42)),
-  { part: 'body', corners: [[0.5, 0, -0.05], [0.1, 0.22, -0.1], [-0.35, 0.18, -0.1], [-0.35, -0.18, -0.1], [0.1, -0.22, -0.1]] },
+  {
+    part: 'body',
+    corners: [
+      [0.5, 0, -0.05],
+      [0.1, 0.22, -0.1],
+      [-0.35, 0.18, -0.1],
+      [-0.35, -0.18, -0.1],
+      [0.1, -0.22, -0.1],
+    ],
+  },
 ];
 const HELICOPTER: Model = [
-  { part: 'body', corners: [[0.7, 0, 0.05], [0.2, 0.2, 0], [-1.2, 0.03, 0], [-1.2, -0.03, 0], [0.2, -0.2, 0]] },
-  { part: 'fin', corners: [[-1.05, 0, 0], [-1.2, 0, -0.4], [-1.3, 0, -0.4], [-1.25, 0, 0]] },
+  {
+    part: 'body',
+    corners: [
+      [0.7, 0, 0.05],
+      [0.2, 0.2, 0],
+      [-1.2, 0.03, 0],
+      [-1.2, -0.03, 0],
+      [0.2, -0.2, 0],
+    ],
+  },
+  {
+    part: 'fin',
+    corners: [
+      [-1.05, 0, 0],
+      [-1.2, 0, -0.4],
+      [-1.3, 0, -0.4],
+      [-1.25, 0, 0],
+    ],
+  },
   rotor(0, 0, 1, -0.3),
 ];
 const VTOL: Model = [...PLANE, ...ARMS.map(([forward, right]) => rotor(forward * 0.7, right * 0.8, 0.26, -0.04))];
 const VEHICLE: Model = hull(0.8, 0.5, -0.1);
 const MODELS: Readonly<Partial<Record<VehicleType, Model>>> = {
-  copter: COPTER, helicopter: HELICOPTER, plane: PLANE, vtol: VTOL, rover: VEHICLE,
-  boat: hull(1.1, 0.42, -0.05), sub: hull(1.1, 0.25, -0.15),
+  copter: COPTER,
+  helicopter: HELICOPTER,
+  plane: PLANE,
+  vtol: VTOL,
+  rover: VEHICLE,
+  boat: hull(1.1, 0.42, -0.05),
+  sub: hull(1.1, 0.25, -0.15),
 };
 
 const CAMERA_PITCH = (24 * Math.PI) / 180;
@@ -95,7 +245,8 @@ export function attitudeFaces(roll: number, pitch: number, yaw: number, type: Ve
     const points = corners.map((corner) => rotated(corner, roll, pitch, yaw));
     return { part, light: lightOf(points), seen: points.map(project) };
   });
-  const depth = (face: (typeof faces)[number]): number => face.seen.reduce((sum, point) => sum + point[2], 0) / face.seen.length;
+  const depth = (face: (typeof faces)[number]): number =>
+    face.seen.reduce((sum, point) => sum + point[2], 0) / face.seen.length;
   return faces
     .sort((a, b) => depth(b) - depth(a))
     .map(({ part, light, seen }) => ({ part, light, points: seen.map(([x, y]) => [x, y] as const) }));

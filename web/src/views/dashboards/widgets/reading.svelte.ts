@@ -12,7 +12,7 @@ export interface Watched {
 }
 
 /** Returns the number that a field shows, null before its first value. */
-export function valueOf({ field, series }: Watched): number | null {
+export function readingOf({ field, series }: Watched): number | null {
   const { value } = series;
   return value === null ? null : value * field.factor + field.offset;
 }
@@ -27,7 +27,7 @@ export function numberText(value: number, decimals: number): string {
 export function textOfField(watched: Watched, decimals: number): string {
   const { latest } = watched.series;
   if (typeof latest === 'string') return latest;
-  const value = valueOf(watched);
+  const value = readingOf(watched);
   return value === null ? '–' : numberText(value, decimals);
 }
 

@@ -17,7 +17,11 @@ it('draws vehicles as what they are, and other sources as points', () => {
   const pair = (source: string) => [watch(`${source}:ROW.lat`, 47), watch(`${source}:ROW.lon`, 8)];
   const found = vehiclesOf(['3/1', '3', '4/1', 'cansat', 'script:3'].flatMap(pair));
   expect(found.map(({ type, heading }) => [type, heading])).toEqual([
-    ['rover', 80], ['rover', 80], ['unknown', null], ['unknown', null], ['unknown', null],
+    ['rover', 80],
+    ['rover', 80],
+    ['unknown', null],
+    ['unknown', null],
+    ['unknown', null],
   ]);
 });
 

@@ -7,7 +7,7 @@ import { seriesColour } from '$lib/plot/colours';
 import { fleet } from '$lib/store/fleet.svelte';
 import type { VehicleState, VehicleType } from '$lib/vehicle/Vehicle';
 
-import { valueOf, type Watched } from './reading.svelte';
+import { readingOf, type Watched } from './reading.svelte';
 
 export interface MappedVehicle {
   readonly name: string;
@@ -29,12 +29,17 @@ export function stateOfSource(source: string): VehicleState | null {
 export function vehiclesOf(watched: readonly Watched[]): MappedVehicle[] {
   const vehicles: MappedVehicle[] = [];
   for (let index = 0; index + 1 < watched.length; index += 2) {
-    const [latitude, longitude] = [valueOf(watched[index]!), valueOf(watched[index + 1]!)];
+    const [latitude, longitude] = [readingOf(watched[index]!), readingOf(watched[index + 1]!)];
     const known = latitude !== null && longitude !== null && Math.abs(latitude) <= 90 && Math.abs(longitude) <= 180;
     // Vehicles without a fix tell 0, 0.
     const place = known && (latitude !== 0 || longitude !== 0) ? { latitude, longitude } : null;
     const state = stateOfSource(watched[index]!.field.ref.source);
-    vehicles.push({ name: watched[index]!.label, place, type: state?.type ?? 'unknown', heading: state?.heading ?? null });
+    vehicles.push({
+      name: watched[index]!.label,
+      place,
+      type: state?.type ?? 'unknown',
+      heading: state?.heading ?? null,
+    });
   }
   return vehicles;
 }

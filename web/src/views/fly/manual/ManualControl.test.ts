@@ -11,7 +11,14 @@ import {
 
 const HELD: Sticks = { roll: 0.5, pitch: 1, throttle: 0, yaw: -0.25, buttons: 0, isHeld: true };
 const LOOSE: Sticks = { ...HELD, isHeld: false };
-const GOOD: Conditions = { isEnabled: true, isVisible: true, isLinked: true, system: 1, isHeard: true, throttle: 'centred' };
+const GOOD: Conditions = {
+  isEnabled: true,
+  isVisible: true,
+  isLinked: true,
+  system: 1,
+  isHeard: true,
+  throttle: 'centred',
+};
 const NEUTRAL = { x: 0, y: 0, z: 500, r: 0, buttons: 0 };
 
 let sent: [number, ManualFields][];

@@ -3,8 +3,8 @@
  *
  * Messages are sent only while a hand holds the dead-man button (or the sticks on the screen). Letting go, a hidden
  * page, another window with the focus, a controller that is pulled out, a lost link or another vehicle stop it at once:
- * the sticks are sent centred, then nothing more. After anything but letting go, and after it is switched on, the button
- * must be released and pressed again.
+ * the sticks are sent centred, then nothing more. After anything but letting go, and after it is switched on, the
+ * button must be released and pressed again.
  */
 
 export const SEND_INTERVAL = 20;

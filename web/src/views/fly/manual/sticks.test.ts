@@ -26,7 +26,12 @@ describe('gamepad', () => {
       roll: 0.3,
       throttle: 0.4,
     });
-    expect(padSticks(pad(axes), { ...LINEAR, mode: 3 })).toMatchObject({ roll: 0.1, pitch: 0.2, yaw: 0.3, throttle: 0.4 });
+    expect(padSticks(pad(axes), { ...LINEAR, mode: 3 })).toMatchObject({
+      roll: 0.1,
+      pitch: 0.2,
+      yaw: 0.3,
+      throttle: 0.4,
+    });
     expect(padSticks(pad(axes), { ...LINEAR, mode: 4, inverted: ['yaw'] })).toMatchObject({ roll: 0.1, yaw: -0.3 });
   });
 
@@ -58,8 +63,14 @@ describe('keyboard', () => {
   });
 
   it.each([
-    ['KeyW', 'throttle', 0.5], ['KeyS', 'throttle', -0.5], ['KeyA', 'yaw', -0.5], ['KeyD', 'yaw', 0.5],
-    ['ArrowUp', 'pitch', 0.5], ['ArrowDown', 'pitch', -0.5], ['ArrowLeft', 'roll', -0.5], ['ArrowRight', 'roll', 0.5],
+    ['KeyW', 'throttle', 0.5],
+    ['KeyS', 'throttle', -0.5],
+    ['KeyA', 'yaw', -0.5],
+    ['KeyD', 'yaw', 0.5],
+    ['ArrowUp', 'pitch', 0.5],
+    ['ArrowDown', 'pitch', -0.5],
+    ['ArrowLeft', 'roll', -0.5],
+    ['ArrowRight', 'roll', 0.5],
   ] as const)('%s moves %s by %d', (code, axis, expected) => {
     const keys = new KeySticks();
     keys.read(0);

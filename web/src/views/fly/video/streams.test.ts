@@ -39,7 +39,14 @@ it('needs a gateway for RTSP and RTP, and uses it', () => {
 });
 
 it('opens nothing but video: no scripts, no files, no pictures with a password', () => {
-  for (const uri of ['javascript:alert(1)', 'javascript://cam/%0aalert(1)', 'file:///etc/passwd', 'data:text/html,x', 'blob:x', 'http://']) {
+  for (const uri of [
+    'javascript:alert(1)',
+    'javascript://cam/%0aalert(1)',
+    'file:///etc/passwd',
+    'data:text/html,x',
+    'blob:x',
+    'http://',
+  ]) {
     expect(playerFor(uri, 0, DEFAULT_GATEWAY)).toMatchObject({ kind: 'unusable', reason: 'scheme' });
   }
   expect(playerFor('http://user:word@cam/live.mp4')).toMatchObject({ kind: 'unusable', reason: 'password' });

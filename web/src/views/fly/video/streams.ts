@@ -26,21 +26,21 @@ export function streamFrom(
   component: number,
   fields: Readonly<Record<string, unknown>>,
 ): VideoStream | null {
-  const uri = String(fields['uri'] ?? '').trim();
+  const uri = String(fields.uri ?? '').trim();
   if (uri === '') return null;
-  const id = Number(fields['stream_id'] ?? 0);
+  const id = Number(fields.stream_id ?? 0);
   return {
     system,
     component,
     id,
-    name: String(fields['name'] ?? '').trim() || `Video ${id}`,
+    name: String(fields.name ?? '').trim() || `Video ${id}`,
     uri,
-    type: Number(fields['type'] ?? 0),
-    width: Number(fields['resolution_h'] ?? 0),
-    height: Number(fields['resolution_v'] ?? 0),
-    frameRate: Number(fields['framerate'] ?? 0),
-    isH265: Number(fields['encoding'] ?? 0) === H265,
-    isThermal: (Number(fields['flags'] ?? 0) & THERMAL) !== 0,
+    type: Number(fields.type ?? 0),
+    width: Number(fields.resolution_h ?? 0),
+    height: Number(fields.resolution_v ?? 0),
+    frameRate: Number(fields.framerate ?? 0),
+    isH265: Number(fields.encoding ?? 0) === H265,
+    isThermal: (Number(fields.flags ?? 0) & THERMAL) !== 0,
   };
 }
 

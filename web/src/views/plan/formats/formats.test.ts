@@ -18,7 +18,9 @@ const whole: Plan = {
     item(CMD.DO_JUMP, [1, 3], 2),
     newItem(CMD.NAV_RETURN_TO_LAUNCH, HOME),
   ],
-  polygons: [{ inclusion: true, vertices: [0, 1, 2].map((each) => ({ latitude: 47 + each, longitude: 8 + each ** 2 })) }],
+  polygons: [
+    { inclusion: true, vertices: [0, 1, 2].map((each) => ({ latitude: 47 + each, longitude: 8 + each ** 2 })) },
+  ],
   circles: [{ inclusion: false, center: { latitude: 47.4, longitude: 8.5 }, radius: 60 }],
   rally: [{ latitude: 47.39, longitude: 8.54, altitude: 25 }],
   returnPoint: { latitude: 47.1, longitude: 8.1, altitude: 40 },
@@ -73,7 +75,10 @@ describe('plan files', () => {
 
   it('hold all of a plan or not', () => {
     expect(holdsAll(whole, 'plan')).toBe(true);
-    const grouped = { ...whole, circles: [{ inclusion: true, center: { latitude: 1, longitude: 2 }, radius: 50, group: 1 }] };
+    const grouped = {
+      ...whole,
+      circles: [{ inclusion: true, center: { latitude: 1, longitude: 2 }, radius: 50, group: 1 }],
+    };
     const aboveSea = { ...whole, rally: [{ latitude: 1, longitude: 2, altitude: 500, frame: FRAME.GLOBAL }] };
     for (const plan of [grouped, aboveSea]) {
       expect(holdsAll(plan, 'plan')).toBe(false);
@@ -91,7 +96,10 @@ describe('plan files', () => {
     const wrong: [string, string][] = [
       ['{', 'the file is not JSON'],
       ['{}', 'has none of mission, geoFence and rallyPoints'],
-      ['{"mission": {"items": [{"command": 16, "params": [1]}]}}', 'mission.items[0].params: has 1 numbers instead of 7'],
+      [
+        '{"mission": {"items": [{"command": 16, "params": [1]}]}}',
+        'mission.items[0].params: has 1 numbers instead of 7',
+      ],
       ['{"geoFence": {"polygons": [{"polygon": [[1, 2]]}]}}', 'geoFence.polygons[0]: a polygon needs at least 3'],
       ['QGC WPL 110\n0 1 2', 'line 2: has 3 columns instead of 12'],
       ['QGC WPL 7', 'QGC WPL 7 is not supported'],
@@ -99,7 +107,10 @@ describe('plan files', () => {
       ['# by hand\n\nQGC WPL 110\n\n0 1 2', 'line 5: has 3 columns'],
       ['PK\u0003\u0004 doc.kml', 'the file is an archive'],
       ['latitude;longitude', 'neither JSON, QGC WPL nor KML'],
-      ['<kml><Point><coordinates>47.1,-122,0</coordinates></Point></kml>', '47.1,-122,0 is not a longitude and a latitude'],
+      [
+        '<kml><Point><coordinates>47.1,-122,0</coordinates></Point></kml>',
+        '47.1,-122,0 is not a longitude and a latitude',
+      ],
     ];
     for (const [text, reason] of wrong) expect(() => readPlan(text)).toThrow(reason);
   });
@@ -107,7 +118,9 @@ describe('plan files', () => {
   it('of Google Earth become waypoints and areas', () => {
     const kml = `<?xml version="1.0"?><kml><Document>
       <Placemark><LineString><coordinates> 8.5,47.3,0 8.6,47.4,0 </coordinates></LineString></Placemark>
-      <Placemark><Polygon><outerBoundaryIs><LinearRing><coordinates>8,47 9,47 9,48 8,47</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark>
+      <Placemark><Polygon><outerBoundaryIs><LinearRing>
+        <coordinates>8,47 9,47 9,48 8,47</coordinates>
+      </LinearRing></outerBoundaryIs></Polygon></Placemark>
       </Document></kml>`;
     const { plan } = readPlan(kml, 40);
     expect(plan.mission.map((each) => each.command)).toEqual([CMD.NAV_TAKEOFF, CMD.NAV_WAYPOINT, CMD.NAV_WAYPOINT]);

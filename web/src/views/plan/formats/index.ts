@@ -47,18 +47,23 @@ export function holdsAll(plan: Plan, format: PlanFormat): boolean {
 
 /** QGroundControl's files have no inclusion groups, and altitudes of points are relative to home. */
 function hasMoreThanQgc({ polygons, circles, rally, returnPoint }: Plan): boolean {
-  return [...polygons, ...circles].some((each) => each.group) || [...rally, returnPoint].some((each) => each?.frame !== undefined);
+  return (
+    [...polygons, ...circles].some((each) => each.group) ||
+    [...rally, returnPoint].some((each) => each?.frame !== undefined)
+  );
 }
 
 /** Reads a plan file of any format; throws `PlanFileError` with the place of what is wrong. */
 export function readPlan(given: string, altitude: number = DEFAULT_ALTITUDE): ReadPlan {
   const text = given.replace(/^\uFEFF/, '').replace(/\r\n?/g, '\n');
-  if (text.startsWith(ZIP)) throw new PlanFileError('the file is an archive: unpack it first, and open the .kml or .plan inside');
+  if (text.startsWith(ZIP))
+    throw new PlanFileError('the file is an archive: unpack it first, and open the .kml or .plan inside');
   if (isWaypoints(text)) return readWaypoints(text);
   if (isKml(text)) return { plan: fromKml(text, altitude), notes: [] };
   if (!/^\s*[{[]/.test(text)) throw new PlanFileError('the file is no plan: neither JSON, QGC WPL nor KML');
   const root = Tree.parse(text);
-  if (root.value === null || typeof root.value !== 'object' || Array.isArray(root.value)) throw root.wrong('is not a plan');
+  if (root.value === null || typeof root.value !== 'object' || Array.isArray(root.value))
+    throw root.wrong('is not a plan');
   return root.get('fileType').text() === 'MavstackPlan' ? readMavstack(root) : readQgc(root);
 }
 

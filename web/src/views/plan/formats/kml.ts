@@ -14,7 +14,10 @@ export interface KmlShapes {
 }
 
 const CIRCLE_POINTS = 36;
-const MODES: Readonly<Record<number, string>> = { [FRAME.GLOBAL]: 'absolute', [FRAME.GLOBAL_TERRAIN_ALT]: 'relativeToGround' };
+const MODES: Readonly<Record<number, string>> = {
+  [FRAME.GLOBAL]: 'absolute',
+  [FRAME.GLOBAL_TERRAIN_ALT]: 'relativeToGround',
+};
 
 export function isKml(text: string): boolean {
   return /<kml[\s>]/.test(text.slice(0, 4096));
@@ -27,7 +30,14 @@ export function writeKml(whole: Plan, name: string): string {
   const line = path.map((each) => [each.longitude, each.latitude, each.altitude].join(',')).join(' ');
   const mode = modeOf(path.at(-1)?.frame);
   const parts = [
-    ...(path.length > 1 ? [placemark('Path', `<LineString><tessellate>1</tessellate>${mode}<coordinates>${line}</coordinates></LineString>`)] : []),
+    ...(path.length > 1
+      ? [
+          placemark(
+            'Path',
+            `<LineString><tessellate>1</tessellate>${mode}<coordinates>${line}</coordinates></LineString>`,
+          ),
+        ]
+      : []),
     ...plan.mission.flatMap((each, index) => {
       const at = itemPosition(each);
       const label = `${index + 1} ${commandInfo(each.command).label}`;
@@ -38,7 +48,8 @@ export function writeKml(whole: Plan, name: string): string {
     ...plan.rally.map((each, index) => placemark(`Rally point ${index + 1}`, point(each, modeOf(undefined)))),
   ];
   const body = [`<name>${escaped(name)}</name>`, ...parts].map((each) => `    ${each}\n`).join('');
-  return `<?xml version="1.0" encoding="UTF-8"?>\n<kml xmlns="http://www.opengis.net/kml/2.2">\n  <Document>\n${body}  </Document>\n</kml>\n`;
+  const head = '<?xml version="1.0" encoding="UTF-8"?>\n<kml xmlns="http://www.opengis.net/kml/2.2">\n';
+  return `${head}  <Document>\n${body}  </Document>\n</kml>\n`;
 }
 
 function modeOf(frame: number | undefined): string {
@@ -51,12 +62,15 @@ function point(at: Place, mode: string): string {
 
 function area(vertices: readonly Point[], inclusion: boolean): string {
   const ring = [...vertices, ...vertices.slice(0, 1)].map((each) => `${each.longitude},${each.latitude},0`).join(' ');
-  const shape = `<Polygon><outerBoundaryIs><LinearRing><coordinates>${ring}</coordinates></LinearRing></outerBoundaryIs></Polygon>`;
+  const line = `<LinearRing><coordinates>${ring}</coordinates></LinearRing>`;
+  const shape = `<Polygon><outerBoundaryIs>${line}</outerBoundaryIs></Polygon>`;
   return placemark(inclusion ? 'Fence: stay in' : 'Fence: stay out', shape);
 }
 
 function circle(center: Point, radius: number): Point[] {
-  return Array.from({ length: CIRCLE_POINTS }, (_, index) => destination(center, (index * 360) / CIRCLE_POINTS, radius));
+  return Array.from({ length: CIRCLE_POINTS }, (_, index) =>
+    destination(center, (index * 360) / CIRCLE_POINTS, radius),
+  );
 }
 
 function placemark(name: string, geometry: string): string {
@@ -84,14 +98,18 @@ function all(text: string, element: string): Place[][] {
 }
 
 function coordinates(text: string): Place[] {
-  return text.trim().split(/\s+/).filter(Boolean).map((word) => {
-    const [longitude, latitude, altitude] = word.split(',').map(Number);
-    // NaN is no place of the earth either.
-    if (!(Math.abs(longitude ?? NaN) <= 180) || !(Math.abs(latitude ?? NaN) <= 90)) {
-      throw new PlanFileError(`${word.slice(0, 60)} is not a longitude and a latitude`);
-    }
-    return { latitude: latitude!, longitude: longitude!, altitude: Number.isFinite(altitude) ? altitude! : 0 };
-  });
+  return text
+    .trim()
+    .split(/\s+/)
+    .filter(Boolean)
+    .map((word) => {
+      const [longitude, latitude, altitude] = word.split(',').map(Number);
+      // NaN is no place of the earth either.
+      if (!(Math.abs(longitude ?? NaN) <= 180) || !(Math.abs(latitude ?? NaN) <= 90)) {
+        throw new PlanFileError(`${word.slice(0, 60)} is not a longitude and a latitude`);
+      }
+      return { latitude: latitude!, longitude: longitude!, altitude: Number.isFinite(altitude) ? altitude! : 0 };
+    });
 }
 
 function same(a: Place | undefined, b: Place | undefined): boolean {

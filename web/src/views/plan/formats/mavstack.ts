@@ -18,7 +18,12 @@ export interface ApiItem {
 
 export function apiItems(items: readonly Item[]): ApiItem[] {
   return items.map(({ command, frame, params, autocontinue }, seq) => ({
-    seq, name: commandInfo(command).name, command, frame, params, autocontinue,
+    seq,
+    name: commandInfo(command).name,
+    command,
+    frame,
+    params,
+    autocontinue,
   }));
 }
 
@@ -49,7 +54,11 @@ export function writeMavstack(whole: Plan): string {
 /** Returns the items of a list in a file. */
 export function itemsIn(tree: Tree): Item[] {
   return tree.list().map((each) => {
-    const read = item(each.need('command').integer(0, 0xffff), each.need('params').numbers(7), each.need('frame').integer(0, 0xff));
+    const read = item(
+      each.need('command').integer(0, 0xffff),
+      each.need('params').numbers(7),
+      each.need('frame').integer(0, 0xff),
+    );
     return { ...read, autocontinue: each.get('autocontinue').flag(true) };
   });
 }

@@ -5,7 +5,8 @@ import { withoutKept, type Item } from '../logic/model';
 import { PlanFileError, readPlan } from '.';
 import cases from './plan-cases.json';
 
-const rows = (items: readonly Item[]) => items.map(({ command, frame, params, autocontinue }) => [command, frame, params, autocontinue]);
+const rows = (items: readonly Item[]) =>
+  items.map(({ command, frame, params, autocontinue }) => [command, frame, params, autocontinue]);
 
 /** `tests/files/plans/test_plan_cases.py` reads the files by Python: both must find the same plans. */
 describe('files that Python reads too', () => {

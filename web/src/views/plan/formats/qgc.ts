@@ -70,7 +70,9 @@ export function readQgc(root: Tree): ReadPlan {
     cruiseSpeed: mission.get('cruiseSpeed').numberOr(EMPTY_PLAN.cruiseSpeed),
     hoverSpeed: mission.get('hoverSpeed').numberOr(EMPTY_PLAN.hoverSpeed),
     firmware: firmware.exists ? firmware.integer(0, 255) : EMPTY_PLAN.firmware,
-    vehicleType: mission.get('vehicleType').exists ? mission.get('vehicleType').integer(0, 255) : EMPTY_PLAN.vehicleType,
+    vehicleType: mission.get('vehicleType').exists
+      ? mission.get('vehicleType').integer(0, 255)
+      : EMPTY_PLAN.vehicleType,
   };
   return { plan, notes };
 }
@@ -121,19 +123,25 @@ function readFence(tree: Tree, notes: string[]): Pick<Plan, 'polygons' | 'circle
   const old = versionOf(tree) === 1 ? tree.get('polygon').list().map(readPoint) : [];
   if (old.length > 0 && old.length < 3) throw tree.wrong(`a polygon needs at least 3 vertices, got ${old.length}`);
   const first: Polygon[] = old.length ? [{ inclusion: true, vertices: old }] : [];
-  const polygons = tree.get('polygons').list().map((each): Polygon => {
-    const vertices = each.get('polygon').list().map(readPoint);
-    if (vertices.length < 3) throw each.wrong(`a polygon needs at least 3 vertices, got ${vertices.length}`);
-    for (const key of ['minAltitude', 'maxAltitude', 'altitudeMin', 'altitudeMax']) {
-      if (each.get(key).exists) notes.push(`${each.get(key).path}: altitude limits of a polygon are not supported`);
-    }
-    return { inclusion: each.get('inclusion').flag(true), vertices };
-  });
-  const circles = tree.get('circles').list().map((each): Circle => {
-    const circle = each.get('circle');
-    const radius = circle.get('radius').number();
-    return { inclusion: each.get('inclusion').flag(true), center: readPoint(circle.get('center')), radius };
-  });
+  const polygons = tree
+    .get('polygons')
+    .list()
+    .map((each): Polygon => {
+      const vertices = each.get('polygon').list().map(readPoint);
+      if (vertices.length < 3) throw each.wrong(`a polygon needs at least 3 vertices, got ${vertices.length}`);
+      for (const key of ['minAltitude', 'maxAltitude', 'altitudeMin', 'altitudeMax']) {
+        if (each.get(key).exists) notes.push(`${each.get(key).path}: altitude limits of a polygon are not supported`);
+      }
+      return { inclusion: each.get('inclusion').flag(true), vertices };
+    });
+  const circles = tree
+    .get('circles')
+    .list()
+    .map((each): Circle => {
+      const circle = each.get('circle');
+      const radius = circle.get('radius').number();
+      return { inclusion: each.get('inclusion').flag(true), center: readPoint(circle.get('center')), radius };
+    });
   if (!tree.get('version').exists && first.length + polygons.length + circles.length > 0) {
     notes.push(`${tree.path}: has no version; QGroundControl ignores such a fence`);
   }

@@ -64,7 +64,10 @@ export function readItems(mission: Tree, version: number, notes: string[]): Pick
 
 function simple(tree: Tree): Item {
   const params: Params = tree.get('params').exists
-    ? tree.get('params').list().map((each) => each.numberOrNull())
+    ? tree
+        .get('params')
+        .list()
+        .map((each) => each.numberOrNull())
     : [1, 2, 3, 4].map((number) => tree.need(`param${number}`).numberOrNull());
   const seven = params.length === 4 ? [...params, ...tree.need('coordinate').numbers(3)] : params;
   if (seven.length !== 7) throw tree.get('params').wrong(`has ${seven.length} numbers instead of 7`);
@@ -118,7 +121,8 @@ function landing(tree: Tree, kind: string, notes: string[]): Item[] {
   const isSet = (key: string, missing = false): boolean => tree.get(key).flag(missing);
   const stop = (command: number): Item => item(command, [0, null, null, null, null, null, null], FRAME.MISSION);
   const items = [item(CMD.DO_LAND_START, [], FRAME.MISSION)];
-  if (isSet('stopTakingPhotos')) items.push(item(CMD.DO_SET_CAM_TRIGG_DIST, [], FRAME.MISSION), stop(CMD.IMAGE_STOP_CAPTURE));
+  if (isSet('stopTakingPhotos'))
+    items.push(item(CMD.DO_SET_CAM_TRIGG_DIST, [], FRAME.MISSION), stop(CMD.IMAGE_STOP_CAPTURE));
   if (isSet('stopVideoPhotos')) items.push(stop(CMD.VIDEO_STOP_CAPTURE));
   const place = tree.need(approach).finite(3);
   if (isSet('useLoiterToAlt', true)) {
@@ -127,7 +131,13 @@ function landing(tree: Tree, kind: string, notes: string[]): Item[] {
   } else items.push(item(CMD.NAV_WAYPOINT, [0, 0, 0, null, ...place], frame('loiterAltitudeRelative')));
   const land = tree.need('landCoordinate').finite(3);
   const isVtol = kind === 'vtolLandingPattern';
-  items.push(item(isVtol ? CMD.NAV_VTOL_LAND : CMD.NAV_LAND, [0, 0, 0, isVtol ? null : 0, ...land], frame('landAltitudeRelative')));
+  items.push(
+    item(
+      isVtol ? CMD.NAV_VTOL_LAND : CMD.NAV_LAND,
+      [0, 0, 0, isVtol ? null : 0, ...land],
+      frame('landAltitudeRelative'),
+    ),
+  );
   if (isSet('useDoChangeSpeed')) notes.push(`${tree.path}: the approach speed was not read`);
   return items;
 }

@@ -1,7 +1,17 @@
 /** `QGC WPL` files of Mission Planner and MAVProxy; the first item of version 110 is the home. */
 
 import { fenceAreas, fenceItems, rallyItems, rallyPoints } from '../logic/fence';
-import { CMD, EMPTY_PLAN, FRAME, item, withoutKept, withParam, type Item, type Plan, type PlanKind } from '../logic/model';
+import {
+  CMD,
+  EMPTY_PLAN,
+  FRAME,
+  item,
+  withoutKept,
+  withParam,
+  type Item,
+  type Plan,
+  type PlanKind,
+} from '../logic/model';
 import { PlanFileError } from './json';
 import type { ReadPlan } from './qgc';
 
@@ -70,7 +80,8 @@ function kindOf(items: readonly Item[]): PlanKind {
 function missionOf(items: readonly Item[], version: string): Pick<Plan, 'home' | 'mission'> {
   const first = items[0];
   // Mission Planner writes an empty item if it does not know the home.
-  const isHome = version === '110' && (first?.command === CMD.NAV_WAYPOINT || first?.command === 0) && GLOBAL.has(first.frame);
+  const isHome =
+    version === '110' && (first?.command === CMD.NAV_WAYPOINT || first?.command === 0) && GLOBAL.has(first.frame);
   if (!first || !isHome) return { home: null, mission: items };
   const [latitude, longitude, altitude] = first.params.slice(4);
   const known = latitude != null && longitude != null && (latitude !== 0 || longitude !== 0);
@@ -87,7 +98,11 @@ interface Line {
 /** Returns the lines with content: words separated by blanks, tabs or commas, without comments. */
 function contentOf(text: string): Line[] {
   const lines = text.split('\n').map((line, index) => ({
-    number: index + 1, words: line.replace(/#.*/, '').split(/[\s,]+/).filter(Boolean),
+    number: index + 1,
+    words: line
+      .replace(/#.*/, '')
+      .split(/[\s,]+/)
+      .filter(Boolean),
   }));
   return lines.filter(({ words }) => words.length > 0);
 }
@@ -98,7 +113,8 @@ function readRow({ words, number: line }: Line): Item {
     const value = Number(word);
     if (/^[+-]?nan$/i.test(word) && index >= 4 && index < 11) return null;
     const isParam = index >= 4 && index < 11;
-    if (!NUMBER.test(word) || !Number.isFinite(value) || (!isParam && !Number.isInteger(value))) throw new PlanFileError(`line ${line}: ${word.slice(0, 40)} is not a number`);
+    if (!NUMBER.test(word) || !Number.isFinite(value) || (!isParam && !Number.isInteger(value)))
+      throw new PlanFileError(`line ${line}: ${word.slice(0, 40)} is not a number`);
     return value;
   });
   const read = item(values[3]!, values.slice(4, 11), values[2]!);

@@ -57,7 +57,10 @@ describe('statistics', () => {
   it('follow changes of speed, waits, circles and jumps', () => {
     const fast = { ...good, mission: [item(CMD.DO_CHANGE_SPEED, [1, 10, -1], FRAME.MISSION), ...good.mission] };
     expect(statisticsOf(fast).duration!).toBeLessThan(statisticsOf(good).duration!);
-    const circles = { ...good, mission: [item(CMD.NAV_LOITER_TURNS, [2, 0, 50, 0, HOME.latitude, HOME.longitude, 30])] };
+    const circles = {
+      ...good,
+      mission: [item(CMD.NAV_LOITER_TURNS, [2, 0, 50, 0, HOME.latitude, HOME.longitude, 30])],
+    };
     expect(statisticsOf(circles).distance).toBeCloseTo(2 * 2 * Math.PI * 50, 3);
     const jump = [good.mission[1]!, good.mission[2]!, item(CMD.DO_JUMP, [0, 2])];
     expect(executionOrder(jump).order).toEqual([0, 1, 0, 1, 0, 1]);
@@ -105,7 +108,14 @@ describe('the time of a flight', () => {
 
   it('counts a picture at the begin of a lane and after each interval, also around bends', () => {
     const trigger = (metres: number) => item(CMD.DO_SET_CAM_TRIGG_DIST, [metres], FRAME.MISSION);
-    const lane = [waypoint(HOME, 30), trigger(100), waypoint(away(90, 150), 30), waypoint(away(90, 310), 30), trigger(0), east];
+    const lane = [
+      waypoint(HOME, 30),
+      trigger(100),
+      waypoint(away(90, 150), 30),
+      waypoint(away(90, 310), 30),
+      trigger(0),
+      east,
+    ];
     expect(statisticsOf({ ...good, mission: lane }).pictures).toBe(4);
   });
 });
@@ -166,11 +176,17 @@ describe('checks', () => {
 
   it('tell params outside of their range, and a mission that does not end', async () => {
     const [CONDITION_YAW, first] = [115, good.mission[0]!];
-    const after = (command: number, param: number) => ({ ...good, mission: [first, item(command, [param], FRAME.MISSION), ...good.mission.slice(1)] });
+    const after = (command: number, param: number) => ({
+      ...good,
+      mission: [first, item(command, [param], FRAME.MISSION), ...good.mission.slice(1)],
+    });
     expect(await graded(after(CONDITION_YAW, 360), ARDUPILOT)).toEqual([]);
     expect(await graded(after(CONDITION_YAW, 361), ARDUPILOT)).toEqual(['warning checkParamHigh']);
     expect(await graded(after(CMD.DO_SET_CAM_TRIGG_DIST, -1), ARDUPILOT)).toEqual(['warning checkParamLow']);
-    const stay = { ...good, mission: [...good.mission.slice(0, -1), newItem(CMD.NAV_LOITER_UNLIM, { ...HOME, altitude: 30 })] };
+    const stay = {
+      ...good,
+      mission: [...good.mission.slice(0, -1), newItem(CMD.NAV_LOITER_UNLIM, { ...HOME, altitude: 30 })],
+    };
     expect(await graded(stay, ARDUPILOT)).toEqual(['info checkEndless']);
   });
 
@@ -199,7 +215,9 @@ describe('checks', () => {
     const inner = { ...wide, radius: 400 };
     expect(await graded({ ...good, circles: [wide, inner], rally }, PX4)).toEqual(['error checkRallyPartly']);
     const besideHome = { inclusion: true, center: away(0, 300), radius: 290 };
-    expect(await graded({ ...good, mission: good.mission.slice(0, 1), circles: [wide, besideHome] }, ARDUPILOT)).toContain('warning checkHomePartly');
+    expect(
+      await graded({ ...good, mission: good.mission.slice(0, 1), circles: [wide, besideHome] }, ARDUPILOT),
+    ).toContain('warning checkHomePartly');
   });
 
   it('tell areas that PX4 ignores, and nothing of a fence without areas to stay in', async () => {
@@ -208,11 +226,14 @@ describe('checks', () => {
     expect(await graded({ ...good, circles: [tree!, house!] }, PX4)).toContain('error checkCircleIgnored');
     expect(await graded({ ...good, circles: [house!] }, ARDUPILOT)).toEqual(['error checkHomeOutside']);
     const box = [away2(100, 100), away2(200, 100), away2(200, 200), away2(100, 200)];
-    expect(await graded({ ...good, polygons: [{ inclusion: true, vertices: box }] }, PX4)).toContain('error checkPolygonIgnored');
+    expect(await graded({ ...good, polygons: [{ inclusion: true, vertices: box }] }, PX4)).toContain(
+      'error checkPolygonIgnored',
+    );
   });
 
   it('are about a part of the plan, or all of it', () => {
-    const part = (kind: Problem['kind'], key: Problem['key'], index: number | null) => selectionOf({ severity: 'error', kind, key, index, values: {} });
+    const part = (kind: Problem['kind'], key: Problem['key'], index: number | null) =>
+      selectionOf({ severity: 'error', kind, key, index, values: {} });
     expect(part('mission', 'checkNoAltitude', 2)).toEqual({ kind: 'item', index: 2 });
     expect(part('fence', 'checkCrossesItself', 1)).toEqual({ kind: 'polygon', index: 1 });
     expect(part('fence', 'checkPolygonIgnored', 1)).toEqual({ kind: 'polygon', index: 1 });
@@ -223,19 +244,29 @@ describe('checks', () => {
   });
 
   it('tell a leg that leaves through a corner, and a return point that is outside', async () => {
-    const box = [[-100, -400], [400, -400], [400, 400], [-100, 400]].map(([north, east]) => away2(north!, east!));
+    const box = [
+      [-100, -400],
+      [400, -400],
+      [400, 400],
+      [-100, 400],
+    ].map(([north, east]) => away2(north!, east!));
     expect(await keys({ ...good, polygons: [{ inclusion: true, vertices: box }] })).toEqual([]);
     // A tree whose corner lies on the straight way from the first to the second waypoint.
     const tree = [away2(150, 150), away2(190, 190), away2(150, 190)];
     expect(await keys({ ...good, polygons: [{ inclusion: false, vertices: tree }] })).toEqual([]);
     const edge = [away2(100, 100), away2(200, 200), away2(200, 100)];
     expect(await keys({ ...good, polygons: [{ inclusion: false, vertices: edge }] })).toEqual(['checkLegLeavesFence']);
-    const outside = { ...good, polygons: [{ inclusion: true, vertices: box }], returnPoint: { ...away(180, 300), altitude: 30 } };
+    const outside = {
+      ...good,
+      polygons: [{ inclusion: true, vertices: box }],
+      returnPoint: { ...away(180, 300), altitude: 30 },
+    };
     expect(await keys(outside)).toEqual(['checkReturnOutside']);
   });
 
   it('tell the clearance above the terrain, or that it is not known', async () => {
-    const hill = (height: number) => async (points: readonly unknown[]) => points.map((_, index) => (index > 12 ? 488 + height : 488));
+    const hill = (height: number) => async (points: readonly unknown[]) =>
+      points.map((_, index) => (index > 12 ? 488 + height : 488));
     expect(await keys(good, { profile: await profileOf(good, hill(40)) })).toEqual(['checkNearTerrain']);
     expect(await keys(good, { profile: await profileOf(good, hill(60)) })).toEqual(['checkBelowTerrain']);
     expect(await keys(good, { profile: null })).toEqual(['checkTerrainUnknown']);
@@ -255,7 +286,12 @@ describe('elevation', () => {
     const file = readHgt('N47E008.hgt', content);
     expect(hgtHeight(file, { latitude: 48, longitude: 8 + 0.5 / 1200 })).toBeCloseTo(750, 6);
     expect(hgtHeight(file, { latitude: 49, longitude: 8 })).toBeNull();
-    expect(await hgtSource([file])([{ latitude: 48, longitude: 8 }, { latitude: 0, longitude: 0 }])).toEqual([700, null]);
+    expect(
+      await hgtSource([file])([
+        { latitude: 48, longitude: 8 },
+        { latitude: 0, longitude: 0 },
+      ]),
+    ).toEqual([700, null]);
     expect(() => readHgt('alps.hgt', content)).toThrow('corner');
     expect(() => readHgt('N47E008.hgt', new ArrayBuffer(7))).toThrow('7 bytes');
   });
@@ -273,6 +309,8 @@ describe('elevation', () => {
     expect(await source([HOME, HOME, { latitude: 85.05, longitude: 0 }])).toEqual([512, 512, null]);
     expect(loaded).toHaveLength(2);
     // A transparent pixel is no height.
-    expect(await tileSource('{z}', 'terrarium', async () => ({ width: 1, data: [0, 0, 0, 0] }))([HOME])).toEqual([null]);
+    expect(await tileSource('{z}', 'terrarium', async () => ({ width: 1, data: [0, 0, 0, 0] }))([HOME])).toEqual([
+      null,
+    ]);
   });
 });

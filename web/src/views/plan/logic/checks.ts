@@ -48,7 +48,10 @@ const USABLE_BATTERY = 0.8;
 const FAR_FROM_VEHICLE = 5000;
 const FAR_FROM_HOME = 20_000;
 const ENDS: ReadonlySet<number> = new Set([
-  CMD.NAV_RETURN_TO_LAUNCH, CMD.NAV_LAND, CMD.NAV_VTOL_LAND, CMD.NAV_LOITER_UNLIM,
+  CMD.NAV_RETURN_TO_LAUNCH,
+  CMD.NAV_LAND,
+  CMD.NAV_VTOL_LAND,
+  CMD.NAV_LOITER_UNLIM,
 ]);
 const TAKEOFFS: ReadonlySet<number> = new Set([CMD.NAV_TAKEOFF, CMD.NAV_VTOL_TAKEOFF]);
 const MUST_HAVE_POSITION: ReadonlySet<number> = new Set([CMD.NAV_WAYPOINT, CMD.NAV_SPLINE_WAYPOINT]);
@@ -56,7 +59,13 @@ const RANK: Readonly<Record<Severity, number>> = { error: 0, warning: 1, info: 2
 
 type Values = Readonly<Record<string, string | number>>;
 
-function problem(severity: Severity, kind: PlanKind, key: CheckKey, index: number | null = null, values: Values = {}): Problem {
+function problem(
+  severity: Severity,
+  kind: PlanKind,
+  key: CheckKey,
+  index: number | null = null,
+  values: Values = {},
+): Problem {
   return { severity, kind, index, key, values: index === null ? values : { number: index + 1, ...values } };
 }
 
@@ -121,11 +130,14 @@ function missionProblems(input: CheckInput): Problem[] {
   if (!plan.mission.some((each) => ENDS.has(each.command))) add(input.wing ? 'warning' : 'info', 'checkNoEnd');
   if (statistics.duration === null) add('info', 'checkEndless');
   const used = batteryUse(statistics, endurance);
-  if (used !== null && used > USABLE_BATTERY) add(used > 1 ? 'error' : 'warning', 'checkBattery', null, { percent: Math.round(used * 100) });
+  if (used !== null && used > USABLE_BATTERY)
+    add(used > 1 ? 'error' : 'warning', 'checkBattery', null, { percent: Math.round(used * 100) });
   const tooHigh = plan.mission.findIndex(
-    (each) => ceiling !== null && each.frame === FRAME.GLOBAL_RELATIVE_ALT && isOnPath(each) && (each.params[6] ?? 0) > ceiling,
+    (each) =>
+      ceiling !== null && each.frame === FRAME.GLOBAL_RELATIVE_ALT && isOnPath(each) && (each.params[6] ?? 0) > ceiling,
   );
-  if (tooHigh >= 0) add('info', 'checkCeiling', tooHigh, { altitude: plan.mission[tooHigh]!.params[6]!, limit: ceiling! });
+  if (tooHigh >= 0)
+    add('info', 'checkCeiling', tooHigh, { altitude: plan.mission[tooHigh]!.params[6]!, limit: ceiling! });
   const first = pathOf({ ...plan, home: null })[0];
   if (vehicle && first && distance(vehicle, first) > FAR_FROM_VEHICLE) {
     add('warning', 'checkFarFromVehicle', first.item, { distance: Math.round(distance(vehicle, first) / 1000) });
@@ -156,7 +168,8 @@ function fenceProblems(plan: Plan, firmware: number): Problem[] {
     if (grade === 'forbidden') found.push(problem('error', 'rally', 'checkRallyOutside', index));
     if (grade === 'partly') found.push(problem(ofPartly(firmware), 'rally', 'checkRallyPartly', index));
   });
-  if (plan.returnPoint && gradeOf(plan, plan.returnPoint) === 'forbidden') found.push(problem('error', 'fence', 'checkReturnOutside'));
+  if (plan.returnPoint && gradeOf(plan, plan.returnPoint) === 'forbidden')
+    found.push(problem('error', 'fence', 'checkReturnOutside'));
   return found;
 }
 
@@ -177,12 +190,17 @@ function pathProblems(plan: Plan, firmware: number): Problem[] {
   if (leg) return [problem('warning', 'mission', 'checkLegLeavesFence', leg.item)];
   const home = grades[0] === 'partly' && path[0]!.item < 0;
   if (home) return [problem(ofPartly(firmware), 'mission', 'checkHomePartly')];
-  const partly = firstLeg(path, (from, to) => legLeaves(plan, from, to, (point) => gradeOf(plan, point) === 'allowed')) ?? path[grades.indexOf('partly')];
+  const partly =
+    firstLeg(path, (from, to) => legLeaves(plan, from, to, (point) => gradeOf(plan, point) === 'allowed')) ??
+    path[grades.indexOf('partly')];
   return partly ? [problem(ofPartly(firmware), 'mission', 'checkPartly', partly.item)] : [];
 }
 
 /** Returns the end of the first leg that something holds for. */
-function firstLeg(path: readonly PathPoint[], holds: (from: PathPoint, to: PathPoint) => boolean): PathPoint | undefined {
+function firstLeg(
+  path: readonly PathPoint[],
+  holds: (from: PathPoint, to: PathPoint) => boolean,
+): PathPoint | undefined {
   return path.find((to, index) => index > 0 && holds(path[index - 1]!, to));
 }
 
@@ -201,6 +219,7 @@ function terrainProblems({ plan, profile, clearance }: CheckInput): Problem[] {
   const values = { clearance: Math.round(lowest?.clearance ?? 0), limit: clearance };
   const index = lowest && lowest.item >= 0 ? lowest.item : null;
   if (lowest && lowest.clearance! < 0) return [problem('error', 'mission', 'checkBelowTerrain', index, values)];
-  if (lowest && lowest.clearance! < clearance) return [problem('warning', 'mission', 'checkNearTerrain', index, values)];
+  if (lowest && lowest.clearance! < clearance)
+    return [problem('warning', 'mission', 'checkNearTerrain', index, values)];
   return profile.known < 1 ? [problem('info', 'mission', 'checkTerrainPartly')] : [];
 }

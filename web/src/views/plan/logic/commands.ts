@@ -66,14 +66,28 @@ const LABELS: Readonly<Record<number, string>> = {
 };
 /** The commands that a picker shows first. */
 export const COMMON_COMMANDS: readonly number[] = [
-  CMD.NAV_WAYPOINT, CMD.NAV_TAKEOFF, CMD.NAV_LAND, CMD.NAV_RETURN_TO_LAUNCH, CMD.NAV_SPLINE_WAYPOINT,
-  CMD.NAV_LOITER_TIME, CMD.NAV_LOITER_TURNS, CMD.NAV_LOITER_UNLIM, CMD.NAV_LOITER_TO_ALT, CMD.NAV_DELAY,
-  CMD.DO_CHANGE_SPEED, CMD.DO_JUMP, CMD.DO_SET_ROI_LOCATION, CMD.DO_SET_CAM_TRIGG_DIST,
+  CMD.NAV_WAYPOINT,
+  CMD.NAV_TAKEOFF,
+  CMD.NAV_LAND,
+  CMD.NAV_RETURN_TO_LAUNCH,
+  CMD.NAV_SPLINE_WAYPOINT,
+  CMD.NAV_LOITER_TIME,
+  CMD.NAV_LOITER_TURNS,
+  CMD.NAV_LOITER_UNLIM,
+  CMD.NAV_LOITER_TO_ALT,
+  CMD.NAV_DELAY,
+  CMD.DO_CHANGE_SPEED,
+  CMD.DO_JUMP,
+  CMD.DO_SET_ROI_LOCATION,
+  CMD.DO_SET_CAM_TRIGG_DIST,
 ];
 
 /** Returns `Loiter turns` for `NAV_LOITER_TURNS`. */
 export function readable(name: string): string {
-  const words = name.replace(/^(NAV|DO|CONDITION)_/, '').toLowerCase().replaceAll('_', ' ');
+  const words = name
+    .replace(/^(NAV|DO|CONDITION)_/, '')
+    .toLowerCase()
+    .replaceAll('_', ' ');
   const known = words.replace(/\b(roi|vtol|gps|rtl|ekf|esc|id|usb)\b/g, (word) => word.toUpperCase());
   return known.charAt(0).toUpperCase() + known.slice(1);
 }
@@ -130,7 +144,10 @@ function isMissionCommand(info: CommandInfo): boolean {
 
 /** Returns the commands whose name or number has all words of a text, the common ones first. */
 export function findCommands(text: string): CommandInfo[] {
-  const words = text.toLowerCase().split(/[\s_]+/).filter(Boolean);
+  const words = text
+    .toLowerCase()
+    .split(/[\s_]+/)
+    .filter(Boolean);
   const rank = (info: CommandInfo): number => {
     const at = COMMON_COMMANDS.indexOf(info.command);
     return at < 0 ? COMMON_COMMANDS.length : at;
@@ -184,4 +201,8 @@ export function withCommand(each: Item, command: number, at: Place): Item {
   const altitude = commandInfo(each.command).hasLocation ? (each.params[6] ?? at.altitude) : at.altitude;
   const frame = each.frame === FRAME.MISSION ? FRAME.GLOBAL_RELATIVE_ALT : each.frame;
   return newItem(command, { ...place, altitude: altitude || at.altitude }, frame);
+}
+
+export function itemLabel(each: Item): string {
+  return each.kept ? each.kept.kind : commandInfo(each.command).label;
 }

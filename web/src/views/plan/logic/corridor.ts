@@ -57,10 +57,12 @@ function shifted(path: readonly Local[], metres: number): Local[] {
     const length = Math.hypot(sum.x, sum.y);
     const middle = length < 1e-9 ? before : { x: sum.x / length, y: sum.y / length };
     const cosine = middle.x * before.x + middle.y * before.y;
-    const out = Math.sign(metres) * Math.min(
-      Math.abs(metres) * Math.min(MAX_MITRE, 1 / Math.max(cosine, 1e-9)),
-      innerLimit(path, index, metres * (before.x * after.y - before.y * after.x) < 0, cosine),
-    );
+    const out =
+      Math.sign(metres) *
+      Math.min(
+        Math.abs(metres) * Math.min(MAX_MITRE, 1 / Math.max(cosine, 1e-9)),
+        innerLimit(path, index, metres * (before.x * after.y - before.y * after.x) < 0, cosine),
+      );
     return { x: place.x + middle.y * out, y: place.y - middle.x * out };
   });
 }

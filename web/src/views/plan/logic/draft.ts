@@ -9,7 +9,11 @@ import { patternRuns } from './patterns';
 export function draftText(plan: Plan): string {
   if (plan === EMPTY_PLAN) return '';
   const kept = plan.mission.flatMap((each, index) => (each.kept ? [{ index, ...each.kept }] : []));
-  const patterns = patternRuns(plan).map(({ pattern: { kind, json, items } }) => ({ kind, json, items: apiItems(items) }));
+  const patterns = patternRuns(plan).map(({ pattern: { kind, json, items } }) => ({
+    kind,
+    json,
+    items: apiItems(items),
+  }));
   return JSON.stringify({ plan: JSON.parse(writeMavstack(plan)) as Json, kept, patterns });
 }
 
@@ -19,13 +23,26 @@ export function draftPlan(text: unknown): Plan {
   try {
     const root = Tree.parse(text);
     const { plan } = readMavstack(root.need('plan'));
-    const patterns = root.get('patterns').list().map((each): Pattern => {
-      return { kind: each.get('kind').text(), json: each.need('json').value as Pattern['json'], items: itemsIn(each.get('items')) };
-    });
-    return root.get('kept').list().reduce<Plan>((found, each) => {
-      const kept = keptItem(each.get('kind').text(), each.need('json').value as Json);
-      return insertItems(found, each.need('index').integer(0, found.mission.length), [kept]);
-    }, { ...plan, patterns });
+    const patterns = root
+      .get('patterns')
+      .list()
+      .map((each): Pattern => {
+        return {
+          kind: each.get('kind').text(),
+          json: each.need('json').value as Pattern['json'],
+          items: itemsIn(each.get('items')),
+        };
+      });
+    return root
+      .get('kept')
+      .list()
+      .reduce<Plan>(
+        (found, each) => {
+          const kept = keptItem(each.get('kind').text(), each.need('json').value as Json);
+          return insertItems(found, each.need('index').integer(0, found.mission.length), [kept]);
+        },
+        { ...plan, patterns },
+      );
   } catch {
     return EMPTY_PLAN;
   }

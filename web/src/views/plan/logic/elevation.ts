@@ -111,22 +111,28 @@ export function tileSource(
     tiles.set(url, found);
     return found;
   };
-  return (points) => Promise.all(points.map(async (point) => {
-    const { x, y } = tilePlace(point, TILE_ZOOM, 1);
-    const picture = await tile(x, y);
-    if (!picture) return null;
-    const { column, row } = tilePlace(point, TILE_ZOOM, picture.width);
-    const at = 4 * (row * picture.width + column);
-    const height = heightOfColour(encoding, picture.data[at]!, picture.data[at + 1]!, picture.data[at + 2]!);
-    return height > NO_HEIGHT ? height : null;
-  }));
+  return (points) =>
+    Promise.all(
+      points.map(async (point) => {
+        const { x, y } = tilePlace(point, TILE_ZOOM, 1);
+        const picture = await tile(x, y);
+        if (!picture) return null;
+        const { column, row } = tilePlace(point, TILE_ZOOM, picture.width);
+        const at = 4 * (row * picture.width + column);
+        const height = heightOfColour(encoding, picture.data[at]!, picture.data[at + 1]!, picture.data[at + 2]!);
+        return height > NO_HEIGHT ? height : null;
+      }),
+    );
 }
 
 async function loadPicture(url: string): Promise<Picture> {
   const response = await fetch(url);
   if (!response.ok) throw new Error(`${url}: ${response.status}`);
   // The colours are numbers: without this the browser would fit them to the screen.
-  const bitmap = await createImageBitmap(await response.blob(), { colorSpaceConversion: 'none', premultiplyAlpha: 'none' });
+  const bitmap = await createImageBitmap(await response.blob(), {
+    colorSpaceConversion: 'none',
+    premultiplyAlpha: 'none',
+  });
   const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext('2d');
   if (!context) throw new Error('no canvas');
   context.drawImage(bitmap, 0, 0);

@@ -22,11 +22,11 @@ const CIRCLES: Readonly<Record<number, boolean>> = {
 /** Returns the items of a fence: polygons, circles, return point. */
 export function fenceItems(areas: Omit<FenceAreas, 'problems'>): Item[] {
   const polygons = areas.polygons.flatMap((polygon) => {
-    const command = polygon.inclusion
-      ? CMD.NAV_FENCE_POLYGON_VERTEX_INCLUSION
-      : CMD.NAV_FENCE_POLYGON_VERTEX_EXCLUSION;
+    const command = polygon.inclusion ? CMD.NAV_FENCE_POLYGON_VERTEX_INCLUSION : CMD.NAV_FENCE_POLYGON_VERTEX_EXCLUSION;
     const count = polygon.vertices.length;
-    return polygon.vertices.map((at) => fenceItem(command, [count, polygon.group ?? 0, 0, 0, at.latitude, at.longitude, 0]));
+    return polygon.vertices.map((at) =>
+      fenceItem(command, [count, polygon.group ?? 0, 0, 0, at.latitude, at.longitude, 0]),
+    );
   });
   const circles = areas.circles.map(({ inclusion, center, radius, group }) => {
     const command = inclusion ? CMD.NAV_FENCE_CIRCLE_INCLUSION : CMD.NAV_FENCE_CIRCLE_EXCLUSION;
@@ -67,7 +67,8 @@ function vertexCount(items: readonly Item[], from: number): number {
   let count = 1;
   while (count < (first.params[0] ?? 1)) {
     const next = items[from + count];
-    if (next?.command !== first.command || next.params[0] !== first.params[0] || next.params[1] !== first.params[1]) break;
+    if (next?.command !== first.command || next.params[0] !== first.params[0] || next.params[1] !== first.params[1])
+      break;
     count += 1;
   }
   return count;

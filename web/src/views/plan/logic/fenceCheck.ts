@@ -1,9 +1,9 @@
 /**
  * Whether a place or a leg is within the fence.
  *
- * A fence without areas to stay in allows all places that no area forbids. With several of them PX4 asks that a place is in each
- * (its older versions: in one), and ignores an area that does not allow home. ArduPilot asks for each too, or for
- * one if FENCE_OPTIONS has the bit "union of inclusion areas".
+ * A fence without areas to stay in allows all places that no area forbids. With several of them PX4 asks that a place
+ * is in each (its older versions: in one), and ignores an area that does not allow home. ArduPilot asks for each too,
+ * or for one if FENCE_OPTIONS has the bit "union of inclusion areas".
  */
 
 import { contains, distance, toLocal, type Local, type Point } from './geo';

@@ -1,6 +1,6 @@
 /** Geometry of plans: that of the map on the globe, and a tangent plane for areas of some kilometres. */
 
-import { distance, EARTH_RADIUS, wrapLongitude as wrap } from '$lib/map/geometry';
+import { destination, distance, EARTH_RADIUS, wrapLongitude as wrap } from '$lib/map/geometry';
 
 export { bearing, destination, distance } from '$lib/map/geometry';
 
@@ -102,4 +102,9 @@ export function crossesItself(polygon: readonly Point[]): boolean {
 /** Returns the length of a path in metres. */
 export function pathLength(points: readonly Point[]): number {
   return points.slice(1).reduce((sum, point, index) => sum + distance(points[index]!, point), 0);
+}
+
+/** The place on the edge of a circle to drag its radius by: to the east of its centre. */
+export function radiusHandle(center: Point, radius: number): Point {
+  return destination(center, 90, radius);
 }

@@ -36,7 +36,10 @@ describe('fence items', () => {
   it('are the areas again', () => {
     const vertices = [1, 2, 3, 4].map((latitude) => ({ latitude, longitude: latitude ** 2 }));
     const areas = {
-      polygons: [{ inclusion: true, vertices }, { inclusion: false, vertices: vertices.slice(1) }],
+      polygons: [
+        { inclusion: true, vertices },
+        { inclusion: false, vertices: vertices.slice(1) },
+      ],
       circles: [{ inclusion: false, center: { latitude: 5, longitude: 6 }, radius: 70 }],
       returnPoint: { latitude: 1, longitude: 1, altitude: 25 },
     };
@@ -44,7 +47,11 @@ describe('fence items', () => {
   });
 
   it('that are no polygon are told', () => {
-    const items = fenceItems({ polygons: [{ inclusion: true, vertices: [1, 2, 3].map((each) => ({ latitude: each, longitude: 0 })) }], circles: [], returnPoint: null });
+    const items = fenceItems({
+      polygons: [{ inclusion: true, vertices: [1, 2, 3].map((each) => ({ latitude: each, longitude: 0 })) }],
+      circles: [],
+      returnPoint: null,
+    });
     expect(fenceAreas(items.slice(1)).problems).toEqual(['fence item 0: 2 vertices, but param 1 says 3']);
   });
 });

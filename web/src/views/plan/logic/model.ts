@@ -64,8 +64,8 @@ export interface KeptPattern {
 /**
  * A survey or corridor, by its shape and settings: QGroundControl's ComplexItem without its items.
  *
- * It stands for the items of the mission that are still those that it was made of; once they are edited one by one, they
- * are plain items again.
+ * It stands for the items of the mission that are still those that it was made of; once they are edited one by one,
+ * they are plain items again.
  */
 export interface Pattern {
   /** `survey`, `CorridorScan`, or a kind of QGroundControl that the page only keeps. */

@@ -32,7 +32,10 @@ describe('survey', () => {
     const lanes = surveyLanes(bay, { spacing: 10, angle: 90 });
     expect(lanes.length).toBeGreaterThan(10);
     for (const [from, to] of lanes) {
-      const middle = { latitude: (from!.latitude + to!.latitude) / 2, longitude: (from!.longitude + to!.longitude) / 2 };
+      const middle = {
+        latitude: (from!.latitude + to!.latitude) / 2,
+        longitude: (from!.longitude + to!.longitude) / 2,
+      };
       expect(contains(bay, middle)).toBe(true);
     }
   });
@@ -66,7 +69,8 @@ describe('corridor', () => {
 
 describe('lanes that are difficult', () => {
   it('cross the antimeridian', () => {
-    const at = (east: number, north: number) => destination(destination({ latitude: 10, longitude: 179.9995 }, 90, east), 0, north);
+    const at = (east: number, north: number) =>
+      destination(destination({ latitude: 10, longitude: 179.9995 }, 90, east), 0, north);
     const lanes = surveyLanes([at(0, 0), at(200, 0), at(200, 100), at(0, 100)], { spacing: 25, angle: 90 });
     expect(lanes).toHaveLength(4);
     for (const [from, to] of lanes) {
@@ -89,14 +93,19 @@ describe('lanes that are difficult', () => {
     expect(corridorLanes([bend[0]!, bend[0]!], { width: 60, spacing: 30 })).toEqual([]);
   });
 
-  it.each([[40, 250], [12, 100]])('of a corridor stay near a bend that is sharp (%i, %i)', (east, north) => {
+  it.each([
+    [40, 250],
+    [12, 100],
+  ])('of a corridor stay near a bend that is sharp (%i, %i)', (east, north) => {
     const sharp = [corner(0, 0), corner(0, 300), corner(east, north)];
     for (const lane of corridorLanes(sharp, { width: 120, spacing: 20 })) {
       for (const each of lane) expect(Math.min(...sharp.map((point) => distance(point, each)))).toBeLessThan(3 * 60);
       // The inner side of the bend does not fly beyond the short end.
       expect(Math.max(...lane.map((each) => each.latitude))).toBeLessThan(corner(0, 300 + 3 * 60).latitude);
     }
-    const inner = corridorLanes(sharp, { width: 120, spacing: 20 }).map((lane) => Math.min(...lane.map((each) => distance(sharp[1]!, each))));
+    const inner = corridorLanes(sharp, { width: 120, spacing: 20 }).map((lane) =>
+      Math.min(...lane.map((each) => distance(sharp[1]!, each))),
+    );
     expect(Math.max(...inner)).toBeLessThan(3 * 60);
   });
 });

@@ -16,10 +16,38 @@ export interface Camera {
 
 export const CAMERAS: readonly Camera[] = [
   { name: 'Sony RX1R II', sensorWidth: 35.9, sensorHeight: 24, focalLength: 35, imageWidth: 7952, imageHeight: 5304 },
-  { name: 'Sony a6000 16 mm', sensorWidth: 23.5, sensorHeight: 15.6, focalLength: 16, imageWidth: 6000, imageHeight: 4000 },
-  { name: 'DJI Mavic 3E wide', sensorWidth: 17.3, sensorHeight: 13, focalLength: 12.29, imageWidth: 5280, imageHeight: 3956 },
-  { name: 'GoPro Hero 4', sensorWidth: 6.17, sensorHeight: 4.55, focalLength: 2.98, imageWidth: 4000, imageHeight: 3000 },
-  { name: 'MicaSense RedEdge', sensorWidth: 4.8, sensorHeight: 3.6, focalLength: 5.5, imageWidth: 1280, imageHeight: 960 },
+  {
+    name: 'Sony a6000 16 mm',
+    sensorWidth: 23.5,
+    sensorHeight: 15.6,
+    focalLength: 16,
+    imageWidth: 6000,
+    imageHeight: 4000,
+  },
+  {
+    name: 'DJI Mavic 3E wide',
+    sensorWidth: 17.3,
+    sensorHeight: 13,
+    focalLength: 12.29,
+    imageWidth: 5280,
+    imageHeight: 3956,
+  },
+  {
+    name: 'GoPro Hero 4',
+    sensorWidth: 6.17,
+    sensorHeight: 4.55,
+    focalLength: 2.98,
+    imageWidth: 4000,
+    imageHeight: 3000,
+  },
+  {
+    name: 'MicaSense RedEdge',
+    sensorWidth: 4.8,
+    sensorHeight: 3.6,
+    focalLength: 5.5,
+    imageWidth: 1280,
+    imageHeight: 960,
+  },
 ];
 
 export interface Overlap {
@@ -87,7 +115,14 @@ export interface PatternSettings {
 
 /** The settings of the first pattern. */
 export const PATTERN: PatternSettings = {
-  camera: 'Sony a6000 16 mm', side: 70, front: 75, spacing: 25, pictures: 0, turnaround: 10, crosshatch: false, width: 60,
+  camera: 'Sony a6000 16 mm',
+  side: 70,
+  front: 75,
+  spacing: 25,
+  pictures: 0,
+  turnaround: 10,
+  crosshatch: false,
+  width: 60,
 };
 
 /** The part of a lane's width that may stay uncovered, so that rounding adds no lane. */
@@ -117,7 +152,9 @@ export function extended(from: Point, to: Point, metres: number): Point {
 
 /** Returns the numbers of a pattern, null without lanes; `area` in square metres. */
 export function summaryOf(
-  lanes: readonly Lane[], pictures: number, area: number,
+  lanes: readonly Lane[],
+  pictures: number,
+  area: number,
 ): { lanes: number; distance: number; pictures: number; area: number } | null {
   if (lanes.length === 0) return null;
   const distance = lanes.reduce((sum, lane) => sum + pathLength(lane), 0);

@@ -3,7 +3,16 @@
 import type { Json } from '../formats/json';
 import { CMD, FRAME, insertItems, removeItems, type Item, type Pattern, type Plan } from './model';
 import type { Point } from './geo';
-import { CAMERAS, laneItems, PATTERN, pictureCount, spacingOf, type Camera, type Lane, type PatternSettings } from './pattern';
+import {
+  CAMERAS,
+  laneItems,
+  PATTERN,
+  pictureCount,
+  spacingOf,
+  type Camera,
+  type Lane,
+  type PatternSettings,
+} from './pattern';
 
 /** Items of a mission that are a pattern. */
 export interface PatternRun {
@@ -23,8 +32,13 @@ function isSameNumber(one: number | null, other: number | null, index: number): 
 }
 
 function isSameItem(one: Item, other: Item): boolean {
-  if (one.command !== other.command || one.frame !== other.frame || one.autocontinue !== other.autocontinue) return false;
-  return !one.kept && !other.kept && one.params.every((value, index) => isSameNumber(value, other.params[index] ?? null, index));
+  if (one.command !== other.command || one.frame !== other.frame || one.autocontinue !== other.autocontinue)
+    return false;
+  return (
+    !one.kept &&
+    !other.kept &&
+    one.params.every((value, index) => isSameNumber(value, other.params[index] ?? null, index))
+  );
 }
 
 /** Returns the patterns whose items are in the mission as they were made, in their order. */
@@ -33,7 +47,10 @@ export function patternRuns({ mission, patterns }: Pick<Plan, 'mission' | 'patte
   const runs: PatternRun[] = [];
   for (let start = 0; start < mission.length && left.length > 0; start += 1) {
     const at = left.findIndex(({ items }) => {
-      return items.length > 0 && items.every((item, index) => mission[start + index] && isSameItem(mission[start + index]!, item));
+      return (
+        items.length > 0 &&
+        items.every((item, index) => mission[start + index] && isSameItem(mission[start + index]!, item))
+      );
     });
     if (at < 0) continue;
     const [pattern] = left.splice(at, 1);
@@ -55,7 +72,10 @@ export function withPattern(plan: Plan, { pattern: before, start }: PatternRun, 
   const indexes = plan.mission.flatMap((_, index) => (run && index >= run.start && index < run.end ? [index] : []));
   const cleared = removeItems(plan, new Set(indexes));
   const at = Math.min(run?.start ?? start, cleared.mission.length);
-  return { ...insertItems(cleared, at, pattern.items), patterns: [...plan.patterns.filter((each) => each !== before), pattern] };
+  return {
+    ...insertItems(cleared, at, pattern.items),
+    patterns: [...plan.patterns.filter((each) => each !== before), pattern],
+  };
 }
 
 /** All that a survey or a corridor is made of. */
@@ -83,7 +103,9 @@ export function patternOf(shape: PatternShape, lanes: readonly Lane[]): Pattern 
   const { tool, points, settings, altitude, frame } = shape;
   const pair = ({ latitude, longitude }: Point): Json => [latitude, longitude];
   const camera = CAMERAS.find(({ name }) => name === settings.camera) ?? null;
-  const spacing = camera ? spacingOf(camera, altitude, settings) : { lanes: settings.spacing, pictures: settings.pictures };
+  const spacing = camera
+    ? spacingOf(camera, altitude, settings)
+    : { lanes: settings.spacing, pictures: settings.pictures };
   const items = laneItems(lanes, { altitude, frame, pictures: spacing.pictures, turnaround: settings.turnaround });
   const places = items.filter(({ command }) => command === CMD.NAV_WAYPOINT);
   const style = {
@@ -100,16 +122,27 @@ export function patternOf(shape: PatternShape, lanes: readonly Lane[]): Pattern 
   const own: Readonly<Record<string, Json>> =
     tool === 'survey'
       ? {
-          angle: shape.angle, entryLocation: shape.start ^ CORNER, flyAlternateTransects: false, polygon: points.map(pair),
-          splitConcavePolygons: false, version: 5,
+          angle: shape.angle,
+          entryLocation: shape.start ^ CORNER,
+          flyAlternateTransects: false,
+          polygon: points.map(pair),
+          splitConcavePolygons: false,
+          version: 5,
         }
-      : { CorridorWidth: settings.width, EntryPoint: shape.start > 0 ? CORNER : 0, polyline: points.map(pair), version: 2 };
+      : {
+          CorridorWidth: settings.width,
+          EntryPoint: shape.start > 0 ? CORNER : 0,
+          polyline: points.map(pair),
+          version: 2,
+        };
   const json = { TransectStyleComplexItem: style, complexItemType: KINDS[tool], type: 'ComplexItem', ...own };
   return { kind: KINDS[tool], json, items };
 }
 
 function cameraJson(
-  { altitude, frame, settings }: PatternShape, camera: Camera | null, spacing: { lanes: number; pictures: number },
+  { altitude, frame, settings }: PatternShape,
+  camera: Camera | null,
+  spacing: { lanes: number; pictures: number },
 ): Json {
   const common = {
     AdjustedFootprintFrontal: spacing.pictures,
@@ -139,8 +172,8 @@ function cameraJson(
 
 /** Returns the shape of a pattern, so that it can be drawn again with other settings; null: the page cannot. */
 export function shapeOf({ kind, json, items }: Pattern): PatternShape | null {
-  const style = record(json['TransectStyleComplexItem']);
-  const camera = record(style['CameraCalc']);
+  const style = record(json.TransectStyleComplexItem);
+  const camera = record(style.CameraCalc);
   const tool = kind === KINDS.survey ? 'survey' : kind === KINDS.corridor ? 'corridor' : null;
   const points = placesOf(json[tool === 'survey' ? 'polygon' : 'polyline']);
   const altitude = numberIn(camera, 'DistanceToSurface', NaN);
@@ -153,25 +186,33 @@ export function shapeOf({ kind, json, items }: Pattern): PatternShape | null {
     spacing: numberIn(camera, 'AdjustedFootprintSide', PATTERN.spacing),
     pictures: numberIn(camera, 'AdjustedFootprintFrontal', 0),
     turnaround: numberIn(style, 'TurnAroundDistance', PATTERN.turnaround),
-    crosshatch: style['Refly90Degrees'] === true,
+    crosshatch: style.Refly90Degrees === true,
     width: numberIn(json, 'CorridorWidth', PATTERN.width),
   };
   const frame = items.find(({ command }) => command === CMD.NAV_WAYPOINT)?.frame ?? FRAME.GLOBAL_RELATIVE_ALT;
-  const start = tool === 'survey' ? numberIn(json, 'entryLocation', CORNER) ^ CORNER : Number(numberIn(json, 'EntryPoint', 0) >= CORNER);
+  const start =
+    tool === 'survey'
+      ? numberIn(json, 'entryLocation', CORNER) ^ CORNER
+      : Number(numberIn(json, 'EntryPoint', 0) >= CORNER);
   return { tool, points, angle: numberIn(json, 'angle', 0), start, altitude, frame, settings };
 }
 
 function isSameCamera(camera: Camera, json: Readonly<Record<string, Json>>): boolean {
   const pairs = [
-    [camera.sensorWidth, 'SensorWidth'], [camera.sensorHeight, 'SensorHeight'], [camera.focalLength, 'FocalLength'],
-    [camera.imageWidth, 'ImageWidth'], [camera.imageHeight, 'ImageHeight'],
+    [camera.sensorWidth, 'SensorWidth'],
+    [camera.sensorHeight, 'SensorHeight'],
+    [camera.focalLength, 'FocalLength'],
+    [camera.imageWidth, 'ImageWidth'],
+    [camera.imageHeight, 'ImageHeight'],
   ] as const;
   // Pictures of a camera that is turned have another side across the flight.
-  return json['Landscape'] !== false && pairs.every(([value, key]) => Math.abs(value - numberIn(json, key, NaN)) < 0.01);
+  return json.Landscape !== false && pairs.every(([value, key]) => Math.abs(value - numberIn(json, key, NaN)) < 0.01);
 }
 
 function record(value: Json | undefined): Readonly<Record<string, Json>> {
-  return value !== null && typeof value === 'object' && !Array.isArray(value) ? (value as Readonly<Record<string, Json>>) : {};
+  return value !== null && typeof value === 'object' && !Array.isArray(value)
+    ? (value as Readonly<Record<string, Json>>)
+    : {};
 }
 
 function numberIn(of: Readonly<Record<string, Json>>, key: string, missing: number): number {

@@ -65,7 +65,13 @@ function stay(each: Item, speed: number): { seconds: number; metres: number } {
     const metres = 2 * Math.PI * Math.abs(third || 0) * Math.abs(first ?? 0);
     return { seconds: metres / speed, metres };
   }
-  const waits: number[] = [CMD.NAV_WAYPOINT, CMD.NAV_LOITER_TIME, CMD.NAV_DELAY, CMD.NAV_SPLINE_WAYPOINT, CMD.CONDITION_DELAY];
+  const waits: number[] = [
+    CMD.NAV_WAYPOINT,
+    CMD.NAV_LOITER_TIME,
+    CMD.NAV_DELAY,
+    CMD.NAV_SPLINE_WAYPOINT,
+    CMD.CONDITION_DELAY,
+  ];
   return { seconds: waits.includes(each.command) ? Math.max(0, first ?? 0) : 0, metres: 0 };
 }
 

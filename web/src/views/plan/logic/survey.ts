@@ -58,7 +58,10 @@ function crossings(places: readonly Local[], x: number): (readonly [Local, Local
   for (let index = 0; index + 1 < found.length; index += 2) {
     // A line that only touches a corner has no length inside.
     if (found[index + 1]! - found[index]! < MIN_LANE) continue;
-    parts.push([{ x, y: found[index]! }, { x, y: found[index + 1]! }]);
+    parts.push([
+      { x, y: found[index]! },
+      { x, y: found[index + 1]! },
+    ]);
   }
   return parts;
 }

@@ -52,7 +52,10 @@ export async function profileOf(plan: Plan, elevation: ElevationSource): Promise
   const checked = points.filter((point, index) => point.clearance !== null && !samples[index]!.vertical);
   return {
     points,
-    lowest: checked.reduce<ProfilePoint | null>((low, each) => (low && low.clearance! <= each.clearance! ? low : each), null),
+    lowest: checked.reduce<ProfilePoint | null>(
+      (low, each) => (low && low.clearance! <= each.clearance! ? low : each),
+      null,
+    ),
     known: points.length ? points.filter((each) => each.clearance !== null).length / points.length : 0,
   };
 }
@@ -62,7 +65,13 @@ function samplesOf(path: readonly PathPoint[]): Sample[] {
   const total = lengths.reduce((sum, each) => sum + each, 0);
   const step = Math.max(STEP, total / MAX_SAMPLES);
   const samples: Sample[] = path.slice(0, 1).map((first) => ({
-    latitude: first.latitude, longitude: first.longitude, distance: 0, from: first, to: first, part: 1, vertical: true,
+    latitude: first.latitude,
+    longitude: first.longitude,
+    distance: 0,
+    from: first,
+    to: first,
+    part: 1,
+    vertical: true,
   }));
   let start = 0;
   lengths.forEach((length, index) => {

@@ -47,17 +47,34 @@ const PX4: Readonly<Record<string, Params>> = {
 };
 /** ACCELCAL_VEHICLE_POS. */
 const POSES: Readonly<Record<number, string>> = {
-  1: 'level', 2: 'on its left side', 3: 'on its right side', 4: 'nose down', 5: 'nose up', 6: 'on its back',
+  1: 'level',
+  2: 'on its left side',
+  3: 'on its right side',
+  4: 'nose down',
+  5: 'nose up',
+  6: 'on its back',
 };
 const ACCELCAL_VEHICLE_POS = 42429;
 const ACCELCAL_SUCCESS = 16_777_215;
 /** PX4 names a side by the end of the vehicle that is down, except "up": upside down. */
 const PX4_POSES: Readonly<Record<string, string>> = {
-  down: 'level', left: 'on its left side', right: 'on its right side', front: 'nose down', back: 'nose up', up: 'on its back',
+  down: 'level',
+  left: 'on its left side',
+  right: 'on its right side',
+  front: 'nose down',
+  back: 'nose up',
+  up: 'on its back',
 };
 /** MAG_CAL_SUCCESS; larger ones are failures. */
 const COMPASS_SUCCESS = 4;
-const IDLE: CalibrationStep = { task: 'wait', text: '', pose: null, pending: [], progress: null, needs_confirmation: false };
+const IDLE: CalibrationStep = {
+  task: 'wait',
+  text: '',
+  pose: null,
+  pending: [],
+  progress: null,
+  needs_confirmation: false,
+};
 
 /** Returns the command that starts a calibration; null if the firmware has none in the page. */
 export function startCommand(firmware: Firmware, kind: string): { command: string; params: Params } | null {
@@ -79,7 +96,17 @@ export function kindsOf(firmware: Firmware): string[] {
 }
 
 /** The order in which a vehicle is set up. */
-const ORDER = ['accelerometer', 'level', 'gyroscope', 'compass', 'radio', 'airspeed', 'barometer', 'esc', 'compass-motor'];
+const ORDER = [
+  'accelerometer',
+  'level',
+  'gyroscope',
+  'compass',
+  'radio',
+  'airspeed',
+  'barometer',
+  'esc',
+  'compass-motor',
+];
 
 /** Returns kinds in the order in which a vehicle is set up, for every firmware. */
 export function inOrder(kinds: readonly string[]): string[] {
@@ -129,9 +156,10 @@ export class CalibrationMachine {
 
   message(name: string, fields: Fields): void {
     if (this.state.state !== 'running') return;
-    if (name === 'COMMAND_LONG' && Number(fields['command']) === ACCELCAL_VEHICLE_POS) this.takePose(Number(fields['param1']));
-    if (name === 'MAG_CAL_PROGRESS') this.takeCompass(Number(fields['compass_id']), Number(fields['completion_pct']));
-    if (name === 'MAG_CAL_REPORT') this.takeReport(Number(fields['compass_id']), Number(fields['cal_status']));
+    if (name === 'COMMAND_LONG' && Number(fields.command) === ACCELCAL_VEHICLE_POS)
+      this.takePose(Number(fields.param1));
+    if (name === 'MAG_CAL_PROGRESS') this.takeCompass(Number(fields.compass_id), Number(fields.completion_pct));
+    if (name === 'MAG_CAL_REPORT') this.takeReport(Number(fields.compass_id), Number(fields.cal_status));
   }
 
   text(text: string): void {
@@ -145,12 +173,21 @@ export class CalibrationMachine {
     else if (words.startsWith('calibration cancelled')) this.end('failed', 'it was cancelled');
     else if (progress) this.show({ progress: Number(progress[1]) });
     else if (pending) this.showPending(pending[1]!);
-    else if (side) this.show({ task: this.kind === 'compass' ? 'rotate' : 'hold still', pose: PX4_POSES[side[1]!] ?? null, text: words });
+    else if (side)
+      this.show({
+        task: this.kind === 'compass' ? 'rotate' : 'hold still',
+        pose: PX4_POSES[side[1]!] ?? null,
+        text: words,
+      });
     else if (!words.startsWith('calibration started')) this.show({ text: words });
   }
 
   private showPending(names: string): void {
-    const pending = names.trim().split(/\s+/).map((name) => PX4_POSES[name]).filter((pose) => pose !== undefined);
+    const pending = names
+      .trim()
+      .split(/\s+/)
+      .map((name) => PX4_POSES[name])
+      .filter((pose) => pose !== undefined);
     this.show({ task: 'place', pose: null, pending, text: 'Place the vehicle in one of the poses that are left.' });
   }
 
@@ -161,7 +198,13 @@ export class CalibrationMachine {
     if (pose && position !== this.position) {
       this.position = position;
       const progress = Math.round(((position - 1) * 100) / 6);
-      this.show({ task: 'place', pose, progress, text: `Place the vehicle ${pose}, hold it still, and confirm.`, needs_confirmation: true });
+      this.show({
+        task: 'place',
+        pose,
+        progress,
+        text: `Place the vehicle ${pose}, hold it still, and confirm.`,
+        needs_confirmation: true,
+      });
     } else if (!pose && this.position > 0) {
       if (position === ACCELCAL_SUCCESS) this.end('done');
       else this.end('failed', 'the vehicle could not calibrate from these poses');

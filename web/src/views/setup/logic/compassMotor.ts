@@ -12,9 +12,9 @@ export interface CompassMotorPoint {
 /** Reads COMPASSMOT_STATUS, whose throttle is in tenths of a percent. */
 export function readCompassMotor(fields: Readonly<Record<string, unknown>>): CompassMotorPoint {
   return {
-    throttle: Number(fields['throttle']) / 10,
-    current: Number(fields['current']),
-    interference: Number(fields['interference']),
+    throttle: Number(fields.throttle) / 10,
+    current: Number(fields.current),
+    interference: Number(fields.interference),
   };
 }
 

@@ -14,7 +14,7 @@ export function readMetadata(text: string): MetadataTable {
     throw new ParameterFileError(`the file is not JSON: ${(error as Error).message}`);
   }
   const facts = object(root);
-  const found = Array.isArray(facts['parameters']) ? facts['parameters'].map(component) : ardupilot(facts);
+  const found = Array.isArray(facts.parameters) ? facts.parameters.map(component) : ardupilot(facts);
   const table = Object.fromEntries(found.filter((each) => each.name !== '').map((each) => [each.name, each]));
   if (Object.keys(table).length === 0) throw new ParameterFileError('the file has no metadata of parameters');
   return table;
@@ -23,51 +23,55 @@ export function readMetadata(text: string): MetadataTable {
 function component(value: unknown): ParameterMetadata {
   const facts = object(value);
   const pairs = (list: unknown, key: string): Record<string, string> =>
-    Object.fromEntries((Array.isArray(list) ? list : []).map(object).map((each) => [String(each[key]), text(each['description'])]));
+    Object.fromEntries(
+      (Array.isArray(list) ? list : []).map(object).map((each) => [String(each[key]), text(each.description)]),
+    );
   return {
     ...EMPTY_METADATA,
-    name: text(facts['name']),
-    short_description: text(facts['shortDesc']),
-    long_description: text(facts['longDesc']),
-    unit: text(facts['units']),
-    minimum: number(facts['min']),
-    maximum: number(facts['max']),
-    default: number(facts['default']),
-    increment: number(facts['increment']),
-    decimal_places: number(facts['decimalPlaces']),
-    values: pairs(facts['values'], 'value'),
-    bitmask: pairs(facts['bitmask'], 'index'),
-    reboot_required: facts['rebootRequired'] === true,
-    read_only: facts['readOnly'] === true,
-    volatile: facts['volatile'] === true,
-    group: text(facts['group']),
-    category: text(facts['category']),
+    name: text(facts.name),
+    short_description: text(facts.shortDesc),
+    long_description: text(facts.longDesc),
+    unit: text(facts.units),
+    minimum: number(facts.min),
+    maximum: number(facts.max),
+    default: number(facts.default),
+    increment: number(facts.increment),
+    decimal_places: number(facts.decimalPlaces),
+    values: pairs(facts.values, 'value'),
+    bitmask: pairs(facts.bitmask, 'index'),
+    reboot_required: facts.rebootRequired === true,
+    read_only: facts.readOnly === true,
+    volatile: facts.volatile === true,
+    group: text(facts.group),
+    category: text(facts.category),
   };
 }
 
 /** ArduPilot groups parameters by the beginnings of their names; the names there may have the vehicle before them. */
 function ardupilot(root: Facts): ParameterMetadata[] {
   return Object.entries(root).flatMap(([group, members]) =>
-    Object.entries(object(members)).filter(([, each]) => 'DisplayName' in object(each)).map(([name, each]) => {
-      const facts = object(each);
-      const range = object(facts['Range']);
-      return {
-        ...EMPTY_METADATA,
-        name: name.replace(/^.*:/, ''),
-        short_description: text(facts['DisplayName']),
-        long_description: text(facts['Description']),
-        unit: text(facts['Units']),
-        minimum: number(range['low']),
-        maximum: number(range['high']),
-        increment: number(facts['Increment']),
-        values: texts(facts['Values']),
-        bitmask: texts(facts['Bitmask']),
-        reboot_required: /true/i.test(text(facts['RebootRequired'])),
-        read_only: /true/i.test(text(facts['ReadOnly'])),
-        group: group.replace(/_$/, ''),
-        category: text(facts['User']),
-      };
-    }),
+    Object.entries(object(members))
+      .filter(([, each]) => 'DisplayName' in object(each))
+      .map(([name, each]) => {
+        const facts = object(each);
+        const range = object(facts.Range);
+        return {
+          ...EMPTY_METADATA,
+          name: name.replace(/^.*:/, ''),
+          short_description: text(facts.DisplayName),
+          long_description: text(facts.Description),
+          unit: text(facts.Units),
+          minimum: number(range.low),
+          maximum: number(range.high),
+          increment: number(facts.Increment),
+          values: texts(facts.Values),
+          bitmask: texts(facts.Bitmask),
+          reboot_required: /true/i.test(text(facts.RebootRequired)),
+          read_only: /true/i.test(text(facts.ReadOnly)),
+          group: group.replace(/_$/, ''),
+          category: text(facts.User),
+        };
+      }),
   );
 }
 

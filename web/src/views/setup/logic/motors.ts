@@ -6,7 +6,17 @@ import type { Firmware } from './calibration';
 
 /** ACTUATOR_OUTPUT_FUNCTION_MOTOR1. */
 const FIRST_MOTOR = 1;
-const MOTORS_BY_TYPE: Readonly<Record<number, number>> = { 2: 4, 13: 6, 14: 8, 15: 3, 29: 12, 35: 10, 4: 1, 3: 2, 1: 1 };
+const MOTORS_BY_TYPE: Readonly<Record<number, number>> = {
+  2: 4,
+  13: 6,
+  14: 8,
+  15: 3,
+  29: 12,
+  35: 10,
+  4: 1,
+  3: 2,
+  1: 1,
+};
 
 /** Returns the number of motors of a MAV_TYPE; parameters of PX4 and VTOLs may know better. */
 export function motorCount(mavType: number, rotors: number | undefined): number {
@@ -21,7 +31,8 @@ export interface MotorCommand {
 
 /** Returns the command that runs a motor, from 1, with a throttle in percent; 0 s stop it. */
 export function motorCommand(firmware: Firmware, motor: number, throttle: number, seconds: number): MotorCommand {
-  if (firmware === 'px4') return { command: 'ACTUATOR_TEST', params: [throttle / 100, seconds, 0, 0, FIRST_MOTOR + motor - 1] };
+  if (firmware === 'px4')
+    return { command: 'ACTUATOR_TEST', params: [throttle / 100, seconds, 0, 0, FIRST_MOTOR + motor - 1] };
   // ArduPilot counts motors clockwise from the front right one.
   return { command: 'DO_MOTOR_TEST', params: [motor, 0, throttle, seconds, 1] };
 }

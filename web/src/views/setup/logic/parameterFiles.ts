@@ -17,7 +17,16 @@ export const FORMATS: Readonly<Record<ParameterFormat, { readonly suffix: string
 
 /** MAV_PARAM_TYPE by name, as QGroundControl's last column has it. */
 const TYPES: Readonly<Record<string, number>> = {
-  UINT8: 1, INT8: 2, UINT16: 3, INT16: 4, UINT32: 5, INT32: 6, UINT64: 7, INT64: 8, REAL32: 9, REAL64: 10,
+  UINT8: 1,
+  INT8: 2,
+  UINT16: 3,
+  INT16: 4,
+  UINT32: 5,
+  INT32: 6,
+  UINT64: 7,
+  INT64: 8,
+  REAL32: 9,
+  REAL64: 10,
 };
 const NAME = /^[\x21-\x7e]{1,16}$/;
 const NUMBER = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
@@ -46,7 +55,12 @@ function nameAndValue(content: string): (string | undefined)[] {
   return words.slice(0, 2);
 }
 
-export function writeParameters(parameters: readonly Parameter[], format: ParameterFormat, system: number, component: number): string {
+export function writeParameters(
+  parameters: readonly Parameter[],
+  format: ParameterFormat,
+  system: number,
+  component: number,
+): string {
   const sorted = [...parameters].sort((a, b) => (a.name < b.name ? -1 : 1));
   if (format === 'mission-planner') return sorted.map((each) => `${each.name},${each.text}\n`).join('');
   if (format === 'mavproxy') return sorted.map((each) => `${each.name.padEnd(16)} ${each.text}\n`).join('');
@@ -98,5 +112,9 @@ export function valuesToWrite({ different }: Comparison, chosen: ReadonlySet<str
 }
 
 function agrees(held: number, written: number): boolean {
-  return isSame(held, written) || Number(held.toPrecision(7)) === Number(written.toPrecision(7)) || held.toFixed(6) === written.toFixed(6);
+  return (
+    isSame(held, written) ||
+    Number(held.toPrecision(7)) === Number(written.toPrecision(7)) ||
+    held.toFixed(6) === written.toFixed(6)
+  );
 }

@@ -37,9 +37,22 @@ export interface Row {
 }
 
 export const EMPTY_METADATA: ParameterMetadata = {
-  name: '', short_description: '', long_description: '', unit: '', minimum: null, maximum: null, default: null,
-  increment: null, decimal_places: null, values: {}, bitmask: {}, reboot_required: false, read_only: false,
-  volatile: false, group: '', category: '',
+  name: '',
+  short_description: '',
+  long_description: '',
+  unit: '',
+  minimum: null,
+  maximum: null,
+  default: null,
+  increment: null,
+  decimal_places: null,
+  values: {},
+  bitmask: {},
+  reboot_required: false,
+  read_only: false,
+  volatile: false,
+  group: '',
+  category: '',
 };
 
 /** Returns whether two values are the same float32, which is what parameters are on the wire. */

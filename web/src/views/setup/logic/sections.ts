@@ -9,33 +9,81 @@ export interface Group {
 }
 
 export type GroupTitle =
-  | 'groupModes' | 'groupModeSwitch' | 'groupBattery' | 'groupLink' | 'groupRadio' | 'groupGeofence' | 'groupEstimator'
-  | 'groupReturn' | 'groupArming' | 'groupMotors' | 'groupOutputs' | 'groupSource' | 'groupVtx' | 'groupOsd';
+  | 'groupModes'
+  | 'groupModeSwitch'
+  | 'groupBattery'
+  | 'groupLink'
+  | 'groupRadio'
+  | 'groupGeofence'
+  | 'groupEstimator'
+  | 'groupReturn'
+  | 'groupArming'
+  | 'groupMotors'
+  | 'groupOutputs'
+  | 'groupSource'
+  | 'groupVtx'
+  | 'groupOsd';
 
 const group = (title: GroupTitle, ...names: RegExp[]): Group => ({ title, names });
 
 export const FLIGHT_MODES: readonly Group[] = [
   group('groupModes', /^FLTMODE[1-6]$/, /^MODE[1-6]$/, /^COM_FLTMODE[1-6]$/),
-  group('groupModeSwitch', /^(FLT)?MODE_CH$/, /^FLTMODE_CH$/, /^RC_MAP_(FLTMODE|RETURN_SW|KILL_SW|ARM_SW|OFFB_SW|LOITER_SW)$/, /^(SUPER_)?SIMPLE$/),
+  group(
+    'groupModeSwitch',
+    /^(FLT)?MODE_CH$/,
+    /^FLTMODE_CH$/,
+    /^RC_MAP_(FLTMODE|RETURN_SW|KILL_SW|ARM_SW|OFFB_SW|LOITER_SW)$/,
+    /^(SUPER_)?SIMPLE$/,
+  ),
 ];
 
 export const FAILSAFES: readonly Group[] = [
   group('groupBattery', /^BATT_(FS_|LOW_|CRT_|CAPACITY)/, /^BAT_(LOW|CRIT|EMERGEN)_THR$/, /^COM_LOW_BAT_ACT$/),
   group('groupLink', /^FS_GCS_/, /^FS_LONG_|^FS_SHORT_/, /^NAV_DLL_ACT$/, /^COM_DL_LOSS_T$/),
-  group('groupRadio', /^FS_THR_/, /^THR_FAILSAFE$/, /^THR_FS_VALUE$/, /^RC_FS_TIMEOUT$/, /^NAV_RCL_ACT$/, /^COM_RC_LOSS_T$/, /^COM_RC_IN_MODE$/),
+  group(
+    'groupRadio',
+    /^FS_THR_/,
+    /^THR_FAILSAFE$/,
+    /^THR_FS_VALUE$/,
+    /^RC_FS_TIMEOUT$/,
+    /^NAV_RCL_ACT$/,
+    /^COM_RC_LOSS_T$/,
+    /^COM_RC_IN_MODE$/,
+  ),
   group('groupGeofence', /^FENCE_(ENABLE|ACTION|TYPE|ALT_MAX|ALT_MIN|RADIUS|MARGIN|AUTOENABLE)$/, /^GF_/),
-  group('groupEstimator', /^FS_EKF_/, /^FS_VIBE_ENABLE$/, /^FS_DR_/, /^FS_CRASH_CHECK$/, /^FS_OPTIONS$/, /^COM_POSCTL_NAVL$/, /^COM_VEL_FS_EVH$/),
+  group(
+    'groupEstimator',
+    /^FS_EKF_/,
+    /^FS_VIBE_ENABLE$/,
+    /^FS_DR_/,
+    /^FS_CRASH_CHECK$/,
+    /^FS_OPTIONS$/,
+    /^COM_POSCTL_NAVL$/,
+    /^COM_VEL_FS_EVH$/,
+  ),
   group('groupReturn', /^RTL_/),
   group('groupArming', /^ARMING_/, /^COM_ARM_/, /^COM_PREARM_MODE$/, /^DISARM_DELAY$/, /^COM_DISARM_/),
 ];
 
 export const OUTPUTS: readonly Group[] = [
-  group('groupMotors', /^FRAME_(CLASS|TYPE)$/, /^MOT_(PWM_|SPIN_|SPOOL|THST)/, /^CA_(AIRFRAME|ROTOR_COUNT)$/, /^PWM_(MAIN|AUX)_(TIM|RATE)/, /^BF_MOTOR_/),
+  group(
+    'groupMotors',
+    /^FRAME_(CLASS|TYPE)$/,
+    /^MOT_(PWM_|SPIN_|SPOOL|THST)/,
+    /^CA_(AIRFRAME|ROTOR_COUNT)$/,
+    /^PWM_(MAIN|AUX)_(TIM|RATE)/,
+    /^BF_MOTOR_/,
+  ),
   group('groupOutputs', /^SERVO\d+_FUNCTION$/, /^PWM_(MAIN|AUX)_FUNC\d+$/),
 ];
 
 export const ESTIMATOR: readonly Group[] = [
-  group('groupEstimator', /^AHRS_EKF_TYPE$/, /^EK[23]_ENABLE$/, /^EKF2_(EN|GPS_CTRL|EV_CTRL|OF_CTRL|RNG_CTRL|BARO_CTRL|HGT_REF|MAG_TYPE|GPS_MODE)$/),
+  group(
+    'groupEstimator',
+    /^AHRS_EKF_TYPE$/,
+    /^EK[23]_ENABLE$/,
+    /^EKF2_(EN|GPS_CTRL|EV_CTRL|OF_CTRL|RNG_CTRL|BARO_CTRL|HGT_REF|MAG_TYPE|GPS_MODE)$/,
+  ),
   group('groupSource', /^EK3_SRC\d_/, /^EK3_SRC_OPTIONS$/),
 ];
 
@@ -43,7 +91,10 @@ export const VTX: readonly Group[] = [group('groupVtx', /^BF_VTX_/, /^VTX_/)];
 export const OSD: readonly Group[] = [group('groupOsd', /^BF_OSD_(?!\d)/, /^OSD_(?!\d)/)];
 
 /** Returns the groups that the vehicle has parameters of, with their names in order. */
-export function namesOf(groups: readonly Group[], parameters: ParameterTable): { title: GroupTitle; names: string[] }[] {
+export function namesOf(
+  groups: readonly Group[],
+  parameters: ParameterTable,
+): { title: GroupTitle; names: string[] }[] {
   const all = Object.keys(parameters);
   const collator = new Intl.Collator('en', { numeric: true });
   return groups

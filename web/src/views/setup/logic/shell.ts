@@ -35,6 +35,11 @@ export function closeMessage(): ShellMessage {
 
 const MAX_CHARACTERS = 100_000;
 
+const ESCAPE = String.fromCharCode(0x1b);
+const SEQUENCES = new RegExp(`${ESCAPE}\\[[0-9;?]*[A-Za-z]`, 'g');
+/** The beginning of a sequence at the end of a text. */
+const OPEN_SEQUENCE = new RegExp(`${ESCAPE}(\\[[0-9;?]*)?$`);
+
 /** The text of a terminal: escape sequences are left out, carriage returns and backspaces take effect. */
 export class ShellText {
   text = '';
@@ -46,9 +51,10 @@ export class ShellText {
     const bytes = Uint8Array.from({ length: count }, (_, index) => Number(data[index] ?? 0));
     const all = this.rest + this.decoder.decode(bytes, { stream: true });
     // An escape sequence may arrive in two messages.
-    const open = /\x1b(\[[0-9;?]*)?$/.exec(all)?.index ?? all.length;
+    const open = OPEN_SEQUENCE.exec(all)?.index ?? all.length;
     this.rest = all.slice(open);
-    for (const character of all.slice(0, open).replace(/\x1b\[[0-9;?]*[A-Za-z]/g, '').replace(/\r\n/g, '\n')) {
+    const shown = all.slice(0, open).replace(SEQUENCES, '').replace(/\r\n/g, '\n');
+    for (const character of shown) {
       if (character === '\b') this.text = this.text.slice(0, -1);
       else if (character === '\r') this.text = this.text.slice(0, this.text.lastIndexOf('\n') + 1);
       else if (character >= ' ' || character === '\n' || character === '\t') this.text += character;
