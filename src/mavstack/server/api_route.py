@@ -1,38 +1,30 @@
-"""The routes of the API: each one holds what its handler needs and what the OpenAPI document says of it."""
+"""The routes of the API with their handlers, and the checked request that a handler gets."""
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, Generic, TypeAlias, TypeVar
 
-from mavstack.http.bodies import MAX_BODY, RefusedError
+from mavstack.http.bodies import RefusedError
+from mavstack.http.routes import BodyT, QueryT, Route
 from mavstack.security.roles import Role
-from mavstack.server.fields import Field
 from mavstack.server.shared_reads import Key
 
 if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
     from starlette.requests import Request
 
     from mavstack.server.station import Station
     from mavstack.server.tasks import Task
     from mavstack.vehicle import Vehicle
 
-#: The media type of an answer that is the kept one of another route.
-ANY_MEDIA_TYPE: Final = "*/*"
 MAX_SYSTEM: Final = 255
 T = TypeVar("T")
-#: The query field of routes whose work may take long.
-WAIT: Final = Field(
-    name="wait",
-    type="boolean",
-    about="False: answer at once with 202 and the id of a task.",
-    default=True,
-)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Call:
+class Call(Generic[BodyT, QueryT]):
     """A request that was checked, for its handler.
 
     Attributes:
@@ -40,8 +32,8 @@ class Call:
         request: The request; its body was read.
         role: The role of the client.
         session: The session of the client; empty without one.
-        query: The values of the query, by name.
-        body: The values of the JSON body, by name.
+        query: The fields of the query, or None.
+        body: The fields of the JSON body, or None.
         data: The bytes of the body, for routes that take any.
         task: The task that the request runs as; None: the client waits for the answer.
     """
@@ -49,9 +41,9 @@ class Call:
     station: Station
     request: Request
     role: Role
-    session: str = ""
-    query: dict[str, Any] = field(default_factory=dict)
-    body: dict[str, Any] = field(default_factory=dict)
+    session: str
+    query: QueryT
+    body: BodyT
     data: bytes = b""
     task: Task | None = None
 
@@ -72,7 +64,7 @@ class Call:
         """Return the result of a read of the vehicle, which clients that ask at the same time share.
 
         Args:
-            subject: What is read, such as `mission`.
+            subject: The subject of the read, such as `mission`.
             work: Reads it.
 
         Returns:
@@ -85,58 +77,25 @@ class Call:
         """Return a part of the path by its name."""
         return str(self.request.path_params[name])
 
-    def require(self, role: Role, action: str) -> None:
-        """Refuse a client whose role does not allow an action."""
-        if self.role < role:
-            raise RefusedError(403, f"{action} needs the role {role.word}; yours is {self.role.word}")
 
-
-Handler: TypeAlias = Callable[[Call], Awaitable[Any]]
+#: A request whose body and query have no fields.
+PlainCall: TypeAlias = Call[None, None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ApiRoute:
-    """A route.
+class ApiRoute(Route[BodyT, QueryT]):
+    """A route with its handler.
 
     Attributes:
-        method: The HTTP method.
-        path: The path, with names in braces.
         handler: Returns the answer: a JSON value, or a response.
-        summary: One line about it.
-        tag: The group in the documentation.
         role: The role that a client needs.
-        body: The members of the JSON body; None: no body.
-        query: The fields of the query.
-        takes_bytes: True if the body is not JSON but any bytes, up to `max_body`.
-        has_body: False: a request with `takes_bytes` may have no body.
-        max_body: The largest body in bytes.
         writes: True if it transfers data to a vehicle, for which reads of other clients give way.
-        is_long: True if the work may run on as a task, with `wait=false`.
-        status: The status of the answer.
-        answer: An example of the answer.
-        media_type: The media type of the answer; `ANY_MEDIA_TYPE`: that of another route.
-        path_examples: Examples of parts of the path that differ from those of other routes.
     """
 
-    method: str
-    path: str
-    handler: Handler
-    summary: str
-    tag: str
+    handler: Callable[[Call[BodyT, QueryT]], Awaitable[Any]]
     role: Role = Role.OBSERVE
-    body: tuple[Field, ...] | None = None
-    query: tuple[Field, ...] = ()
-    takes_bytes: bool = False
-    has_body: bool = True
-    max_body: int = MAX_BODY
     writes: bool = False
-    is_long: bool = False
-    status: int = 200
-    answer: Any = None
-    media_type: str = "application/json"
-    path_examples: Mapping[str, Any] = field(default_factory=dict)
 
-    @property
-    def query_fields(self) -> tuple[Field, ...]:
-        """All fields of the query."""
-        return (*self.query, WAIT) if self.is_long else self.query
+
+#: A route of any models.
+AnyRoute: TypeAlias = ApiRoute[Any, Any]

@@ -6,6 +6,7 @@ GET /api/…          see `mavstack.server.api`      WS  /ws             see `ma
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -22,6 +23,8 @@ except ImportError as error:
     raise MissingExtraError("the ground station", "web") from error
 
 from mavstack.http.bodies import RefusedError
+from mavstack.http.openapi import describe
+from mavstack.http.routes import Route as DescribedRoute
 from mavstack.server.api import (
     actions,
     calibrations,
@@ -38,10 +41,9 @@ from mavstack.server.api import (
     station,
     vehicles,
 )
-from mavstack.server.api.session import LOG_IN_FIELDS, Sessions
-from mavstack.server.api_route import ApiRoute
+from mavstack.server.api.session import LogIn, Sessions
+from mavstack.server.description import API
 from mavstack.server.dispatch import endpoint_of, problem_response
-from mavstack.server.openapi import describe
 from mavstack.server.page_files import PageFiles
 from mavstack.server.websockets import websocket_endpoint
 
@@ -51,11 +53,11 @@ if TYPE_CHECKING:
     from starlette.types import ASGIApp, Receive, Scope, Send
 
     from mavstack.server.access import Access
+    from mavstack.server.api_route import AnyRoute
     from mavstack.server.station import Station
 
 #: The pages, as the build makes them from `web/`.
 STATIC: Final = Path(__file__).parent / "static"
-API_VERSION: Final = "1.0"
 NOT_BUILT: Final = (
     "The pages of the ground station are not built: run `make station` in the source tree, with Node. "
     "The API works without them; /openapi.json describes it.\n"
@@ -81,7 +83,7 @@ _HEADERS: Final = {
 }
 
 #: All routes of the API that are checked and described by their table; the first ones are found first.
-ROUTES: Final[tuple[ApiRoute, ...]] = (
+ROUTES: Final[tuple[AnyRoute, ...]] = (
     *vehicles.ROUTES,
     *conflicts.ROUTES,
     *messages.ROUTES,
@@ -99,6 +101,12 @@ ROUTES: Final[tuple[ApiRoute, ...]] = (
 )
 
 
+def describe_station() -> dict[str, Any]:
+    """Return the OpenAPI document of the station's API."""
+    described = [replace(each, about=f"Needs the role {each.role.word}.") for each in ROUTES]
+    return describe((*described, *_session_routes()), API)
+
+
 def make_app(
     ground: Station, access: Access, *, secure: bool = False, static: Path | None = STATIC
 ) -> Starlette:
@@ -114,7 +122,7 @@ def make_app(
         The ASGI application.
     """
     sessions = Sessions(access, secure=secure)
-    description = describe((*ROUTES, *_session_routes()), API_VERSION)
+    description = describe_station()
 
     async def openapi(request: Request) -> Response:
         access.check_page(request.headers)
@@ -226,37 +234,30 @@ def _other_methods(paths: Mapping[str, Mapping[str, object]]) -> list[BaseRoute]
     ]
 
 
-async def _not_called(_: object) -> None:
-    """Stand for the handler of a route that is only described."""
-
-
-def _session_routes() -> tuple[ApiRoute, ...]:
+def _session_routes() -> tuple[DescribedRoute[Any, Any], ...]:
     begun = {"role": "operate", "needs_password": True, "ticket": "v2|…", "token": "…"}
     shown = {"role": "operate", "needs_password": True, "ticket": "v2|…"}
     place, tag = "/api/session", "session"
     return (
-        ApiRoute(
+        DescribedRoute(
             method="POST",
             path=place,
-            handler=_not_called,
             summary="Begin a session",
             tag=tag,
-            body=LOG_IN_FIELDS,
+            body=LogIn,
             status=201,
             answer=begun,
         ),
-        ApiRoute(
+        DescribedRoute(
             method="GET",
             path=place,
-            handler=_not_called,
             summary="Show the role, with a ticket for a WebSocket",
             tag=tag,
             answer=shown,
         ),
-        ApiRoute(
+        DescribedRoute(
             method="DELETE",
             path=place,
-            handler=_not_called,
             summary="End the session",
             tag=tag,
             answer={"role": None},

@@ -8,15 +8,17 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from msgspec.structs import fields as struct_fields
 from starlette.requests import ClientDisconnect
 from starlette.responses import JSONResponse, Response
 
 from mavstack.errors import MavstackError
 from mavstack.http.bodies import RefusedError, read_bytes, read_json_object
 from mavstack.http.connections import mark_client
+from mavstack.http.request_fields import read_fields, read_query
+from mavstack.http.routes import NoFields
 from mavstack.server.api.events import EventStream
-from mavstack.server.api_route import Call
-from mavstack.server.fields import read_fields, read_query
+from mavstack.server.api_route import AnyRoute, Call
 from mavstack.server.json_values import to_json
 from mavstack.server.problems import problem_json, status_of
 from mavstack.server.session_end import ending_with_session
@@ -26,8 +28,8 @@ if TYPE_CHECKING:
 
     from starlette.requests import Request
 
+    from mavstack.http.request_fields import Fields
     from mavstack.server.access import Access, Client
-    from mavstack.server.api_route import ApiRoute
     from mavstack.server.station import Station
     from mavstack.server.tasks import Task
 
@@ -35,7 +37,7 @@ logger = logging.getLogger("mavstack.server")
 
 
 def endpoint_of(
-    route: ApiRoute, station: Station, access: Access
+    route: AnyRoute, station: Station, access: Access
 ) -> Callable[[Request], Awaitable[Response]]:
     """Return the function of a route that Starlette calls."""
 
@@ -60,17 +62,22 @@ def problem_response(error: Exception) -> Response:
     return JSONResponse(problem_json(error), status, headers)
 
 
-async def _answer(route: ApiRoute, station: Station, access: Access, request: Request) -> Response:
+async def _answer(route: AnyRoute, station: Station, access: Access, request: Request) -> Response:
     client = access.check_request(request)
     mark_client(request.scope, client.proof, client.holder)
-    call = Call(station=station, request=request, role=client.role, session=client.session)
-    call.require(route.role, f"{route.method} {request.scope['path']}")
-    call = replace(call, query=read_query(route.query_fields, request.query_params))
-    if route.takes_bytes:
-        call = replace(call, data=await read_bytes(request, route.max_body))
-    elif route.body is not None:
-        call = replace(call, body=read_fields(route.body, await _json_body(route, request)))
-    if route.is_long and not call.query["wait"]:
+    _check_role(route, client, request)
+    query = read_query(route.query or NoFields, request.query_params)
+    body, data = await _read_body(route, request)
+    call = Call(
+        station=station,
+        request=request,
+        role=client.role,
+        session=client.session,
+        query=query,
+        body=body,
+        data=data,
+    )
+    if not getattr(query, "wait", True):
         return _start_task(route, call)
     with _giving_way(route, call):
         response = _response(route, await route.handler(call))
@@ -89,21 +96,30 @@ async def _streaming(access: Access, client: Client, place: ExitStack) -> AsyncI
             yield
 
 
-def _giving_way(route: ApiRoute, call: Call) -> AbstractContextManager[None]:
+def _giving_way(route: AnyRoute, call: Call[Any, Any]) -> AbstractContextManager[None]:
     """Return the context in which the reads of other clients give way to a write to a vehicle."""
     return call.station.reads.writing(call.vehicle.system) if route.writes else nullcontext()
 
 
-async def _json_body(route: ApiRoute, request: Request) -> dict[str, Any]:
-    """Return the body; a request whose fields all have defaults needs none."""
-    length = request.headers.get("content-length", "0")
-    has_body = length != "0" or "transfer-encoding" in request.headers
-    if not has_body and not any(each.required for each in route.body or ()):
-        return {}
-    return await read_json_object(request, route.max_body)
+def _check_role(route: AnyRoute, client: Client, request: Request) -> None:
+    if client.role < route.role:
+        name = f"{route.method} {request.scope['path']}"
+        raise RefusedError(403, f"{name} needs the role {route.role.word}; yours is {client.role.word}")
 
 
-def _start_task(route: ApiRoute, call: Call) -> Response:
+async def _read_body(route: AnyRoute, request: Request) -> tuple[Fields | None, bytes]:
+    """Return the fields of the body and its bytes; a body whose fields all have defaults may be missing."""
+    if route.takes_bytes:
+        return None, await read_bytes(request, route.max_body)
+    if route.body is None:
+        return None, b""
+    has_body = request.headers.get("content-length", "0") != "0" or "transfer-encoding" in request.headers
+    is_needed = any(each.required for each in struct_fields(route.body))
+    values = await read_json_object(request, route.max_body) if has_body or is_needed else {}
+    return read_fields(route.body, values), b""
+
+
+def _start_task(route: AnyRoute, call: Call[Any, Any]) -> Response:
     if "system" in call.request.path_params:
         _ = call.vehicle  # an unknown vehicle is refused at once
 
@@ -118,7 +134,7 @@ def _start_task(route: ApiRoute, call: Call) -> Response:
     return JSONResponse(values, 202, {"Location": place})
 
 
-def _response(route: ApiRoute, answer: object) -> Response:
+def _response(route: AnyRoute, answer: object) -> Response:
     if isinstance(answer, Response):
         return answer
     return JSONResponse(to_json(answer), route.status, {"Cache-Control": "no-store"})

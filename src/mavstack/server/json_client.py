@@ -14,19 +14,24 @@ request that it refuses, and `{"dropped": N}` when the client was too slow.
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final, TypeAlias
+
+from msgspec import Meta
 
 from mavstack.errors import MavstackError
 from mavstack.http.bodies import RefusedError, parse_json
+from mavstack.http.request_fields import Fields, read_fields
 from mavstack.security.roles import Role
 from mavstack.server.client_queue import ClientQueue, stream_texts
-from mavstack.server.fields import Field, read_fields
 from mavstack.server.message_json import message_class, message_of
 from mavstack.server.observed_requests import check_request
 from mavstack.server.problems import problem_json
+from mavstack.server.request_types import SendMessage
 from mavstack.server.subscriptions import ALL, MAX_RATE, Subscriptions
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from starlette.websockets import WebSocket
 
     from mavstack.server.packet_hub import Batch
@@ -36,20 +41,36 @@ SUBPROTOCOL: Final = "mavstack.json.1"
 #: Characters that wait for a client.
 MAX_QUEUE: Final = 2 << 20
 MAX_NAMES: Final = 512
-_SUBSCRIBE: Final = (
-    Field(name="subscribe", type="array", about="The names of messages.", required=True),
-    Field(name="rate", about="The highest rate in hertz; null: all.", minimum=0.001, maximum=MAX_RATE),
-    Field(name="system", type="integer", about="The sender; null: any.", minimum=0, maximum=255),
-    Field(name="component", type="integer", about="The sender; null: any.", minimum=0, maximum=255),
-)
-_UNSUBSCRIBE: Final = (
-    Field(name="unsubscribe", type="array", about="The names of messages.", required=True),
-)
-_SEND: Final = (Field(name="send", type="object", about="A message.", required=True),)
-_MESSAGE: Final = (
-    Field(name="message", type="string", about="The name of the message.", required=True),
-    Field(name="fields", type="object", about="The fields by name.", default={}),
-)
+Names: TypeAlias = Annotated[
+    tuple[str, ...], Meta(max_length=MAX_NAMES, description="The names of messages.")
+]
+SystemId: TypeAlias = Annotated[
+    Annotated[int, Meta(ge=0, le=255)] | None, Meta(description="The sender; null: any.")
+]
+
+
+class Subscribe(Fields):
+    """The request of messages by their names."""
+
+    subscribe: Names
+    rate: Annotated[
+        Annotated[float, Meta(ge=0.001, le=MAX_RATE)] | None,
+        Meta(description="The highest rate in hertz; null: all."),
+    ] = None
+    system: SystemId = None
+    component: SystemId = None
+
+
+class Unsubscribe(Fields):
+    """The end of a request of messages."""
+
+    unsubscribe: Names
+
+
+class Send(Fields):
+    """A message to send."""
+
+    send: Annotated[dict[str, Any], Meta(description="A message.")]
 
 
 class JsonClient:
@@ -86,25 +107,20 @@ class JsonClient:
     def _handle(self, request: object) -> None:
         values = request if isinstance(request, dict) else {}
         if "subscribe" in values:
-            self._subscribe(read_fields(_SUBSCRIBE, values))
+            wanted = read_fields(Subscribe, values)
+            ids = self._ids(wanted.subscribe)
+            self._subscriptions.add(ids, rate=wanted.rate, system=wanted.system, component=wanted.component)
         elif "unsubscribe" in values:
-            self._subscriptions.remove(self._ids(read_fields(_UNSUBSCRIBE, values)["unsubscribe"]))
+            self._subscriptions.remove(self._ids(read_fields(Unsubscribe, values).unsubscribe))
         elif "send" in values:
-            sent = read_fields(_MESSAGE, read_fields(_SEND, values)["send"])
-            dialect = self._connection.dialect
-            message = message_of(dialect, sent["message"], sent["fields"], self._role)
+            sent = read_fields(SendMessage, read_fields(Send, values).send)
+            message = message_of(self._connection.dialect, sent.message, sent.fields, self._role)
             check_request(self._role, message, self._station)
             self._connection.send(message)
         else:
             raise RefusedError(400, "a request is a JSON object with subscribe, unsubscribe or send")
 
-    def _subscribe(self, values: dict[str, Any]) -> None:
-        ids = self._ids(values.pop("subscribe"))
-        self._subscriptions.add(ids, **values)
-
-    def _ids(self, names: list[Any]) -> list[int]:
-        if len(names) > MAX_NAMES or not all(isinstance(name, str) for name in names):
-            raise RefusedError(400, f"names of messages are at most {MAX_NAMES} texts")
+    def _ids(self, names: Iterable[str]) -> list[int]:
         dialect = self._connection.dialect
         return [
             ALL if name == "*" else int(message_class(dialect, name).__mavlink_row__[0]) for name in names

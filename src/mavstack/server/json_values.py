@@ -12,6 +12,8 @@ from enum import Enum, Flag
 from math import isfinite
 from typing import Any
 
+from msgspec import Struct
+
 
 def to_json(value: object) -> Any:  # noqa: ANN401 (JSON has values of many types)
     """Return a value as JSON has it.
@@ -38,14 +40,14 @@ def _other_json(value: object) -> Any:  # noqa: ANN401
             return _official_name(value.name) if isinstance(value, int) else to_json(value.value)
         case float():
             return value if isfinite(value) else None
-        case int():
-            return int(value)
-        case str():
-            return str(value)
+        case int() | str():
+            return int(value) if isinstance(value, int) else str(value)
         case Mapping():
             return {str(to_json(key)): to_json(each) for key, each in value.items()}
         case Iterable():
             return [to_json(each) for each in value]
+    if isinstance(value, Struct):
+        return {name: to_json(getattr(value, name)) for name in value.__struct_fields__}
     if is_dataclass(value) and not isinstance(value, type):
         return {each.name: to_json(getattr(value, each.name)) for each in fields(value)}
     return str(value)

@@ -12,6 +12,7 @@ import pytest
 from mavstack.links import MemoryNetwork
 from mavstack.server.access import Access
 from mavstack.server.api import conflicts
+from mavstack.server.api.events import EventsQuery
 from mavstack.server.app import make_app
 from mavstack.server.station import Station
 from mavstack.sim.simulation import Simulation
@@ -165,7 +166,7 @@ def test_events_are_a_stream() -> None:
     async def run() -> None:
         async with field(systems=(1, 7)) as world:
             other = await world.station.connection.wait_for_vehicle(7)
-            call = type("Call", (), {"station": world.station, "query": {"count": 1}})()
+            call = type("Call", (), {"station": world.station, "query": EventsQuery(count=1)})()
             lines = conflicts._event_lines(call)
             line = asyncio.ensure_future(anext(lines))
             await asyncio.sleep(0)

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from mavstack.dialects import common
-from mavstack.files.plans import PlanFile, format_plan
+from mavstack.files.plans import FORMATS, PlanFile, format_plan
 from mavstack.security.roles import Role
 from mavstack.server.access import Access
 from mavstack.services.mission import MissionItem
@@ -82,7 +82,7 @@ def test_files_that_are_no_plan_are_refused() -> None:
             answer = await ground.api.put("/api/vehicles/1/mission", data=data)
             assert (answer.status, answer.kind) == (400, "PlanFileError")
         unknown = await ground.api.get("/api/vehicles/1/mission?format=kml")
-        assert unknown.problem == ("format must be one of json, plan, waypoints, rally, fence, got 'kml'")
+        assert unknown.problem == f"format must be one of {', '.join(sorted(FORMATS))}, got 'kml'"
 
     serve(COPTER, scenario, ready=False)
 

@@ -6,60 +6,80 @@ An action is answered when it is complete, with `accepted=true` as soon as the v
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
+from msgspec import Meta, Struct
+
+from mavstack.http.request_fields import Fields
+from mavstack.http.routes import Wait
 from mavstack.security.roles import Role
 from mavstack.server.api_route import ApiRoute, Call
-from mavstack.server.fields import Field
+from mavstack.server.request_types import Timeout
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
-    from typing import TypeAlias
-
     from mavstack.vehicle import Vehicle
 
-    #: Called with the vehicle, the values of the body, and whether to wait until the action is complete.
-    Action: TypeAlias = Callable[[Vehicle, dict[str, Any], bool], Awaitable[Any]]
 
-TIMEOUT: Final = Field(name="timeout", about="Seconds for the whole action; null: no limit.", minimum=0)
-_ACCEPTED: Final = Field(
-    name="accepted",
-    type="boolean",
-    about="True: answer as soon as the vehicle accepted the action.",
-    default=False,
-)
+class Action(Fields, kw_only=True):
+    """An action of a vehicle: its fields are the body of the request, the first line says what it does."""
+
+    timeout: Timeout = None
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:
+        """Carry it out; with `wait` until it is complete, else until the vehicle accepts it."""
+        raise NotImplementedError
 
 
-def action_route(
-    name: str, action: Action, summary: str, fields: tuple[Field, ...], role: Role = Role.OPERATE
-) -> ApiRoute:
+class ActionQuery(Wait):
+    """The query of an action."""
+
+    accepted: Annotated[
+        bool, Meta(description="True: answer as soon as the vehicle accepted the action.")
+    ] = False
+
+
+class ActionAnswer(Struct):
+    """The answer to an action that the vehicle carried out, or accepted."""
+
+    system: int
+    action: str
+    state: Literal["accepted", "done"]
+
+
+ActionRoute: TypeAlias = ApiRoute[Action, ActionQuery]
+
+
+def action_route(name: str, action: type[Action], role: Role = Role.OPERATE) -> ActionRoute:
     """Return the route of an action.
 
     Args:
         name: The end of the path.
         action: The action.
-        summary: One line about it.
-        fields: The fields of the body; `timeout` is added.
         role: The role that a client needs.
 
     Returns:
         The route.
     """
 
-    async def handler(call: Call) -> dict[str, Any]:
-        vehicle, accepted = call.vehicle, call.query["accepted"]
-        await action(vehicle, call.body, not accepted)
-        return {"system": vehicle.system, "action": name, "state": "accepted" if accepted else "done"}
+    async def handler(call: Call[Action, ActionQuery]) -> ActionAnswer:
+        vehicle, accepted = call.vehicle, call.query.accepted
+        await call.body.run(vehicle, not accepted)
+        return ActionAnswer(vehicle.system, name, "accepted" if accepted else "done")
 
     return ApiRoute(
         method="POST",
         path=f"/api/vehicles/{{system}}/{name}",
         handler=handler,
-        summary=summary,
+        summary=summary_of(action),
         tag="actions",
         role=role,
-        body=(*fields, TIMEOUT),
-        query=(_ACCEPTED,),
-        is_long=True,
+        body=action,
+        query=ActionQuery,
         answer={"system": 1, "action": name, "state": "done"},
+        answer_model=ActionAnswer,
     )
+
+
+def summary_of(model: type[Fields]) -> str:
+    """Return the summary of a request: the first line of its model's description."""
+    return (model.__doc__ or "").partition("\n")[0].rstrip(".")

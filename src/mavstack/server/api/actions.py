@@ -2,276 +2,312 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, TypeAlias
+
+from msgspec import Meta
+from msgspec.structs import asdict
 
 from mavstack.dialects import ardupilotmega, common
 from mavstack.http.bodies import RefusedError
+from mavstack.http.request_fields import Fields
+from mavstack.http.routes import Wait
 from mavstack.security.roles import Role, allows
-from mavstack.server.api.action_route import TIMEOUT, action_route
-from mavstack.server.api_route import ApiRoute, Call
-from mavstack.server.fields import Field
+from mavstack.server.api.action_route import Action, action_route, summary_of
+from mavstack.server.api_route import AnyRoute, ApiRoute, Call
 from mavstack.server.json_values import to_json
+from mavstack.server.request_types import Degrees90, Degrees180, Latitude, Longitude, Text, Timeout
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from mavstack.server.api.action_route import Action
     from mavstack.vehicle import Vehicle
 
-MAX_PARAMS: Final = 7
 _COMMAND_LONG: Final = 76
-_LATITUDE = Field(name="latitude", about="Degrees.", required=True, minimum=-90, maximum=90, example=47.398)
-_LONGITUDE = Field(
-    name="longitude", about="Degrees.", required=True, minimum=-180, maximum=180, example=8.546
-)
-_ALTITUDE = Field(name="altitude", about="Metres above home; null keeps the present altitude.", example=30.0)
-_FORCE = Field(name="force", type="boolean", about="Skip the firmware's checks.", default=False)
-_ALLOW_FLIGHT = Field(
-    name="allow_flight",
-    type="boolean",
-    about="Arm in a mode in which the vehicle starts to fly or drive at once.",
-    default=False,
-)
-_KEEP_MODE = Field(
-    name="keep_mode",
-    type="boolean",
-    about="Refuse instead of leaving a mode in which the firmware does not arm.",
-    default=False,
-)
-_OVERRIDE = Field(
-    name="override_limits",
-    type="boolean",
-    about="Allow a position or an altitude beyond the limits of plausible flights.",
-    default=False,
-)
-_TOLERANCE = Field(
-    name="tolerance",
-    about="Metres from the target at which the vehicle has arrived; null: the default of its type.",
-)
-#: Actions beyond a flight.
-_ADMINISTRATIVE: Final = frozenset({"reboot"})
+OverrideLimits: TypeAlias = Annotated[
+    bool, Meta(description="Allow a position or an altitude beyond the limits of plausible flights.")
+]
+Altitude: TypeAlias = Annotated[
+    float | None, Meta(description="Metres above home; null keeps the present altitude.", examples=[30.0])
+]
+Tolerance: TypeAlias = Annotated[
+    float | None,
+    Meta(description="Metres from the target at which the vehicle has arrived; null: that of its type."),
+]
 
 
-async def _arm(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    await vehicle.arm(**body)
+class Arm(Action):
+    """Arm a vehicle."""
+
+    force: Annotated[bool, Meta(description="Skip the firmware's checks.")] = False
+    allow_flight: Annotated[
+        bool, Meta(description="Arm in a mode in which the vehicle starts to fly or drive at once.")
+    ] = False
+    keep_mode: Annotated[
+        bool, Meta(description="Refuse instead of leaving a mode in which the firmware does not arm.")
+    ] = False
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        await vehicle.arm(**asdict(self))
 
 
-async def _disarm(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    await vehicle.disarm(force=body["force"], timeout=body["timeout"])
+class Disarm(Action):
+    """Disarm a vehicle."""
+
+    force: Annotated[bool, Meta(description="Skip the firmware's checks.")] = False
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        await vehicle.disarm(**asdict(self))
 
 
-async def _takeoff(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    await vehicle.takeoff(**body, wait=wait)
+class Takeoff(Action):
+    """Take off."""
+
+    altitude: Annotated[float, Meta(description="Metres above home.", examples=[15.0])] = 10.0
+    override_limits: OverrideLimits = False
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        await vehicle.takeoff(**asdict(self), wait=wait)
 
 
-async def _land(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    await vehicle.land(**body, wait=wait)
+class Land(Action):
+    """Land at the present position."""
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        await vehicle.land(**asdict(self), wait=wait)
 
 
-async def _rtl(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    await vehicle.rtl(**body, wait=wait)
+class ReturnHome(Action):
+    """Return to home."""
+
+    tolerance: Tolerance = None
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        await vehicle.rtl(**asdict(self), wait=wait)
 
 
-async def _hold(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    await vehicle.hold(**body)
+class Hold(Action):
+    """Hold the present position."""
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        await vehicle.hold(**asdict(self))
 
 
-async def _goto(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    await vehicle.goto(**body, wait=wait)
+class Goto(Action):
+    """Go to a position."""
+
+    latitude: Latitude
+    longitude: Longitude
+    altitude: Altitude = None
+    yaw: Annotated[float | None, Meta(description="Heading in degrees; null leaves it to the vehicle.")] = (
+        None
+    )
+    radius: Annotated[
+        float | None, Meta(description="Metres of the circle that a wing flies around the position.")
+    ] = None
+    tolerance: Tolerance = None
+    override_limits: OverrideLimits = False
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        await vehicle.goto(**asdict(self), wait=wait)
 
 
-async def _move(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    await vehicle.move(**body, wait=wait)
+class Move(Action):
+    """Move by a distance."""
+
+    north: Annotated[float, Meta(description="Metres to the north.")] = 0.0
+    east: Annotated[float, Meta(description="Metres to the east.")] = 0.0
+    up: Annotated[float, Meta(description="Metres upwards.")] = 0.0
+    tolerance: Tolerance = None
+    override_limits: OverrideLimits = False
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        await vehicle.move(**asdict(self), wait=wait)
 
 
-async def _orbit(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    await vehicle.orbit(**body, wait=wait)
+class Orbit(Action):
+    """Circle a position."""
+
+    latitude: Latitude
+    longitude: Longitude
+    altitude: Altitude = None
+    radius: Annotated[float, Meta(description="Metres; negative: counter-clockwise.")] = 20.0
+    speed: Annotated[float | None, Meta(description="Metres per second; null leaves it to the vehicle.")] = (
+        None
+    )
+    tolerance: Annotated[
+        float | None,
+        Meta(description="Metres by which radius and altitude may differ; null: a part of the radius."),
+    ] = None
+    override_limits: OverrideLimits = False
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        await vehicle.orbit(**asdict(self), wait=wait)
 
 
-async def _speed(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    await vehicle.set_speed(body["speed"], timeout=body["timeout"])
+class SetSpeed(Action):
+    """Set the speed of flight."""
+
+    speed: Annotated[float, Meta(description="Metres per second over ground.", examples=[8.0])]
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        await vehicle.set_speed(self.speed, timeout=self.timeout)
 
 
-async def _yaw(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    await vehicle.set_yaw(**body, wait=wait)
+class ChangeAltitude(Action):
+    """Change the altitude at the present position."""
+
+    altitude: Annotated[float, Meta(description="Metres above home.", examples=[30.0])]
+    tolerance: Tolerance = None
+    override_limits: OverrideLimits = False
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        if not vehicle.vehicle_type.has_altitude:
+            raise vehicle.firmware.unsupported("change its altitude")
+        position = await vehicle.get_position()
+        await vehicle.goto(position.latitude, position.longitude, **asdict(self), wait=wait)
 
 
-async def _altitude(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    if not vehicle.vehicle_type.has_altitude:
-        raise vehicle.firmware.unsupported("change its altitude")
-    position = await vehicle.get_position()
-    await vehicle.goto(position.latitude, position.longitude, **body, wait=wait)
+class SetYaw(Action):
+    """Turn to a heading."""
+
+    heading: Annotated[float, Meta(description="Degrees from north.", examples=[90.0])]
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        await vehicle.set_yaw(**asdict(self), wait=wait)
 
 
-async def _mode(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    await vehicle.set_mode(body["mode"], timeout=body["timeout"])
+class SetMode(Action):
+    """Set the flight mode."""
+
+    mode: Annotated[int | Text, Meta(description="The name of a mode, or its number.", examples=["GUIDED"])]
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        await vehicle.set_mode(self.mode, timeout=self.timeout)
 
 
-async def _home(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    await vehicle.set_home(**body)
+class SetHome(Action):
+    """Set the home position."""
+
+    latitude: Annotated[
+        Degrees90 | None, Meta(description="Degrees; null: the present position.", examples=[47.398])
+    ] = None
+    longitude: Annotated[Degrees180 | None, Meta(description="Degrees.", examples=[8.546])] = None
+    altitude: Annotated[
+        float | None, Meta(description="Metres above mean sea level; null keeps it.", examples=[30.0])
+    ] = None
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        await vehicle.set_home(**asdict(self))
 
 
-async def _transition(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    to_wing = body["to"] == "fixed-wing"
-    change = vehicle.transition_to_fixed_wing if to_wing else vehicle.transition_to_multicopter
-    await change(timeout=body["timeout"], wait=wait)
+class Transition(Action):
+    """Change a VTOL to its wing or to its rotors."""
+
+    to: Annotated[
+        Literal["fixed-wing", "multicopter"],
+        Meta(description="The state to change to.", examples=["fixed-wing"]),
+    ]
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        to_wing = self.to == "fixed-wing"
+        change = vehicle.transition_to_fixed_wing if to_wing else vehicle.transition_to_multicopter
+        await change(timeout=self.timeout, wait=wait)
 
 
-async def _reboot(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    await vehicle.reboot(**body, wait=wait)
+class Reboot(Action):
+    """Reboot the autopilot."""
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        await vehicle.reboot(**asdict(self), wait=wait)
 
 
-async def _terminate(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    await vehicle.terminate(**body)
+class Terminate(Action):
+    """Terminate the flight: the vehicle crashes."""
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        await vehicle.terminate(**asdict(self))
 
 
-async def _start_mission(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    await vehicle.mission.start(**body)
+class StartMission(Action):
+    """Fly the mission."""
+
+    arm: Annotated[bool, Meta(description="Arm the vehicle first.")] = False
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        await vehicle.mission.start(**asdict(self))
 
 
-async def _pause_mission(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    await vehicle.mission.pause(**body)
+class PauseMission(Action):
+    """Pause the mission."""
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        await vehicle.mission.pause(**asdict(self))
 
 
-async def _set_current(vehicle: Vehicle, body: dict[str, Any], wait: bool) -> None:
-    await vehicle.mission.set_current(**body)
+class SetCurrentItem(Action):
+    """Set the next mission item."""
+
+    seq: Annotated[int, Meta(description="The number of the item.", ge=0, examples=[2])]
+    restart: Annotated[bool, Meta(description="Start the mission again.")] = False
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        await vehicle.mission.set_current(**asdict(self))
 
 
-_NORTH, _EAST, _UP = (
-    Field(name=name, about=f"Metres {direction}.", default=0.0)
-    for name, direction in (("north", "to the north"), ("east", "to the east"), ("up", "upwards"))
-)
-
-#: Each action: its function, its summary and the fields of its body; all have `timeout`.
-ACTIONS: Final[dict[str, tuple[Action, str, tuple[Field, ...]]]] = {
-    "arm": (_arm, "Arm a vehicle", (_FORCE, _ALLOW_FLIGHT, _KEEP_MODE)),
-    "disarm": (_disarm, "Disarm a vehicle", (_FORCE,)),
-    "takeoff": (
-        _takeoff,
-        "Take off",
-        (Field(name="altitude", about="Metres above home.", default=10.0, example=15.0), _OVERRIDE),
-    ),
-    "land": (_land, "Land at the present position", ()),
-    "rtl": (_rtl, "Return to home", (_TOLERANCE,)),
-    "hold": (_hold, "Hold the present position", ()),
-    "goto": (
-        _goto,
-        "Go to a position",
-        (
-            _LATITUDE,
-            _LONGITUDE,
-            _ALTITUDE,
-            Field(name="yaw", about="Heading in degrees; null leaves it to the vehicle."),
-            Field(name="radius", about="Metres of the circle that a wing flies around the position."),
-            _TOLERANCE,
-            _OVERRIDE,
-        ),
-    ),
-    "move": (_move, "Move by a distance", (_NORTH, _EAST, _UP, _TOLERANCE, _OVERRIDE)),
-    "orbit": (
-        _orbit,
-        "Circle a position",
-        (
-            _LATITUDE,
-            _LONGITUDE,
-            _ALTITUDE,
-            Field(name="radius", about="Metres; negative: counter-clockwise.", default=20.0),
-            Field(name="speed", about="Metres per second; null leaves it to the vehicle."),
-            replace(
-                _TOLERANCE,
-                about="Metres by which radius and altitude may differ; null: a part of the radius.",
-            ),
-            _OVERRIDE,
-        ),
-    ),
-    "speed": (
-        _speed,
-        "Set the speed of flight",
-        (Field(name="speed", about="Metres per second over ground.", required=True, example=8.0),),
-    ),
-    "altitude": (
-        _altitude,
-        "Change the altitude at the present position",
-        (replace(_ALTITUDE, about="Metres above home.", required=True), _TOLERANCE, _OVERRIDE),
-    ),
-    "yaw": (
-        _yaw,
-        "Turn to a heading",
-        (Field(name="heading", about="Degrees from north.", required=True, example=90.0),),
-    ),
-    "mode": (
-        _mode,
-        "Set the flight mode",
-        (
-            Field(
-                name="mode",
-                type="value",
-                about="The name of a mode, or its number.",
-                required=True,
-                example="GUIDED",
-            ),
-        ),
-    ),
-    "home": (
-        _home,
-        "Set the home position",
-        (
-            replace(_LATITUDE, required=False, about="Degrees; null: the present position."),
-            replace(_LONGITUDE, required=False),
-            replace(_ALTITUDE, about="Metres above mean sea level; null keeps it."),
-        ),
-    ),
-    "transition": (
-        _transition,
-        "Change a VTOL to its wing or to its rotors",
-        (
-            Field(
-                name="to",
-                type="string",
-                about="The state to change to.",
-                required=True,
-                choices=("fixed-wing", "multicopter"),
-                example="fixed-wing",
-            ),
-        ),
-    ),
-    "reboot": (_reboot, "Reboot the autopilot", ()),
-    "terminate": (_terminate, "Terminate the flight: the vehicle crashes", ()),
-    "mission/start": (
-        _start_mission,
-        "Fly the mission",
-        (Field(name="arm", type="boolean", about="Arm the vehicle first.", default=False),),
-    ),
-    "mission/pause": (_pause_mission, "Pause the mission", ()),
-    "mission/current": (
-        _set_current,
-        "Set the next mission item",
-        (
-            Field(
-                name="seq",
-                type="integer",
-                about="The number of the item.",
-                required=True,
-                minimum=0,
-                example=2,
-            ),
-            Field(name="restart", type="boolean", about="Start the mission again.", default=False),
-        ),
-    ),
+#: Each action by the end of its path.
+ACTIONS: Final[dict[str, type[Action]]] = {
+    "arm": Arm,
+    "disarm": Disarm,
+    "takeoff": Takeoff,
+    "land": Land,
+    "rtl": ReturnHome,
+    "hold": Hold,
+    "goto": Goto,
+    "move": Move,
+    "orbit": Orbit,
+    "speed": SetSpeed,
+    "altitude": ChangeAltitude,
+    "yaw": SetYaw,
+    "mode": SetMode,
+    "home": SetHome,
+    "transition": Transition,
+    "reboot": Reboot,
+    "terminate": Terminate,
+    "mission/start": StartMission,
+    "mission/pause": PauseMission,
+    "mission/current": SetCurrentItem,
 }
+#: Actions beyond a flight.
+_ADMINISTRATIVE: Final = frozenset({Reboot})
 
 
-async def _command(call: Call) -> dict[str, Any]:
+class SendCommand(Fields):
+    """Send any command."""
+
+    command: Annotated[
+        float | Text, Meta(description="The MAV_CMD, by name or number.", examples=["DO_SET_RELAY"])
+    ]
+    params: Annotated[
+        Annotated[tuple[float | None, ...], Meta(max_length=7)],
+        Meta(description="Up to seven numbers; null is NaN, missing ones are 0.", examples=[[0, 1]]),
+    ] = ()
+    frame: Annotated[
+        Annotated[int, Meta(ge=0, le=255)] | None,
+        Meta(description="A MAV_FRAME: send COMMAND_INT; null: COMMAND_LONG."),
+    ] = None
+    timeout: Timeout = None
+
+
+async def _command(call: Call[SendCommand, Wait]) -> dict[str, Any]:
     vehicle, body = call.vehicle, call.body
-    number = command_number(vehicle, body["command"])
+    number = command_number(vehicle, body.command)
     if not allows(call.role, _COMMAND_LONG, number):
-        raise RefusedError(403, f"the role {call.role.word} may not send the command {body['command']}")
+        raise RefusedError(403, f"the role {call.role.word} may not send the command {body.command}")
     result = await vehicle.command(
         number,
-        *_params(body["params"]),
-        frame=body["frame"],
-        timeout=body["timeout"],
+        *_params(body.params),
+        frame=body.frame,
+        timeout=body.timeout,
         progress=call.progress,
     )
     known = result.result in common.MavResult.__members__.values()
@@ -297,53 +333,24 @@ def command_number(vehicle: Vehicle, command: str | float) -> int:
     return int(command)
 
 
-def _params(values: Sequence[Any]) -> list[float]:
-    if len(values) > MAX_PARAMS:
-        raise RefusedError(400, f"params must have at most {MAX_PARAMS} numbers, got {len(values)}")
-    if not all(
-        isinstance(each, int | float) and not isinstance(each, bool) for each in values if each is not None
-    ):
-        raise RefusedError(400, "params must be numbers, or null for NaN")
-    return [float("nan") if each is None else float(each) for each in values]
+def _params(values: Sequence[float | None]) -> list[float]:
+    return [float("nan") if each is None else each for each in values]
 
 
-ROUTES: Final = (
+ROUTES: Final[tuple[AnyRoute, ...]] = (
     *(
-        action_route(name, *action, role=Role.ADMINISTER if name in _ADMINISTRATIVE else Role.OPERATE)
+        action_route(name, action, Role.ADMINISTER if action in _ADMINISTRATIVE else Role.OPERATE)
         for name, action in ACTIONS.items()
     ),
     ApiRoute(
         method="POST",
         path="/api/vehicles/{system}/command",
         handler=_command,
-        summary="Send any command",
+        summary=summary_of(SendCommand),
         tag="actions",
         role=Role.OPERATE,
-        body=(
-            Field(
-                name="command",
-                type="value",
-                about="The MAV_CMD, by name or number.",
-                required=True,
-                example="DO_SET_RELAY",
-            ),
-            Field(
-                name="params",
-                type="array",
-                about="Up to seven numbers; null is NaN, missing ones are 0.",
-                default=(),
-                example=[0, 1],
-            ),
-            Field(
-                name="frame",
-                type="integer",
-                about="A MAV_FRAME: send COMMAND_INT; null: COMMAND_LONG.",
-                minimum=0,
-                maximum=255,
-            ),
-            TIMEOUT,
-        ),
-        is_long=True,
+        body=SendCommand,
+        query=Wait,
         answer={"system": 1, "command": 181, "result": {"result": "ACCEPTED"}},
     ),
 )

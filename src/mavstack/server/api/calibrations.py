@@ -14,11 +14,13 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 from starlette.requests import ClientDisconnect
 
 from mavstack.http.bodies import RefusedError
+from mavstack.http.request_fields import Fields
+from mavstack.http.routes import NoFields, Wait
 from mavstack.security.roles import Role
-from mavstack.server.api_route import ApiRoute, Call
+from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.calibrations import step_json
-from mavstack.server.fields import Field
 from mavstack.server.json_values import to_json
+from mavstack.server.request_types import Timeout
 from mavstack.vehicle import CalibrationKind
 
 if TYPE_CHECKING:
@@ -33,7 +35,13 @@ _ALL: Final = "/api/vehicles/{system}/calibrations"
 _ONE: Final = f"{_ALL}/{{kind}}"
 
 
-async def _list(call: Call) -> list[dict[str, Any]]:
+class Calibrate(Fields):
+    """Calibrate a sensor, the radio control or the motors."""
+
+    timeout: Timeout = None
+
+
+async def _list(call: PlainCall) -> list[dict[str, Any]]:
     vehicle = call.vehicle
     running = call.station.calibrations.session(vehicle.system)
     return [
@@ -48,14 +56,14 @@ async def _list(call: Call) -> list[dict[str, Any]]:
     ]
 
 
-async def _run(call: Call) -> dict[str, Any]:
+async def _run(call: Call[Calibrate, Wait]) -> dict[str, Any]:
     def report(step: dict[str, Any]) -> None:
         if call.task is not None:
             call.task.report_step(step)
             if step["progress"] is not None:
                 call.task.report(step["progress"], 100)
 
-    vehicle, timeout = call.vehicle, call.body["timeout"]
+    vehicle, timeout = call.vehicle, call.body.timeout
     work = call.station.calibrations.run(vehicle, _kind(call), report, timeout=timeout)
     result = await (work if call.task is not None else _while_connected(call.request, work))
     return {"system": vehicle.system, **to_json(result)}
@@ -81,27 +89,27 @@ async def _disconnected(request: Request) -> None:
         pass
 
 
-async def _confirm(call: Call) -> dict[str, Any]:
+async def _confirm(call: Call[NoFields, None]) -> dict[str, Any]:
     session = _session(call)
     await session.confirm()
     return {"system": call.vehicle.system, "kind": str(session.kind), "step": step_json(session)}
 
 
-async def _cancel(call: Call) -> dict[str, Any]:
+async def _cancel(call: PlainCall) -> dict[str, Any]:
     kind = _kind(call)
     await call.station.calibrations.cancel(call.vehicle, kind)
     cancelled = call.vehicle.calibration.can_cancel(kind)
     return {"system": call.vehicle.system, "kind": kind, "cancelled": cancelled}
 
 
-def _kind(call: Call) -> str:
+def _kind(call: Call[Any, Any]) -> str:
     kind = call.path("kind")
     if kind not in tuple(CalibrationKind):
         raise RefusedError(404, f"there is no calibration {kind[:60]!r}: {', '.join(CalibrationKind)}")
     return kind
 
 
-def _session(call: Call) -> CalibrationSession:
+def _session(call: Call[Any, Any]) -> CalibrationSession:
     session = call.station.calibrations.session(call.vehicle.system, _kind(call))
     if session is None:
         raise RefusedError(409, f"no {_kind(call)} calibration of vehicle {call.vehicle.system} runs")
@@ -118,7 +126,7 @@ _STEP: Final[dict[str, Any]] = {
     "needs_confirmation": True,
 }
 
-ROUTES: Final = (
+ROUTES: Final[tuple[AnyRoute, ...]] = (
     ApiRoute(
         method="GET",
         path=_ALL,
@@ -142,8 +150,8 @@ ROUTES: Final = (
         summary="Calibrate a sensor, the radio control or the motors",
         tag="calibrations",
         role=Role.ADMINISTER,
-        body=(Field(name="timeout", about="Seconds for the calibration; null: no limit.", minimum=0),),
-        is_long=True,
+        body=Calibrate,
+        query=Wait,
         answer={"system": 1, "kind": "accelerometer", "reboot_needed": True, "compasses": [], "channels": {}},
     ),
     ApiRoute(
@@ -153,7 +161,7 @@ ROUTES: Final = (
         summary="Confirm that the task of the step is done",
         tag="calibrations",
         role=Role.ADMINISTER,
-        body=(),
+        body=NoFields,
         answer={"system": 1, "kind": "accelerometer", "step": _STEP},
     ),
     ApiRoute(

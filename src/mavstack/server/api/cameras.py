@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
+
+from msgspec import Meta
 
 from mavstack.dialects import common
 from mavstack.errors import MavstackError
 from mavstack.http.bodies import RefusedError
+from mavstack.http.request_fields import Fields
+from mavstack.http.routes import Wait
 from mavstack.security.roles import Role
-from mavstack.server.api_route import ApiRoute, Call
-from mavstack.server.fields import Field
+from mavstack.server.api.action_route import summary_of
+from mavstack.server.api_route import AnyRoute, ApiRoute, Call
 from mavstack.server.json_values import to_json
+from mavstack.server.request_types import Timeout
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
-
     from mavstack.node.camera import Camera
     from mavstack.services.camera.media import VideoStream
     from mavstack.vehicle import Vehicle
@@ -47,11 +50,19 @@ def _stream(stream: VideoStream) -> dict[str, Any]:
     return {**to_json(stream), **kinds}
 
 
-async def _list(call: Call) -> list[dict[str, Any]]:
+class CamerasQuery(Wait):
+    """The query of the list of cameras."""
+
+    cached: Annotated[bool, Meta(description="Answer with what is known, without asking the vehicle.")] = (
+        False
+    )
+
+
+async def _list(call: Call[None, CamerasQuery]) -> list[dict[str, Any]]:
     """Ask for the cameras; one that does not answer is shown as far as it is known."""
     vehicle = call.vehicle
     cameras = vehicle.cameras
-    if not call.query["cached"]:
+    if not call.query.cached:
         try:
             cameras = await call.read("cameras", lambda: _find(vehicle))
         except MavstackError:
@@ -75,69 +86,82 @@ async def _ask(camera: Camera) -> None:
             return
 
 
-async def _take_photo(camera: Camera, body: dict[str, Any]) -> object:
-    return await camera.take_photo(timeout=body["timeout"])
+class CameraAction(Fields, kw_only=True):
+    """An action of a camera: its fields are the body of the request."""
+
+    timeout: Timeout = None
+
+    async def run(self, camera: Camera) -> object:
+        """Carry it out, and return the image if there is one."""
+        raise NotImplementedError
 
 
-async def _set_mode(camera: Camera, body: dict[str, Any]) -> None:
-    await camera.set_mode(body["mode"], timeout=body["timeout"])
+class TakePhoto(CameraAction):
+    """Take a photo."""
+
+    async def run(self, camera: Camera) -> object:  # noqa: D102
+        return await camera.take_photo(timeout=self.timeout)
 
 
-async def _start_video(camera: Camera, body: dict[str, Any]) -> None:
-    await camera.start_video(timeout=body["timeout"])
+class SetCameraMode(CameraAction):
+    """Set the mode: photo or video."""
+
+    mode: Annotated[Literal["photo", "video"], Meta(description="The mode.", examples=["video"])]
+
+    async def run(self, camera: Camera) -> object:  # noqa: D102
+        await camera.set_mode(self.mode, timeout=self.timeout)
+        return None
 
 
-async def _stop_video(camera: Camera, body: dict[str, Any]) -> None:
-    await camera.stop_video(timeout=body["timeout"])
+class StartVideo(CameraAction):
+    """Begin a video."""
+
+    async def run(self, camera: Camera) -> object:  # noqa: D102
+        await camera.start_video(timeout=self.timeout)
+        return None
 
 
-def _camera(call: Call) -> Camera:
+class StopVideo(CameraAction):
+    """End a video."""
+
+    async def run(self, camera: Camera) -> object:  # noqa: D102
+        await camera.stop_video(timeout=self.timeout)
+        return None
+
+
+def _camera(call: Call[Any, Any]) -> Camera:
     text = call.path("camera")
     if not (text.isascii() and text.isdigit() and 1 <= int(text[:6]) <= MAX_CAMERA):
         raise RefusedError(404, f"ids of cameras are numbers from 1 to {MAX_CAMERA}")
     return call.vehicle.camera(int(text))
 
 
-def _route(
-    name: str,
-    action: Callable[[Camera, dict[str, Any]], Awaitable[object]],
-    summary: str,
-    *fields: Field,
-) -> ApiRoute:
-    async def handler(call: Call) -> dict[str, Any]:
-        camera = _camera(call)
-        answer = await action(camera, call.body)
-        return {"system": call.vehicle.system, "camera": int(call.path("camera")), "image": to_json(answer)}
+def _route(name: str, action: type[CameraAction]) -> ApiRoute[CameraAction, Wait]:
+    async def handler(call: Call[CameraAction, Wait]) -> dict[str, Any]:
+        image = await call.body.run(_camera(call))
+        return {"system": call.vehicle.system, "camera": int(call.path("camera")), "image": to_json(image)}
 
     return ApiRoute(
         method="POST",
         path=f"{_CAMERA}/{name}",
         handler=handler,
-        summary=summary,
+        summary=summary_of(action),
         tag="cameras",
         role=Role.OPERATE,
-        body=(*fields, Field(name="timeout", about="Seconds for the whole call; null: no limit.", minimum=0)),
-        is_long=True,
+        body=action,
+        query=Wait,
         answer={"system": 1, "camera": 100, "image": None},
     )
 
 
-ROUTES: Final = (
+ROUTES: Final[tuple[AnyRoute, ...]] = (
     ApiRoute(
         method="GET",
         path=_CAMERAS,
         handler=_list,
         summary="List the cameras of a vehicle and their video streams",
         tag="cameras",
-        query=(
-            Field(
-                name="cached",
-                type="boolean",
-                about="Answer with what is known, without asking the vehicle.",
-                default=False,
-            ),
-        ),
-        is_long=True,
+        query=CamerasQuery,
         answer=[
             {
                 "id": 100,
@@ -149,20 +173,8 @@ ROUTES: Final = (
             }
         ],
     ),
-    _route("photo", _take_photo, "Take a photo"),
-    _route(
-        "mode",
-        _set_mode,
-        "Set the mode: photo or video",
-        Field(
-            name="mode",
-            type="string",
-            about="The mode.",
-            required=True,
-            choices=("photo", "video"),
-            example="video",
-        ),
-    ),
-    _route("video/start", _start_video, "Begin a video"),
-    _route("video/stop", _stop_video, "End a video"),
+    _route("photo", TakePhoto),
+    _route("mode", SetCameraMode),
+    _route("video/start", StartVideo),
+    _route("video/stop", StopVideo),
 )

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final, TypeAlias
 
+from msgspec import Meta
+
+from mavstack.http.request_fields import Fields
+from mavstack.http.routes import Wait
 from mavstack.security.roles import Role
-from mavstack.server.api.action_route import TIMEOUT
-from mavstack.server.api.events import COUNT, EventStream
-from mavstack.server.api_route import ApiRoute, Call
+from mavstack.server.api.action_route import summary_of
+from mavstack.server.api.events import EventsQuery, EventStream
+from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.conflict_json import conflict_json
-from mavstack.server.fields import Field
+from mavstack.server.request_types import Text, Timeout
 from mavstack.services.identity import ALL_IDENTITY_PARAMETERS
 from mavstack.vehicle import VehicleEvent
 
@@ -19,25 +23,43 @@ if TYPE_CHECKING:
 
 _SYSTEM: Final = "/api/vehicles/{system}"
 _EVENT_QUEUE: Final = 64
-_CHANNEL: Final = Field(
-    name="channel",
-    type="string",
-    about="The channel of a sender, or its remote address; null: take the choice back.",
-    example="udpin 127.0.0.1:40001",
-)
+Channel: TypeAlias = Annotated[
+    Text | None,
+    Meta(
+        description="The channel of a sender, or its remote address; null: take the choice back.",
+        examples=["udpin 127.0.0.1:40001"],
+    ),
+]
 
 
-async def _choose(call: Call) -> dict[str, Any]:
+class ChooseSender(Fields):
+    """Choose one of several vehicles with one system id by its channel."""
+
+    channel: Channel = None
+
+
+class Renumber(Fields):
+    """Give a vehicle another system id, and reboot it if that is needed."""
+
+    channel: Channel = None
+    id: Annotated[
+        Annotated[int, Meta(ge=1, le=255)] | None,
+        Meta(description="The new system id; null: a free one.", examples=[2]),
+    ] = None
+    timeout: Timeout = None
+
+
+async def _choose(call: Call[ChooseSender, None]) -> dict[str, Any]:
     vehicle = call.vehicle
-    vehicle.choose_sender(call.body["channel"])
+    vehicle.choose_sender(call.body.channel)
     return {"system": vehicle.system, "conflict": conflict_json(vehicle)}
 
 
-async def _renumber(call: Call) -> dict[str, Any]:
+async def _renumber(call: Call[Renumber, Wait]) -> dict[str, Any]:
     vehicle, body = call.vehicle, call.body
-    if body["channel"] is not None:
-        vehicle.choose_sender(body["channel"])
-    done = await vehicle.renumber(body["id"], timeout=body["timeout"])
+    if body.channel is not None:
+        vehicle.choose_sender(body.channel)
+    done = await vehicle.renumber(body.id, timeout=body.timeout)
     return {
         "system": vehicle.system,
         "id": done.system,
@@ -46,16 +68,16 @@ async def _renumber(call: Call) -> dict[str, Any]:
     }
 
 
-async def _identity(call: Call) -> dict[str, Any]:
+async def _identity(_call: PlainCall) -> dict[str, Any]:
     return {"names": list(ALL_IDENTITY_PARAMETERS)}
 
 
-async def _events(call: Call) -> EventStream:
+async def _events(call: Call[None, EventsQuery]) -> EventStream:
     return EventStream(_event_lines(call))
 
 
-async def _event_lines(call: Call) -> AsyncIterator[str]:
-    connection, count = call.station.connection, call.query["count"]
+async def _event_lines(call: Call[None, EventsQuery]) -> AsyncIterator[str]:
+    connection, count = call.station.connection, call.query.count
     async with connection.events(VehicleEvent, queue=_EVENT_QUEUE) as events:
         sent = 0
         async for event in events:
@@ -72,37 +94,26 @@ async def _event_lines(call: Call) -> AsyncIterator[str]:
                 return
 
 
-ROUTES: Final = (
+ROUTES: Final[tuple[AnyRoute, ...]] = (
     ApiRoute(
         method="POST",
         path=f"{_SYSTEM}/sender",
         handler=_choose,
-        summary="Choose one of several vehicles with one system id by its channel",
+        summary=summary_of(ChooseSender),
         tag="vehicles",
         role=Role.OPERATE,
-        body=(_CHANNEL,),
+        body=ChooseSender,
         answer={"system": 1, "conflict": None},
     ),
     ApiRoute(
         method="POST",
         path=f"{_SYSTEM}/renumber",
         handler=_renumber,
-        summary="Give a vehicle another system id, and reboot it if that is needed",
+        summary=summary_of(Renumber),
         tag="vehicles",
         role=Role.ADMINISTER,
-        body=(
-            _CHANNEL,
-            Field(
-                name="id",
-                type="integer",
-                about="The new system id; null: a free one.",
-                minimum=1,
-                maximum=255,
-                example=2,
-            ),
-            TIMEOUT,
-        ),
-        is_long=True,
+        body=Renumber,
+        query=Wait,
         answer={"system": 1, "id": 2, "parameter": "SYSID_THISMAV", "rebooted": True},
     ),
     ApiRoute(
@@ -119,7 +130,7 @@ ROUTES: Final = (
         handler=_events,
         summary="Follow the events of the vehicles, such as found, lost, rebooted, system id conflict",
         tag="vehicles",
-        query=(COUNT,),
+        query=EventsQuery,
         media_type="text/event-stream",
         answer='data: {"type": "VehicleLost", "system": 1, "time": 1.0, "text": "…", "conflict": null}\n\n',
     ),

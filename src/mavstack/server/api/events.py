@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 from contextlib import AbstractAsyncContextManager, nullcontext
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
+from msgspec import Meta
 from starlette.responses import StreamingResponse
 
-from mavstack.server.fields import Field
+from mavstack.http.request_fields import Fields
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
 
     from starlette.types import Receive, Scope, Send
 
-COUNT: Final = Field(
-    name="count", type="integer", about="Events after which the stream ends; null: it has no end.", minimum=1
-)
 _END: Final = {"type": "http.response.body", "body": b"", "more_body": False}
+
+
+class EventsQuery(Fields):
+    """The query of a stream of events."""
+
+    count: Annotated[
+        Annotated[int, Meta(ge=1)] | None,
+        Meta(description="Events after which the stream ends; null: it has no end."),
+    ] = None
 
 
 class EventStream(StreamingResponse):

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import asyncio
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
+from msgspec import Meta
 from starlette.responses import Response
 
 from mavstack.http.bodies import RefusedError
+from mavstack.http.request_fields import Fields
+from mavstack.http.routes import NoFields, Wait
 from mavstack.security.roles import Role
-from mavstack.server.api_route import ApiRoute, Call
-from mavstack.server.fields import Field
+from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.json_values import to_json
 from mavstack.services.ftp.payload import MAX_DATA
 
@@ -26,39 +28,45 @@ _LOGS: Final = "/api/vehicles/{system}/logs"
 _BYTES: Final = "application/octet-stream"
 
 
-async def _list(call: Call) -> dict[str, Any]:
-    path = call.query["path"]
+class Directory(Fields):
+    """The query of a directory."""
+
+    path: Annotated[str, Meta(description="The directory.", max_length=MAX_DATA)] = "/"
+
+
+async def _list(call: Call[None, Directory]) -> dict[str, Any]:
+    path = call.query.path
     entries: Sequence[object] = await call.vehicle.ftp.list(path)
     return {"path": path, "entries": [to_json(each) for each in entries]}
 
 
-async def _download(call: Call) -> Response:
+async def _download(call: Call[None, Wait]) -> Response:
     data = await call.vehicle.ftp.download(_path(call), progress=call.progress)
     return _attachment(data, _path(call).rpartition("/")[2])
 
 
-async def _upload(call: Call) -> dict[str, Any]:
+async def _upload(call: Call[None, Wait]) -> dict[str, Any]:
     await call.vehicle.ftp.upload(_path(call), call.data, progress=call.progress)
     return {"path": _path(call), "size": len(call.data)}
 
 
-async def _remove(call: Call) -> dict[str, Any]:
+async def _remove(call: PlainCall) -> dict[str, Any]:
     await call.vehicle.ftp.remove(_path(call))
     return {"path": _path(call)}
 
 
-async def _list_logs(call: Call) -> dict[str, Any]:
+async def _list_logs(call: PlainCall) -> dict[str, Any]:
     vehicle = call.vehicle
     logs = await call.read("logs", vehicle.logs.list)
     return {"logs": [{"id": each.id, "time": each.time_utc, "size": each.size} for each in logs]}
 
 
-async def _download_log(call: Call) -> Response:
+async def _download_log(call: Call[None, Wait]) -> Response:
     log, data = await _read_log(call)
     return _attachment(data, f"vehicle-{call.vehicle.system}-log-{log.id}{_suffix(data)}")
 
 
-async def _keep_log(call: Call) -> dict[str, Any]:
+async def _keep_log(call: Call[NoFields, Wait]) -> dict[str, Any]:
     system = call.vehicle.system
     log, data = await _read_log(call)
     written = f"-{datetime.fromtimestamp(log.time_utc, UTC):%Y-%m-%d-%H%M%S}" if log.time_utc else ""
@@ -66,7 +74,7 @@ async def _keep_log(call: Call) -> dict[str, Any]:
     return await asyncio.to_thread(call.station.recordings.keep, name, data)
 
 
-async def _read_log(call: Call) -> tuple[LogEntry, bytes]:
+async def _read_log(call: Call[Any, Wait]) -> tuple[LogEntry, bytes]:
     """Download the log that the request names; raises `RefusedError` if the vehicle has none of that id."""
     text = call.path("id")
     if not (text.isascii() and text.isdigit() and len(text) <= 5):
@@ -80,12 +88,12 @@ async def _read_log(call: Call) -> tuple[LogEntry, bytes]:
     return log, await call.read(f"log {number}", lambda: vehicle.logs.download(log, progress=call.progress))
 
 
-async def _erase_logs(call: Call) -> dict[str, Any]:
+async def _erase_logs(call: PlainCall) -> dict[str, Any]:
     await call.vehicle.logs.erase()
     return {"logs": []}
 
 
-def _path(call: Call) -> str:
+def _path(call: Call[Any, Any]) -> str:
     """Return the path of a file on the vehicle: absolute, or a name that the vehicle understands (`@…`)."""
     path = call.path("path")
     return path if path.startswith(("/", "@")) else f"/{path}"
@@ -101,7 +109,7 @@ def _attachment(data: bytes, name: str) -> Response:
     return Response(data, media_type=_BYTES, headers=headers)
 
 
-ROUTES: Final = (
+ROUTES: Final[tuple[AnyRoute, ...]] = (
     ApiRoute(
         method="GET",
         path="/api/vehicles/{system}/files",
@@ -109,7 +117,7 @@ ROUTES: Final = (
         summary="List a directory on a vehicle",
         tag="files",
         role=Role.ADMINISTER,
-        query=(Field(name="path", type="string", about="The directory.", default="/", max_length=MAX_DATA),),
+        query=Directory,
         answer={
             "path": "/",
             "entries": [{"name": "APM", "is_directory": True, "size": 0, "modified": 0}],
@@ -122,7 +130,7 @@ ROUTES: Final = (
         summary="Download a file",
         tag="files",
         role=Role.ADMINISTER,
-        is_long=True,
+        query=Wait,
         media_type=_BYTES,
     ),
     ApiRoute(
@@ -134,7 +142,7 @@ ROUTES: Final = (
         role=Role.ADMINISTER,
         takes_bytes=True,
         max_body=MAX_UPLOAD,
-        is_long=True,
+        query=Wait,
         answer={"path": "/APM/scripts/a.lua", "size": 512},
     ),
     ApiRoute(
@@ -160,7 +168,7 @@ ROUTES: Final = (
         handler=_download_log,
         summary="Download a log from a vehicle",
         tag="logs",
-        is_long=True,
+        query=Wait,
         media_type=_BYTES,
     ),
     ApiRoute(
@@ -170,8 +178,8 @@ ROUTES: Final = (
         summary="Copy a log from a vehicle to the recordings of the station, for its report page",
         tag="logs",
         role=Role.OPERATE,
-        body=(),
-        is_long=True,
+        body=NoFields,
+        query=Wait,
         status=201,
         answer={
             "name": "vehicle-1-log-1-2026-11-23-101500.bin",

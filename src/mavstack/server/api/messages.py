@@ -2,29 +2,46 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any, Final
+from typing import Annotated, Any, Final, TypeAlias
+
+from msgspec import Meta
 
 from mavstack.http.bodies import RefusedError
+from mavstack.http.request_fields import Fields
 from mavstack.security.roles import Role
-from mavstack.server.api.events import COUNT, EventStream
-from mavstack.server.api_route import ApiRoute, Call
-from mavstack.server.fields import Field
+from mavstack.server.api.action_route import summary_of
+from mavstack.server.api.events import EventsQuery, EventStream
+from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.message_json import message_class, message_of, packet_json
 from mavstack.server.message_stream import MessageStream
 from mavstack.server.observed_requests import check_request
+from mavstack.server.request_types import SendMessage
 from mavstack.server.subscriptions import MAX_RATE, Subscriptions
 
-_COMPONENT: Final = Field(
-    name="component",
-    type="integer",
-    about="The component id of the sender; null: the one heard last.",
-    minimum=0,
-    maximum=255,
-)
+Component: TypeAlias = Annotated[int, Meta(ge=0, le=255)]
 
 
-async def _list(call: Call) -> list[dict[str, Any]]:
+class LatestQuery(Fields):
+    """The query of the latest message of a name."""
+
+    component: Annotated[
+        Component | None, Meta(description="The component id of the sender; null: the one heard last.")
+    ] = None
+
+
+class StreamQuery(EventsQuery):
+    """The query of a stream of messages."""
+
+    component: Annotated[Component | None, Meta(description="The component id of the sender; null: any.")] = (
+        None
+    )
+    rate: Annotated[
+        Annotated[float, Meta(ge=0.001, le=MAX_RATE)] | None,
+        Meta(description="The highest rate, hertz; null: all."),
+    ] = None
+
+
+async def _list(call: PlainCall) -> list[dict[str, Any]]:
     vehicle, now = call.vehicle, call.station.connection.now()
     found = [
         {
@@ -40,34 +57,34 @@ async def _list(call: Call) -> list[dict[str, Any]]:
     return sorted(found, key=lambda each: (each["message"] or "", each["id"], each["component"]))
 
 
-async def _show(call: Call) -> dict[str, Any]:
+async def _show(call: Call[None, LatestQuery]) -> dict[str, Any]:
     vehicle, connection = call.vehicle, call.station.connection
     kind = message_class(connection.dialect, call.path("name"))
     number = int(kind.__mavlink_row__[0])
-    found = call.station.packets.latest.find(vehicle.system, number, call.query["component"])
+    found = call.station.packets.latest.find(vehicle.system, number, call.query.component)
     if found is None:
         raise RefusedError(404, f"{call.path('name')[:60]} of system {vehicle.system} was not received")
     rate = round(found.rate(connection.now()), 3)
     return {**packet_json(found.packet, found.time), "count": found.count, "rate": rate}
 
 
-async def _stream(call: Call) -> EventStream:
+async def _stream(call: Call[None, StreamQuery]) -> EventStream:
     vehicle, station, query = call.vehicle, call.station, call.query
     number = int(message_class(station.connection.dialect, call.path("name")).__mavlink_row__[0])
     subscriptions = Subscriptions()
-    subscriptions.add([number], rate=query["rate"], system=vehicle.system, component=query["component"])
+    subscriptions.add([number], rate=query.rate, system=vehicle.system, component=query.component)
     lane = station.observer_lane if call.role is Role.OBSERVE else None
-    stream = MessageStream(subscriptions, query["count"], lane)
+    stream = MessageStream(subscriptions, query.count, lane)
     return EventStream(stream.events(station.packets))
 
 
-async def _send(call: Call) -> dict[str, Any]:
+async def _send(call: Call[SendMessage, None]) -> dict[str, Any]:
     connection, body = call.station.connection, call.body
-    message = message_of(connection.dialect, body["message"], body["fields"], call.role)
+    message = message_of(connection.dialect, body.message, body.fields, call.role)
     check_request(call.role, message, call.station)
     connection.send(message)
     return {
-        "message": body["message"].upper(),
+        "message": body.message.upper(),
         "system": connection.address.system,
         "component": connection.address.component,
     }
@@ -83,7 +100,7 @@ _EXAMPLE: Final = {
     "rate": 10.0,
 }
 
-ROUTES: Final = (
+ROUTES: Final[tuple[AnyRoute, ...]] = (
     ApiRoute(
         method="GET",
         path="/api/vehicles/{system}/messages",
@@ -98,7 +115,7 @@ ROUTES: Final = (
         handler=_show,
         summary="Show the latest message of a name",
         tag="messages",
-        query=(_COMPONENT,),
+        query=LatestQuery,
         answer=_EXAMPLE,
     ),
     ApiRoute(
@@ -107,11 +124,7 @@ ROUTES: Final = (
         handler=_stream,
         summary="Stream the messages of a name by server-sent events, each one as JSON",
         tag="messages",
-        query=(
-            replace(_COMPONENT, about="The component id of the sender; null: any."),
-            Field(name="rate", about="The highest rate, hertz; null: all.", minimum=0.001, maximum=MAX_RATE),
-            COUNT,
-        ),
+        query=StreamQuery,
         media_type="text/event-stream",
         answer='data: {"message": "ATTITUDE", …}',
     ),
@@ -119,20 +132,9 @@ ROUTES: Final = (
         method="POST",
         path="/api/messages",
         handler=_send,
-        summary="Send a message; its target is in its fields",
+        summary=summary_of(SendMessage),
         tag="messages",
-        body=(
-            Field(
-                name="message", type="string", about="The name of the message.", required=True, example="PING"
-            ),
-            Field(
-                name="fields",
-                type="object",
-                about="The fields by name; missing ones are 0, null is NaN.",
-                default={},
-                example={"seq": 1},
-            ),
-        ),
+        body=SendMessage,
         answer={"message": "PING", "system": 255, "component": 190},
     ),
 )

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+from msgspec import Meta, Struct
 
 from mavstack.dialects import common
 from mavstack.errors import RemoteDenied, RemoteProtocolError, RemoteTimeout
+from mavstack.http.request_fields import Fields
+from mavstack.http.routes import Wait
 from mavstack.security.roles import Role
-from mavstack.server.api_route import ApiRoute, Call
-from mavstack.server.fields import Field
+from mavstack.server.api.action_route import summary_of
+from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.json_values import to_json
 
 if TYPE_CHECKING:
@@ -17,6 +21,36 @@ if TYPE_CHECKING:
 _TYPES: Final = common.MavParamType
 _ALL: Final = "/api/vehicles/{system}/parameters"
 _ONE: Final = f"{_ALL}/{{name}}"
+
+
+class ParameterValue(Struct):
+    """A parameter of a vehicle; `text` is its value as files have it."""
+
+    name: str
+    value: float | None
+    text: str
+    type: str | int
+
+
+class Parameters(Struct):
+    """The parameters of a vehicle."""
+
+    parameters: list[ParameterValue]
+
+
+class ParametersQuery(Wait):
+    """The query of all parameters."""
+
+    cached: Annotated[
+        bool, Meta(description="Answer with the parameters received so far, if there are any.")
+    ] = False
+
+
+class SetParameter(Fields):
+    """Set a parameter."""
+
+    value: Annotated[float, Meta(description="The value in the parameter's own unit.", examples=[2000])]
+    check: Annotated[bool, Meta(description="Refuse a value that the metadata does not allow.")] = False
 
 
 def parameter_json(parameter: Parameter) -> dict[str, Any]:
@@ -30,15 +64,15 @@ def parameter_json(parameter: Parameter) -> dict[str, Any]:
     }
 
 
-async def _list(call: Call) -> dict[str, Any]:
+async def _list(call: Call[None, ParametersQuery]) -> dict[str, Any]:
     params = call.vehicle.params
     cached = params.cached
-    if not (call.query["cached"] and cached):
+    if not (call.query.cached and cached):
         cached = await call.read("parameters", lambda: params.download(progress=call.progress))
     return {"parameters": [parameter_json(cached[name]) for name in sorted(cached)]}
 
 
-async def _get(call: Call) -> dict[str, Any]:
+async def _get(call: PlainCall) -> dict[str, Any]:
     params, name = call.vehicle.params, call.path("name")
     known = params.cached.get(name) if call.role is Role.OBSERVE else None
     if known is None:
@@ -46,13 +80,13 @@ async def _get(call: Call) -> dict[str, Any]:
     return parameter_json(known)
 
 
-async def _set(call: Call) -> dict[str, Any]:
+async def _set(call: Call[SetParameter, None]) -> dict[str, Any]:
     body = call.body
-    found = await call.vehicle.params.set(call.path("name"), body["value"], check=body["check"])
+    found = await call.vehicle.params.set(call.path("name"), body.value, check=body.check)
     return parameter_json(found)
 
 
-async def _metadata(call: Call) -> dict[str, Any]:
+async def _metadata(call: Call[None, Wait]) -> dict[str, Any]:
     params = call.vehicle.params
     table: MetadataTable = params.metadata
     if not len(table):
@@ -68,23 +102,16 @@ async def _metadata(call: Call) -> dict[str, Any]:
 
 _EXAMPLE: Final = {"name": "RTL_ALT", "value": 1500.0, "text": "1500", "type": "REAL32"}
 
-ROUTES: Final = (
+ROUTES: Final[tuple[AnyRoute, ...]] = (
     ApiRoute(
         method="GET",
         path=_ALL,
         handler=_list,
         summary="Download all parameters",
         tag="parameters",
-        query=(
-            Field(
-                name="cached",
-                type="boolean",
-                about="Answer with the parameters received so far, if there are any.",
-                default=False,
-            ),
-        ),
-        is_long=True,
+        query=ParametersQuery,
         answer={"parameters": [_EXAMPLE]},
+        answer_model=Parameters,
     ),
     ApiRoute(
         method="GET",
@@ -94,26 +121,20 @@ ROUTES: Final = (
         summary="Read a parameter",
         tag="parameters",
         answer=_EXAMPLE,
+        answer_model=ParameterValue,
     ),
     ApiRoute(
         method="PUT",
         path=_ONE,
         path_examples={"name": "RTL_ALT"},
         handler=_set,
-        summary="Set a parameter",
+        summary=summary_of(SetParameter),
         tag="parameters",
         role=Role.ADMINISTER,
         writes=True,
-        body=(
-            Field(name="value", about="The value in the parameter's own unit.", required=True, example=2000),
-            Field(
-                name="check",
-                type="boolean",
-                about="Refuse a value that the metadata does not allow.",
-                default=False,
-            ),
-        ),
+        body=SetParameter,
         answer=_EXAMPLE,
+        answer_model=ParameterValue,
     ),
     ApiRoute(
         method="GET",
@@ -121,7 +142,7 @@ ROUTES: Final = (
         handler=_metadata,
         summary="Download descriptions, units and ranges of the parameters",
         tag="parameters",
-        is_long=True,
+        query=Wait,
         answer={"metadata": {"RTL_ALT": {"name": "RTL_ALT", "unit": "cm"}}, "problem": None},
     ),
 )

@@ -9,17 +9,18 @@ from __future__ import annotations
 
 import asyncio
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
+from msgspec import Meta
 from starlette.responses import PlainTextResponse
 
 from mavstack.errors import PlanFileError
-from mavstack.files.plans import FORMATS, PlanFile, Settings, format_plan, parse_plan, plan_json
+from mavstack.files.plans import PlanFile, Settings, format_plan, parse_plan, plan_json
 from mavstack.files.plans.parsing import MAX_BYTES
 from mavstack.http.bodies import RefusedError
+from mavstack.http.routes import Wait
 from mavstack.security.roles import Role, allows
-from mavstack.server.api_route import ApiRoute, Call
-from mavstack.server.fields import Field
+from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.shared_reads import Key
 from mavstack.services.mission import PlanType
 
@@ -34,12 +35,6 @@ KINDS: Final = {"mission": PlanType.MISSION, "fence": PlanType.FENCE, "rally": P
 #: Bytes of a file that takes long to read.
 LARGE_FILE: Final = 1 << 16
 _MISSION_ITEM_INT: Final = 73
-_FORMAT: Final = Field(
-    name="format",
-    type="string",
-    about="The format of the answer; null: Mavstack's JSON.",
-    choices=tuple(FORMATS),
-)
 _ITEM: Final = {
     "seq": 0,
     "command": 16,
@@ -48,6 +43,15 @@ _ITEM: Final = {
     "params": [0, 0, 0, None, 47.398, 8.546, 30],
     "autocontinue": True,
 }
+
+
+class PlanQuery(Wait):
+    """The query of a plan."""
+
+    format: Annotated[
+        Literal["json", "plan", "waypoints", "rally", "fence"] | None,
+        Meta(description="The format of the answer; null: Mavstack's JSON."),
+    ] = None
 
 
 def _plan_of(vehicle: Vehicle, kind: str) -> VehiclePlan:
@@ -63,17 +67,17 @@ def _home_first(vehicle: Vehicle) -> bool:
     return vehicle.component.mission.home_first
 
 
-def _download(kind: str) -> ApiRoute:
-    async def handler(call: Call) -> Any:  # noqa: ANN401 (JSON, or a response)
+def _download(kind: str) -> ApiRoute[None, PlanQuery]:
+    async def handler(call: Call[None, PlanQuery]) -> Any:  # noqa: ANN401 (JSON, or a response)
         vehicle = call.vehicle
         held = await call.read(kind, lambda: _plan_of(vehicle, kind).download(progress=call.progress))
         plan = _named(vehicle, held)
         info = vehicle.info
         settings = Settings() if info is None else Settings(int(info.autopilot), int(info.type))
         found = PlanFile.of_vehicle([plan], home_first=_home_first(vehicle), settings=settings)
-        if call.query["format"] is None:
+        if call.query.format is None:
             return {**plan_json(found), "id": plan.plan_id}
-        return PlainTextResponse(format_plan(found, call.query["format"]).text)
+        return PlainTextResponse(format_plan(found, call.query.format).text)
 
     example = {"fileType": "MavstackPlan", "version": 1, "home": None, kind: [_ITEM], "id": 3735928559}
     return ApiRoute(
@@ -82,14 +86,13 @@ def _download(kind: str) -> ApiRoute:
         handler=handler,
         summary=f"Download the {_name(kind)}",
         tag="plans",
-        query=(_FORMAT,),
-        is_long=True,
+        query=PlanQuery,
         answer=example,
     )
 
 
-def _upload(kind: str) -> ApiRoute:
-    async def handler(call: Call) -> dict[str, Any]:
+def _upload(kind: str) -> ApiRoute[None, Wait]:
+    async def handler(call: Call[None, Wait]) -> dict[str, Any]:
         vehicle = call.vehicle
         found = await _parse(call.data)
         if found.problems:
@@ -110,13 +113,13 @@ def _upload(kind: str) -> ApiRoute:
         writes=True,
         takes_bytes=True,
         max_body=MAX_BYTES,
-        is_long=True,
+        query=Wait,
         answer={"system": 1, "items": 4, "id": 3735928559, "notes": []},
     )
 
 
-def _clear(kind: str) -> ApiRoute:
-    async def handler(call: Call) -> dict[str, Any]:
+def _clear(kind: str) -> ApiRoute[None, None]:
+    async def handler(call: PlainCall) -> dict[str, Any]:
         vehicle = call.vehicle
         await _plan_of(vehicle, kind).clear()
         return {"system": vehicle.system, "items": 0}
@@ -155,11 +158,11 @@ def _name(kind: str) -> str:
     return "rally points" if kind == "rally" else kind
 
 
-def _routes() -> Iterator[ApiRoute]:
+def _routes() -> Iterator[AnyRoute]:
     for kind in KINDS:
         yield _download(kind)
         yield _upload(kind)
         yield _clear(kind)
 
 
-ROUTES: Final = tuple(_routes())
+ROUTES: Final[tuple[AnyRoute, ...]] = tuple(_routes())

@@ -5,14 +5,18 @@ from __future__ import annotations
 import asyncio
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final, TypeAlias
 
+from msgspec import Meta
 from starlette.responses import FileResponse, HTMLResponse, Response, StreamingResponse
 
+from mavstack.http.request_fields import Fields
+from mavstack.http.routes import NoFields, Wait
 from mavstack.security.roles import Role
-from mavstack.server.api_route import ApiRoute, Call
-from mavstack.server.fields import Field
+from mavstack.server.api.action_route import summary_of
+from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.recordings import NAME_PATTERN
+from mavstack.server.request_types import MAX_TEXT
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -30,19 +34,39 @@ REPORT_POLICY: Final = (
 )
 
 
-async def _list(call: Call) -> list[dict[str, Any]]:
+FileName: TypeAlias = Annotated[str, Meta(pattern=f"^{NAME_PATTERN}$(?!\\n)", max_length=MAX_TEXT)]
+
+
+class StartRecording(Fields):
+    """Begin a recording."""
+
+    name: Annotated[
+        FileName | None,
+        Meta(description="The name of the file; null: one with the time of day.", examples=["flight.tlog"]),
+    ] = None
+
+
+class ReplayQuery(Wait):
+    """The query of the flight of a log that is sent."""
+
+    name: Annotated[
+        FileName, Meta(description="The name of the file, for errors.", examples=["flight.BIN"])
+    ] = "log"
+
+
+async def _list(call: PlainCall) -> list[dict[str, Any]]:
     return await asyncio.to_thread(call.station.recordings.list)
 
 
-async def _start(call: Call) -> dict[str, Any]:
-    return call.station.recordings.start(call.body["name"])
+async def _start(call: Call[StartRecording, None]) -> dict[str, Any]:
+    return call.station.recordings.start(call.body.name)
 
 
-async def _stop(call: Call) -> dict[str, Any]:
+async def _stop(call: Call[NoFields, None]) -> dict[str, Any]:
     return call.station.recordings.stop(call.path("name"))
 
 
-async def _download(call: Call) -> Response:
+async def _download(call: PlainCall) -> Response:
     recordings, name = call.station.recordings, call.path("name")
     path = recordings.path(name)
     if recordings.is_running(name):
@@ -64,7 +88,7 @@ def _chunks(path: Path, size: int) -> Iterator[bytes]:
             yield data
 
 
-async def _report(call: Call) -> Response:
+async def _report(call: Call[None, Wait]) -> Response:
     path = call.station.recordings.path(call.path("log"))
     page = await asyncio.to_thread(_report_page, path)
     return HTMLResponse(page, headers={"Content-Security-Policy": REPORT_POLICY})
@@ -77,13 +101,13 @@ def _report_page(path: Path) -> str:
     return make_report(open_log(path)).html
 
 
-async def _replay(call: Call) -> Response:
+async def _replay(call: Call[None, Wait]) -> Response:
     path = call.station.recordings.path(call.path("log"))
     return _replay_file(await asyncio.to_thread(_replay_of, path), path.name)
 
 
-async def _replay_upload(call: Call) -> Response:
-    name = call.query["name"]
+async def _replay_upload(call: Call[None, ReplayQuery]) -> Response:
+    name = call.query.name
     return _replay_file(await asyncio.to_thread(_replay_of_bytes, call.data, name), name)
 
 
@@ -114,7 +138,7 @@ _EXAMPLE: Final = {
     "packets": 800,
 }
 
-ROUTES: Final = (
+ROUTES: Final[tuple[AnyRoute, ...]] = (
     ApiRoute(
         method="GET",
         path="/api/recordings",
@@ -127,18 +151,10 @@ ROUTES: Final = (
         method="POST",
         path="/api/recordings",
         handler=_start,
-        summary="Begin a recording",
+        summary=summary_of(StartRecording),
         tag="recordings",
         role=Role.OPERATE,
-        body=(
-            Field(
-                name="name",
-                type="string",
-                about="The name of the file; null: one with the time of day.",
-                pattern=NAME_PATTERN,
-                example="flight.tlog",
-            ),
-        ),
+        body=StartRecording,
         status=201,
         answer=_EXAMPLE,
     ),
@@ -150,7 +166,7 @@ ROUTES: Final = (
         summary="End a recording",
         tag="recordings",
         role=Role.OPERATE,
-        body=(),
+        body=NoFields,
         answer=_EXAMPLE | {"running": False, "packets": None},
     ),
     ApiRoute(
@@ -168,7 +184,7 @@ ROUTES: Final = (
         handler=_report,
         summary="Show the report page of a recording or a log",
         tag="recordings",
-        is_long=True,
+        query=Wait,
         media_type="text/html",
     ),
     ApiRoute(
@@ -178,7 +194,7 @@ ROUTES: Final = (
         handler=_replay,
         summary="Show the flight of a recording or a log as a tlog, whatever its format",
         tag="recordings",
-        is_long=True,
+        query=Wait,
         media_type=_BYTES,
     ),
     ApiRoute(
@@ -188,19 +204,9 @@ ROUTES: Final = (
         summary="Show the flight of a log that is sent as a tlog, whatever its format",
         tag="recordings",
         role=Role.OPERATE,
-        query=(
-            Field(
-                name="name",
-                type="string",
-                about="The name of the file, for errors.",
-                default="log",
-                pattern=NAME_PATTERN,
-                example="flight.BIN",
-            ),
-        ),
+        query=ReplayQuery,
         takes_bytes=True,
         max_body=MAX_REPLAY,
-        is_long=True,
         media_type=_BYTES,
     ),
 )

@@ -6,10 +6,10 @@ import asyncio
 from typing import Any, Final
 
 from mavstack.http.bodies import RefusedError
-from mavstack.server.api_route import ApiRoute, Call
+from mavstack.server.api_route import AnyRoute, ApiRoute, PlainCall
 
 
-async def _show(call: Call) -> dict[str, Any]:
+async def _show(call: PlainCall) -> dict[str, Any]:
     router = call.station.router
     if router is None:
         raise RefusedError(404, "the station was started without a router: mav web --router HOST:PORT")
@@ -19,7 +19,7 @@ async def _show(call: Call) -> dict[str, Any]:
     return {"endpoints": endpoints, "routes": routes}
 
 
-ROUTES: Final = (
+ROUTES: Final[tuple[AnyRoute, ...]] = (
     ApiRoute(
         method="GET",
         path="/api/router",

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
+from msgspec import Meta
 from starlette.responses import JSONResponse, Response
 
 from mavstack.http.bodies import RefusedError, read_json_object
+from mavstack.http.request_fields import Fields, read_fields
 from mavstack.server.access import COOKIE, SESSION_LIFETIME
-from mavstack.server.fields import Field, read_fields
+from mavstack.server.request_types import Text
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -18,10 +20,15 @@ if TYPE_CHECKING:
 
 #: Seconds for the body of the one request that needs no session.
 LOG_IN_TIMEOUT: Final = 20.0
-LOG_IN_FIELDS: Final = (
-    Field(name="password", type="string", about="The password of a role.", example="correct horse battery"),
-    Field(name="ticket", type="string", about="A ticket instead of a password."),
-)
+
+
+class LogIn(Fields):
+    """Begin a session."""
+
+    password: Annotated[
+        Text | None, Meta(description="The password of a role.", examples=["correct horse battery"])
+    ] = None
+    ticket: Annotated[Text | None, Meta(description="A ticket instead of a password.")] = None
 
 
 class Sessions:
@@ -41,13 +48,13 @@ class Sessions:
         self._access.check_page(request.headers)
         try:
             async with asyncio.timeout(LOG_IN_TIMEOUT):
-                values = read_fields(LOG_IN_FIELDS, await read_json_object(request))
+                given = read_fields(LogIn, await read_json_object(request))
         except TimeoutError:
             raise RefusedError(408, f"the request did not arrive within {LOG_IN_TIMEOUT:g} s") from None
         if self._access.is_open:
             client = self._access.check_request(request)
             return JSONResponse(self._values(client) | {"token": None}, 201)
-        password, ticket = values["password"], values["ticket"]
+        password, ticket = given.password, given.ticket
         if (password is None) == (ticket is None):
             raise RefusedError(400, "either a password or a ticket is needed")
         address = request.client.host if request.client is not None else ""

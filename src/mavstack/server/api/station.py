@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 from urllib.parse import quote
 
+from msgspec import Meta
+
 from mavstack.http.bodies import RefusedError
+from mavstack.http.request_fields import Fields
+from mavstack.http.routes import ANY_MEDIA_TYPE
 from mavstack.links import open_link
 from mavstack.security.roles import Role
+from mavstack.server.api.action_route import summary_of
 from mavstack.server.api.events import EventStream
-from mavstack.server.api_route import ANY_MEDIA_TYPE, ApiRoute, Call
-from mavstack.server.fields import Field
+from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.json_values import to_json
+from mavstack.server.request_types import Text
 from mavstack.server.tasks import TaskState
 
 if TYPE_CHECKING:
@@ -21,43 +26,55 @@ if TYPE_CHECKING:
     from mavstack.server.tasks import Task
 
 
-async def _list_sources(call: Call) -> list[dict[str, Any]]:
+async def _list_sources(call: PlainCall) -> list[dict[str, Any]]:
     return [source.values() for source in call.station.sources.list()]
 
 
-async def _list_rows(call: Call) -> list[dict[str, Any]]:
+async def _list_rows(call: PlainCall) -> list[dict[str, Any]]:
     return [{**each.value, "count": each.count} for each in call.station.sources.rows.latest.values()]
 
 
-async def _add_source(call: Call) -> dict[str, Any]:
-    url, recording, sources = call.body["url"], call.body["recording"], call.station.sources
-    if (url is None) == (recording is None):
-        raise RefusedError(400, "either a url or a recording is needed")
-    if recording is None:
+class AddSource(Fields):
+    """Add a source: a link, or the replay of a recording."""
+
+    url: Annotated[
+        Text | None,
+        Meta(
+            description="A link, or rows: csv+tcp://HOST:PORT?name=cansat&template=time:s,alt:m; or null.",
+            examples=["udpin://0.0.0.0:14550"],
+        ),
+    ] = None
+    recording: Annotated[Text | None, Meta(description="The name of a recording to replay, or null.")] = None
+    speed: Annotated[float, Meta(description="The speed of a replay; 1: as it was recorded.", ge=0.01)] = 1.0
+
+
+async def _add_source(call: Call[AddSource, None]) -> dict[str, Any]:
+    url, recording, sources = call.body.url, call.body.recording, call.station.sources
+    if url is not None and recording is None:
         return (await sources.add(url, from_client=True)).values()
-    replay = open_link(
-        f"file://{quote(str(call.station.recordings.path(recording)))}", speed=call.body["speed"]
-    )
+    if recording is None or url is not None:
+        raise RefusedError(400, "either a url or a recording is needed")
+    replay = open_link(f"file://{quote(str(call.station.recordings.path(recording)))}", speed=call.body.speed)
     return (await sources.add(replay)).values()
 
 
-async def _remove_source(call: Call) -> dict[str, Any]:
+async def _remove_source(call: PlainCall) -> dict[str, Any]:
     return (await call.station.sources.remove(call.path("id"))).values()
 
 
-async def _list_tasks(call: Call) -> list[dict[str, Any]]:
+async def _list_tasks(call: PlainCall) -> list[dict[str, Any]]:
     return [task.values() for task in call.station.tasks.list() if _may_see(call, task)]
 
 
-async def _show_task(call: Call) -> dict[str, Any]:
+async def _show_task(call: PlainCall) -> dict[str, Any]:
     return _task(call).values()
 
 
-async def _follow_task(call: Call) -> EventStream:
+async def _follow_task(call: PlainCall) -> EventStream:
     return EventStream(_events(_task(call)))
 
 
-async def _task_result(call: Call) -> Any:  # noqa: ANN401 (the answer of the request)
+async def _task_result(call: PlainCall) -> Any:  # noqa: ANN401 (the answer of the request)
     task = _task(call)
     if task.error is not None:
         raise task.error
@@ -66,11 +83,11 @@ async def _task_result(call: Call) -> Any:  # noqa: ANN401 (the answer of the re
     return task.result
 
 
-async def _remove_task(call: Call) -> dict[str, Any]:
+async def _remove_task(call: PlainCall) -> dict[str, Any]:
     return (await call.station.tasks.remove(_task(call).id)).values()
 
 
-async def _statistics(call: Call) -> dict[str, Any]:
+async def _statistics(call: PlainCall) -> dict[str, Any]:
     station = call.station
     node = station.connection
     channels = [
@@ -93,7 +110,7 @@ async def _statistics(call: Call) -> dict[str, Any]:
     }
 
 
-def _parsed(call: Call, channel: Any) -> dict[str, Any]:  # noqa: ANN401 (a channel of any link)
+def _parsed(call: PlainCall, channel: Any) -> dict[str, Any]:  # noqa: ANN401 (a channel of any link)
     state = call.station.connection.channel_state(channel)
     if state is None:
         return {}
@@ -106,14 +123,14 @@ def _parsed(call: Call, channel: Any) -> dict[str, Any]:  # noqa: ANN401 (a chan
     return {**{name: getattr(totals, name) for name in names}, "sources": sources, "thinned": state.thinned}
 
 
-def _task(call: Call) -> Task:
+def _task(call: PlainCall) -> Task:
     task = call.station.tasks.find(call.path("id"))
     if not _may_see(call, task):
         raise RefusedError(404, f"there is no task {task.id}")
     return task
 
 
-def _may_see(call: Call, task: Task) -> bool:
+def _may_see(call: PlainCall, task: Task) -> bool:
     """Return whether a client may see a task: its own, or any for an administrator."""
     return call.role is Role.ADMINISTER or task.owner == call.session
 
@@ -142,7 +159,7 @@ _TASK: Final = {
     "total": 900,
 }
 
-ROUTES: Final = (
+ROUTES: Final[tuple[AnyRoute, ...]] = (
     ApiRoute(
         method="GET",
         path="/api/sources",
@@ -155,21 +172,10 @@ ROUTES: Final = (
         method="POST",
         path="/api/sources",
         handler=_add_source,
-        summary="Add a source: a link, or the replay of a recording",
+        summary=summary_of(AddSource),
         tag="station",
         role=Role.ADMINISTER,
-        body=(
-            Field(
-                name="url",
-                type="string",
-                about="A link, or rows: csv+tcp://HOST:PORT?name=cansat&template=time:s,alt:m; or null.",
-                example="udpin://0.0.0.0:14550",
-            ),
-            Field(name="recording", type="string", about="The name of a recording to replay, or null."),
-            Field(
-                name="speed", about="The speed of a replay; 1: as it was recorded.", default=1.0, minimum=0.01
-            ),
-        ),
+        body=AddSource,
         status=201,
         answer=_SOURCE,
     ),

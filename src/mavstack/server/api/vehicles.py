@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, fields, is_dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from mavstack.server.api_route import ApiRoute, Call
+from mavstack.server.api_route import AnyRoute, ApiRoute, PlainCall
 from mavstack.server.conflict_json import conflict_json
 from mavstack.server.json_values import to_json
 from mavstack.vehicle.firmware.msp import MspFirmware
@@ -80,11 +80,11 @@ def texts_json(vehicle: Vehicle) -> dict[str, Any]:
     return {"time": vehicle.telemetry.now(), "status_texts": to_json(vehicle.status_texts[-MAX_TEXTS:])}
 
 
-async def _list(call: Call) -> list[dict[str, Any]]:
+async def _list(call: PlainCall) -> list[dict[str, Any]]:
     return [identity_json(vehicle) for vehicle in call.station.connection.vehicles.values()]
 
 
-async def _show(call: Call) -> dict[str, Any]:
+async def _show(call: PlainCall) -> dict[str, Any]:
     vehicle = call.vehicle
     version = vehicle.version
     return {
@@ -97,11 +97,11 @@ async def _show(call: Call) -> dict[str, Any]:
     }
 
 
-async def _telemetry(call: Call) -> dict[str, Any]:
+async def _telemetry(call: PlainCall) -> dict[str, Any]:
     return telemetry_json(call.vehicle)
 
 
-async def _modes(call: Call) -> list[dict[str, Any]]:
+async def _modes(call: PlainCall) -> list[dict[str, Any]]:
     vehicle = call.vehicle
     modes = await call.read("modes", vehicle.modes.list)
     return [
@@ -153,7 +153,7 @@ _EXAMPLE: Final = {
     },
 }
 
-ROUTES: Final = (
+ROUTES: Final[tuple[AnyRoute, ...]] = (
     ApiRoute(
         method="GET",
         path="/api/vehicles",
