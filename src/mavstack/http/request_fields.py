@@ -16,7 +16,7 @@ from mavstack.errors import MissingExtraError
 from mavstack.http.bodies import RefusedError
 
 try:
-    from msgspec import Struct, ValidationError, convert
+    from msgspec import UNSET, Struct, ValidationError, convert
     from msgspec.json import schema
     from msgspec.structs import fields
 except ImportError as error:
@@ -40,7 +40,7 @@ def read_fields(model: type[Model], values: Mapping[str, Any]) -> Model:
 
     Args:
         model: The fields that the body may have.
-        values: The members of the body; null is the default.
+        values: The members of the body; null is the default, unless the default is a missing member.
 
     Returns:
         The model with the values.
@@ -62,7 +62,8 @@ def read_query(model: type[Model], values: Mapping[str, str]) -> Model:
 
 
 def _read(model: type[Model], values: Mapping[str, Any], *, strict: bool) -> Model:
-    given = {name: value for name, value in values.items() if value is not None}
+    kept = {each.encode_name for each in fields(model) if each.default is UNSET}
+    given = {name: value for name, value in values.items() if value is not None or name in kept}
     try:
         return convert(given, model, strict=strict)
     except ValidationError as error:
@@ -71,7 +72,7 @@ def _read(model: type[Model], values: Mapping[str, Any], *, strict: bool) -> Mod
 
 def _problem(model: type[Fields], values: Mapping[str, Any], *, strict: bool) -> str | None:
     """Return the problem of the first field that has one."""
-    known = {each.name: each for each in fields(model)}
+    known = {each.encode_name: each for each in fields(model)}
     for name in values:
         if name not in known:
             return _unknown(name, list(known))

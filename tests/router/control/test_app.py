@@ -68,7 +68,7 @@ async def test_routes_and_counters():
 @pytest.mark.parametrize(
     ("method", "path", "body", "problem"),
     [
-        ("POST", "/endpoints", {"url": URL}, "the name of the endpoint is missing"),
+        ("POST", "/endpoints", {"url": URL}, "name is missing"),
         ("POST", "/endpoints", {"name": "x", "url": URL, "puase": True}, "did you mean pause"),
         ("POST", "/endpoints", {"name": "x", "url": "nonsense"}, "not usable"),
         ("POST", "/endpoints", {"name": "ground", "url": URL}, "already"),
@@ -155,6 +155,23 @@ async def exchange(address, request):
 async def test_pages_in_a_browser_are_refused(head, status):
     async with controlled() as (_, address):
         assert await exchange(address, head) == status
+
+
+async def test_the_api_describes_its_requests():
+    async with controlled() as (_, address):
+        document = await ask(ControlClient(address).request, "GET", "/openapi.json")
+    body = document["components"]["schemas"]["AddEndpoint"]
+    assert body["required"] == ["name"]
+    keys = {"name", "url", "record", "group", "listen_only", "pause", "rate", "rates", "in", "out", "signing"}
+    assert set(body["properties"]) >= keys
+    assert set(document["paths"]["/endpoints/{name}"]) == {"patch", "delete"}
+
+
+async def test_a_null_is_no_value():
+    async with controlled() as (router, address):
+        with pytest.raises(LinkError, match="url must be a string, got None"):
+            await ask(ControlClient(address).change, "ground", {"url": None})
+        assert router.config.endpoint("ground").url == URL
 
 
 async def test_reload_calls_the_file():

@@ -148,8 +148,16 @@ def test_commands_of_ardupilot_have_names() -> None:
         ("arm", {"force": 1}, "force must be true or false, got 1"),
         ("command", {"command": "NAV_TAKEOF"}, "there is no command 'NAV_TAKEOF'"),
         ("command", {"command": 16.5}, "command must be a name or a number from 0 to 65535"),
-        ("command", {"command": 16, "params": [0] * 8}, "params must be an array of at most 7 values, each a number, got"),
-        ("command", {"command": 16, "params": ["x"]}, "params must be an array of at most 7 values, each a number"),
+        (
+            "command",
+            {"command": 16, "params": [0] * 8},
+            "params must be an array of at most 7 values, each a number, got",
+        ),
+        (
+            "command",
+            {"command": 16, "params": ["x"]},
+            "params must be an array of at most 7 values, each a number",
+        ),
         ("mission/current", {"seq": -1}, "seq must be an integer of at least 0, got -1"),
         ("arm?wait=perhaps", {}, "wait must be true or false, got 'perhaps'"),
         ("arm?await=1", {}, "there is no field 'await'"),

@@ -7,6 +7,7 @@
     POST   /endpoints/NAME/pause      and /resume
     GET    /routes                    learned addresses, and where they are
     POST   /reload                    read the configuration file again
+    GET    /openapi.json              the description of these requests
     GET    /metrics                   for Prometheus
 
 Each client that reaches the API controls the traffic. Beyond loopback it therefore needs a token, as
@@ -17,33 +18,31 @@ refused, and the API opens only network links: no files, devices or sockets of t
 
 from __future__ import annotations
 
-from contextlib import suppress
-from dataclasses import asdict
 from hmac import compare_digest
 from typing import TYPE_CHECKING, Any
 
 from mavstack.errors import (
     InvalidArgumentError,
     LinkError,
-    LinkURLError,
     MavstackError,
     MissingExtraError,
     RouterConfigError,
 )
 from mavstack.http.bodies import RefusedError, read_json_object
 from mavstack.http.web_origin import is_local_host
-from mavstack.links import parse_url
-from mavstack.links.client_urls import is_network_scheme, options_with_paths
-from mavstack.router.config import endpoint_from_values
-from mavstack.router.control.endpoint_values import values_of
-from mavstack.router.snapshot import endpoint_values, take_snapshot
 
 try:
+    from msgspec import to_builtins
     from starlette.applications import Starlette
     from starlette.responses import JSONResponse, Response
     from starlette.routing import Route
+
+    from mavstack.http.openapi import describe
+    from mavstack.http.request_fields import read_fields
 except ImportError as error:
     raise MissingExtraError("the control of the router", "router") from error
+
+from mavstack.router.control.routes import API, ROUTES, ControlCall
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -51,7 +50,7 @@ if TYPE_CHECKING:
 
     from starlette.requests import Request
 
-    from mavstack.router.config import EndpointConfig
+    from mavstack.router.control.routes import ControlRoute
     from mavstack.router.router import Router
 
     Handler: TypeAlias = Callable[[Request], Awaitable[Response]]
@@ -77,23 +76,31 @@ class ControlApi:
     ) -> None:
         self._router = router
         self._token = token
-        self._reload_file = reload
-        routes = [
-            Route("/endpoints", self._guard(self._list), methods=["GET"]),
-            Route("/endpoints", self._guard(self._add), methods=["POST"]),
-            Route("/endpoints/{name}", self._guard(self._change), methods=["PATCH"]),
-            Route("/endpoints/{name}", self._guard(self._remove), methods=["DELETE"]),
-            Route("/endpoints/{name}/pause", self._guard(self._pause), methods=["POST"]),
-            Route("/endpoints/{name}/resume", self._guard(self._resume), methods=["POST"]),
-            Route("/routes", self._guard(self._routes), methods=["GET"]),
-            Route("/reload", self._guard(self._reload), methods=["POST"]),
-        ]
+        self._reload = reload
+        routes = [Route(each.path, self._answering(each), methods=[each.method]) for each in ROUTES]
+        routes.append(Route("/openapi.json", self._guard(_describe), methods=["GET"]))
         if metrics:
             from mavstack.router.control.metrics import RouterMetrics
 
             self._metrics = RouterMetrics(router)
             routes.append(Route("/metrics", self._guard(self._show_metrics), methods=["GET"]))
         self.app = Starlette(routes=routes)
+
+    def _answering(self, route: ControlRoute[Any]) -> Handler:
+        """Return the function of a route that Starlette calls."""
+
+        async def answer(request: Request) -> Response:
+            body = None if route.body is None else read_fields(route.body, await read_json_object(request))
+            call = ControlCall(
+                router=self._router,
+                name=request.path_params.get("name", ""),
+                body=body,
+                is_trusted=bool(self._token),
+                reload=self._reload,
+            )
+            return JSONResponse(to_builtins(await route.handler(call)), route.status)
+
+        return self._guard(answer)
 
     def _guard(self, handler: Handler) -> Handler:
         """Return a handler that refuses strangers, and reports errors as JSON."""
@@ -122,79 +129,12 @@ class ControlApi:
         if "origin" in request.headers or not is_local_host(request.headers.get("host", "")):
             raise RefusedError(403, "requests of web pages are refused: set control_token")
 
-    async def _list(self, _: Request) -> Response:
-        return JSONResponse([endpoint_values(each) for each in take_snapshot(self._router).endpoints])
-
-    async def _routes(self, _: Request) -> Response:
-        return JSONResponse([asdict(each) for each in take_snapshot(self._router).routes])
-
-    async def _add(self, request: Request) -> Response:
-        values = await read_json_object(request)
-        name = values.pop("name", None)
-        if not isinstance(name, str):
-            raise RefusedError(400, "the name of the endpoint is missing")
-        config = self._endpoint(name, values)
-        await self._router.add(config)
-        return JSONResponse({"name": name}, 201)
-
-    async def _change(self, request: Request) -> Response:
-        name = request.path_params["name"]
-        present = self._present(name)
-        config = self._endpoint(name, {**values_of(present), **await read_json_object(request)}, present)
-        await self._router.change(config)
-        return JSONResponse({"name": name})
-
-    async def _remove(self, request: Request) -> Response:
-        name = request.path_params["name"]
-        self._present(name)
-        await self._router.remove(name)
-        return JSONResponse({"name": name})
-
-    async def _pause(self, request: Request) -> Response:
-        return await self._set_paused(request, paused=True)
-
-    async def _resume(self, request: Request) -> Response:
-        return await self._set_paused(request, paused=False)
-
-    async def _set_paused(self, request: Request, *, paused: bool) -> Response:
-        name = request.path_params["name"]
-        self._present(name)
-        await self._router.pause(name, paused=paused)
-        return JSONResponse({"name": name, "pause": paused})
-
-    async def _reload(self, _: Request) -> Response:
-        if self._reload_file is None:
-            raise RefusedError(409, "the router was started without a configuration file")
-        return JSONResponse({"notes": list(await self._reload_file())})
-
     async def _show_metrics(self, _: Request) -> Response:
         return Response(self._metrics.text(), media_type="text/plain; version=0.0.4; charset=utf-8")
 
-    def _present(self, name: str) -> EndpointConfig:
-        found = self._router.config.endpoint(name)
-        if found is None:
-            raise RefusedError(404, f"there is no endpoint {name}")
-        return found
 
-    def _endpoint(
-        self, name: str, values: dict[str, Any], present: EndpointConfig | None = None
-    ) -> EndpointConfig:
-        is_same = present is not None and values.get("url") == present.url
-        if not self._token and not is_same:
-            _refuse_paths(values.get("url"))
-        config = endpoint_from_values(name, values, self._router.config.dialect)
-        is_same = present is not None and (present.url, present.record) == (config.url, config.record)
-        if not self._token and not is_same and not is_network_scheme(config.url.partition(":")[0]):
-            raise RefusedError(403, "without control_token only network links can be opened")
-        return config
-
-
-def _refuse_paths(url: object) -> None:
-    """Refuse a URL with an option that names a file, before the file is read."""
-    with suppress(LinkURLError):  # it is reported with the place in the configuration
-        if isinstance(url, str) and (named := options_with_paths(parse_url(url))):
-            problem = "without control_token no file can be named"
-            raise RefusedError(403, f"{problem}: leave out {', '.join(named)}")
+async def _describe(_: Request) -> Response:
+    return JSONResponse(describe(ROUTES, API))
 
 
 def _problem(status: int, error: Exception) -> Response:
