@@ -46,6 +46,10 @@ class SetpointError(InvalidArgumentError):
     """A setpoint that no vehicle could follow: nothing controlled, or a number that is not finite."""
 
 
+class CdrError(LocalProtocolError, ValueError):
+    """Values do not fit a ROS message, or bytes are not one."""
+
+
 class EncodeError(LocalProtocolError, ValueError):
     """A message cannot be encoded as requested, such as an id above 255 in MAVLink 1."""
 

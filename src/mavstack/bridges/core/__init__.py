@@ -1,0 +1,1 @@
+"""Mapping of MAVLink vehicles to the buses of robotics, without transports."""

@@ -1,0 +1,67 @@
+"""The wall clock of a vehicle's times: Unix nanoseconds for the milliseconds since its boot.
+
+With an estimate of TIMESYNC the vehicle's clock is known. Without it the shortest delay counts that a message
+has had lately: a message arrives late, never early.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+#: Microseconds from here on are Unix time, not the time since boot: that of the year 2001.
+MIN_UNIX_MICROSECONDS: Final = 10**15
+#: A time that differs from the arrival by more than this belongs to another boot, or the clock is wrong.
+MAX_AGE: Final = 10_000_000_000
+#: How much the offset may grow in a second: clocks drift.
+DRIFT: Final = 0.0005
+
+
+class BootClock:
+    """The clock of one vehicle; times in nanoseconds."""
+
+    def __init__(self) -> None:
+        #: The vehicle's clock minus the local one, by TIMESYNC, in nanoseconds; None: not known.
+        self.timesync_offset: int | None = None
+        self._delay: int | None = None
+        self._updated = 0
+
+    def from_milliseconds(self, boot: int, arrival: int) -> int:
+        """Return the Unix time of a message by its `time_boot_ms`."""
+        return self.from_boot(boot * 1_000_000, arrival)
+
+    def from_microseconds(self, time: int, arrival: int) -> int:
+        """Return the Unix time of a message by its `time_usec`, which is Unix time or the time since boot."""
+        if time >= MIN_UNIX_MICROSECONDS:
+            return self._plausible(time * 1000, arrival)
+        return self.from_boot(time * 1000, arrival)
+
+    def from_boot(self, boot: int, arrival: int) -> int:
+        """Return the Unix time of a time since boot.
+
+        Args:
+            boot: The time since boot; 0: the message has none.
+            arrival: The Unix time of arrival.
+
+        Returns:
+            The time, never later than the arrival.
+        """
+        if not boot:
+            return arrival
+        if self.timesync_offset is not None:
+            found = boot - self.timesync_offset
+            if abs(found - arrival) < MAX_AGE:
+                return min(found, arrival)
+        return self._plausible(boot + self._shortest_delay(arrival - boot, arrival), arrival)
+
+    def _shortest_delay(self, delay: int, arrival: int) -> int:
+        known = self._delay
+        if known is not None:
+            known += int((arrival - self._updated) * DRIFT)
+        if known is None or delay < known or delay - known > MAX_AGE:
+            known = delay
+        self._delay, self._updated = known, arrival
+        return known
+
+    @staticmethod
+    def _plausible(time: int, arrival: int) -> int:
+        return time if 0 <= arrival - time < MAX_AGE else arrival

@@ -1,0 +1,76 @@
+"""Frames: MAVLink has north-east-down and forward-right-down, ROS the axes of REP 103.
+
+Those are east-north-up for the world and forward-left-up for bodies.
+
+Both changes of axes are their own inverses. MAVLink's quaternions are (w, x, y, z), ROS has (x, y, z, w).
+"""
+
+from __future__ import annotations
+
+from math import cos, pi, remainder, sin, sqrt
+from typing import Final, TypeAlias
+
+Vector: TypeAlias = tuple[float, float, float]
+Quaternion: TypeAlias = tuple[float, float, float, float]
+_HALF: Final = sqrt(0.5)
+
+
+def ned_enu(x: float, y: float, z: float) -> Vector:
+    """Return a vector in east-north-up for one in north-east-down, or the reverse."""
+    return y, x, -z
+
+
+def frd_flu(x: float, y: float, z: float) -> Vector:
+    """Return a vector in forward-left-up for one in forward-right-down, or the reverse."""
+    return x, -y, -z
+
+
+def to_ros_attitude(w: float, x: float, y: float, z: float) -> Quaternion:
+    """Return the attitude of a FLU body in ENU as (x, y, z, w), for a FRD body in NED as (w, x, y, z)."""
+    return _HALF * (x + y), _HALF * (x - y), _HALF * (w - z), _HALF * (w + z)
+
+
+def from_ros_attitude(x: float, y: float, z: float, w: float) -> Quaternion:
+    """Return the attitude of a FRD body in NED as (w, x, y, z), for a FLU body in ENU as (x, y, z, w)."""
+    return _HALF * (w + z), _HALF * (x + y), _HALF * (x - y), _HALF * (w - z)
+
+
+def flip_body(w: float, x: float, y: float, z: float) -> Quaternion:
+    """Return a rotation between FRD frames as one between FLU frames, both (w, x, y, z), or the reverse."""
+    return w, x, -y, -z
+
+
+def ned_to_enu_yaw(yaw: float) -> float:
+    """Return an angle from east, counter-clockwise, for one from north, clockwise, or the reverse."""
+    return remainder(pi / 2 - yaw, 2 * pi)
+
+
+def quaternion_of(roll: float, pitch: float, yaw: float) -> Quaternion:
+    """Return the rotation of three angles in radians as (w, x, y, z)."""
+    cr, sr = cos(roll / 2), sin(roll / 2)
+    cp, sp = cos(pitch / 2), sin(pitch / 2)
+    cy, sy = cos(yaw / 2), sin(yaw / 2)
+    return (
+        cr * cp * cy + sr * sp * sy,
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+    )
+
+
+def rotate(q: Quaternion, v: Vector) -> Vector:
+    """Return a vector rotated by a quaternion (x, y, z, w)."""
+    x, y, z, w = q
+    a, b, c = v
+    tx, ty, tz = 2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)
+    return (
+        a + w * tx + y * tz - z * ty,
+        b + w * ty + z * tx - x * tz,
+        c + w * tz + x * ty - y * tx,
+    )
+
+
+def conjugate(q: Quaternion) -> Quaternion:
+    """Return the reverse rotation of a quaternion (x, y, z, w)."""
+    x, y, z, w = q
+    return -x, -y, -z, w

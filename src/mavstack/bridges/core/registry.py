@@ -1,0 +1,44 @@
+"""The bridges of `mav bridge`, by name: each is one package and one entry here.
+
+Other packages add theirs through the entry points `mavstack.bridges`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from mavstack.plugins import Registry
+
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+    from collections.abc import Callable
+    from contextlib import AbstractAsyncContextManager
+
+    from mavstack.vehicle import Connection
+
+
+@dataclass(frozen=True, slots=True)
+class BridgeEntry:
+    """One bridge.
+
+    Attributes:
+        summary: One line about it.
+        examples: Command lines, each with a comment.
+        add_options: Declares its options; `--allow-control`, `--role` and those of links are there already.
+        serve: Returns an async context manager for the parsed options and the open connection: the bridge
+            runs inside it. Its value is the line that says that the bridge is ready. The role of the buses
+            is `role` of the options (`mavstack.security.roles.Role`).
+    """
+
+    summary: str
+    examples: tuple[str, ...]
+    add_options: Callable[[ArgumentParser], None]
+    serve: Callable[[Namespace, Connection], AbstractAsyncContextManager[str]]
+
+
+BRIDGES: Final[Registry[BridgeEntry]] = Registry(
+    "bridge",
+    "mavstack.bridges",
+    {},
+)

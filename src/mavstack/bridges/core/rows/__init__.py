@@ -1,0 +1,1 @@
+"""The mapping table: the rows by subject, each beside its converter."""
