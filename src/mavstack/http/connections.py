@@ -3,74 +3,116 @@
 A full server closes a connection for each new one (see `mavstack.security.admission`): first one whose
 request has not arrived completely, then one that is unused between two requests or reads its answer slowly,
 never one of a client with a session that may act. The application identifies clients by `mark_client`.
+
+A `Connection` is between the transport and the protocol of the server, whatever that is: it sees when bytes
+arrive. Around the application, `Connections.tracking` sees requests and answers. A request finds its
+connection by a context variable, since the server starts the application while the connection passes bytes.
 """
 
 from __future__ import annotations
 
-from functools import partial
+import asyncio
+from contextvars import ContextVar
 from time import monotonic
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
-from mavstack.errors import MissingExtraError
 from mavstack.security.admission import Admission, Place, Proof
 
-try:
-    import h11
-    from uvicorn.protocols.http.h11_impl import H11Protocol
-except ImportError as error:
-    raise MissingExtraError("an HTTP server", "web") from error
-
 if TYPE_CHECKING:
-    import asyncio
-    from collections.abc import Callable, MutableMapping
+    from collections.abc import Callable
+
+    from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 #: Open connections; the bound leaves descriptors to the links of the program.
 MAX_CONNECTIONS: Final = 512
 #: Seconds for the head of a request, and between two parts of its body.
 HEAD_TIMEOUT: Final = 20.0
-_PROOF: Final = "mavstack.proof"
-_HOLDER: Final = "mavstack.holder"
+_current: Final[ContextVar[Connection]] = ContextVar("mavstack_http_connection")
 
 
-def connection_factory() -> Callable[..., asyncio.Protocol]:
-    """Return the function that makes the connections of one server."""
-    return partial(Connection, admission=Admission(MAX_CONNECTIONS, min_stay=0))
-
-
-def mark_client(scope: MutableMapping[str, Any], proof: Proof, holder: str) -> None:
-    """Tell the server who the client of a request is.
+def mark_client(proof: Proof, holder: str) -> None:
+    """Tell the server who the client of the present request is.
 
     Args:
-        scope: The ASGI scope of the request.
-        proof: What the client has proved; `AUTHENTICATED`: its connection is kept while it is in use.
+        proof: The proof of the client; `AUTHENTICATED`: its connection is kept while it is in use.
         holder: The name under which its connections are counted with others; empty: its address.
     """
-    scope.setdefault("state", {}).update({_PROOF: proof, _HOLDER: holder})
+    connection = _current.get(None)
+    if connection is not None:
+        connection.proof = proof
+        connection.holder = holder or connection.host
 
 
-class Connection(H11Protocol):
+class Connections:
+    """The connections of one server."""
+
+    def __init__(self) -> None:
+        self._admission = Admission(MAX_CONNECTIONS, min_stay=0)
+        self._open: set[Connection] = set()
+
+    def admit(self, connection: Connection) -> bool:
+        """Take a connection, or refuse it; another one may be closed for it."""
+        # Those that became WebSockets report no end.
+        self._open = {each for each in self._open if not each.is_closing}
+        admitted, leaving = self._admission.admit(
+            connection.host, [each.place() for each in self._open], monotonic()
+        )
+        if leaving is not None:
+            leaving.abort()
+            self._open.discard(leaving)
+        if admitted:
+            self._open.add(connection)
+        return admitted
+
+    def remove(self, connection: Connection) -> None:
+        """Remove a connection that is closed. Idempotent."""
+        self._open.discard(connection)
+
+    def tracking(self, app: ASGIApp) -> ASGIApp:
+        """Return an application that reports its requests to their connections."""
+
+        async def tracked(scope: Scope, receive: Receive, send: Send) -> None:
+            connection = _current.get(None)
+            if connection is None or scope["type"] not in ("http", "websocket"):
+                await app(scope, receive, send)
+            elif scope["type"] == "websocket":
+                connection.begin_websocket()
+                await app(scope, receive, send)
+            else:
+                await connection.answer(app, scope, receive, send)
+
+        return tracked
+
+
+class Connection(asyncio.Protocol):
     """One connection until it becomes a WebSocket.
 
     Args:
-        admission: Decides on new connections.
-        arguments: The arguments of the base class.
-        settings: Its further arguments.
+        protocol: The protocol of the server, which speaks HTTP.
+        connections: All connections of the server.
     """
 
-    def __init__(self, *arguments: Any, admission: Admission, **settings: Any) -> None:  # noqa: ANN401
-        super().__init__(*arguments, **settings)
-        self._admission = admission
+    def __init__(self, protocol: asyncio.Protocol, connections: Connections) -> None:
+        self.host = ""
+        self.holder = ""
+        self.proof = Proof.SPEAKING
+        self._protocol = protocol
+        self._connections = connections
+        self._transport: asyncio.Transport | None = None
         self._deadline: asyncio.TimerHandle | None = None
         self._used_at = monotonic()
+        self._answering = 0  # requests of which the application has not sent the whole answer
+        self._awaits_head = True
+        self._awaits_body = False
+        self._has_next_head = False  # a part of it at least arrived during an answer
+        self._is_websocket = False
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Take the connection, or close it or another one if there are too many."""
-        others = [] if len(self.connections) < self._admission.max_places else self._places()
-        super().connection_made(transport)
-        host = self.client[0] if self.client else ""
-        admitted, leaving = self._admission.admit(host, others, self._used_at)
-        if leaving is not None:
-            leaving.transport.abort()
+        self._transport = transport
+        self.host = self.holder = (transport.get_extra_info("peername") or ("",))[0]
+        admitted = self._connections.admit(self)
+        self._protocol.connection_made(transport)
         if admitted:
             self._watch_request()
         else:
@@ -79,52 +121,110 @@ class Connection(H11Protocol):
     def data_received(self, data: bytes) -> None:
         """Take bytes of a request."""
         self._used_at = monotonic()
-        super().data_received(data)
+        if not self._answering:
+            self._awaits_head = not self._is_websocket
+        elif not self._awaits_body:
+            self._has_next_head = True
         self._watch_request()
+        token = _current.set(self)
+        try:
+            self._protocol.data_received(data)
+        finally:
+            _current.reset(token)
+
+    def eof_received(self) -> bool | None:
+        """Take the end of the client's bytes."""
+        return self._protocol.eof_received()
+
+    def pause_writing(self) -> None:
+        """Make the server wait: the client reads slowly."""
+        self._protocol.pause_writing()
+
+    def resume_writing(self) -> None:
+        """Let the server continue."""
+        self._protocol.resume_writing()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """End the deadline of the request."""
-        super().connection_lost(exc)
         self._stop_watching()
+        self._connections.remove(self)
+        self._protocol.connection_lost(exc)
 
     @property
-    def awaits_request(self) -> bool:
+    def is_closing(self) -> bool:
+        """True if the connection is closed, or will be."""
+        return self._transport is None or self._transport.is_closing()
+
+    def abort(self) -> None:
+        """Close the connection at once."""
+        if self._transport is not None:
+            self._transport.abort()
+
+    def begin_websocket(self) -> None:
+        """Note that the connection is a WebSocket, whose number the application limits: it is in use."""
+        self._is_websocket, self._awaits_head = True, False
+        self._stop_watching()
+
+    async def answer(self, app: ASGIApp, scope: Scope, receive: Receive, send: Send) -> None:
+        """Run the application for a request whose head has arrived."""
+        self._answering += 1
+        self._awaits_head, self._awaits_body = False, _has_body(scope)
+        self._watch_request()
+        is_complete = False
+
+        async def receive_part() -> Message:
+            message = await receive()
+            if message["type"] != "http.request" or not message.get("more_body", False):
+                self._awaits_body = False
+                self._watch_request()
+            return message
+
+        async def send_part(message: Message) -> None:
+            nonlocal is_complete
+            await send(message)
+            if message["type"] == "http.response.body" and not message.get("more_body", False):
+                is_complete = True
+                self._end_answer()
+
+        try:
+            await app(scope, receive_part, send_part)
+        finally:
+            if not is_complete:
+                self._end_answer()
+
+    def _end_answer(self) -> None:
+        self._answering -= 1
+        self._awaits_body = False
+        self._awaits_head, self._has_next_head = self._has_next_head, False
+        self._watch_request()
+
+    @property
+    def _awaits_request(self) -> bool:
         """True while the head or the body of a request has not arrived completely."""
-        return self.conn.their_state in (h11.IDLE, h11.SEND_BODY)
+        return self._awaits_head or self._awaits_body
 
     def place(self) -> Place[Connection]:
         """Return the place of the connection."""
-        state = {} if self.scope is None else self.scope.get("state", {})
-        holder = state.get(_HOLDER) or (self.client[0] if self.client else "")
-        proof = state.get(_PROOF, Proof.SPEAKING)
-        is_answered = self.cycle is None or self.cycle.response_complete
-        if self.cycle is None or (self.awaits_request and not is_answered):
-            return Place(self, holder, Proof.SILENT, self._used_at)
-        if proof is Proof.AUTHENTICATED and not is_answered:
-            return Place(self, holder, proof, monotonic())
-        if is_answered and self.conn.trailing_data[0]:  # the beginning of another request
-            return Place(self, holder, Proof.SILENT, self._used_at)
-        return Place(self, holder, proof, self._used_at)
-
-    def _places(self) -> list[Place[Any]]:
-        return [
-            each.place() if isinstance(each, Connection) else _websocket_place(each)
-            for each in self.connections
-        ]
+        if self._awaits_request:
+            return Place(self, self.holder, Proof.SILENT, self._used_at)
+        is_kept = self._is_websocket or (self._answering and self.proof is Proof.AUTHENTICATED)
+        proof = Proof.SPEAKING if self._is_websocket else self.proof
+        return Place(self, self.holder, proof, monotonic() if is_kept else self._used_at)
 
     def _watch_request(self) -> None:
         """Begin to wait for the next part of a request, or end it."""
-        if not self.awaits_request:
+        if not self._awaits_request:
             self._stop_watching()
         elif self._deadline is None:
-            self._deadline = self.loop.call_later(HEAD_TIMEOUT, self._check_request)
+            self._deadline = asyncio.get_running_loop().call_later(HEAD_TIMEOUT, self._check_request)
 
     def _check_request(self) -> None:
         """Close the connection if no part of its request has arrived for too long."""
         self._deadline = None
-        waits_for_head = self.conn.their_state is h11.IDLE
-        if waits_for_head or (monotonic() - self._used_at >= HEAD_TIMEOUT and not self.flow.read_paused):
-            self.transport.abort()
+        is_reading = self._transport is not None and self._transport.is_reading()
+        is_late = monotonic() - self._used_at >= HEAD_TIMEOUT and is_reading
+        if self._awaits_head or is_late:
+            self.abort()
         else:
             self._watch_request()
 
@@ -134,7 +234,26 @@ class Connection(H11Protocol):
             self._deadline = None
 
 
-def _websocket_place(protocol: Any) -> Place[Any]:  # noqa: ANN401 (of uvicorn)
-    """Return the place of a WebSocket, whose number the application limits: it is in use."""
-    client = getattr(protocol, "client", None)
-    return Place(protocol, client[0] if client else "", Proof.SPEAKING, monotonic())
+def _has_body(scope: Scope) -> bool:
+    """Return whether a request has a body."""
+    headers = dict(scope["headers"])
+    return b"transfer-encoding" in headers or headers.get(b"content-length", b"0").strip(b" 0") != b""
+
+
+def connection_factory(
+    make_protocol: Callable[..., asyncio.Protocol], connections: Connections
+) -> Callable[..., Connection]:
+    """Return the function that makes the connections of one server.
+
+    Args:
+        make_protocol: Makes the protocol of the server for a connection.
+        connections: All connections of the server.
+
+    Returns:
+        The function, which takes the arguments of `make_protocol`.
+    """
+
+    def make(*arguments: object, **settings: object) -> Connection:
+        return Connection(make_protocol(*arguments, **settings), connections)
+
+    return make

@@ -7,12 +7,12 @@ import logging
 import os
 import socket
 import ssl
-from contextlib import asynccontextmanager, contextmanager
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from mavstack.errors import LinkError, MissingExtraError
 from mavstack.handshakes import Handshakes, TlsHandshake
-from mavstack.http.connections import connection_factory
+from mavstack.http.connections import Connections, connection_factory
 
 try:
     import uvicorn
@@ -20,9 +20,12 @@ except ImportError as error:
     raise MissingExtraError("an HTTP server", "web") from error
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable, Iterator
+    from collections.abc import AsyncIterator, Callable
 
     from starlette.applications import Starlette
+    from starlette.types import ASGIApp, Receive, Scope, Send
+
+logger = logging.getLogger("mavstack.http")
 
 
 #: Bytes of a message that a client of a WebSocket may send.
@@ -36,32 +39,6 @@ class Certificate(NamedTuple):
 
     certificate: str
     key: str | None = None
-
-
-class _ClientFaults(logging.Filter):
-    """Drops what uvicorn logs of faulty clients, which could fill the log with it."""
-
-    _BEGINNINGS: Final = (
-        "ASGI callable returned without completing handshake",  # of a WebSocket that is refused
-        "Invalid UTF-8 sequence",
-        "Invalid HTTP request",
-        "Unsupported upgrade request",
-        "No supported WebSocket library",
-    )
-
-    def filter(self, record: logging.LogRecord) -> bool:
-        return not str(record.msg).startswith(self._BEGINNINGS)
-
-
-_CLIENT_FAULTS: Final = _ClientFaults()
-
-
-class _Server(uvicorn.Server):
-    """A server that leaves the signals to the program."""
-
-    @contextmanager
-    def capture_signals(self) -> Iterator[None]:
-        yield
 
 
 @asynccontextmanager
@@ -94,57 +71,53 @@ async def serving(
     sock = await _listen(address, name)
     handshakes = Handshakes()
     try:
-        connect = _connections(tls, handshakes)
+        context = None if tls is None else _tls_context(tls)
     except OSError as error:
         sock.close()
         files = " or ".join(filter(None, tls or ()))
         raise LinkError(
             f"cannot serve {name} with TLS: {files} is not a certificate with its key ({_reason(error)})"
         ) from None
-    server = _Server(_config(app, connect, websockets=websockets, proxy=proxy))
-    task = asyncio.create_task(server.serve(sockets=[sock]))
+    server = uvicorn.Server(_config(app, context, handshakes, websockets=websockets, proxy=proxy))
+    server.lifespan = server.config.lifespan_class(server.config)
+    await server.startup([sock])
+    task = asyncio.create_task(server.main_loop())
     try:
-        while not server.started and not task.done():  # noqa: ASYNC110 (uvicorn has no event for it)
-            await asyncio.sleep(0.005)
         yield sock.getsockname()[:2]
     finally:
         server.should_exit = True
         handshakes.close()
-        await asyncio.gather(task, return_exceptions=True)
-        sock.close()
+        await task
+        await server.shutdown([sock])
 
 
 def _reason(error: OSError) -> str:
     return str(getattr(error, "reason", None) or error.strerror or error)
 
 
-def _connections(tls: Certificate | None, handshakes: Handshakes) -> Callable[..., asyncio.Protocol]:
-    """Return the function that makes connections; with TLS each begins with a handshake.
-
-    The server of uvicorn sees a connection only after its handshake, of which it would take any number.
-    """
-    connect = connection_factory()
-    if tls is None:
-        return connect
+def _tls_context(tls: Certificate) -> ssl.SSLContext:
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.load_cert_chain(tls.certificate, tls.key)
-
-    def make(*arguments: Any, **settings: Any) -> asyncio.Protocol:  # noqa: ANN401 (those of uvicorn)
-        return TlsHandshake(connect(*arguments, **settings), context, handshakes)
-
-    return make
+    return context
 
 
 def _config(
-    app: Starlette, connect: Callable[..., asyncio.Protocol], *, websockets: bool, proxy: str
+    app: Starlette,
+    context: ssl.SSLContext | None,
+    handshakes: Handshakes,
+    *,
+    websockets: bool,
+    proxy: str,
 ) -> uvicorn.Config:
+    connections = Connections()
     config = uvicorn.Config(
-        app,
+        _logged(connections.tracking(app)),
         log_config=None,
+        log_level=logging.CRITICAL,  # faulty clients could fill its log; `_logged` reports faults of ours
         access_log=False,
         lifespan="off",
         server_header=False,
-        http=connect,  # type: ignore[arg-type]
+        http="h11",
         ws="websockets-sansio" if websockets else "none",
         ws_max_size=MAX_WEBSOCKET_MESSAGE,
         ws_ping_interval=PING_INTERVAL,
@@ -156,8 +129,34 @@ def _config(
         timeout_graceful_shutdown=1,
     )
     config.load()
-    logging.getLogger("uvicorn.error").addFilter(_CLIENT_FAULTS)
+    connect = connection_factory(config.http_protocol_class, connections)
+    config.http_protocol_class = _with_tls(connect, context, handshakes)  # type: ignore[assignment]
     return config
+
+
+def _with_tls(
+    connect: Callable[..., asyncio.Protocol], context: ssl.SSLContext | None, handshakes: Handshakes
+) -> Callable[..., asyncio.Protocol]:
+    """Return the function that makes connections; with TLS each begins with a handshake.
+
+    The server of uvicorn sees a connection only after its handshake, of which it would take any number.
+    """
+    if context is None:
+        return connect
+    return lambda *arguments, **settings: TlsHandshake(connect(*arguments, **settings), context, handshakes)
+
+
+def _logged(app: ASGIApp) -> ASGIApp:
+    """Return an application whose unexpected exceptions are logged."""
+
+    async def logged(scope: Scope, receive: Receive, send: Send) -> None:
+        try:
+            await app(scope, receive, send)
+        except Exception:
+            logger.exception("the request for %s failed", scope.get("path", ""))
+            raise
+
+    return logged
 
 
 async def _listen(address: str, name: str) -> socket.socket:

@@ -64,7 +64,7 @@ def problem_response(error: Exception) -> Response:
 
 async def _answer(route: AnyRoute, station: Station, access: Access, request: Request) -> Response:
     client = access.check_request(request)
-    mark_client(request.scope, client.proof, client.holder)
+    mark_client(client.proof, client.holder)
     _check_role(route, client, request)
     query = read_query(route.query or NoFields, request.query_params)
     body, data = await _read_body(route, request)
