@@ -21,12 +21,17 @@
     def test_my_configurator(flight_controller):
         configurator = Configurator(port=flight_controller.port)
 
+    def test_real_firmware(firmware):                       # a SITL that you have built, in our world
+        flight = firmware("ardupilot", "build/sitl/bin/arduplane", vehicle="plane", speed=10)
+        connection = mavutil.mavlink_connection(flight.url)
+
 The marker has the keyword arguments of `mavstack.sim.BackgroundSimulator`, for `virtual_vehicle` those of
 `VirtualVehicle`, for `flight_controller` those of `BackgroundFlightController`.
 """
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import pytest
@@ -40,6 +45,7 @@ if TYPE_CHECKING:
     from mavstack.sim.simulation import Simulation
     from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.sim.vehicle_types import Home
+    from mavstack.simulators.background_firmware import BackgroundFirmware
     from mavstack.vehicle import Vehicle
 
 Result = TypeVar("Result")
@@ -95,6 +101,32 @@ def flight_controller(request: pytest.FixtureRequest) -> Iterator[BackgroundFlig
 
     with BackgroundFlightController(**_marker_options(request)) as running:
         yield running
+
+
+@pytest.fixture
+def firmware() -> Iterator[Callable[..., BackgroundFirmware]]:
+    """Provide a function that starts real firmware in a simulated world.
+
+    Its arguments are the firmware ("px4", "ardupilot", "betaflight"), the path of its program (None: you
+    start it), and those of `mavstack.simulators.FirmwareOptions`.
+
+    Yields:
+        The function; what it returns has `url`, `simulator`, `inject`, `lines` and `events`.
+    """
+    from mavstack.simulators.background_firmware import BackgroundFirmware
+    from mavstack.simulators.firmware_session import FirmwareOptions
+
+    with ExitStack() as stack:
+
+        def start(
+            name: str,
+            binary: str | None = None,
+            **options: Any,  # noqa: ANN401 (those of FirmwareOptions)
+        ) -> BackgroundFirmware:
+            flight = BackgroundFirmware(FirmwareOptions(name, binary=binary, **options))
+            return stack.enter_context(flight)
+
+        yield start
 
 
 @pytest.fixture

@@ -13,9 +13,10 @@ from mavstack.sim.vehicle_types import DEFAULT_HOME
 from mavstack.simulators.ardupilot import JsonInterface, ServoOutputs
 from mavstack.simulators.bodies.copter import Copter
 from mavstack.simulators.outputs import Outputs
-from mavstack.simulators.sensors import SensorNoise, Sensors
+from mavstack.simulators.sensor_model import SensorModels
+from mavstack.simulators.sensors import Sensors
 
-SILENT = SensorNoise(*[0.0] * 7)
+IDEAL = SensorModels.ideal()
 
 
 def datagram(number, pulses=(1000,) * 16, rate=400):
@@ -23,8 +24,8 @@ def datagram(number, pulses=(1000,) * 16, rate=400):
     return struct.pack(f"<HHI{len(pulses)}H", magic, rate, number, *pulses)
 
 
-def interface(noise=SILENT, restarts=None):
-    sensors = Sensors(DEFAULT_HOME, noise=noise)
+def interface(models=IDEAL, restarts=None):
+    sensors = Sensors(DEFAULT_HOME, models=models)
     started = (lambda: restarts.append(1)) if restarts is not None else (lambda: None)
     return JsonInterface(Copter(), Outputs.MOTORS, DEFAULT_HOME, sensors, started)
 
@@ -64,7 +65,7 @@ def test_the_answer_is_a_line_without_spaces():
 
 
 def test_each_number_is_one_step_and_a_repeated_one_the_same_answer():
-    made = interface(SensorNoise())
+    made = interface(SensorModels())
     first = made.answer(datagram(0))
     second = made.answer(datagram(1))
     assert made.answer(datagram(1)) == second != first

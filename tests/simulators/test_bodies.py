@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from mavstack.sim.vehicle_types import DEFAULT_HOME
 from mavstack.simulators.bodies.copter import Copter
 from mavstack.simulators.bodies.plane import Plane
+from mavstack.simulators.bodies.quadplane import QuadPlane
 from mavstack.simulators.bodies.submarine import Submarine
 from mavstack.simulators.bodies.surface import boat, rover
 from mavstack.simulators.physics import PHYSICS, load_physics
@@ -31,7 +32,7 @@ def test_a_body_at_rest_measures_gravity(name):
     body, _ = load_physics(name)
     for state in (
         body.reset(DEFAULT_HOME, 30.0),
-        run(body, [0.0] * 16 if name == "copter" else [0.0] * 4, 2),
+        run(body, [0.0] * (4 if name in ("plane", "rover", "boat") else 16), 2),
     ):
         state.checked()
         assert state.position == pytest.approx((0.0, 0.0, 0.0), abs=0.02)
@@ -172,3 +173,18 @@ def test_a_submarine_floats_up_and_stays_at_the_surface():
     sub.reset(DEFAULT_HOME, 0.0)
     assert run(sub, (0, 0, 0, 0, 0.6, 0.6), 4).position[2] > 1.0
     assert run(sub, [0.0] * 6, 60).position[2] == pytest.approx(0.0, abs=0.01)
+
+
+def test_a_quadplane_rises_by_its_motors_and_flies_by_its_wing():
+    quadplane = QuadPlane()
+    state = quadplane.reset(DEFAULT_HOME, 0.0)
+    for _ in range(1000):
+        state = quadplane.step([0.0] * 4 + hold_attitude(state, 0.6), 0.004)
+    assert state.position[2] < -5.0
+    for _ in range(1500):  # the motors carry it until the wing does
+        lift = max(0.0, 0.55 - 0.04 * state.airspeed)
+        motors = hold_attitude(state, lift, pitch=0.05)
+        state = quadplane.step([0.0, 0.1, 1.0, 0.0, *motors], 0.004).checked()
+    assert state.airspeed > 13.0
+    assert state.velocity[0] > 13.0
+    assert state.position[2] < -5.0

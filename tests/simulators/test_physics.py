@@ -98,3 +98,7 @@ def test_outputs():
     assert Outputs.MOTORS.of_controls(controls)[:3] == (0.2, 0.0, 0.4)
     assert Outputs.SURFACES.of_controls(controls) == (0.2, 0.0, 0.4, 0.5)
     assert Outputs.STEERING.of_controls(controls) == (0.2, 0.0)
+    vtol = (1000, 2000, 1500, 1500, 1100, 1200, 1300, 1400, *[0] * 8)
+    assert Outputs.VTOL.of_pulses(vtol) == pytest.approx((-1.0, 1.0, 0.5, 0.0, 0.1, 0.2, 0.3, 0.4))
+    motors = (0.1, 0.2, 0.3, 0.4, 0.5, -1.0, 1.0, 0.25, *[0.0] * 8)
+    assert Outputs.VTOL.of_controls(motors) == (-1.0, 1.0, 0.5, 0.25, 0.1, 0.2, 0.3, 0.4)

@@ -33,7 +33,15 @@ def controls(values=(0.5,) * 16, mode=129):
 
 
 def test_it_waits_for_a_connection():
-    assert Px4Interface(DIALECT, Sensors(DEFAULT_HOME)).phase is Phase.WAITING
+    made = Px4Interface(DIALECT, Sensors(DEFAULT_HOME))
+    assert made.phase is Phase.WAITING
+    made.connected()
+    assert made.phase is Phase.CONNECTED
+    assert "first HIL_SENSOR" in made.phase.value
+    made.overdue()
+    assert made.phase is Phase.CONNECTED
+    made.step(State())
+    assert made.phase is Phase.START_UP
 
 
 def test_every_step_moves_the_clock_on():
@@ -53,7 +61,7 @@ def test_values_at_rest():
     assert sensor.zacc == pytest.approx(-9.81, abs=0.2)
     assert sensor.abs_pressure == pytest.approx(956, abs=2)
     assert sensor.pressure_alt == pytest.approx(DEFAULT_HOME.altitude, abs=1)
-    assert (sensor.xmag, sensor.ymag, sensor.zmag) == pytest.approx((0.21, 0.0, 0.46), abs=0.02)
+    assert (sensor.xmag, sensor.ymag, sensor.zmag) == pytest.approx((0.215, 0.013, 0.432), abs=0.008)
     assert fix.fix_type == 3
     assert fix.lat == pytest.approx(DEFAULT_HOME.latitude * 1e7, abs=200)
     assert fix.cog == 65535
@@ -102,8 +110,42 @@ def test_faults_reach_the_messages():
     sensors = Sensors(DEFAULT_HOME)
     made = Px4Interface(DIALECT, sensors)
     for name in ("gps-lost", "imu-frozen", "barometer-blocked"):
-        sensors.set_fault(name)
+        sensors.faults.inject(name)
     _, fix, _ = messages(made.step(State()))
     assert (fix.fix_type, fix.satellites_visible) == (0, 0)
     first = messages(made.step(State(rates=(1.0, 0.0, 0.0))))[0]
     assert first.xgyro == pytest.approx(0.0)
+
+
+def test_an_answer_that_no_step_waited_for_is_counted():
+    made = interface()
+    made.step(State())
+    made.feed(controls())
+    assert made.extra_answers == 0
+    made.feed(controls())
+    assert (made.answers, made.extra_answers) == (2, 1)
+
+
+def test_silence_is_a_phase_that_an_answer_ends():
+    made = interface()
+    made.step(State())
+    made.feed(controls())
+    made.step(State())
+    made.overdue()
+    assert made.phase is Phase.OVERDUE
+    made.feed(controls())
+    assert made.phase is Phase.LOCKSTEP
+    made.closed()
+    assert "start both again" in made.phase.value
+
+
+def test_rangefinder_and_optical_flow():
+    made = Px4Interface(DIALECT, Sensors(DEFAULT_HOME, equipment=["rangefinder", "optical-flow"]))
+    made.connected()
+    found = messages(made.step(State((0.0, 0.0, -4.0), (1.0, 0.0, 0.0))))
+    distance = next(each for each in found if isinstance(each, common.DistanceSensor))
+    flow = next(each for each in found if isinstance(each, common.HilOpticalFlow))
+    assert distance.current_distance == pytest.approx(400, abs=15)
+    assert distance.orientation == 25
+    assert flow.integrated_y == pytest.approx(0.25 * 0.05, abs=0.005)
+    assert flow.quality == 255

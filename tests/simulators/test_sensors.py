@@ -2,86 +2,143 @@
 
 from __future__ import annotations
 
+import math
 from statistics import fmean, stdev
 
 import pytest
 
 from mavstack.errors import InvalidArgumentError
 from mavstack.sim.vehicle_types import DEFAULT_HOME
-from mavstack.simulators.sensors import FAULTS, SensorNoise, Sensors, pressure_at, temperature_at
+from mavstack.simulators.faults import FAULTS
+from mavstack.simulators.rotation import from_euler
+from mavstack.simulators.sensor_model import SensorModel, SensorModels
+from mavstack.simulators.sensors import EQUIPMENT, Sensors
 from mavstack.simulators.state import State
 
+DT = 0.004
 
-def test_the_same_seed_gives_the_same_values():
-    def values(seed):
-        sensors = Sensors(DEFAULT_HOME, seed)
-        return [
-            (sensors.inertial(State()), sensors.magnetic(State()), sensors.fix(State())) for _ in range(5)
-        ]
 
-    assert values(1) == values(1) != values(2)
+def samples(sensors, count, state=None):
+    return [sensors.sample(state or State(), index * DT) for index in range(count)]
+
+
+def test_the_same_seed_gives_the_same_values_again_after_a_reset():
+    sensors = Sensors(DEFAULT_HOME, 1)
+    first = samples(sensors, 60)
+    sensors.reset()
+    assert samples(sensors, 60) == first == samples(Sensors(DEFAULT_HOME, 1), 60)
+    assert samples(Sensors(DEFAULT_HOME, 2), 60) != first
 
 
 def test_noise_has_its_deviation_and_no_mean():
-    sensors = Sensors(DEFAULT_HOME, noise=SensorNoise(accelerometer=0.1))
-    values = [sensors.inertial(State()).acceleration[0] for _ in range(4000)]
+    sensors = Sensors(DEFAULT_HOME, models=SensorModels(accelerometer=SensorModel(noise=0.1)))
+    values = [each.acceleration[0] for each in samples(sensors, 4000)]
     assert fmean(values) == pytest.approx(0.0, abs=0.01)
     assert stdev(values) == pytest.approx(0.1, rel=0.1)
 
 
-def test_the_standard_atmosphere():
-    assert pressure_at(0.0) == pytest.approx(1013.25)
-    assert pressure_at(1000.0) == pytest.approx(898.7, abs=0.3)
-    assert temperature_at(1000.0) == pytest.approx(8.5)
+def test_each_sensor_has_its_rate():
+    taken = samples(Sensors(DEFAULT_HOME, equipment=EQUIPMENT), 500)
+    counts = {
+        name: sum(getattr(each, name) is not None for each in taken)
+        for name in ("magnetic", "altitude", "airspeed", "fix", "distance", "flow")
+    }
+    assert counts == {
+        "magnetic": 100,
+        "altitude": 100,
+        "airspeed": 100,
+        "fix": 20,
+        "distance": 40,
+        "flow": 40,
+    }
 
 
 def test_positions_walk_within_metres():
-    sensors = Sensors(DEFAULT_HOME)
-    altitudes = [sensors.fix(State()).altitude for _ in range(2000)]
+    altitudes = [each.fix.altitude for each in samples(Sensors(DEFAULT_HOME), 50_000) if each.fix]
     assert max(abs(altitude - DEFAULT_HOME.altitude) for altitude in altitudes) < 3.0
     assert len(set(altitudes)) == 2000
 
 
+def test_a_rangefinder_looks_along_the_body():
+    sensors = Sensors(DEFAULT_HOME, models=SensorModels.ideal(), equipment=["rangefinder"])
+    leaning = State((0.0, 0.0, -10.0), attitude=from_euler(math.radians(60) * 0.99, 0.0, 0.0))
+    assert sensors.sample(leaning, 0.0).distance == pytest.approx(19.66, abs=0.1)
+    fallen = State((0.0, 0.0, -10.0), attitude=from_euler(1.5, 0.0, 0.0))
+    assert sensors.sample(fallen, 0.05).distance == math.inf
+    assert sensors.sample(State((0.0, 0.0, -100.0)), 0.1).distance == math.inf
+    assert sensors.sample(State(range=3.0), 0.15).distance == 3.0
+    assert Sensors(DEFAULT_HOME).sample(State(), 0.0).distance is None
+
+
+def test_optical_flow_is_speed_by_height_and_turn():
+    sensors = Sensors(DEFAULT_HOME, models=SensorModels.ideal(), equipment=["optical-flow"])
+    flow = sensors.sample(State((0.0, 0.0, -5.0), (2.0, 1.0, 0.0), rates=(0.1, 0.2, 0.0)), 0.0).flow
+    assert flow.rates == pytest.approx((0.1 - 1.0 / 5.0, 0.2 + 2.0 / 5.0))
+    assert flow.quality == 255
+
+
 def changed_by(fault):
-    """Return what a fault changes for a body that moves."""
-    state = State(velocity=(20.0, 0.0, 0.0), rates=(0.1, 0.2, 0.3), specific_force=(1.0, 0.0, -9.0))
-    moved = State((0.0, 0.0, -100.0), state.velocity, state.attitude, (0.5, 0.5, 0.5), (3.0, 0.0, -8.0))
-    quiet = Sensors(DEFAULT_HOME, noise=SensorNoise(*[0.0] * 7))
-    broken = Sensors(DEFAULT_HOME, noise=SensorNoise(*[0.0] * 7))
+    """Return the readings that a fault changes for a body that moves."""
+    first = State((0.0, 0.0, -9.0), (20.0, 0.0, 0.0), rates=(0.1, 0.2, 0.3), battery=(16.0, 1.0))
+    moved = State(
+        (5.0, 0.0, -10.0),
+        (20.0, 0.0, 0.0),
+        from_euler(0.0, 0.0, 0.5),
+        (0.5, 0.5, 0.5),
+        (3.0, 0.0, -8.0),
+        battery=(16.0, 1.0),
+    )
+    ideal = SensorModels.ideal()
+    quiet, broken = (Sensors(DEFAULT_HOME, models=ideal, equipment=EQUIPMENT) for _ in range(2))
+    if fault == "imu-shaken":
+        quiet, broken = (Sensors(DEFAULT_HOME, equipment=EQUIPMENT) for _ in range(2))
     for sensors in (quiet, broken):
-        sensors.inertial(state)
-        sensors.altitude(state)
-    broken.set_fault(fault)
-    reads = {
-        "inertial": lambda sensors: sensors.inertial(moved),
-        "magnetic": lambda sensors: sensors.magnetic(moved),
-        "altitude": lambda sensors: sensors.altitude(moved),
-        "airspeed": lambda sensors: sensors.airspeed(moved),
-        "fix": lambda sensors: sensors.fix(moved),
-    }
-    return {name for name, read in reads.items() if read(quiet) != read(broken)}
+        sensors.sample(first, 0.0)
+    broken.faults.inject(fault)
+    good, bad = quiet.sample(moved, 1.0), broken.sample(moved, 1.0)
+    names = (
+        "acceleration",
+        "rates",
+        "magnetic",
+        "altitude",
+        "airspeed",
+        "fix",
+        "distance",
+        "flow",
+        "battery",
+    )
+    return {name for name in names if getattr(good, name) != getattr(bad, name)}
 
 
 @pytest.mark.parametrize(
-    ("fault", "sensor"),
+    ("fault", "readings"),
     [
-        ("gps-lost", "fix"),
-        ("imu-frozen", "inertial"),
-        ("imu-biased", "inertial"),
-        ("magnetometer-disturbed", "magnetic"),
-        ("barometer-blocked", "altitude"),
-        ("airspeed-blocked", "airspeed"),
+        ("gps-lost", {"fix"}),
+        ("gps-frozen", {"fix"}),
+        ("gps-jumped", {"fix"}),
+        ("imu-frozen", {"acceleration", "rates"}),
+        ("imu-biased", {"acceleration", "rates"}),
+        ("magnetometer-disturbed", {"magnetic"}),
+        ("magnetometer-frozen", {"magnetic"}),
+        ("barometer-blocked", {"altitude"}),
+        ("airspeed-blocked", {"airspeed"}),
+        ("rangefinder-lost", {"distance"}),
+        ("flow-lost", {"flow"}),
+        ("battery-low", {"battery"}),
     ],
 )
-def test_a_fault_changes_its_sensor_alone(fault, sensor):
-    assert changed_by(fault) == {sensor}
+def test_a_fault_changes_its_sensor_alone(fault, readings):
+    assert changed_by(fault) == readings
 
 
-def test_all_faults_are_tested_and_end():
-    sensors = Sensors(DEFAULT_HOME)
-    for name in FAULTS:
-        sensors.set_fault(name)
-        sensors.set_fault(name, is_present=False)
-    assert not sensors.faults
-    with pytest.raises(InvalidArgumentError, match="there is no fault 'gps'"):
-        sensors.set_fault("gps")
+def test_shaking_reaches_the_inertial_sensors():
+    assert changed_by("imu-shaken") >= {"acceleration", "rates"}
+    assert set(FAULTS) == {
+        mark.args[0] if isinstance(mark, pytest.Mark) else mark[0]
+        for mark in test_a_fault_changes_its_sensor_alone.pytestmark[0].args[1]
+    } | {"imu-shaken"}
+
+
+def test_unknown_equipment_is_refused():
+    with pytest.raises(InvalidArgumentError, match="there is no equipment 'sonar'"):
+        Sensors(DEFAULT_HOME, equipment=["sonar"])

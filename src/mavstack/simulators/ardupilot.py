@@ -34,6 +34,11 @@ if TYPE_CHECKING:
 #: The first number of a datagram, and the number of outputs.
 _MAGICS: Final = {18458: 16, 29569: 32}
 _HEADER: Final = struct.Struct("<HHI")
+#: The fields of each answer: SITL's scanner accepts no spaces.
+_MOTION: Final = (
+    '\n{"timestamp":%.6f,"imu":{"gyro":[%.7g,%.7g,%.7g],"accel_body":[%.7g,%.7g,%.7g]},'
+    '"position":[%.9g,%.9g,%.9g],"quaternion":[%.9g,%.9g,%.9g,%.9g],"velocity":[%.9g,%.9g,%.9g]'
+)
 #: The longest step: SITL ignores what is longer.
 MAX_STEP: Final = 0.1
 
@@ -91,12 +96,18 @@ class JsonInterface:
         on_restart: Callable[[], None] = lambda: None,
     ) -> None:
         self._physics, self._outputs, self._home, self._sensors = physics, outputs, home, sensors
+        self._speed, self._range = 0.0, math.inf
         self._on_restart = on_restart
         self._number = -1
         self._answer = b""
         self.time = 0.0
         self.steps = self.repeated = self.invalid = 0
         self.state = physics.reset(home, home.heading).checked()
+
+    def is_step(self, data: bytes) -> bool:
+        """Return whether the answer to a datagram moves the body."""
+        servos = ServoOutputs.parse(data)
+        return servos is not None and servos.number != self._number
 
     def answer(self, data: bytes) -> bytes | None:
         """Make the step that a datagram asks for.
@@ -128,27 +139,27 @@ class JsonInterface:
         # The time goes back too, by which SITL knows that the body was reset.
         self.state = self._physics.reset(self._home, self._home.heading).checked()
         self.time, self.steps = 0.0, 0
+        self._sensors.reset()
         self._on_restart()
 
     def _line(self) -> str:
         state = self.state
-        inertial = self._sensors.inertial(state)
-        parts = [
-            f'"timestamp":{self.time:.6f}',
-            f'"imu":{{"gyro":{_list(inertial.rates)},"accel_body":{_list(inertial.acceleration)}}}',
-            f'"position":{_list(state.position)}',
-            f'"quaternion":{_list(state.attitude)}',
-            f'"velocity":{_list(state.velocity)}',
-        ]
+        readings = self._sensors.sample(state, self.time)
+        line = _MOTION % (
+            self.time,
+            *readings.rates,
+            *readings.acceleration,
+            *state.position,
+            *state.attitude,
+            *state.velocity,
+        )
         if state.airspeed is not None:
-            parts.append(f'"airspeed":{self._sensors.airspeed(state):.4f}')
-        if state.range is not None and math.isfinite(state.range):
-            parts.append(f'"rng_1":{state.range:.4f}')
+            self._speed = self._speed if readings.airspeed is None else readings.airspeed
+            line += f',"airspeed":{self._speed:.4f}'
+        if readings.distance is not None:
+            self._range = readings.distance
+        if math.isfinite(self._range):
+            line += f',"rng_1":{self._range:.4f}'
         if state.battery is not None:
-            voltage, current = state.battery
-            parts.append(f'"battery":{{"voltage":{voltage:.3f},"current":{current:.3f}}}')
-        return "\n{" + ",".join(parts) + "}\n"
-
-
-def _list(values: tuple[float, ...]) -> str:
-    return "[" + ",".join([f"{value:.9g}" for value in values]) + "]"
+            line += ',"battery":{{"voltage":{:.3f},"current":{:.3f}}}'.format(*readings.battery)
+        return line + "}\n"

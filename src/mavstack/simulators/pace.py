@@ -1,12 +1,14 @@
-"""The pace of a simulation: its speed beside real time, pauses and single steps."""
+"""The pace of a simulation: its speed beside real time, pauses and single steps. Without a clock."""
 
 from __future__ import annotations
 
-import asyncio
 import math
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import InvalidArgumentError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 #: Seconds that the simulation may lag behind before it gives up to catch up.
 MAX_LAG: Final = 0.1
@@ -19,58 +21,79 @@ class Pace:
 
     Args:
         speed: Simulated seconds in a real second; 0: as fast as possible.
+        changed: Called when a step that had to wait may begin.
 
     Raises:
         InvalidArgumentError: The speed is negative or not finite.
     """
 
-    def __init__(self, speed: float = 1.0) -> None:
-        if not (math.isfinite(speed) and speed >= 0.0):
-            raise InvalidArgumentError(f"the speed must be 0 or more, got {speed:g}")
-        self.speed = speed
-        self._runs = asyncio.Event()
-        self._runs.set()
-        self._steps = 0
+    def __init__(self, speed: float = 1.0, changed: Callable[[], None] = lambda: None) -> None:
+        self._changed = changed
+        self._steps: int | None = None  # steps until a pause; None: no pause
         self._begun: tuple[float, float] | None = None
+        self._speed = _checked(speed)
+
+    @property
+    def speed(self) -> float:
+        """Simulated seconds in a real second; 0: as fast as possible."""
+        return self._speed
+
+    @speed.setter
+    def speed(self, speed: float) -> None:
+        self._speed = _checked(speed)
+        self._begun = None
+        self._changed()
 
     @property
     def is_paused(self) -> bool:
-        """True after `pause`, until `resume`."""
-        return not self._runs.is_set()
+        """True after `pause` and its steps, until `resume`."""
+        return self._steps == 0
 
     def pause(self, steps: int = 0) -> None:
-        """Pause after some more steps."""
+        """Pause after some more steps.
+
+        Raises:
+            InvalidArgumentError: The number is negative.
+        """
+        if steps < 0:
+            raise InvalidArgumentError(f"the number of steps must be 0 or more, got {steps}")
         self._steps = steps
-        self._runs.set() if steps else self._runs.clear()
         self._begun = None
+        self._changed()
 
     def resume(self) -> None:
-        """Go on after a pause."""
-        self._steps = 0
-        self._begun = None
-        self._runs.set()
+        """Continue after a pause."""
+        self._steps = self._begun = None
+        self._changed()
 
-    async def wait(self, time: float) -> None:
-        """Wait until a step may begin.
+    def delay(self, time: float, now: float) -> float | None:
+        """Return the real seconds until the next step may begin.
 
         Args:
             time: Seconds of the simulation.
-        """
-        if not self._runs.is_set():
-            await self._runs.wait()
-        if self._steps:
-            self._steps -= 1
-            if not self._steps:
-                self._runs.clear()
-        if self.speed:
-            await self._hold(time)
+            now: Seconds of the real clock.
 
-    async def _hold(self, time: float) -> None:
-        now = asyncio.get_running_loop().time()
+        Returns:
+            The seconds; None: the simulation is paused.
+        """
+        if self._steps == 0:
+            return None
+        if not self._speed:
+            return 0.0
         if self._begun is None:
             self._begun = (now, time)
-        ahead = (time - self._begun[1]) / self.speed - (now - self._begun[0])
+        ahead = (time - self._begun[1]) / self._speed - (now - self._begun[0])
         if ahead < -MAX_LAG:
             self._begun = (now, time)
-        elif ahead > _SHORTEST:
-            await asyncio.sleep(ahead)
+        return ahead if ahead > _SHORTEST else 0.0
+
+    def count(self) -> None:
+        """Count a step that begins."""
+        if self._steps:
+            self._steps -= 1
+
+
+def _checked(speed: float) -> float:
+    if not (math.isfinite(speed) and speed >= 0.0):
+        raise InvalidArgumentError(f"the speed must be 0 or more, got {speed:g}")
+    return speed

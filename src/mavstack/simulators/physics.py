@@ -105,6 +105,12 @@ PHYSICS: Final[Mapping[str, PhysicsEntry]] = MappingProxyType(
         "plane": PhysicsEntry(
             _own("bodies.plane", "Plane"), Outputs.SURFACES, "a trainer of 1.8 kg on wheels", "plane"
         ),
+        "vtol": PhysicsEntry(
+            _own("bodies.quadplane", "QuadPlane"),
+            Outputs.VTOL,
+            "a plane of 2.4 kg with four lifting motors",
+            "vtol",
+        ),
         "rover": PhysicsEntry(
             _own("bodies.surface", "rover"), Outputs.STEERING, "a rover with steered wheels", "rover"
         ),
@@ -116,6 +122,15 @@ PHYSICS: Final[Mapping[str, PhysicsEntry]] = MappingProxyType(
         ),
         "jsbsim": PhysicsEntry(
             _adapter("jsbsim", "JsbsimPhysics"), Outputs.SURFACES, "an aircraft of JSBSim", "jsbsim:c172x"
+        ),
+        "mujoco": PhysicsEntry(
+            _adapter("mujoco", "MujocoPhysics"), Outputs.MOTORS, "a model of MuJoCo, MJCF", "mujoco:quad.xml"
+        ),
+        "rotorpy": PhysicsEntry(
+            _adapter("rotorpy", "RotorpyPhysics"),
+            Outputs.MOTORS,
+            "a quadrotor of rotorpy",
+            "rotorpy:hummingbird",
         ),
     }
 )

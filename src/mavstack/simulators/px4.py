@@ -6,10 +6,11 @@ one HIL_ACTUATOR_CONTROLS, which ends the step (*lockstep*); before that it answ
 without an answer (*start-up*). PX4 does not connect again after a disconnection: both programs are started
 again.
 
-    connection: waiting -> start-up -> lockstep
+    waiting -> connected -> start-up -> lockstep <-> overdue
+    any -> closed
 
-Times are those of the simulation and start above 0, since PX4 takes no time of 0. Magnetometer and barometer
-are sent with each 5th step and a position with each 25th: 50 and 10 Hz at steps of 4 ms.
+Times are those of the simulation and start above 0, since PX4 takes no time of 0. The sensors decide what a
+step contains: with the defaults magnetometer and barometer at 50 Hz, a position at 10 Hz.
 """
 
 from __future__ import annotations
@@ -19,33 +20,43 @@ from enum import Enum
 from typing import TYPE_CHECKING, Final, cast
 
 from mavstack.dialects import common
-from mavstack.simulators.sensors import dynamic_pressure, pressure_at, temperature_at
+from mavstack.simulators.sensors import MAX_RANGE, MIN_RANGE
 from mavstack.wire import Encoder, Parser
 
 if TYPE_CHECKING:
-    from mavstack.dialects import Dialect
-    from mavstack.simulators.sensors import Sensors
+    from mavstack.dialects import Dialect, Message
+    from mavstack.simulators.sensors import Fix, Flow, Readings, Sensors
     from mavstack.simulators.state import State
 
 #: Length of a step in microseconds.
 STEP: Final = 4_000
 #: The time of the first step in microseconds.
 START: Final = 1_000_000
-#: Steps between two samples of slower sensors.
-SLOW_STEPS, FIX_STEPS, TRUTH_STEPS = 5, 25, 5
+#: Steps between two packets of the true state, for PX4's log.
+TRUTH_STEPS: Final = 5
 #: HIL_SENSOR.fields_updated of each sensor: all bits of a sensor, or PX4 ignores it.
 INERTIAL_BITS, MAGNETIC_BITS, PRESSURE_BITS, AIRSPEED_BITS = 0x3F, 0x1C0, 0x1A00, 0x400
 _CM: Final = 100.0
 _UNKNOWN_COURSE: Final = 65535
 _SYSTEM, _COMPONENT = 1, 51
+_DOWN: Final = 25  # MAV_SENSOR_ROTATION_PITCH_270
+_ACTUATORS: Final = common.HilActuatorControls.__mavlink_row__[0]
 
 
 class Phase(Enum):
-    """The phase of a conversation: its value is the reason to wait."""
+    """The phase of a conversation; its value says what each side waits for."""
 
-    WAITING = "PX4 is not connected"
-    START_UP = "PX4 starts: it does not drive its outputs yet"
-    LOCKSTEP = "PX4 answers each step"
+    WAITING = "the simulator waits for PX4 to connect"
+    CONNECTED = "PX4 waits for its first HIL_SENSOR, which sets its clock"
+    START_UP = (
+        "PX4 starts and does not drive its outputs yet; the simulator sends sensors and waits for no answer"
+    )
+    LOCKSTEP = "PX4 answers each HIL_SENSOR by one HIL_ACTUATOR_CONTROLS"
+    OVERDUE = (
+        "the simulator waits for HIL_ACTUATOR_CONTROLS: PX4 is stopped, or a module of it waits for a sensor"
+        " that does not come"
+    )
+    CLOSED = "PX4 disconnected and does not connect again: start both again"
 
 
 class Px4Interface:
@@ -56,12 +67,13 @@ class Px4Interface:
         sensors: The sensors of the body.
 
     Attributes:
-        phase: What each side waits for.
+        phase: The phase; its value says what each side waits for.
         time: Time of the last step in microseconds.
         steps: Steps that were sent.
         controls: The outputs of the last answer: motors 0 to 1, others -1 to 1.
         is_armed: The outputs are those of an armed vehicle.
         answers: HIL_ACTUATOR_CONTROLS that were received.
+        extra_answers: HIL_ACTUATOR_CONTROLS that no step waited for.
     """
 
     def __init__(self, dialect: Dialect, sensors: Sensors) -> None:
@@ -73,43 +85,68 @@ class Px4Interface:
         self.steps = 0
         self.controls: tuple[float, ...] = (0.0,) * 16
         self.is_armed = False
-        self.answers = 0
+        self.answers = self.extra_answers = 0
+        self._is_open = False
+
+    @property
+    def seconds(self) -> float:
+        """Seconds of the simulation."""
+        return self.steps * STEP / 1e6
 
     def connected(self) -> None:
         """Begin: PX4 has connected."""
-        self.phase = Phase.START_UP
+        self.phase = Phase.CONNECTED
+
+    def overdue(self) -> None:
+        """Note that PX4 does not answer a step."""
+        if self.phase is Phase.LOCKSTEP:
+            self.phase = Phase.OVERDUE
+
+    def closed(self) -> None:
+        """End: PX4 has disconnected."""
+        self.phase = Phase.CLOSED
 
     def feed(self, data: bytes) -> bool:
         """Take bytes of PX4; returns True if they end the step."""
         is_answered = False
         for packet in self._parser.feed(data):
-            if packet.message_id == common.HilActuatorControls.__mavlink_row__[0]:
+            if packet.message_id == _ACTUATORS:
                 self._take_controls(cast("common.HilActuatorControls", packet.message))
                 is_answered = True
         return is_answered
 
     def step(self, state: State) -> bytes:
-        """Return what PX4 is sent of the next step."""
+        """Return the packets of the next step."""
+        readings = self._sensors.sample(state, self.seconds)
         self.time += STEP
         self.steps += 1
-        packets = [self._encoder.encode(self._sensor(state))]
-        if self.steps % FIX_STEPS == 1:
-            packets.append(self._encoder.encode(self._fix(state)))
+        self._is_open = True
+        if self.phase is Phase.CONNECTED:
+            self.phase = Phase.START_UP
+        messages: list[Message] = [self._sensor(readings)]
+        if readings.fix is not None:
+            messages.append(self._fix(readings.fix))
+        if readings.distance is not None:
+            messages.append(self._distance(readings.distance))
+        if readings.flow is not None:
+            messages.append(self._flow(readings.flow))
         if self.steps % TRUTH_STEPS == 1:
-            packets.append(self._encoder.encode(self._truth(state)))
-        return b"".join(packets)
+            messages.append(self._truth(state))
+        return b"".join([self._encoder.encode(message) for message in messages])
 
     def _take_controls(self, message: common.HilActuatorControls) -> None:
+        self.extra_answers += not self._is_open
+        self._is_open = False
         self.controls = message.controls
         self.is_armed = bool(message.mode & common.MavModeFlag.SAFETY_ARMED)
         self.answers += 1
         self.phase = Phase.LOCKSTEP
 
-    def _sensor(self, state: State) -> common.HilSensor:
-        sensors = self._sensors
-        inertial = sensors.inertial(state)
-        (ax, ay, az), (p, q, r) = inertial.acceleration, inertial.rates
-        if self.steps % SLOW_STEPS != 1:
+    def _sensor(self, readings: Readings) -> common.HilSensor:
+        """Return HIL_SENSOR; only samples whose bits are set are new."""
+        (ax, ay, az), (p, q, r) = readings.acceleration, readings.rates
+        bits, field, altitude = INERTIAL_BITS, readings.magnetic, readings.altitude
+        if field is None and altitude is None and readings.airspeed is None:
             return common.HilSensor(
                 time_usec=self.time,
                 xacc=ax,
@@ -118,30 +155,30 @@ class Px4Interface:
                 xgyro=p,
                 ygyro=q,
                 zgyro=r,
-                fields_updated=INERTIAL_BITS,
+                fields_updated=bits,
             )
-        mx, my, mz = sensors.magnetic(state)
-        altitude, airspeed = sensors.altitude(state), sensors.airspeed(state)
-        return common.HilSensor(
-            time_usec=self.time,
-            xacc=ax,
-            yacc=ay,
-            zacc=az,
-            xgyro=p,
-            ygyro=q,
-            zgyro=r,
-            xmag=mx,
-            ymag=my,
-            zmag=mz,
-            abs_pressure=pressure_at(altitude),
-            pressure_alt=altitude,
-            temperature=temperature_at(altitude),
-            diff_pressure=dynamic_pressure(airspeed),
-            fields_updated=INERTIAL_BITS | MAGNETIC_BITS | PRESSURE_BITS | AIRSPEED_BITS,
-        )
+        message = common.HilSensor(time_usec=self.time, xacc=ax, yacc=ay, zacc=az, xgyro=p, ygyro=q, zgyro=r)
+        if field is not None:
+            message.xmag, message.ymag, message.zmag = field
+            bits |= MAGNETIC_BITS
+        if altitude is not None:
+            self._air(message, altitude)
+            bits |= PRESSURE_BITS
+        if readings.airspeed is not None:
+            message.diff_pressure = self._sensors.atmosphere.dynamic_pressure(
+                readings.airspeed, altitude or 0.0
+            )
+            bits |= AIRSPEED_BITS
+        message.fields_updated = bits
+        return message
 
-    def _fix(self, state: State) -> common.HilGps:
-        fix = self._sensors.fix(state)
+    def _air(self, message: common.HilSensor, altitude: float) -> None:
+        air = self._sensors.atmosphere
+        message.abs_pressure = air.pressure_at(altitude)
+        message.pressure_alt = altitude
+        message.temperature = air.temperature_at(altitude)
+
+    def _fix(self, fix: Fix) -> common.HilGps:
         north, east, down = fix.velocity
         speed = math.hypot(north, east)
         course = math.degrees(math.atan2(east, north)) % 360.0
@@ -159,6 +196,32 @@ class Px4Interface:
             vd=round(down * _CM),
             cog=round(course * _CM) % 36000 if speed > 0.5 else _UNKNOWN_COURSE,
             satellites_visible=12 if fix.is_valid else 0,
+        )
+
+    def _distance(self, distance: float) -> common.DistanceSensor:
+        is_seen = math.isfinite(distance)
+        return common.DistanceSensor(
+            time_boot_ms=self.time // 1000,
+            min_distance=round(MIN_RANGE * _CM),
+            max_distance=round(MAX_RANGE * _CM),
+            current_distance=round(distance * _CM) if is_seen else round(MAX_RANGE * _CM) + 1,
+            orientation=_DOWN,
+            signal_quality=100 if is_seen else 1,
+        )
+
+    def _flow(self, flow: Flow) -> common.HilOpticalFlow:
+        p, q, r = flow.turn
+        is_seen = math.isfinite(flow.distance)
+        return common.HilOpticalFlow(
+            time_usec=self.time,
+            integration_time_us=round(flow.interval * 1e6),
+            integrated_x=flow.rates[0] * flow.interval,
+            integrated_y=flow.rates[1] * flow.interval,
+            integrated_xgyro=p * flow.interval,
+            integrated_ygyro=q * flow.interval,
+            integrated_zgyro=r * flow.interval,
+            quality=flow.quality,
+            distance=flow.distance if is_seen else -1.0,
         )
 
     def _truth(self, state: State) -> common.HilStateQuaternion:

@@ -1,74 +1,40 @@
-"""Sensors of a simulated body: true values with noise, bias, drift and faults, the same for the same seed.
+"""Sensors of a simulated body: true values with their errors and faults, the same for the same seed.
 
-Standard deviations are those of a low-cost autopilot. Every sample has noise, because estimators take values
-that do not change for a dead sensor. Faults are set by name while the simulation runs.
+`Sensors.sample` takes the state of a step and returns `Readings`: accelerometer and gyroscope with each step,
+the others when they are due. Every sample has noise, because estimators take values that do not change for a
+dead sensor. The magnetic field is the World Magnetic Model, the air the standard atmosphere.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from random import Random
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, cast
 
 from mavstack.errors import InvalidArgumentError
 from mavstack.geodesy import LocalFrame
-from mavstack.sim.motion.sensors import (
-    DENSITY,
-    EXPONENT,
-    KELVIN,
-    LAPSE,
-    SEA_LEVEL,
-    magnetic_field,
-)
+from mavstack.simulators.atmosphere import STANDARD, Atmosphere
+from mavstack.simulators.faults import Faults
+from mavstack.simulators.magnetic_model import magnetic_field
 from mavstack.simulators.rotation import rotate_back
+from mavstack.simulators.sensor_model import SensorChannel, SensorModel, SensorModels
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from mavstack.sim.vehicle_types import Home
     from mavstack.simulators.rotation import Vector
     from mavstack.simulators.state import State
 
-#: The faults, and what each does.
-FAULTS: Final = {
-    "gps-lost": "no position fix",
-    "imu-frozen": "accelerometer and gyroscope keep their last values",
-    "imu-biased": "the accelerometer reads 2 m/s2 too much forward, the gyroscope 0.2 rad/s to the right",
-    "magnetometer-disturbed": "the magnetic field is turned and doubled",
-    "barometer-blocked": "the barometer keeps its last value",
-    "airspeed-blocked": "the airspeed sensor reads zero",
-}
+#: Sensors that a vehicle has only if they are asked for.
+EQUIPMENT: Final = ("rangefinder", "optical-flow")
+#: The range of the rangefinder in metres, and the least cosine of its tilt.
+MIN_RANGE, MAX_RANGE, _MIN_COSINE = 0.1, 40.0, 0.5
+#: The battery of a body that has none of its own: volts and amperes.
+BATTERY: Final = (16.2, 1.0)
 _BIASES: Final = ((2.0, 0.0, 0.0), (0.2, 0.0, 0.0))
-
-
-@dataclass(frozen=True, slots=True)
-class SensorNoise:
-    """Standard deviations of the noise.
-
-    Attributes:
-        accelerometer: m/s2.
-        gyroscope: rad/s.
-        magnetometer: Gauss.
-        barometer: Metres of altitude.
-        airspeed: Metres per second.
-        position: Metres, of the slow walk of a GPS position.
-        velocity: Metres per second, of GPS.
-    """
-
-    accelerometer: float = 0.03
-    gyroscope: float = 0.003
-    magnetometer: float = 0.002
-    barometer: float = 0.1
-    airspeed: float = 0.2
-    position: float = 0.3
-    velocity: float = 0.05
-
-
-@dataclass(frozen=True, slots=True)
-class Inertial:
-    """Accelerometer (m/s2) and gyroscope (rad/s) in body axes."""
-
-    acceleration: Vector
-    rates: Vector
+_JUMP, _SHAKING, _SAG = 50.0, 50.0, 0.8
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,104 +56,241 @@ class Fix:
     is_valid: bool
 
 
+@dataclass(frozen=True, slots=True)
+class Flow:
+    """A report of an optical flow sensor that looks down.
+
+    Attributes:
+        rates: rad/s of the flow about the body's forward and right axes.
+        turn: rad/s of the body about its three axes.
+        interval: Seconds since the report before.
+        quality: 0 (none) to 255.
+        distance: Metres to the ground.
+    """
+
+    rates: tuple[float, float]
+    turn: Vector
+    interval: float
+    quality: int
+    distance: float
+
+
+@dataclass(frozen=True, slots=True)
+class Readings:
+    """The samples of one step; None: no new sample.
+
+    Attributes:
+        acceleration: The accelerometer in body axes in m/s2.
+        rates: The gyroscope in body axes in rad/s.
+        magnetic: Gauss in body axes.
+        altitude: Metres above mean sea level by pressure in the standard atmosphere of the day.
+        airspeed: True airspeed in m/s, at least 0.
+        fix: The GPS report.
+        distance: Metres of the rangefinder; infinite: it measures nothing.
+        flow: The optical flow.
+        battery: Volts and amperes.
+    """
+
+    acceleration: Vector
+    rates: Vector
+    magnetic: Vector | None = None
+    altitude: float | None = None
+    airspeed: float | None = None
+    fix: Fix | None = None
+    distance: float | None = None
+    flow: Flow | None = None
+    battery: tuple[float, float] = BATTERY
+
+
 class Sensors:
     """All sensors of one body.
 
     Args:
         home: The origin of its positions.
         seed: Seed of the noise.
-        noise: Standard deviations.
+        models: Errors of each sensor; None: those of a low-cost autopilot.
+        atmosphere: The air.
+        equipment: Sensors that it has beside the usual ones, of `EQUIPMENT`.
 
     Attributes:
-        faults: Names of the faults that are present, of `FAULTS`.
+        faults: The faults that are present or planned.
+        field: The magnetic field in gauss north, east, down.
+
+    Raises:
+        InvalidArgumentError: There is no such equipment.
     """
 
-    def __init__(self, home: Home, seed: int = 1, noise: SensorNoise | None = None) -> None:
-        self._noise = noise or SensorNoise()
-        self._gauss = Random(seed).gauss
+    def __init__(
+        self,
+        home: Home,
+        seed: int = 1,
+        *,
+        models: SensorModels | None = None,
+        atmosphere: Atmosphere = STANDARD,
+        equipment: Iterable[str] = (),
+    ) -> None:
+        self._seed, self._models = seed, models or SensorModels()
+        self.atmosphere, self.equipment = atmosphere, frozenset(equipment)
+        if unknown := self.equipment.difference(EQUIPMENT):
+            raise InvalidArgumentError(f"there is no equipment {min(unknown)!r}: {', '.join(EQUIPMENT)}")
         self._frame = LocalFrame(home.latitude, home.longitude, home.altitude)
-        north, down = magnetic_field(home.latitude)
-        self._field = (north, 0.0, down)
-        self.faults: set[str] = set()
-        self._frozen = Inertial((0.0, 0.0, -9.81), (0.0, 0.0, 0.0))
+        self.field = magnetic_field(home.latitude, home.longitude, home.altitude)
+        self.faults = Faults()
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin again, with the same noise as the first time; faults stay."""
+        gauss, models = Random(self._seed).gauss, self._models
+        self._gauss = gauss
+        self._accelerometer = SensorChannel(models.accelerometer, gauss, 3)
+        self._gyroscope = SensorChannel(models.gyroscope, gauss, 3)
+        self._magnetometer = SensorChannel(models.magnetometer, gauss, 3)
+        self._barometer = SensorChannel(models.barometer, gauss, 1)
+        self._airspeed = SensorChannel(models.airspeed, gauss, 1)
+        self._position = SensorChannel(_without_noise(models), gauss, 3)
+        self._velocity = SensorChannel(replace(models.velocity, rate=0.0), gauss, 3)
+        self._rangefinder = SensorChannel(models.rangefinder, gauss, 1)
+        self._flow = SensorChannel(models.flow, gauss, 2)
+        self._last_flow: float | None = None
+        self._frozen: tuple[Vector, Vector] = ((0.0, 0.0, -9.80665), (0.0, 0.0, 0.0))
+        self._frozen_field = self.field
         self._blocked = self._frame.altitude
+        self._frozen_position: tuple[Vector, Vector] = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         self._walk = [0.0, 0.0, 0.0]
 
-    def set_fault(self, name: str, *, is_present: bool = True) -> None:
-        """Set or clear a fault.
+    def sample(self, state: State, time: float) -> Readings:
+        """Measure.
 
-        Raises:
-            InvalidArgumentError: There is no such fault.
+        Args:
+            state: The state of the body.
+            time: Seconds of the simulation, not less than before.
+
+        Returns:
+            The samples that are due.
         """
-        if name not in FAULTS:
-            raise InvalidArgumentError(f"there is no fault {name!r}: {', '.join(FAULTS)}")
-        (self.faults.add if is_present else self.faults.discard)(name)
-
-    def inertial(self, state: State) -> Inertial:
-        """Return accelerometer and gyroscope."""
-        if "imu-frozen" in self.faults:
-            return self._frozen
-        noise, gauss = self._noise, self._gauss
-        (ax, ay, az), (p, q, r) = state.specific_force, state.rates
-        if "imu-biased" in self.faults:
-            (bx, by, bz), (bp, bq, br) = _BIASES
-            ax, ay, az, p, q, r = ax + bx, ay + by, az + bz, p + bp, q + bq, r + br
-        shake, drift = noise.accelerometer, noise.gyroscope
-        self._frozen = Inertial(
-            (ax + gauss(0.0, shake), ay + gauss(0.0, shake), az + gauss(0.0, shake)),
-            (p + gauss(0.0, drift), q + gauss(0.0, drift), r + gauss(0.0, drift)),
+        self.faults.update(time)
+        acceleration, rates = self._inertial(state, time)
+        optical = (None, None)
+        if self.equipment or state.range is not None:
+            optical = self._optical(state, time)
+        return Readings(
+            acceleration,
+            rates,
+            self._magnetic(state, time) if time >= self._magnetometer.due else None,
+            self._altitude(state, time) if time >= self._barometer.due else None,
+            self._airspeeds(state, time) if time >= self._airspeed.due else None,
+            self._fix(state, time) if time >= self._position.due else None,
+            *optical,
+            self._battery(state),
         )
-        return self._frozen
-
-    def magnetic(self, state: State) -> Vector:
-        """Return the magnetic field in body axes in gauss."""
-        field = self._field
-        if "magnetometer-disturbed" in self.faults:
-            field = (-field[0], 2.0 * field[0], 2.0 * field[2])
-        x, y, z = rotate_back(state.attitude, field)
-        gauss, deviation = self._gauss, self._noise.magnetometer
-        return x + gauss(0.0, deviation), y + gauss(0.0, deviation), z + gauss(0.0, deviation)
-
-    def altitude(self, state: State) -> float:
-        """Return the altitude by pressure in metres above mean sea level."""
-        if "barometer-blocked" not in self.faults:
-            self._blocked = self._frame.altitude - state.position[2]
-        return self._blocked + self._gauss(0.0, self._noise.barometer)
-
-    def airspeed(self, state: State) -> float:
-        """Return the airspeed in m/s, at least 0."""
-        if "airspeed-blocked" in self.faults:
-            return abs(self._gauss(0.0, self._noise.airspeed))
-        true = math.hypot(*state.velocity) if state.airspeed is None else state.airspeed
-        return max(true + self._gauss(0.0, self._noise.airspeed), 0.0)
-
-    def fix(self, state: State) -> Fix:
-        """Return the next GPS report."""
-        noise, gauss, walk = self._noise, self._gauss, self._walk
-        for axis in range(3):  # a slow walk, which is what the error of a position is
-            walk[axis] = 0.98 * walk[axis] + gauss(0.0, 0.2 * noise.position)
-        north, east, down = state.position
-        place = self._frame.to_global(north + walk[0], east + walk[1], down + walk[2])
-        x, y, z = state.velocity
-        deviation = noise.velocity
-        velocity = (x + gauss(0.0, deviation), y + gauss(0.0, deviation), z + gauss(0.0, deviation))
-        return Fix(*place, velocity, "gps-lost" not in self.faults)
 
     def true_place(self, state: State) -> tuple[float, float, float]:
         """Return latitude, longitude (degrees) and altitude (metres above mean sea level) without errors."""
         return self._frame.to_global(*state.position)
 
+    def _inertial(self, state: State, time: float) -> tuple[Vector, Vector]:
+        active = self.faults.active
+        if "imu-frozen" in active:
+            return self._frozen
+        force, turn = state.specific_force, state.rates
+        if "imu-biased" in active:
+            force, turn = _sum(force, _BIASES[0]), _sum(turn, _BIASES[1])
+        if "imu-shaken" in active:
+            force = self._shaken(force, self._models.accelerometer.noise)
+            turn = self._shaken(turn, self._models.gyroscope.noise)
+        old = self._frozen
+        acceleration = cast("Vector | None", self._accelerometer.measure(time, force)) or old[0]
+        rates = cast("Vector | None", self._gyroscope.measure(time, turn)) or old[1]
+        self._frozen = (acceleration, rates)
+        return self._frozen
 
-def pressure_at(altitude: float) -> float:
-    """Return the pressure of the standard atmosphere in hPa at an altitude in metres above mean sea level."""
-    return SEA_LEVEL * math.pow(1.0 - LAPSE * altitude / KELVIN, EXPONENT)
+    def _shaken(self, values: Vector, noise: float) -> Vector:
+        gauss, much = self._gauss, _SHAKING * noise
+        return (values[0] + gauss(0.0, much), values[1] + gauss(0.0, much), values[2] + gauss(0.0, much))
+
+    def _magnetic(self, state: State, time: float) -> Vector | None:
+        field, active = self.field, self.faults.active
+        if "magnetometer-disturbed" in active:
+            field = (-field[0], 2.0 * field[0], 2.0 * field[2])
+        sample = cast("Vector | None", self._magnetometer.measure(time, rotate_back(state.attitude, field)))
+        if sample is None or "magnetometer-frozen" not in active:
+            self._frozen_field = sample or self._frozen_field
+            return sample
+        return self._frozen_field
+
+    def _altitude(self, state: State, time: float) -> float | None:
+        if "barometer-blocked" not in self.faults.active:
+            self._blocked = self._frame.altitude - state.position[2]
+        sample = self._barometer.measure(time, (self._blocked,))
+        return None if sample is None else sample[0]
+
+    def _airspeeds(self, state: State, time: float) -> float | None:
+        if "airspeed-blocked" in self.faults.active:
+            true = 0.0
+        else:
+            true = math.hypot(*state.velocity) if state.airspeed is None else state.airspeed
+        sample = self._airspeed.measure(time, (true,))
+        return None if sample is None else max(sample[0], 0.0)
+
+    def _fix(self, state: State, time: float) -> Fix | None:
+        active = self.faults.active
+        place = cast("Vector | None", self._position.measure(time, state.position))
+        if place is None:
+            return None
+        velocity = cast("Vector | None", self._velocity.measure(time, state.velocity))
+        if "gps-frozen" in active:
+            place, velocity = self._frozen_position
+        else:
+            self._frozen_position = (place, velocity := velocity or state.velocity)
+        walk, noise = self._walk, 0.2 * self._models.position.noise
+        for axis in range(3):  # a slow walk, which is what the error of a position is
+            walk[axis] = 0.98 * walk[axis] + self._gauss(0.0, noise)
+        north, east, down = _sum(place, (walk[0], walk[1], walk[2]))
+        if "gps-jumped" in active:
+            north += _JUMP
+        return Fix(*self._frame.to_global(north, east, down), velocity, "gps-lost" not in active)
+
+    def _optical(self, state: State, time: float) -> tuple[float | None, Flow | None]:
+        """Return the samples of rangefinder and optical flow."""
+        distance = _distance(state)
+        sample = self._rangefinder.measure(time, (distance,))
+        seen = None if sample is None else sample[0]
+        if seen is not None and "rangefinder-lost" in self.faults.active:
+            seen = math.inf
+        flow = self._optical_flow(state, time, distance) if "optical-flow" in self.equipment else None
+        return seen, flow
+
+    def _optical_flow(self, state: State, time: float, distance: float) -> Flow | None:
+        forward, right, _ = rotate_back(state.attitude, state.velocity)
+        p, q, _ = state.rates
+        sample = self._flow.measure(time, (p - right / distance, q + forward / distance))
+        if sample is None:
+            return None
+        interval = time - self._last_flow if self._last_flow is not None else 1.0 / 20.0
+        self._last_flow = time
+        is_lost = "flow-lost" in self.faults.active or not math.isfinite(distance)
+        return Flow((sample[0], sample[1]), state.rates, interval, 0 if is_lost else 255, distance)
+
+    def _battery(self, state: State) -> tuple[float, float]:
+        battery = state.battery or BATTERY
+        return (battery[0] * _SAG, battery[1]) if "battery-low" in self.faults.active else battery
 
 
-def temperature_at(altitude: float) -> float:
-    """Return the temperature of the standard atmosphere in degrees Celsius."""
-    return KELVIN - 273.15 - LAPSE * altitude
+def _without_noise(models: SensorModels) -> SensorModel:
+    """Return the model of a position, whose noise is a walk that `Sensors` makes."""
+    return replace(models.position, noise=0.0)
 
 
-def dynamic_pressure(airspeed: float) -> float:
-    """Return the dynamic pressure in hPa of an airspeed in m/s at sea level."""
-    return 0.5 * DENSITY * airspeed * airspeed / 100.0
+def _distance(state: State) -> float:
+    """Return the metres to the ground along the body's vertical axis; infinite: out of range."""
+    if state.range is not None:
+        return state.range
+    cosine = rotate_back(state.attitude, (0.0, 0.0, 1.0))[2]
+    if cosine < _MIN_COSINE:
+        return math.inf
+    distance = max(-state.position[2] / cosine, MIN_RANGE)
+    return distance if distance <= MAX_RANGE else math.inf
+
+
+def _sum(a: Vector, b: Vector) -> Vector:
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]

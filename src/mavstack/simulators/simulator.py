@@ -1,54 +1,56 @@
-"""Simulators: physics and sensors behind the socket that a firmware expects.
+"""A simulator: the world of one vehicle, behind the interface that its firmware expects.
 
-    simulator = Px4Simulator("copter", listen="tcpin://127.0.0.1:4560", speed=0)
-    async with simulator:
-        await simulator.run(until=60)        # simulated seconds
+    async with Px4Simulator("copter", home=home) as simulator:
+        simulator.inject("gps-lost", after=20, duration=5)
+        await simulator.run(speed=0, until=60)        # simulated seconds
 
-PX4 connects by TCP and is paced here; ArduPilot asks by UDP and paces itself.
+A subclass owns the sockets of one interface. It calls `_begin` before each step: the step begins at once, or
+later by the pace, or after a pause.
 """
 
 from __future__ import annotations
 
 import asyncio
 import logging
-from contextlib import suppress
-from typing import TYPE_CHECKING, Any, Final, Self
+import math
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Final, Self
 
-from mavstack.dialects import Dialect
-from mavstack.errors import InvalidArgumentError, LinkError
+from mavstack.errors import InvalidArgumentError
 from mavstack.links import parse_url
-from mavstack.simulators.ardupilot import JsonInterface
 from mavstack.simulators.pace import Pace
 from mavstack.simulators.physics import load_physics
-from mavstack.simulators.px4 import STEP, Phase, Px4Interface
 from mavstack.simulators.sensors import Sensors
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable, Sequence
     from types import TracebackType
 
     from mavstack.sim.vehicle_types import Home
+    from mavstack.simulators.sensor_model import SensorModels
     from mavstack.simulators.state import State
 
-_log = logging.getLogger("mavstack.simulators")
-#: Seconds to wait for an answer of PX4 before it drives its outputs.
-START_UP_WAIT: Final = 0.02
-#: Real seconds without an answer in lockstep after which a line tells so.
-SILENCE: Final = 5.0
-_CHUNK: Final = 65536
-PX4_PORT, ARDUPILOT_PORT = 4560, 9002
+#: Logger of all simulators.
+log: Final = logging.getLogger("mavstack.simulators")
 
 
-class Px4Simulator:
-    """Simulates the world of one PX4.
+class Simulator(ABC):
+    """The world of one vehicle.
 
     Args:
         physics: The name of the physics; see `load_physics`.
         home: The place and heading of the vehicle at the start.
-        listen: Where PX4 connects, `tcpin://HOST:PORT`.
-        speed: Simulated seconds in a real second; 0: as fast as PX4 answers.
+        speed: Simulated seconds in a real second; 0: as fast as the firmware answers.
         seed: Seed of the sensors' noise.
-        on_connect: Called with a line when PX4 connects and when it answers for the first time.
+        models: The errors of the sensors; None: those of a low-cost autopilot.
+        equipment: Sensors beside the usual ones: "rangefinder", "optical-flow".
+        on_connect: Called with a line when the firmware connects, and at the next stages.
+
+    Attributes:
+        home: The place and heading at the start.
+        sensors: The sensors and their faults.
+        pace: Speed, pauses and single steps.
+        state: The state of the body.
 
     Raises:
         InvalidArgumentError: An argument is wrong; the text says which.
@@ -59,201 +61,175 @@ class Px4Simulator:
         physics: str,
         *,
         home: Home,
-        listen: str = f"tcpin://127.0.0.1:{PX4_PORT}",
-        speed: float = 1.0,
+        speed: float,
         seed: int = 1,
+        models: SensorModels | None = None,
+        equipment: Iterable[str] = (),
         on_connect: Callable[[str], None] = lambda line: None,
     ) -> None:
-        self._address = _address(listen, "tcpin")
         self._physics, self._outputs = load_physics(physics)
-        self._home, self._report = home, on_connect
-        self.pace = Pace(speed)
-        self.sensors = Sensors(home, seed)
-        self.interface = Px4Interface(Dialect.load("common"), self.sensors)
+        self.home, self._report = home, on_connect
+        recorded = getattr(self._physics, "sensors", None)
+        self.sensors: Sensors = (
+            recorded(home) if recorded else Sensors(home, seed, models=models, equipment=equipment)
+        )
+        self.pace = Pace(speed, self._resumed)
         self.state: State = self._physics.reset(home, home.heading).checked()
-        self._connection: asyncio.Future[tuple[asyncio.StreamReader, asyncio.StreamWriter]]
-        self._server: asyncio.Server | None = None
-        self._writers: list[asyncio.StreamWriter] = []
-        self._port = 0
+        self._until = math.inf
+        self._ended: asyncio.Future[None] | None = None
+        self._waiting: Callable[[], None] | None = None
+        self._timer: asyncio.TimerHandle | None = None
 
     @property
+    @abstractmethod
     def time(self) -> float:
         """Seconds of the simulation."""
-        return self.interface.steps * STEP * 1e-6
 
     @property
+    @abstractmethod
     def port(self) -> int:
-        """The port on which it listens."""
-        return self._port
+        """The port on which it listens; 0: none."""
 
-    async def __aenter__(self) -> Self:
-        self._connection = asyncio.get_running_loop().create_future()
-        host, port = self._address
-        try:
-            self._server = await asyncio.start_server(self._accept, host, port)
-            self._port = int(self._server.sockets[0].getsockname()[1])
-        except OSError as error:
-            raise LinkError(f"cannot listen on tcpin://{host}:{port}: {error.strerror or error}") from error
-        return self
+    @property
+    @abstractmethod
+    def status(self) -> str:
+        """The event that each side waits for, in a sentence."""
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._server is not None:
-            self._server.close()
-        for writer in self._writers:
-            writer.close()
-            with suppress(OSError):
-                await writer.wait_closed()
+    @abstractmethod
+    async def _open(self) -> None:
+        """Open the sockets."""
 
-    async def run(self, until: float | None = None) -> None:
-        """Wait for PX4, and simulate.
+    @abstractmethod
+    async def _close(self) -> None:
+        """Close the sockets."""
+
+    @abstractmethod
+    def _start(self) -> None:
+        """Begin to run, or continue."""
+
+    async def run(self, *, speed: float | None = None, until: float | None = None) -> None:
+        """Wait for the firmware, and simulate.
 
         Args:
-            until: Seconds of the simulation after which it ends; None: when PX4 disconnects.
+            speed: Simulated seconds in a real second; 0: as fast as the firmware answers; None: as before.
+            until: Seconds of the simulation after which it ends; None: when the firmware disconnects.
 
         Raises:
-            LinkError: PX4 disconnected before that time.
+            InvalidArgumentError: The speed is negative or not finite, or the physics failed.
+            LinkError: The firmware disconnected before that time.
         """
-        reader, writer = await self._connection
-        self.interface.connected()
-        self._report("PX4 is connected; it waits for sensors and starts")
-        while until is None or self.time < until:
-            await self.pace.wait(self.time)
-            writer.write(self.interface.step(self.state))
-            if not await self._answered(reader):
-                if until is None:
-                    return
-                raise LinkError(
-                    f"PX4 disconnected after {self.time:.3f} s; it and the simulator start again together"
-                )
-            actuators = self._outputs.of_controls(self.interface.controls)
-            self.state = self._physics.step(actuators, STEP * 1e-6).checked()
-
-    def _accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        self._writers.append(writer)
-        if self._connection.done():
-            _log.warning("a second program connected and was refused: each PX4 needs a simulator of its own")
-            writer.close()
+        if speed is not None:
+            self.pace.speed = speed
+        self._until = math.inf if until is None else until
+        if self.time >= self._until:
             return
-        self._connection.set_result((reader, writer))
+        self._ended = asyncio.get_running_loop().create_future()
+        self._start()
+        try:
+            await self._ended
+        finally:
+            self._ended = None
+            self._cancel_timer()
 
-    async def _answered(self, reader: asyncio.StreamReader) -> bool:
-        """Wait for the answer to a step; returns False if PX4 disconnected."""
-        starts = self.interface.phase is Phase.START_UP
-        while True:
-            try:
-                async with asyncio.timeout(START_UP_WAIT if starts else SILENCE):
-                    data = await reader.read(_CHUNK)
-            except TimeoutError:
-                if starts:
-                    return True
-                _log.warning("PX4 has not answered step %d for %g s", self.interface.steps, SILENCE)
-                continue
-            except OSError:
-                return False
-            if not data:
-                return False
-            if self.interface.feed(data):
-                if starts:
-                    self._report(f"PX4 drives its outputs after {self.time:.2f} s: lockstep")
-                return True
+    def pause(self, steps: int = 0) -> None:
+        """Pause after some more steps; the firmware waits too where it runs in lockstep."""
+        self.pace.pause(steps)
 
+    def resume(self) -> None:
+        """Continue after a pause."""
+        self.pace.resume()
 
-class ArduPilotSimulator:
-    """Simulates the world of one ArduPilot by its JSON interface.
+    def inject(self, fault: str, *, after: float = 0.0, duration: float | None = None) -> None:
+        """Inject a fault of a sensor.
 
-    Args:
-        physics: The name of the physics; see `load_physics`.
-        home: The place and heading of the vehicle at the start.
-        listen: Where ArduPilot asks, `udpin://HOST:PORT`.
-        seed: Seed of the sensors' noise.
-        on_connect: Called with a line when ArduPilot was started, first or again.
-    """
+        Args:
+            fault: A name of `FAULTS`.
+            after: Simulated seconds from now until it begins.
+            duration: Simulated seconds that it lasts; None: until `clear`.
 
-    def __init__(
-        self,
-        physics: str,
-        *,
-        home: Home,
-        listen: str = f"udpin://127.0.0.1:{ARDUPILOT_PORT}",
-        seed: int = 1,
-        on_connect: Callable[[str], None] = lambda line: None,
-    ) -> None:
-        self._address = _address(listen, "udpin")
-        made, outputs = load_physics(physics)
-        self.sensors = Sensors(home, seed)
-        self._starts, self._report = 0, on_connect
-        self.interface = JsonInterface(made, outputs, home, self.sensors, self._started)
-        self._transport: asyncio.DatagramTransport | None = None
-        self._port = 0
-        self._failure: asyncio.Future[None]
+        Raises:
+            InvalidArgumentError: There is no such fault, or a time is wrong.
+        """
+        self.sensors.faults.inject(fault, after=after, duration=duration)
 
-    @property
-    def state(self) -> State:
-        """The state of the body."""
-        return self.interface.state
-
-    @property
-    def time(self) -> float:
-        """Seconds of the simulation since ArduPilot was started."""
-        return self.interface.time
-
-    @property
-    def port(self) -> int:
-        """The port on which it listens."""
-        return self._port
+    def clear(self, fault: str | None = None) -> None:
+        """End a fault; None: all of them."""
+        self.sensors.faults.clear(fault)
 
     async def __aenter__(self) -> Self:
-        loop = asyncio.get_running_loop()
-        self._failure = loop.create_future()
-        host, port = self._address
-        try:
-            self._transport, _ = await loop.create_datagram_endpoint(
-                lambda: _Datagrams(self), local_addr=(host, port)
-            )
-            self._port = int(self._transport.get_extra_info("sockname")[1])
-        except OSError as error:
-            raise LinkError(f"cannot listen on udpin://{host}:{port}: {error.strerror or error}") from error
+        await self._open()
         return self
 
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if self._transport is not None:
-            self._transport.close()
-        self._failure.cancel()
+        self._cancel_timer()
+        await self._close()
 
-    async def run(self) -> None:
-        """Answer until it is cancelled; raises what the physics raised."""
-        await self._failure
+    # For subclasses
 
-    def take(self, data: bytes, address: tuple[Any, ...]) -> None:
-        """Answer a datagram."""
-        try:
-            answer = self.interface.answer(data)
-        except Exception as error:  # noqa: BLE001 (of a user's physics)
-            if not self._failure.done():
-                self._failure.set_exception(error)
+    def _begin(self, step: Callable[[], None]) -> None:
+        """Let a step begin when the run, the pace and the pauses allow it."""
+        ended = self._ended
+        if ended is None or ended.done():
+            self._waiting = step
             return
-        if answer is not None and self._transport is not None:
-            self._transport.sendto(answer, address)
+        if self.time >= self._until:
+            self._waiting = step
+            ended.set_result(None)
+            return
+        delay = self.pace.delay(self.time, asyncio.get_running_loop().time())
+        if delay == 0.0:
+            self._make(step)
+        else:
+            self._waiting = step
+            if delay is not None:
+                self._cancel_timer()
+                self._timer = asyncio.get_running_loop().call_later(delay, self._resumed)
 
-    def _started(self) -> None:
-        self._starts += 1
-        self._report("ArduPilot is connected" if self._starts == 1 else "ArduPilot was started again")
+    def _resumed(self) -> None:
+        """Begin the step that waits, if there is one."""
+        step, self._waiting = self._waiting, None
+        self._cancel_timer()
+        if step is not None:
+            self._begin(step)
+
+    def _make(self, step: Callable[[], None]) -> None:
+        self.pace.count()
+        try:
+            step()
+        except Exception as error:  # noqa: BLE001 (of a user's physics)
+            self._end(error)
+
+    def _end(self, error: Exception | None = None) -> None:
+        """End the run."""
+        if self._ended is not None and not self._ended.done():
+            if error is None:
+                self._ended.set_result(None)
+            else:
+                self._ended.set_exception(error)
+
+    def _move(self, actuators: Sequence[float], dt: float) -> None:
+        """Move the body."""
+        self.state = self._physics.step(actuators, dt).checked()
+
+    def _place(self) -> None:
+        """Put the body at home, and begin the sensors again."""
+        self.state = self._physics.reset(self.home, self.home.heading).checked()
+        self.sensors.reset()
+
+    def _cancel_timer(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
 
 
-class _Datagrams(asyncio.DatagramProtocol):
-    def __init__(self, simulator: ArduPilotSimulator) -> None:
-        self._simulator = simulator
+def listen_address(url: str, scheme: str) -> tuple[str, int]:
+    """Return host and port of a URL that must have a scheme.
 
-    def datagram_received(self, data: bytes, addr: tuple[Any, ...]) -> None:
-        self._simulator.take(data, addr)
-
-
-def _address(url: str, scheme: str) -> tuple[str, int]:
-    """Return host and port of a URL that must have a scheme."""
+    Raises:
+        InvalidArgumentError: It has another scheme, or no host or port.
+    """
     parsed = parse_url(url)
     if parsed.scheme != scheme or parsed.host is None or parsed.port is None:
         raise InvalidArgumentError(f"{url!r} must be {scheme}://HOST:PORT")

@@ -7,8 +7,8 @@ import json
 import pytest
 
 from mavstack.cli.main import main
+from mavstack.simulators.faults import FAULTS
 from mavstack.simulators.physics import PHYSICS
-from mavstack.simulators.sensors import FAULTS
 
 
 def test_list(capsys):

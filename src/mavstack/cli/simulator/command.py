@@ -1,22 +1,28 @@
-"""`mav simulator`: the world in which real PX4 or ArduPilot flies, by one's own physics.
+"""`mav simulator`: the world in which real firmware flies, by one's own physics.
 
-It prints a line when it is ready, one when the firmware is connected, and runs until Ctrl-C.
+It prints a line when it is ready, one when the firmware is connected, and runs until Ctrl-C or until the
+program that it started ends.
 """
 
 from __future__ import annotations
 
-import asyncio
-import time
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.options import seconds
 from mavstack.cli.common.output import align_columns, echo, echo_json
 from mavstack.cli.sim.arguments import home
+from mavstack.cli.simulator.running import fly_firmware, fly_hardware
 from mavstack.sim.vehicle_types import DEFAULT_HOME
+from mavstack.simulators.ardupilot_simulator import ARDUPILOT_PORT
+from mavstack.simulators.betaflight import BRIDGES, MOTOR_ORDERS
+from mavstack.simulators.betaflight_simulator import BETAFLIGHT_PORT
+from mavstack.simulators.faults import FAULTS
+from mavstack.simulators.firmware_command import VEHICLES
 from mavstack.simulators.physics import PHYSICS
-from mavstack.simulators.sensors import FAULTS
-from mavstack.simulators.simulator import ARDUPILOT_PORT, PX4_PORT, ArduPilotSimulator, Px4Simulator
+from mavstack.simulators.px4_simulator import PX4_PORT
+from mavstack.simulators.sensors import EQUIPMENT
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -25,10 +31,15 @@ EXAMPLES: Final = """\
 examples:
   mav simulator px4                                     # a quadrotor; PX4 connects to TCP port 4560
   mav simulator px4 --physics copter --speed 0          # as fast as PX4 answers
+  mav simulator px4 --binary build/px4_sitl_default/bin/px4 --web      # starts PX4 and the ground station
+  mav simulator px4 --binary build/px4_sitl_default/bin/px4 --physics jsbsim:c172x --vehicle plane
   mav simulator ardupilot --physics rover               # SITL: --model JSON:127.0.0.1
   mav simulator ardupilot --physics jsbsim:c172x        # a Cessna of JSBSim
+  mav simulator ardupilot --binary build/sitl/bin/arduplane --vehicle plane
   mav simulator ardupilot --physics balloon:Balloon     # your own class, in balloon.py
   mav simulator ardupilot --fault gps-lost --fault imu-biased
+  mav simulator betaflight --binary obj/main/betaflight_SITL.elf
+  mav simulator hardware /dev/ttyACM0,921600            # a board with PX4 and SYS_HITL 1
   mav simulator list                                    # the kinds of physics, and the faults
 """
 
@@ -36,38 +47,86 @@ examples:
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the actions."""
     actions = Actions(parser, "simulator", EXAMPLES)
-    action = actions.add("px4", "simulate the world of a PX4, in lockstep over TCP", px4)
+    action = actions.add("px4", "simulate the world of a PX4, in lockstep over TCP", fly_firmware)
+    _add_firmware(action, "px4", "PX4", f"tcpin://127.0.0.1:{PX4_PORT}")
+    action.add_argument("--model", metavar="NAME", help="PX4's model (default: by vehicle, as none_iris)")
+    action = actions.add(
+        "ardupilot", "simulate the world of an ArduPilot, by its JSON interface", fly_firmware
+    )
+    _add_firmware(action, "ardupilot", "ArduPilot", f"udpin://127.0.0.1:{ARDUPILOT_PORT}")
     action.add_argument(
-        "--listen", default=f"tcpin://127.0.0.1:{PX4_PORT}", metavar="URL", help=_listen("PX4")
+        "--out",
+        action="append",
+        default=[],
+        metavar="URL",
+        help="where to offer the vehicle of --binary; may be repeated (default: udpout://127.0.0.1:14550)",
     )
     action.add_argument(
-        "--speed",
-        type=float,
-        default=1.0,
-        metavar="FACTOR",
-        help="simulated seconds in a real second; 0: as fast as PX4 answers (default: 1)",
+        "--parameter",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="a parameter of the first start of --binary; may be repeated",
     )
-    _add_world(action)
-    action = actions.add("ardupilot", "simulate the world of an ArduPilot, by its JSON interface", ardupilot)
+    action = actions.add("betaflight", "simulate the world of a Betaflight, by its UDP packets", fly_firmware)
+    _add_firmware(action, "betaflight", "Betaflight", f"udpin://127.0.0.1:{BETAFLIGHT_PORT}")
     action.add_argument(
-        "--listen", default=f"udpin://127.0.0.1:{ARDUPILOT_PORT}", metavar="URL", help=_listen("ArduPilot")
+        "--bridge", choices=BRIDGES, default="gazebo", help="what the build expects (default: gazebo)"
     )
-    _add_world(action)
+    action.add_argument(
+        "--motors",
+        choices=MOTOR_ORDERS,
+        default="betaflight",
+        help="the order of its motors; gazebo before 2026 (default: betaflight)",
+    )
+    action = actions.add("hardware", "simulate the world of a board: hardware in the loop", fly_hardware)
+    action.add_argument("link", metavar="URL", help="link to the board, such as /dev/ttyACM0,921600")
+    action.add_argument("--firmware", choices=("px4", "ardupilot"), default="px4", help="default: px4")
+    _add_world(action, "copter")
     action = actions.add("list", "list the kinds of physics and the faults", show)
     action.add_argument("--json", action="store_true", help="print JSON")
 
 
-def _listen(firmware: str) -> str:
-    return f"where {firmware} connects (default: %(default)s)"
+def _add_firmware(action: ArgumentParser, firmware: str, name: str, listen: str) -> None:
+    """Add what all firmwares of this machine have."""
+    add = action.add_argument
+    add("--listen", metavar="URL", help=f"where {name} connects (default: {listen})")
+    add("--binary", metavar="PROGRAM", help=f"start this {name}; without it, start one yourself")
+    add(
+        "--vehicle",
+        choices=VEHICLES,
+        default="copter",
+        help="the vehicle, for body, model and parameters (default: copter)",
+    )
+    add(
+        "--speed",
+        type=float,
+        default=1.0,
+        metavar="FACTOR",
+        help="simulated seconds in a real second; 0: as fast as possible (default: 1)",
+    )
+    add("--folder", type=Path, metavar="DIRECTORY", help="folder of --binary (default: a temporary one)")
+    if firmware != "betaflight":
+        add("--instances", type=int, default=1, metavar="N", help="vehicles at once (default: 1)")
+        add(
+            "--equipment",
+            action="append",
+            default=[],
+            choices=EQUIPMENT,
+            help="a sensor beside the usual ones; may be repeated",
+        )
+    add("--web", action="store_true", help="serve the ground station too, with the vehicle of --binary")
+    action.set_defaults(firmware=firmware)
+    _add_world(action, None)
 
 
-def _add_world(action: ArgumentParser) -> None:
+def _add_world(action: ArgumentParser, physics: str | None) -> None:
     add = action.add_argument
     add(
         "--physics",
-        default="copter",
+        default=physics,
         metavar="NAME",
-        help=f"{', '.join(PHYSICS)} with :MODEL, or module:Class of your own (default: copter)",
+        help=f"{', '.join(PHYSICS)} with :MODEL, or module:Class of your own (default: by vehicle)",
     )
     add(
         "--home",
@@ -81,11 +140,11 @@ def _add_world(action: ArgumentParser) -> None:
         "--fault",
         action="append",
         default=[],
-        choices=tuple(FAULTS),
-        metavar="NAME",
-        help=f"a fault of the sensors from the start: {', '.join(FAULTS)}; may be repeated",
+        metavar="NAME[@BEGIN[+SECONDS]]",
+        help=f"a fault of the sensors, from a simulated second on: {', '.join(FAULTS)}; may be repeated",
     )
-    add("--for", dest="seconds", type=seconds, metavar="SECONDS", help="end after this time")
+    add("--for", dest="seconds", type=seconds, metavar="SECONDS", help="end after this real time")
+    add("--until", type=seconds, metavar="SECONDS", help="end after this simulated time")
     add("--json", action="store_true", help="print JSON")
 
 
@@ -93,16 +152,6 @@ def run(arguments: Namespace) -> int:
     """Run the chosen action."""
     code: int = arguments.run_action(arguments)
     return code
-
-
-def px4(arguments: Namespace) -> int:
-    """Run `mav simulator px4`."""
-    return asyncio.run(_px4(arguments))
-
-
-def ardupilot(arguments: Namespace) -> int:
-    """Run `mav simulator ardupilot`."""
-    return asyncio.run(_ardupilot(arguments))
 
 
 def show(arguments: Namespace) -> int:
@@ -114,6 +163,7 @@ def show(arguments: Namespace) -> int:
                     name: {"about": each.about, "example": each.example} for name, each in PHYSICS.items()
                 },
                 "faults": FAULTS,
+                "equipment": EQUIPMENT,
             }
         )
         return 0
@@ -122,69 +172,3 @@ def show(arguments: Namespace) -> int:
     echo("physics:", *("  " + line for line in align_columns(rows)))
     echo("faults:", *("  " + line for line in align_columns(list(FAULTS.items()))))
     return 0
-
-
-async def _px4(arguments: Namespace) -> int:
-    report = _Reporter(arguments)
-    simulator = Px4Simulator(
-        arguments.physics,
-        home=arguments.home,
-        listen=arguments.listen,
-        speed=arguments.speed,
-        seed=arguments.seed,
-        on_connect=report.connected,
-    )
-    async with simulator:
-        report.ready(simulator, f"ready: PX4 connects to TCP port {simulator.port}")
-        begun = time.monotonic()
-        try:
-            async with asyncio.timeout(arguments.seconds):
-                await simulator.run()
-        except TimeoutError:
-            return 0
-        report.ended(simulator, time.monotonic() - begun)
-    return 1
-
-
-async def _ardupilot(arguments: Namespace) -> int:
-    report = _Reporter(arguments)
-    simulator = ArduPilotSimulator(
-        arguments.physics,
-        home=arguments.home,
-        listen=arguments.listen,
-        seed=arguments.seed,
-        on_connect=report.connected,
-    )
-    async with simulator:
-        report.ready(simulator, f"ready: ArduPilot asks UDP port {simulator.port}")
-        try:
-            async with asyncio.timeout(arguments.seconds):
-                await simulator.run()
-        except TimeoutError:
-            return 0
-    return 0
-
-
-class _Reporter:
-    """Prints what happens, as lines or as JSON."""
-
-    def __init__(self, arguments: Namespace) -> None:
-        self._arguments = arguments
-
-    def ready(self, simulator: Px4Simulator | ArduPilotSimulator, line: str) -> None:
-        for fault in self._arguments.fault:
-            simulator.sensors.set_fault(fault)
-        self._print({"event": "ready", "port": simulator.port, "physics": self._arguments.physics}, line)
-
-    def connected(self, line: str) -> None:
-        self._print({"event": "connected", "text": line}, line)
-
-    def ended(self, simulator: Px4Simulator, wall: float) -> None:
-        line = f"PX4 disconnected after {simulator.time:.1f} s of simulation, {wall:.1f} s of time"
-        self._print({"event": "disconnected", "time": simulator.time, "text": line}, line)
-
-    def _print(self, values: dict[str, object], line: str) -> None:
-        if self._arguments.json:
-            echo_json(values)
-        else:
-            echo(line)

@@ -29,8 +29,8 @@ LAG: Final = 0.03
 DRAG: Final = (0.25, 0.25, 0.4)
 DAMPING: Final = (0.02, 0.02, 0.03)
 _REACH: Final = 0.25 * 0.70710678
-#: Forward and right of the centre by _REACH, and the direction of the torque, of each motor.
-_MOTORS: Final = ((1.0, 1.0, 1.0), (-1.0, -1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0))
+#: Of each motor: forward and right of the centre by an arm, and the direction of its torque.
+MOTORS: Final = ((1.0, 1.0, 1.0), (-1.0, -1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0))
 _VOLTAGE: Final = 16.2
 #: Amperes of a motor at full.
 _CURRENT: Final = 15.0
@@ -46,31 +46,38 @@ class Copter:
     def __init__(self, wind: Vector = (0.0, 0.0, 0.0)) -> None:
         self.wind = wind
         self._body = RigidBody(MASS, INERTIA)
-        self._thrusts = [0.0] * len(_MOTORS)
+        self._thrusts = [0.0] * len(MOTORS)
 
     def reset(self, home: Home, heading: float) -> State:
         """Put it at home; see `Physics`."""
         self._body.place(heading)
-        self._thrusts = [0.0] * len(_MOTORS)
+        self._thrusts = [0.0] * len(MOTORS)
         return self._body.state()
 
     def step(self, actuators: Sequence[float], dt: float) -> State:
         """Move it by its motors, 0 to 1 each; see `Physics`."""
-        body, thrusts = self._body, self._thrusts
-        share = min(dt / LAG, 1.0)
-        for index in range(len(_MOTORS)):
-            command = min(max(actuators[index], 0.0), 1.0) if index < len(actuators) else 0.0
-            thrusts[index] += (FULL_THRUST * command - thrusts[index]) * share
+        body = self._body
+        a, b, c, d = thrusts = self._spin(actuators, dt)
         u, v, w = body.body_velocity(self.wind)
         p, q, r = body.rates
-        lift = sum(thrusts)
-        roll = -_REACH * sum(thrust * motor[1] for thrust, motor in zip(thrusts, _MOTORS, strict=True))
-        pitch = _REACH * sum(thrust * motor[0] for thrust, motor in zip(thrusts, _MOTORS, strict=True))
-        yaw = TORQUE * sum(thrust * motor[2] for thrust, motor in zip(thrusts, _MOTORS, strict=True))
+        lift = a + b + c + d
+        roll = _REACH * (b + c - a - d)
+        pitch = _REACH * (a + c - b - d)
+        yaw = TORQUE * (a + b - c - d)
         if not (body.is_on_ground and lift < MASS * 9.7 and body.rest(dt)):
             force = (-DRAG[0] * u, -DRAG[1] * v, -DRAG[2] * w - lift)
             torque = (roll - DAMPING[0] * p, pitch - DAMPING[1] * q, yaw - DAMPING[2] * r)
             body.advance(force, torque, dt)
             if body.position[2] > 0.0:
                 body.rest(dt)
+        self._thrusts = thrusts
         return body.state(battery=(_VOLTAGE, 0.3 + _CURRENT * lift / FULL_THRUST))
+
+    def _spin(self, actuators: Sequence[float], dt: float) -> list[float]:
+        """Return the thrusts of the motors after a step."""
+        share = min(dt / LAG, 1.0)
+        commands = [*actuators[: len(MOTORS)], *[0.0] * (len(MOTORS) - len(actuators))]
+        return [
+            old + (FULL_THRUST * (0.0 if new < 0.0 else min(new, 1.0)) - old) * share
+            for old, new in zip(self._thrusts, commands, strict=True)
+        ]

@@ -1,0 +1,54 @@
+"""Command lines of firmwares."""
+
+from __future__ import annotations
+
+import pytest
+
+from mavstack.errors import InvalidArgumentError
+from mavstack.sim.vehicle_types import DEFAULT_HOME
+from mavstack.simulators.firmware_command import ardupilot_command, betaflight_command, px4_command
+
+
+@pytest.fixture
+def program(tmp_path):
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "etc").mkdir()
+    file = tmp_path / "bin" / "px4"
+    file.write_text("")
+    return file
+
+
+def test_px4(program):
+    command = px4_command(str(program), instance=2, speed=5.0)
+    etc = str(program.parent.parent / "etc")
+    assert command.words == (str(program), "-i", "2", "-d", etc)
+    assert command.environment["PX4_SIM_MODEL"] == "none_iris"
+    assert command.environment["PX4_SIM_SPEED_FACTOR"] == "5"
+    assert (
+        px4_command(str(program), model="none_tailsitter").environment["PX4_SIM_MODEL"] == "none_tailsitter"
+    )
+    with pytest.raises(InvalidArgumentError, match="PX4 has no model of a sub"):
+        px4_command(str(program), vehicle="sub")
+    (program.parent.parent / "etc").rmdir()
+    with pytest.raises(InvalidArgumentError, match="has no folder etc"):
+        px4_command(str(program))
+
+
+def test_ardupilot(program):
+    command = ardupilot_command(
+        f"qemu-arm-static {program}", home=DEFAULT_HOME, vehicle="copter", instance=1, speed=4.0, port=9012
+    )
+    assert command.words[:2] == ("qemu-arm-static", str(program))
+    assert command.words[command.words.index("--speedup") :][:2] == ("--speedup", "4")
+    assert "--sim-port-out" not in command.words
+    assert command.serial_port == 5770
+    assert command.files["defaults.parm"] == "SIM_RATE_HZ 400\nFRAME_CLASS 1\nFRAME_TYPE 1\n"
+    other = ardupilot_command(str(program), home=DEFAULT_HOME, port=9100, parameters={"SIM_RATE_HZ": 800})
+    assert other.words[-2:] == ("--sim-port-out", "9100")
+    assert "SIM_RATE_HZ 800\n" in other.files["defaults.parm"]
+
+
+def test_a_missing_program_is_reported():
+    for command in (betaflight_command, px4_command):
+        with pytest.raises(InvalidArgumentError, match="the program '/no/such' is not a file"):
+            command("/no/such")
