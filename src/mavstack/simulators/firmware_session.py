@@ -142,7 +142,7 @@ class FirmwareSession:
         Raises:
             LinkError: The program ended by itself.
         """
-        tasks = [asyncio.ensure_future(self.simulator.run(until=until))]
+        tasks: list[asyncio.Future[int | None]] = [asyncio.ensure_future(self.simulator.run(until=until))]
         if self._process is not None:
             tasks.append(asyncio.ensure_future(self._process.wait()))
         try:

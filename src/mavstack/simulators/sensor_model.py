@@ -73,7 +73,8 @@ class SensorModels:
     @classmethod
     def ideal(cls) -> SensorModels:
         """Return sensors without errors, at their rates."""
-        return cls(**{each.name: SensorModel(rate=each.default.rate) for each in fields(cls)})
+        usual = cls()
+        return cls(**{each.name: SensorModel(rate=getattr(usual, each.name).rate) for each in fields(cls)})
 
 
 class SensorChannel:

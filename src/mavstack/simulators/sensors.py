@@ -170,7 +170,7 @@ class Sensors:
         """
         self.faults.update(time)
         acceleration, rates = self._inertial(state, time)
-        optical = (None, None)
+        optical: tuple[float | None, Flow | None] = (None, None)
         if self.equipment or state.range is not None:
             optical = self._optical(state, time)
         return Readings(
