@@ -7,7 +7,14 @@ import asyncio
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import ActionRefused, CommandDenied, CommandTimeout, HealthTimeout
+from mavstack.errors import (
+    ActionRefused,
+    ActionTimeout,
+    CommandDenied,
+    CommandTimeout,
+    ContactLost,
+    HealthTimeout,
+)
 from mavstack.services.modes import mode_names
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.vehicle.firmware.changes import Changes, undone_on_failure
@@ -167,6 +174,95 @@ def test_a_refused_arming_restores_the_mode_or_reports_that_it_could_not():
             await vehicle.arm()
         assert vehicle.mode == "GUIDED"
         assert str(denied.value).endswith("DENIED; not restored: mode RTL (it is in GUIDED)")
+
+    run_scenario(scenario, autopilot=SCRIPTED_ARDUPILOT, armed=False)
+
+
+def acknowledges_arming(autopilot, *, arms=False, silent=False):
+    """Let the scripted autopilot accept arming without a heartbeat that confirms it."""
+
+    def handle(request):
+        if request.command.param1 and arms:
+            asyncio.get_running_loop().call_later(2.0, autopilot.arm, True)
+        elif not request.command.param1:
+            autopilot.arm(False)
+        if silent:
+            asyncio.get_running_loop().call_later(0.5, setattr, autopilot, "silent", True)
+        return RESULT.ACCEPTED
+
+    autopilot.commands.server.support(CMD.COMPONENT_ARM_DISARM, handle)
+
+
+@pytest.mark.parametrize("timeout", [None, 5.0])
+def test_an_arming_that_no_heartbeat_confirms_is_reversed(timeout):
+    async def scenario(harness):
+        autopilot, vehicle = harness.autopilot, harness.vehicle
+        autopilot.enter("RTL")
+        await asyncio.sleep(0.5)
+        acknowledges_arming(autopilot)
+        with pytest.raises(ActionTimeout) as failed:
+            await vehicle.arm(timeout=timeout)
+        assert vehicle.mode == "RTL"
+        assert failed.value.not_restored == ()
+        disarming = [each for each in autopilot.received if getattr(each, "command", None) == 400]
+        assert [each.param1 for each in disarming] == [1.0, 0.0]
+
+    run_scenario(scenario, autopilot=SCRIPTED_ARDUPILOT, armed=False)
+
+
+def test_an_arming_that_comes_late_is_reversed_too():
+    async def scenario(harness):
+        autopilot, vehicle = harness.autopilot, harness.vehicle
+        acknowledges_arming(autopilot, arms=True)
+        with pytest.raises(ActionTimeout, match=r"not done in 1\.5 s$"):
+            await vehicle.arm(timeout=1.5)
+        assert not vehicle.armed
+        await asyncio.sleep(3)
+
+    run_scenario(scenario, autopilot=SCRIPTED_ARDUPILOT, armed=False)
+
+
+def test_a_vehicle_that_falls_silent_while_it_arms_names_what_remains():
+    async def scenario(harness):
+        autopilot, vehicle = harness.autopilot, harness.vehicle
+        autopilot.enter("RTL")
+        await asyncio.sleep(0.5)
+        acknowledges_arming(autopilot, silent=True)
+        begun = harness.connection.now()
+        with pytest.raises(ContactLost) as lost:
+            await vehicle.arm()
+        assert harness.connection.now() - begun < 12
+        assert lost.value.not_restored == ("disarmed (it may be armed)", "mode RTL (it is in GUIDED)")
+
+    run_scenario(scenario, autopilot=SCRIPTED_ARDUPILOT, armed=False)
+
+
+def test_a_lost_acknowledgement_of_arming_names_that_it_is_armed():
+    async def scenario(harness):
+        autopilot, vehicle = harness.autopilot, harness.vehicle
+
+        def arm_without_an_end(request):
+            autopilot.arm(True)
+            return RESULT.IN_PROGRESS
+
+        autopilot.commands.server.support(CMD.COMPONENT_ARM_DISARM, arm_without_an_end)
+        with pytest.raises(CommandTimeout, match=r"not restored: disarmed \(it is armed\)$"):
+            await vehicle.arm()
+
+    run_scenario(scenario, autopilot=SCRIPTED_ARDUPILOT, armed=False)
+
+
+def test_a_timeout_around_the_steps_names_what_remains():
+    async def scenario(harness):
+        autopilot, vehicle = harness.autopilot, harness.vehicle
+        autopilot.enter("RTL")
+        await asyncio.sleep(0.5)
+        acknowledges_arming(autopilot)
+        asyncio.get_running_loop().call_later(3, autopilot.refuse, CMD.DO_SET_MODE)
+        with pytest.raises(ActionTimeout) as late:
+            await vehicle.arm(timeout=5.0)
+        assert vehicle.mode == "GUIDED"
+        assert late.value.not_restored == ("mode RTL (it is in GUIDED)",)
 
     run_scenario(scenario, autopilot=SCRIPTED_ARDUPILOT, armed=False)
 

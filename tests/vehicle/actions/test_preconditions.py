@@ -35,12 +35,19 @@ KINDS = [
     (VehicleType.ROVER, ARDUPILOT),
     (VehicleType.PLANE, PX4),
     (VehicleType.ROVER, PX4),
+    (VehicleType.VTOL, ARDUPILOT),
+    (VehicleType.VTOL, PX4),
+    (VehicleType.SUB, ARDUPILOT),
+    (VehicleType.BOAT, ARDUPILOT),
 ]
 #: The mode of each vehicle before a call; it differs from the modes that actions enter, where there is one.
 MODES = {
     (VehicleType.COPTER, ARDUPILOT): "ALT_HOLD",
     (VehicleType.PLANE, ARDUPILOT): "CRUISE",
     (VehicleType.ROVER, ARDUPILOT): "STEERING",
+    (VehicleType.VTOL, ARDUPILOT): "QHOVER",
+    (VehicleType.SUB, ARDUPILOT): "ALT_HOLD",
+    (VehicleType.BOAT, ARDUPILOT): "STEERING",
 }
 #: The parameters by which vehicles that stand armed are disarmed after a while.
 DISARM_DELAYS = {"DISARM_DELAY": 0, "LAND_DISARMDELAY": 0, "COM_DISARM_PRFLT": -1, "COM_DISARM_LAND": -1}

@@ -3,7 +3,8 @@
 A vehicle that is armed in TAKEOFF, AUTO or MISSION starts to fly at once, so arming there is refused unless
 the program allows the flight. In RTL, LAND or AUTO, in which a vehicle stays after its landing, most
 firmwares do not arm; arming then enters the mode in which the vehicle waits on the ground
-(`Firmware.WAITING_MODES`). If arming is refused, the mode of before is restored.
+(`Firmware.WAITING_MODES`). If arming is refused, or no heartbeat confirms it, the vehicle is disarmed and in
+the mode of before again, or the error names what remained.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from mavstack.vehicle.action_monitor import ActionGoal, ActionMonitor
 from mavstack.vehicle.actions.preconditions import check_preconditions, refusal
 from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import firmware_of
-from mavstack.vehicle.firmware.changes import Changes, undone_on_failure
+from mavstack.vehicle.firmware.changes import Changes, kept_only_if_reached, undone_on_failure
 from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
@@ -56,11 +57,14 @@ async def arm(
     check_preconditions(vehicle, "arm", _ARMING)
     changes = Changes(vehicle) if changes is None else changes
     leaves = _leaves_mode(vehicle, allow_flight=allow_flight, keep_mode=keep_mode)
-    async with ActionMonitor(vehicle, _ARMING, timeout) as monitor:
-        async with undone_on_failure(changes):
-            if leaves:
-                await with_status_texts(vehicle, enter_waiting_mode(vehicle, changes))
-            await with_status_texts(vehicle, changes.arm(FORCE if force else 0.0), _ARMING)
+    async with (
+        kept_only_if_reached(changes),
+        ActionMonitor(vehicle, _ARMING, timeout) as monitor,
+        undone_on_failure(changes),
+    ):
+        if leaves:
+            await with_status_texts(vehicle, enter_waiting_mode(vehicle, changes))
+        await with_status_texts(vehicle, changes.arm(FORCE if force else 0.0), _ARMING)
         await monitor.wait_until_reached(_confirmed(vehicle, armed=True))
 
 

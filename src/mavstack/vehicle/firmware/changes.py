@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import asynccontextmanager
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
@@ -31,6 +32,22 @@ if TYPE_CHECKING:
 
 #: The time in which the changes of a failed call are reversed, in seconds.
 UNDO_TIMEOUT: Final = 8.0
+_ARM_DISARM: Final = common.MavCmd.COMPONENT_ARM_DISARM
+
+
+@dataclass(frozen=True, slots=True)
+class _Reversal:
+    """The reversal of one change.
+
+    Attributes:
+        run: Reverses it.
+        text: Returns what it restores, for the error of a call whose change remains.
+        is_due: Returns whether the change is still there.
+    """
+
+    run: Callable[[], Awaitable[object]]
+    text: Callable[[], str]
+    is_due: Callable[[], bool] = lambda: True
 
 
 class Changes:
@@ -38,12 +55,13 @@ class Changes:
 
     def __init__(self, vehicle: FirmwareVehicle) -> None:
         self._vehicle = vehicle
-        #: How to reverse each change: returns the text of a change that could not be reversed.
-        self._reversals: list[Callable[[], Awaitable[str | None]]] = []
+        self._reversals: list[_Reversal] = []
         #: The parameters that the vehicle reads at the start of the action only, and their values before.
         self._starting: dict[str, float] = {}
-        #: True once a request was sent that may have changed the mode.
-        self.requested = False
+        #: True once a request was sent that may have changed the mode, and one that may have armed.
+        self.requested = self.arming_requested = False
+        #: The texts of the changes that remained when the call failed.
+        self.kept: tuple[str, ...] = ()
 
     @property
     def mode(self) -> str | None:
@@ -77,26 +95,47 @@ class Changes:
         if before == value:
             return
         await self._vehicle.params.set(name, value)
-        self._reversals.append(lambda: self._restore_parameter(name, before))
+        self._reversals.append(
+            _Reversal(lambda: self._restore_parameter(name, before), lambda: _parameter_text(name, before))
+        )
         if starting:
             self._starting[name] = float(before)
 
     async def arm(self, force: float) -> None:
         """Arm, with the second parameter of COMPONENT_ARM_DISARM."""
         before = self._vehicle.armed
-        await self._vehicle.component.command(common.MavCmd.COMPONENT_ARM_DISARM, 1.0, force)
+        self.arming_requested = before is False
+        await self._vehicle.component.command(_ARM_DISARM, 1.0, force)
         if before is False:
-            self._reversals.append(self._disarm)
+            self._reversals.append(_Reversal(self._disarm, self._disarmed_text))
 
-    async def undo(self) -> tuple[str, ...]:
-        """Reverse the changes, the last one first; return the texts of those that could not be reversed."""
+    async def undo(self, *, reachable: bool = True) -> tuple[str, ...]:
+        """Reverse the changes, the last one first; return the texts of those that could not be reversed.
+
+        Args:
+            reachable: False if the vehicle cannot be reached, so that all of them stay.
+        """
         kept = []
         self._starting.clear()
         while self._reversals:
-            text = await self._reversals.pop()()
-            if text is not None:
-                kept.append(text)
+            reversal = self._reversals.pop()
+            if reversal.is_due() and not (reachable and await _succeeds(reversal.run())):
+                kept.append(reversal.text())
         return tuple(kept)
+
+    def unknown(self, mode: str | None) -> tuple[str, ...]:
+        """Return the texts of changes by requests whose outcome is not known.
+
+        Args:
+            mode: The mode before the call.
+        """
+        vehicle = self._vehicle
+        texts = []
+        if self.requested and mode and mode != vehicle.mode:
+            texts.append(_mode_text(mode, vehicle.mode))
+        if self.arming_requested and vehicle.armed:
+            texts.append(self._disarmed_text())
+        return tuple(texts)
 
     async def undo_after_start(self, *, reachable: bool) -> tuple[str, ...]:
         """Restore the parameters that count at the start of the action; return the texts of the others.
@@ -106,31 +145,32 @@ class Changes:
         """
         texts = []
         for name, before in self._starting.items():
-            text = await self._restore_parameter(name, before) if reachable else _parameter_text(name, before)
-            texts += [] if text is None else [text]
+            if not (reachable and await _succeeds(self._restore_parameter(name, before))):
+                texts.append(_parameter_text(name, before))
         self._starting.clear()
         return tuple(texts)
 
     def _note_mode(self, before: str | None) -> None:
         entered = self._vehicle.mode
-        if before is not None and entered is not None and entered != before:
-            self._reversals.append(lambda: self._restore_mode(before, entered))
-
-    async def _restore_mode(self, before: str, entered: str) -> str | None:
-        if self._vehicle.mode != entered:
-            return None
-        restoring = self._vehicle.component.modes.set(before, timeout=UNDO_TIMEOUT)
-        return await _outcome(restoring, f"mode {before} (it is in {entered})")
-
-    async def _restore_parameter(self, name: str, before: float) -> str | None:
-        restoring = self._vehicle.params.set(name, before, timeout=UNDO_TIMEOUT)
-        return await _outcome(restoring, _parameter_text(name, before))
-
-    async def _disarm(self) -> str | None:
-        disarming = self._vehicle.component.command(
-            common.MavCmd.COMPONENT_ARM_DISARM, 0.0, 0.0, timeout=UNDO_TIMEOUT
+        if before is None or entered is None or entered == before:
+            return
+        restoring = self._vehicle.component.modes.set
+        self._reversals.append(
+            _Reversal(
+                lambda: restoring(before, timeout=UNDO_TIMEOUT),
+                lambda: _mode_text(before, entered),
+                lambda: self._vehicle.mode == entered,
+            )
         )
-        return await _outcome(disarming, "disarmed (it is armed)")
+
+    async def _restore_parameter(self, name: str, before: float) -> None:
+        await self._vehicle.params.set(name, before, timeout=UNDO_TIMEOUT)
+
+    def _disarmed_text(self) -> str:
+        return f"disarmed (it {'is' if self._vehicle.armed else 'may be'} armed)"
+
+    async def _disarm(self) -> None:
+        await self._vehicle.component.command(_ARM_DISARM, 0.0, 0.0, timeout=UNDO_TIMEOUT)
 
 
 @asynccontextmanager
@@ -140,29 +180,37 @@ async def undone_on_failure(changes: Changes) -> AsyncIterator[None]:
     try:
         yield
     except BaseException as error:
-        kept = await changes.undo()
-        unknown = changes.requested and isinstance(error, RemoteTimeout)
-        if not kept and unknown and mode and mode != changes.mode:
-            kept = (f"mode {mode} (it is in {changes.mode})",)
+        kept = await changes.undo(reachable=_is_reachable(error))
+        if not kept and isinstance(error, RemoteTimeout):
+            kept = changes.unknown(mode)
+        changes.kept = kept
         _report_kept(error, kept)
         raise
 
 
 @asynccontextmanager
 async def kept_only_if_reached(changes: Changes) -> AsyncIterator[None]:
-    """Restore the parameters of an action that has started if the block fails; a cancelled one keeps them."""
+    """Restore the parameters of an action that has started if the block fails; a cancelled one keeps them.
+
+    The error of a timeout around the steps of the action names what remained changed after these.
+    """
     try:
         yield
     except MavstackError as error:
-        reachable = not isinstance(error, ContactLost | RemoteCancelled)
-        _report_kept(error, await changes.undo_after_start(reachable=reachable))
+        kept = await changes.undo_after_start(reachable=_is_reachable(error))
+        _report_kept(error, (*changes.kept, *kept))
         raise
+
+
+def _is_reachable(error: BaseException) -> bool:
+    return not isinstance(error, ContactLost | RemoteCancelled)
 
 
 def _report_kept(error: BaseException, kept: tuple[str, ...]) -> None:
     """Let an error name the changes that could not be undone."""
-    if kept and isinstance(error, RemoteError):
-        error.not_restored = (*error.not_restored, *kept)
+    if isinstance(error, RemoteError):
+        missing = (text for text in kept if text not in error.not_restored)
+        error.not_restored = (*error.not_restored, *missing)
     elif kept:
         error.add_note(f"not restored: {', '.join(kept)}")
 
@@ -171,10 +219,14 @@ def _parameter_text(name: str, before: float) -> str:
     return f"parameter {name} {before:g}"
 
 
-async def _outcome(restoring: Awaitable[object], text: str) -> str | None:
+def _mode_text(before: str, now: str | None) -> str:
+    return f"mode {before} (it is in {now})"
+
+
+async def _succeeds(restoring: Awaitable[object]) -> bool:
     try:
         async with asyncio.timeout(UNDO_TIMEOUT):
             await restoring
     except (MavstackError, TimeoutError):
-        return text
-    return None
+        return False
+    return True
