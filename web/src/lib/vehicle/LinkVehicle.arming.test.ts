@@ -2,6 +2,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 
 import { FLEET } from '$lib/transport/mock/profiles';
 
+import type { LinkVehicle } from './LinkVehicle';
 import { refusal, startFlight } from './testing';
 import type { PlanItem } from './Vehicle';
 
@@ -34,6 +35,65 @@ describe('arming, takeoff and missions', () => {
     await refusal(flight, flight.vehicle.takeoff(20));
     await flight.pass(1);
     expect(flight.vehicle.state).toMatchObject({ armed: true, mode });
+  });
+
+  it.each<[string, (vehicle: LinkVehicle) => Promise<unknown>]>([
+    ['taking off', (vehicle) => vehicle.takeoff(10)],
+    ['landing', (vehicle) => vehicle.land()],
+    ['returning', (vehicle) => vehicle.rtl()],
+    ['holding', (vehicle) => vehicle.hold()],
+    ['going to a position with', (vehicle) => vehicle.goto({ latitude: 47, longitude: 8 }, 10)],
+    ['orbiting with', (vehicle) => vehicle.orbit({ center: { latitude: 47, longitude: 8 }, altitude: 10 })],
+    ['pausing the mission of', (vehicle) => vehicle.pauseMission()],
+  ])('send nothing to a disarmed vehicle: %s', async (operation, act) => {
+    const flight = await startFlight([COPTER!]);
+    flight.sent.length = 0;
+    const error = await refusal(flight, act(flight.vehicle));
+    expect([error.kind, error.message]).toEqual([
+      'ActionRefused',
+      `${operation} 1/1 failed: it is not armed; arm it first`,
+    ]);
+    expect(flight.sent.filter((name) => name.startsWith('COMMAND') || name.startsWith('PARAM'))).toEqual([]);
+  });
+
+  it('send nothing that needs a flying vehicle to one on the ground', async () => {
+    const flight = await startFlight([{ ...PLANE!, activity: 'parked' }]);
+    await flight.until(flight.vehicle.arm());
+    await flight.pass(1);
+    const before = flight.sent.length;
+    const error = await refusal(flight, flight.vehicle.goto({ latitude: 47, longitude: 8 }, 50));
+    expect(error.message).toContain('it is on the ground; take off first');
+    expect(flight.sent.length).toBe(before);
+  });
+
+  it('give a flying vehicle its mode back that refuses its mission', async () => {
+    const flight = await startFlight([{ ...PLANE!, activity: 'circle' }]);
+    await flight.pass(1);
+    const { mode } = flight.vehicle.state;
+    expect(mode).not.toBe('AUTO');
+    Object.assign(flight.transport.vehicles[0]!.autopilot, { mission: [] });
+    await refusal(flight, flight.vehicle.startMission());
+    await flight.pass(1);
+    expect(flight.vehicle.state).toMatchObject({ armed: true, mode });
+  });
+
+  it('give a copter its mode and its parameters back that does not enter a circle', async () => {
+    const flight = await startFlight([COPTER!]);
+    const { vehicle } = flight;
+    const mock = flight.transport.vehicles[0]!;
+    const values = (): number[] =>
+      mock.parameters.filter(({ name }) => name.startsWith('CIRCLE_')).map(({ value }) => value);
+    await flight.until(vehicle.arm());
+    await flight.until(vehicle.takeoff(20));
+    await flight.pass(15);
+    await flight.until(vehicle.setMode('LOITER'));
+    await flight.pass(1);
+    const before = values();
+    delete (mock.autopilot.modes as Record<string, number>).CIRCLE;
+    const { latitude, longitude } = vehicle.state.position!;
+    await refusal(flight, vehicle.orbit({ center: { latitude, longitude }, radius: -33, speed: 4 }));
+    await flight.pass(1);
+    expect([vehicle.state.mode, values()]).toEqual(['LOITER', before]);
   });
 
   it('arm again after a return, in a mode in which the firmware arms', async () => {

@@ -60,11 +60,14 @@ describe('actions', () => {
   it('take off and land a quadplane that calls itself a plane as one that hovers', async () => {
     const flight = await startFlight([{ ...PLANE!, activity: 'parked' }]);
     flight.transport.vehicles[0]!.parameters.find(({ name }) => name === 'Q_ENABLE')!.value = 1;
-    await flight.until(flight.vehicle.land());
-    await flight.pass(1);
-    expect(flight.vehicle.state.mode).toBe('QLAND');
+    const { mode } = flight.vehicle.state;
     const takeoff = await refusal(flight, flight.vehicle.takeoff(20));
-    expect(takeoff.message).toBe('taking off 3/1 failed: it is not armed');
+    expect(takeoff.message).toBe('taking off 3/1 failed: it is not armed; arm it first');
+    await flight.pass(1);
+    expect(flight.vehicle.state.mode).toBe(mode);
+    await flight.until(flight.vehicle.arm());
+    await flight.pass(1);
+    await flight.until(flight.vehicle.land());
     await flight.pass(1);
     expect(flight.vehicle.state.mode).toBe('QLAND');
   });
@@ -75,6 +78,8 @@ describe('actions', () => {
     ['sub', SUB!, 'POSHOLD'],
   ])('hold a %s in a mode that needs no throttle stick', async (_, profile, mode) => {
     const flight = await startFlight([profile]);
+    flight.transport.vehicles[0]!.autopilot.armed = true;
+    await flight.pass(1);
     await flight.until(flight.vehicle.hold());
     await flight.pass(1);
     expect(flight.vehicle.state.mode).toBe(mode);
@@ -82,7 +87,7 @@ describe('actions', () => {
 
   it('hold a rover of PX4, which has no mode HOLD', async () => {
     const sent: number[] = [];
-    const packet = new Encoder(1, 1).build('HEARTBEAT', { type: 10, autopilot: 12 });
+    const packet = new Encoder(1, 1).build('HEARTBEAT', { type: 10, autopilot: 12, base_mode: 0x81 });
     const vehicle = new LinkVehicle(new Decoder().push(packet)[0]!, (_, fields) => sent.push(Number(fields.param3)));
     vehicle.hold().catch(() => undefined);
     await vi.advanceTimersByTimeAsync(0);
@@ -116,8 +121,8 @@ describe('actions', () => {
     await lossy.pass(1);
     expect(lossy.vehicle.state.mode).toBe('GUIDED');
     const dead = await startFlight([COPTER!], { losesSent: () => true });
-    const error = await refusal(dead, dead.vehicle.rtl());
-    expect(error.message).toBe('returning 1/1 failed: no answer to 5 requests');
+    const error = await refusal(dead, dead.vehicle.setMode('RTL'));
+    expect(error.message).toBe('changing to RTL 1/1 failed: no answer to 5 requests');
     expect(error.kind).toBe('CommandTimeout');
   });
 
@@ -169,7 +174,7 @@ describe('an action that was replaced', () => {
     const arming = flight.vehicle.arm();
     arming.catch(() => undefined);
     isLost = false;
-    await flight.until(flight.vehicle.hold());
+    expect((await refusal(flight, flight.vehicle.hold())).kind).toBe('ActionRefused');
     await flight.pass(6);
     expect(flight.transport.vehicles[0]?.autopilot.armed).toBe(false);
     expect((await refusal(flight, arming)).kind).toBe('Cancelled');

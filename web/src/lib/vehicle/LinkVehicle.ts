@@ -6,10 +6,10 @@ import type { DecodedMessage } from '$lib/decoder/Decoder';
 import { distance } from '$lib/map/geometry';
 
 import { EQUIPMENT_PARAMETERS, capabilitiesFrom, equipmentOf, type Equipment } from './capabilities';
-import { circle, type CircleSteps } from './link/circle';
+import { checkRadius, circle, type CircleSteps } from './link/circle';
 import { ConflictDetector, ONE_LINK } from './link/conflict';
 import { commandNumber, sendCommand, type CommandPlace } from './link/commands';
-import { armFirst, FORCE, landByMission, orRestoreMode, startMission, takeOffInMode } from './link/flight';
+import * as flight from './link/flight';
 import type { FlightFacts, FlightSteps } from './link/flight';
 import { holdMode, landMode, NOT_SELECTABLE, RETURN_MODES } from './link/modes';
 import { PendingCommands } from './link/pending';
@@ -111,24 +111,21 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
   }
 
   arm(force = false): Promise<void> {
-    return armFirst(this.steps('arming', this.pending.startAction()), { force });
+    return flight.armFirst(this.steps('arming', this.pending.startAction()), { force });
   }
 
   disarm(force = false): Promise<void> {
-    return this.act('disarming', 'COMPONENT_ARM_DISARM', [0, force ? FORCE : 0]);
+    return this.act('disarming', 'COMPONENT_ARM_DISARM', [0, force ? flight.FORCE : 0]);
   }
 
   async takeoff(altitude: number): Promise<void> {
     if (!(altitude > 0 && Number.isFinite(altitude))) {
       throw new StationError('InvalidArgumentError', `takeoff altitude must be positive and finite, got ${altitude}`);
     }
-    this.refuseInConflict('taking off');
-    if (this.state.armed !== true) throw this.failure('InvalidStateError', 'taking off', 'it is not armed');
-    const signal = this.pending.startAction();
-    const steps = this.steps('taking off', signal);
-    if (await this.isFixedWing()) return takeOffInMode(steps, altitude);
+    const steps = this.flightSteps('taking off');
+    if (await this.isFixedWing()) return flight.takeOffInMode(steps, altitude);
     const height = this.state.firmware === 'px4' ? aboveSea(steps, altitude) : altitude;
-    await orRestoreMode(steps, async () => {
+    await flight.orRestoreMode(steps, async () => {
       if (this.state.firmware === 'ardupilot') await steps.enter(['GUIDED']);
       await steps.send('NAV_TAKEOFF', [0, 0, 0, null, null, null, height]);
     });
@@ -141,61 +138,71 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
     };
   }
 
+  /** Returns the steps of an action that flies the vehicle, unless it cannot do that now; nothing is sent for it. */
+  private flightSteps(operation: string, needsAir = false): FlightSteps {
+    this.refuseInConflict(operation);
+    const signal = this.pending.startAction(); // ends an arming that is under way also where this is refused
+    const reason = flight.reasonAgainstFlight(this.state, needsAir);
+    if (reason !== null) throw this.failure('ActionRefused', operation, reason);
+    return this.steps(operation, signal);
+  }
+
   private steps(operation: string, signal: AbortSignal): FlightSteps {
-    return {
+    return flight.noteModes({
       ...this.facts(operation),
       signal,
+      entered: false,
       enter: (modes) => this.enter(operation, modes, signal),
       send: (command, params) => this.transmit(operation, command, params, undefined, signal),
       getParameter: (name) => this.getParameter(name),
       setParameter: (name, value) => this.setParameter(name, value),
-    };
+    });
   }
 
   async land(): Promise<void> {
-    const signal = this.pending.startAction();
+    const steps = this.flightSteps('landing');
     const { firmware, type } = this.state;
-    if (await this.isFixedWing()) return landByMission(this.steps('landing', signal));
-    const kind = firmware === 'ardupilot' && type === 'plane' ? 'vtol' : type;
-    await this.enter('landing', [landMode(firmware, kind)], signal);
+    if (await this.isFixedWing()) return flight.landByMission(steps);
+    await steps.enter([landMode(firmware, firmware === 'ardupilot' && type === 'plane' ? 'vtol' : type)]);
   }
 
-  rtl(): Promise<void> {
-    return this.enter('returning', RETURN_MODES);
+  async rtl(): Promise<void> {
+    await this.flightSteps('returning').enter(RETURN_MODES);
   }
 
-  hold(): Promise<void> {
-    return this.enter('holding', [this.holdMode]);
+  async hold(): Promise<void> {
+    await this.flightSteps('holding').enter([this.holdMode]);
   }
 
   async goto(target: Target, altitude?: number): Promise<void> {
     const operation = 'going to a position with';
-    await this.act(operation, 'DO_REPOSITION', [-1, 1, 0, null], placeOf(this.facts(operation), target, altitude));
+    const place = placeOf(this.facts(operation), target, altitude);
+    const { signal } = this.flightSteps(operation, true);
+    await this.transmit(operation, 'DO_REPOSITION', [-1, 1, 0, null], place, signal);
   }
 
   async orbit({ center, altitude, radius = DEFAULT_RADIUS, speed }: OrbitOptions): Promise<void> {
     const operation = 'orbiting with';
     if (this.capabilities.orbit === false)
       throw this.failure('ActionUnsupported', operation, 'the vehicle has no command for it');
+    checkRadius(radius);
     const place = placeOf(this.facts(operation), center, altitude);
-    if (this.state.firmware !== 'ardupilot')
-      return this.act(operation, 'DO_ORBIT', [radius, speed ?? null, 0, 0], place);
-    const signal = this.pending.startAction();
-    await circle(this.circleSteps(operation, place, signal), radius, speed);
+    const steps = this.flightSteps(operation, true);
+    if (this.state.firmware === 'ardupilot') {
+      return flight.orRestoreMode(steps, () => circle(this.circleSteps(operation, place, steps), radius, speed));
+    }
+    await this.transmit(operation, 'DO_ORBIT', [radius, speed ?? null, 0, 0], place, steps.signal);
   }
 
-  private circleSteps(operation: string, place: CommandPlace, signal: AbortSignal): CircleSteps {
+  private circleSteps(operation: string, place: CommandPlace, steps: FlightSteps): CircleSteps {
     return {
+      ...steps,
       operation: `${operation} ${this.system}/${this.component}`,
       isWing: this.state.type === 'plane' || this.state.type === 'vtol',
-      signal,
-      enter: (mode) => this.enter(operation, [mode], signal),
       goToCenter: (radius, direction) =>
-        this.transmit(operation, 'DO_REPOSITION', [-1, 1, radius, direction], place, signal),
+        this.transmit(operation, 'DO_REPOSITION', [-1, 1, radius, direction], place, steps.signal),
       throttle: () => this.state.rc?.channels[this.throttleChannel - 1] ?? null,
       distance: () => (this.state.position === null ? null : distance(this.state.position, place)),
-      getParameter: (name) => this.getParameter(name),
-      setParameter: (name, value) => this.setParameter(name, value),
     };
   }
 
@@ -239,11 +246,11 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
 
   async startMission(arm = false): Promise<void> {
     this.refuseInConflict('starting the mission of');
-    await startMission(this.steps('starting the mission of', this.pending.startAction()), arm);
+    await flight.startMission(this.steps('starting the mission of', this.pending.startAction()), arm);
   }
 
-  pauseMission(): Promise<void> {
-    return this.enter('pausing the mission of', [this.holdMode]);
+  async pauseMission(): Promise<void> {
+    await this.flightSteps('pausing the mission of').enter([this.holdMode]);
   }
 
   async setMissionItem(number: number): Promise<void> {

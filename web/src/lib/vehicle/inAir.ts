@@ -29,7 +29,7 @@ const ACTIVE = 4;
 /** A landed state in ms that counts more than the heartbeat. */
 const MAX_AGE = 15_000;
 /** Types that never leave the ground or the water. */
-const ON_SURFACE: ReadonlySet<VehicleType> = new Set(['rover', 'boat', 'sub', 'tracker']);
+export const ON_SURFACE: ReadonlySet<VehicleType> = new Set(['rover', 'boat', 'sub', 'tracker']);
 /** So fast in m/s that a wing flies, if it is also so high in m above home or climbs or sinks so fast. */
 const FLYING_SPEED = 7;
 const FLYING_HEIGHT = 5;

@@ -8,23 +8,19 @@
 import { StationError } from '$lib/api/errors';
 
 import type { Parameter } from '../Vehicle';
+import type { FlightSteps } from './flight';
 
 /** The steps of a circle, which a vehicle takes. */
-export interface CircleSteps {
+export interface CircleSteps extends Pick<FlightSteps, 'signal' | 'enter' | 'getParameter' | 'setParameter'> {
   /** The words of errors, such as `orbiting with 1/1`. */
   readonly operation: string;
   readonly isWing: boolean;
-  /** Ends it: the pilot wants something else. */
-  readonly signal: AbortSignal;
-  enter(mode: string): Promise<void>;
   /** Sends it to the centre; a wing circles it with a radius in metres, in direction 1 counter-clockwise. */
   goToCenter(radius: number, direction: number | null): Promise<unknown>;
   /** Returns the pulse of the throttle stick in µs; null: there is none. */
   throttle(): number | null;
   /** Returns metres to the centre; null: not known. */
   distance(): number | null;
-  getParameter(name: string): Promise<Parameter>;
-  setParameter(name: string, value: number): Promise<unknown>;
 }
 
 /** Bit of CIRCLE_OPTIONS: the centre is where the mode is entered. */
@@ -38,34 +34,64 @@ const POLL_INTERVAL = 250;
 const MAX_STALL = 30_000;
 const CENTIMETRES = 100;
 
+/** Refuses a radius that no circle has. */
+export function checkRadius(radius: number): void {
+  if (Number.isFinite(radius) && radius !== 0) return;
+  throw new StationError(
+    'InvalidArgumentError',
+    `orbit radius must be finite and not 0 (negative: counter-clockwise), got ${radius}`,
+  );
+}
+
 /**
  * Circles the centre with a radius in metres (negative: counter-clockwise), at a speed in m/s or the one that is set.
+ *
+ * Where it fails, the parameters are as before.
  */
 export async function circle(steps: CircleSteps, radius: number, speed: number | undefined): Promise<void> {
-  if (!(Number.isFinite(radius) && radius !== 0)) {
-    throw new StationError(
-      'InvalidArgumentError',
-      `orbit radius must be finite and not 0 (negative: counter-clockwise), got ${radius}`,
-    );
-  }
   if (steps.isWing) {
-    await steps.enter('GUIDED');
+    await steps.enter(['GUIDED']);
     await steps.goToCenter(Math.abs(radius), radius < 0 ? 1 : 0);
     return;
   }
+  const changed = new Map<string, number>();
+  try {
+    await circleAround(steps, changed, radius, speed);
+  } catch (error) {
+    for (const [name, value] of [...changed].reverse()) await steps.setParameter(name, value).catch(() => undefined);
+    throw error;
+  }
+}
+
+/** Lets a copter circle; `changed` gets the values that its parameters had. */
+async function circleAround(
+  steps: CircleSteps,
+  changed: Map<string, number>,
+  radius: number,
+  speed: number | undefined,
+): Promise<void> {
+  const set = async ({ name, value: before }: Parameter, value: number): Promise<void> => {
+    steps.signal.throwIfAborted();
+    if (value === before) return;
+    await steps.setParameter(name, value);
+    changed.set(name, before);
+  };
   checkThrottle(steps);
-  await centerAtEntry(steps);
-  await steps.enter('GUIDED');
+  const options = await optionsOf(steps);
+  await set(options, options.value | CENTER_AT_ENTRY);
+  await steps.enter(['GUIDED']);
   await steps.goToCenter(0, null);
   await arrival(steps);
-  await setRadius(steps, Math.abs(radius));
+  const metres = Math.abs(radius);
+  // Its name and its unit changed: metres since 4.7.
+  const earlier = await steps.getParameter('CIRCLE_RADIUS').catch(() => null);
+  const [named, unit] = earlier === null ? [await steps.getParameter('CIRCLE_RADIUS_M'), 1] : [earlier, CENTIMETRES];
+  await set(named, metres * unit);
   checkThrottle(steps);
-  const rate =
-    speed === undefined
-      ? (await steps.getParameter('CIRCLE_RATE')).value
-      : (speed / Math.abs(radius)) * (180 / Math.PI);
-  await set(steps, 'CIRCLE_RATE', Math.sign(radius) * Math.abs(rate));
-  await steps.enter('CIRCLE');
+  const rate = await steps.getParameter('CIRCLE_RATE');
+  const degrees = speed === undefined ? rate.value : (speed / metres) * (180 / Math.PI);
+  await set(rate, Math.sign(radius) * Math.abs(degrees));
+  await steps.enter(['CIRCLE']);
 }
 
 function checkThrottle({ operation, throttle }: CircleSteps): void {
@@ -75,26 +101,13 @@ function checkThrottle({ operation, throttle }: CircleSteps): void {
   throw new StationError('ActionUnsupported', `${operation} failed: ${reason}`);
 }
 
-async function centerAtEntry(steps: CircleSteps): Promise<void> {
-  const options = await steps.getParameter('CIRCLE_OPTIONS').catch(() => {
+function optionsOf(steps: CircleSteps): Promise<Parameter> {
+  return steps.getParameter('CIRCLE_OPTIONS').catch(() => {
     throw new StationError(
       'ActionUnsupported',
       `${steps.operation} failed: its firmware has no CIRCLE_OPTIONS, which 4.1 introduced`,
     );
   });
-  if ((options.value & CENTER_AT_ENTRY) === 0) await set(steps, 'CIRCLE_OPTIONS', options.value | CENTER_AT_ENTRY);
-}
-
-/** Sets the radius by the name and in the unit of the version: metres since 4.7. */
-async function setRadius(steps: CircleSteps, metres: number): Promise<void> {
-  const earlier = await steps.getParameter('CIRCLE_RADIUS').catch(() => null);
-  if (earlier === null) await set(steps, 'CIRCLE_RADIUS_M', metres);
-  else await set(steps, 'CIRCLE_RADIUS', metres * CENTIMETRES);
-}
-
-async function set(steps: CircleSteps, name: string, value: number): Promise<void> {
-  steps.signal.throwIfAborted();
-  await steps.setParameter(name, value);
 }
 
 /** Waits until the copter is at the centre. */

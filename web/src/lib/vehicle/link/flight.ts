@@ -2,6 +2,7 @@
 
 import { StationError } from '$lib/api/errors';
 
+import { ON_SURFACE } from '../inAir';
 import type { CommandResult, Parameter, VehicleState } from '../Vehicle';
 import { allowsArming, MISSION_MODES, startsByItself, waitingMode } from './modes';
 
@@ -18,6 +19,8 @@ export interface FlightFacts {
 
 export interface FlightSteps extends FlightFacts {
   readonly signal: AbortSignal;
+  /** Whether a mode was requested. */
+  entered: boolean;
   /** Enters the first of some modes that the vehicle has. */
   enter(modes: readonly string[]): Promise<void>;
   send(command: string, params: readonly (number | null)[]): Promise<CommandResult>;
@@ -25,16 +28,37 @@ export interface FlightSteps extends FlightFacts {
   setParameter(name: string, value: number): Promise<Parameter>;
 }
 
+/**
+ * Returns why a vehicle cannot take an action that flies it, as far as it reports that; null: it can.
+ *
+ * These are the preconditions of `mavstack.vehicle` (actions/preconditions.py): a return or a hold of a disarmed
+ * vehicle would only leave a mode behind, and a plane on the ground would run at full throttle to its goal.
+ */
+export function reasonAgainstFlight(state: VehicleState, needsAir: boolean): string | null {
+  if (state.armed === false) return 'it is not armed; arm it first';
+  return needsAir && state.inAir === false && !ON_SURFACE.has(state.type)
+    ? 'it is on the ground; take off first'
+    : null;
+}
+
+/** Lets steps note that a mode was requested. */
+export function noteModes(steps: FlightSteps): FlightSteps {
+  const { enter } = steps;
+  steps.enter = (modes) => {
+    steps.entered = true;
+    return enter(modes);
+  };
+  return steps;
+}
+
 /** Does something that begins with a change of the mode; where it fails, the vehicle gets its mode back. */
-export async function orRestoreMode<Result>(
-  { state, signal, enter }: FlightSteps,
-  act: () => Promise<Result>,
-): Promise<Result> {
+export async function orRestoreMode<Result>(steps: FlightSteps, act: () => Promise<Result>): Promise<Result> {
+  const { state, signal } = steps;
   try {
     return await act();
   } catch (error) {
     // A later command of the pilot has chosen what follows.
-    if (state.mode !== null && !signal.aborted) await enter([state.mode]).catch(() => undefined);
+    if (steps.entered && state.mode !== null && !signal.aborted) await steps.enter([state.mode]).catch(() => undefined);
     throw error;
   }
 }
@@ -96,7 +120,7 @@ export async function startMission(steps: FlightSteps, arm: boolean): Promise<vo
     await steps.enter(MISSION_MODES);
     await steps.send('MISSION_START', []);
   };
-  if (steps.state.armed === true) return start();
+  if (steps.state.armed === true) return orRestoreMode(steps, start);
   if (!arm) throw steps.failure('it is not armed');
   await orRestoreMode(steps, async () => {
     await armFirst(steps, { leavesStarting: true });
