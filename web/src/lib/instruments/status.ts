@@ -1,4 +1,6 @@
 /** Levels of battery, GPS and link for their small instruments: a level has a symbol and a word beside its colour. */
+import { GpsFixType } from '$generated';
+
 import { isKnown, type Reading } from './numbers';
 
 export type Level = 'unknown' | 'good' | 'warning' | 'critical';
@@ -11,7 +13,6 @@ export function batteryLevel(remaining: Reading, cellVoltage: Reading = null): L
 }
 
 const FIXES = ['no GPS', 'no fix', '2D', '3D', 'DGPS', 'RTK float', 'RTK fixed', 'static', 'PPP'];
-const FIX_3D = 3;
 
 /** Return the name of a GPS_FIX_TYPE. */
 export function fixName(fix: Reading): string {
@@ -20,7 +21,7 @@ export function fixName(fix: Reading): string {
 
 export function gpsLevel(fix: Reading, satellites: Reading, hdop: Reading): Level {
   if (!isKnown(fix)) return 'unknown';
-  if (fix < FIX_3D) return 'critical';
+  if (fix < GpsFixType._3D_FIX) return 'critical';
   const isWeak = (isKnown(satellites) && satellites < 8) || (isKnown(hdop) && hdop > 2);
   return isWeak ? 'warning' : 'good';
 }

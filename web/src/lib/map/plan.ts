@@ -1,4 +1,6 @@
 /** Plans as the map draws them: places of mission items, shapes of fences, rally points. Pure functions of items. */
+import { MavCmd } from '$generated';
+
 import type { Place } from './geometry';
 
 /** The part of a mission item that has a meaning on the map. */
@@ -27,28 +29,32 @@ export interface MissionPath {
   readonly stops: readonly Stop[];
   /** The line that is flown. */
   readonly line: readonly Place[];
-  /** DO_JUMP: from the last place before it to the place of its target. */
+  /** MavCmd.DO_JUMP: from the last place before it to the place of its target. */
   readonly jumps: readonly (readonly [Place, Place])[];
 }
 
 const KINDS: Readonly<Record<number, StopKind>> = {
-  16: 'waypoint',
-  17: 'loiter',
-  18: 'loiter',
-  19: 'loiter',
-  20: 'rtl',
-  21: 'land',
-  22: 'takeoff',
-  31: 'loiter',
-  82: 'spline',
-  84: 'takeoff',
-  85: 'land',
-  195: 'interest',
-  201: 'interest',
+  [MavCmd.NAV_WAYPOINT]: 'waypoint',
+  [MavCmd.NAV_LOITER_UNLIM]: 'loiter',
+  [MavCmd.NAV_LOITER_TURNS]: 'loiter',
+  [MavCmd.NAV_LOITER_TIME]: 'loiter',
+  [MavCmd.NAV_RETURN_TO_LAUNCH]: 'rtl',
+  [MavCmd.NAV_LAND]: 'land',
+  [MavCmd.NAV_TAKEOFF]: 'takeoff',
+  [MavCmd.NAV_LOITER_TO_ALT]: 'loiter',
+  [MavCmd.NAV_SPLINE_WAYPOINT]: 'spline',
+  [MavCmd.NAV_VTOL_TAKEOFF]: 'takeoff',
+  [MavCmd.NAV_VTOL_LAND]: 'land',
+  [MavCmd.DO_SET_ROI_LOCATION]: 'interest',
+  [MavCmd.DO_SET_ROI]: 'interest',
 };
 /** The parameter of loiter commands that holds the radius, counted from 0. */
-const RADIUS_PARAMETER: Readonly<Record<number, number>> = { 17: 2, 18: 2, 19: 2, 31: 1 };
-const DO_JUMP = 177;
+const RADIUS_PARAMETER: Readonly<Record<number, number>> = {
+  [MavCmd.NAV_LOITER_UNLIM]: 2,
+  [MavCmd.NAV_LOITER_TURNS]: 2,
+  [MavCmd.NAV_LOITER_TIME]: 2,
+  [MavCmd.NAV_LOITER_TO_ALT]: 1,
+};
 
 function placeOf(item: MapItem): Place | null {
   const [latitude, longitude] = [item.params[4] ?? 0, item.params[5] ?? 0];
@@ -64,7 +70,7 @@ export function missionPath(items: readonly MapItem[], home: Place | null): Miss
   let here = home;
   for (const item of items) {
     const kind = KINDS[item.command];
-    if (item.command === DO_JUMP) {
+    if (item.command === MavCmd.DO_JUMP) {
       const target = places.get(item.params[0] ?? -1);
       if (here !== null && target !== undefined) jumps.push([here, target]);
       continue;
@@ -92,12 +98,6 @@ export type FenceShape =
   | { readonly kind: 'circle'; readonly isInclusion: boolean; readonly centre: Place; readonly radius: number }
   | { readonly kind: 'return'; readonly place: Place };
 
-const FENCE_RETURN = 5000;
-const POLYGON_IN = 5001;
-const POLYGON_OUT = 5002;
-const CIRCLE_IN = 5003;
-const CIRCLE_OUT = 5004;
-
 /** Return the shapes of a fence; the corners of a polygon are as many items as its first parameter says. */
 export function fenceShapes(items: readonly MapItem[]): FenceShape[] {
   const shapes: FenceShape[] = [];
@@ -105,17 +105,32 @@ export function fenceShapes(items: readonly MapItem[]): FenceShape[] {
     const item = items[index]!;
     const place = placeOf(item);
     const [size] = item.params;
-    if (item.command === POLYGON_IN || item.command === POLYGON_OUT) {
+    if (
+      item.command === MavCmd.NAV_FENCE_POLYGON_VERTEX_INCLUSION ||
+      item.command === MavCmd.NAV_FENCE_POLYGON_VERTEX_EXCLUSION
+    ) {
       const count = Math.max(1, Math.min(items.length - index, size ?? 1));
       const corners = items.slice(index, index + count).map(placeOf);
       const known = corners.filter((corner) => corner !== null);
-      shapes.push({ kind: 'polygon', isInclusion: item.command === POLYGON_IN, corners: known });
+      shapes.push({
+        kind: 'polygon',
+        isInclusion: item.command === MavCmd.NAV_FENCE_POLYGON_VERTEX_INCLUSION,
+        corners: known,
+      });
       index += count;
       continue;
     }
-    if (place !== null && (item.command === CIRCLE_IN || item.command === CIRCLE_OUT)) {
-      shapes.push({ kind: 'circle', isInclusion: item.command === CIRCLE_IN, centre: place, radius: size ?? 0 });
-    } else if (place !== null && item.command === FENCE_RETURN) {
+    if (
+      place !== null &&
+      (item.command === MavCmd.NAV_FENCE_CIRCLE_INCLUSION || item.command === MavCmd.NAV_FENCE_CIRCLE_EXCLUSION)
+    ) {
+      shapes.push({
+        kind: 'circle',
+        isInclusion: item.command === MavCmd.NAV_FENCE_CIRCLE_INCLUSION,
+        centre: place,
+        radius: size ?? 0,
+      });
+    } else if (place !== null && item.command === MavCmd.NAV_FENCE_RETURN_POINT) {
       shapes.push({ kind: 'return', place });
     }
     index += 1;

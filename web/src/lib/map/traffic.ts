@@ -1,4 +1,6 @@
 /** Other aircraft, as ADS-B receivers on vehicles report them (ADSB_VEHICLE). */
+import { AdsbFlags } from '$generated';
+
 import type { Place } from './geometry';
 import { label, polyline, type Drawing } from './drawing';
 import { symbolShape } from './symbols';
@@ -19,14 +21,6 @@ export interface Aircraft extends Place {
   readonly time: number;
 }
 
-/** ADSB_FLAGS */
-const VALID_COORDINATES = 1;
-const VALID_ALTITUDE = 2;
-const VALID_HEADING = 4;
-const VALID_VELOCITY = 8;
-const VALID_CALLSIGN = 16;
-const VALID_VERTICAL_VELOCITY = 128;
-
 /** Reports older than this are of no use. */
 export const TRAFFIC_TIMEOUT = 60_000;
 
@@ -34,19 +28,19 @@ export const TRAFFIC_TIMEOUT = 60_000;
 export function aircraftFrom(fields: Readonly<Record<string, unknown>>, time: number): Aircraft | null {
   const number = (name: string): number => Number(fields[name] ?? 0);
   const flags = number('flags');
-  if ((flags & VALID_COORDINATES) === 0) return null;
+  if ((flags & AdsbFlags.VALID_COORDS) === 0) return null;
   const valid = (flag: number, value: number): number | null => ((flags & flag) === 0 ? null : value);
   const address = number('ICAO_address');
-  const callsign = (flags & VALID_CALLSIGN) === 0 ? '' : String(fields.callsign ?? '').trim();
+  const callsign = (flags & AdsbFlags.VALID_CALLSIGN) === 0 ? '' : String(fields.callsign ?? '').trim();
   return {
     address,
     callsign: callsign === '' ? address.toString(16).toUpperCase().padStart(6, '0') : callsign,
     latitude: number('lat') / 1e7,
     longitude: number('lon') / 1e7,
-    altitude: valid(VALID_ALTITUDE, number('altitude') / 1000),
-    heading: valid(VALID_HEADING, number('heading') / 100),
-    speed: valid(VALID_VELOCITY, number('hor_velocity') / 100),
-    climbRate: valid(VALID_VERTICAL_VELOCITY, number('ver_velocity') / 100),
+    altitude: valid(AdsbFlags.VALID_ALTITUDE, number('altitude') / 1000),
+    heading: valid(AdsbFlags.VALID_HEADING, number('heading') / 100),
+    speed: valid(AdsbFlags.VALID_VELOCITY, number('hor_velocity') / 100),
+    climbRate: valid(AdsbFlags.VERTICAL_VELOCITY_VALID, number('ver_velocity') / 100),
     time,
   };
 }

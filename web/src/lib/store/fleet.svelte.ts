@@ -5,6 +5,7 @@
  * animation frame, and less often for large fleets.
  */
 
+import { MavAutopilot, MavState, MavType } from '$generated';
 import { Decoder, Encoder, type DecodedMessage, type SentFields } from '$lib/decoder/Decoder';
 import type { Transport } from '$lib/transport/Transport';
 import type { ObservedVehicle, Send } from '$lib/vehicle/ObservedVehicle.svelte';
@@ -28,9 +29,6 @@ const MAX_SMALL_FLEET = 12;
 const MAX_INTERVAL = 100;
 /** The time of a frame in ms. */
 const FRAME = 1000 / 60;
-const MAV_TYPE_GCS = 6;
-const MAV_AUTOPILOT_INVALID = 8;
-const MAV_STATE_ACTIVE = 4;
 
 class Fleet {
   /** All vehicles by system id. */
@@ -206,9 +204,9 @@ class Fleet {
 
   private sendHeartbeat(): void {
     this.send('HEARTBEAT', {
-      type: MAV_TYPE_GCS,
-      autopilot: MAV_AUTOPILOT_INVALID,
-      system_status: MAV_STATE_ACTIVE,
+      type: MavType.GCS,
+      autopilot: MavAutopilot.INVALID,
+      system_status: MavState.ACTIVE,
     });
   }
 }

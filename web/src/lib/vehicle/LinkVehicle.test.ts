@@ -1,3 +1,5 @@
+import { MavProtocolCapability } from '$generated';
+
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 
 import { Decoder, Encoder } from '$lib/decoder/Decoder';
@@ -269,9 +271,9 @@ describe('telemetry', () => {
 
 describe('capabilities', () => {
   it('of MSP follow from flags and parameters: iNav has missions, not each board has a display', () => {
-    const inav = capabilitiesFrom('msp', 'copter', 1 << 2, { osd: false });
+    const inav = capabilitiesFrom('msp', 'copter', MavProtocolCapability.MISSION_INT, { osd: false });
     expect(inav).toMatchObject({ mission: true, osd: false, vtx: null });
-    expect(capabilitiesFrom('msp', 'copter', 0)).toMatchObject({ mission: false, osd: null });
+    expect(capabilitiesFrom('msp', 'copter', 0n)).toMatchObject({ mission: false, osd: null });
   });
 
   it('follow from firmware, type and flags', async () => {

@@ -41,7 +41,7 @@ const VERSION_DELAY = 500;
 const QUADPLANE_PARAMETER = 'Q_ENABLE';
 
 export class LinkVehicle extends ObservedVehicle implements Vehicle {
-  private flags: number | null = null;
+  private flags: bigint | null = null;
   private equipment: Equipment = {};
   private readonly timer: ReturnType<typeof setTimeout>;
   private readonly pending = new PendingCommands();
@@ -75,8 +75,7 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
       if (conflict !== this.conflict) this.setConflict(conflict);
     }
     if (message.name === 'AUTOPILOT_VERSION' && message.component === this.component) {
-      // Bits beyond 2^32 are none that matter here.
-      this.flags = Number(BigInt.asUintN(32, BigInt(message.fields.capabilities as number | bigint)));
+      this.flags = BigInt(message.fields.capabilities as number | bigint);
       this.updateCapabilities();
     }
     if (message.name === 'PARAM_VALUE') this.takeEquipment(message);
@@ -300,7 +299,7 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
 
   private get encoding(): ParameterEncoding {
     if (this.flags === null) return encodingOf(this.state.firmware) ?? 'cast';
-    return (BigInt(this.flags) & MavProtocolCapability.PARAM_ENCODE_BYTEWISE) !== 0n ? 'bytewise' : 'cast';
+    return (this.flags & MavProtocolCapability.PARAM_ENCODE_BYTEWISE) !== 0n ? 'bytewise' : 'cast';
   }
 
   private get hasHomeItem(): boolean {

@@ -1,5 +1,6 @@
 /** The half of a vehicle that only receives: state, messages, status texts. Subclasses act. */
 
+import { MavCmd } from '$generated';
 import { StationError } from '$lib/api/errors';
 import type { DecodedMessage, SentFields } from '$lib/decoder/Decoder';
 
@@ -29,8 +30,7 @@ const READS: ReadonlySet<string> = new Set([
   'TIMESYNC',
   'PING',
 ]);
-/** SET_MESSAGE_INTERVAL and REQUEST_MESSAGE. */
-const READING_COMMANDS: ReadonlySet<unknown> = new Set([511, 512]);
+const READING_COMMANDS: ReadonlySet<unknown> = new Set([MavCmd.SET_MESSAGE_INTERVAL, MavCmd.REQUEST_MESSAGE]);
 
 export class ObservedVehicle {
   readonly system: number;

@@ -1,5 +1,7 @@
 /** Capabilities of a vehicle, which panels ask before they show themselves. */
 
+import { MavProtocolCapability } from '$generated';
+
 import type { VehicleState, VehicleType } from './Vehicle';
 
 /** true: the vehicle has it; false: it has not; null: not known yet. */
@@ -68,14 +70,6 @@ export const UNKNOWN_CAPABILITIES: Capabilities = {
   cameras: [],
   gimbals: [],
 };
-
-/** MAV_PROTOCOL_CAPABILITY, as far as it is needed. */
-const MISSION = 1 << 2;
-const FTP = 1 << 5;
-const SETPOINTS = 1 << 7;
-const TERMINATE = 1 << 11;
-const FENCE = 1 << 14;
-const RALLY = 1 << 15;
 
 const ALL_CALIBRATIONS = [
   'accelerometer',
@@ -153,20 +147,20 @@ const FIRMWARE: Readonly<Record<VehicleState['firmware'], Partial<Capabilities>>
 export function capabilitiesFrom(
   firmware: VehicleState['firmware'],
   type: VehicleType,
-  flags: number | null,
+  flags: bigint | null,
   equipment: Equipment = {},
 ): Capabilities {
-  const flag = (bit: number): Capability => (flags === null ? null : (flags & bit) !== 0);
+  const flag = (bit: bigint): Capability => (flags === null ? null : (flags & bit) !== 0n);
   const isGround = GROUND_TYPES.has(type);
   const isKnown = firmware === 'ardupilot' || firmware === 'px4';
   return {
     ...UNKNOWN_CAPABILITIES,
-    mission: flag(MISSION),
-    ftp: flag(FTP),
-    fence: flag(FENCE),
-    rally: flag(RALLY),
-    setpoints: flag(SETPOINTS),
-    terminate: flag(TERMINATE),
+    mission: flag(MavProtocolCapability.MISSION_INT),
+    ftp: flag(MavProtocolCapability.FTP),
+    fence: flag(MavProtocolCapability.MISSION_FENCE),
+    rally: flag(MavProtocolCapability.MISSION_RALLY),
+    setpoints: flag(MavProtocolCapability.SET_POSITION_TARGET_LOCAL_NED),
+    terminate: flag(MavProtocolCapability.FLIGHT_TERMINATION),
     takeoff: !isGround && type !== 'sub',
     goto: true,
     orbit: isKnown ? (firmware === 'px4' ? !isGround : CIRCLING_TYPES.has(type)) : null,

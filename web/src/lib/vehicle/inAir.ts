@@ -5,6 +5,8 @@
  * is the evidence of other firmwares, and of a heartbeat that tells a failsafe instead.
  */
 
+import { MavLandedState, MavState } from '$generated';
+
 import type { VehicleState, VehicleType } from './Vehicle';
 
 type Evidence = Pick<
@@ -21,11 +23,6 @@ type Evidence = Pick<
   | 'throttle'
 >;
 
-/** MAV_LANDED_STATE. */
-const ON_GROUND = 1;
-/** MAV_STATE. */
-const STANDBY = 3;
-const ACTIVE = 4;
 /** A landed state in ms that counts more than the heartbeat. */
 const MAX_AGE = 15_000;
 /** Types that never leave the ground or the water. */
@@ -43,12 +40,12 @@ const FLYING_THROTTLE = 0.15;
  */
 export function isInAir(state: Evidence, landedAge: number): boolean | null {
   if (ON_SURFACE.has(state.type)) return false;
-  const landed = state.landedState === null ? null : state.landedState !== ON_GROUND;
+  const landed = state.landedState === null ? null : state.landedState !== MavLandedState.ON_GROUND;
   if (landed !== null && landedAge <= MAX_AGE) return landed;
   if (state.firmware !== 'ardupilot') return landed ?? (hasFlyingMotion(state) ? true : null);
   if (!state.armed) return false;
-  if (state.systemStatus === ACTIVE || hasFlyingMotion(state)) return true;
-  return state.systemStatus === STANDBY ? false : null;
+  if (state.systemStatus === MavState.ACTIVE || hasFlyingMotion(state)) return true;
+  return state.systemStatus === MavState.STANDBY ? false : null;
 }
 
 /** Whether an armed vehicle moves as none does on the ground. */

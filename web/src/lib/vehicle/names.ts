@@ -1,5 +1,6 @@
 /** Names of vehicles and severities for people. */
 
+import { MavSeverity } from '$generated';
 import { t } from '$lib/i18n';
 import type { VehicleState } from '$lib/vehicle/Vehicle';
 
@@ -10,6 +11,6 @@ export function vehicleName(state: VehicleState): string {
 
 /** Severity of a status text, in three steps. */
 export function toneOf(severity: number): 'error' | 'warning' | 'info' {
-  if (severity <= 3) return 'error';
-  return severity === 4 ? 'warning' : 'info';
+  if (severity <= MavSeverity.ERROR) return 'error';
+  return severity === MavSeverity.WARNING ? 'warning' : 'info';
 }

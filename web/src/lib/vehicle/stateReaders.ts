@@ -1,6 +1,6 @@
 /** The fields of each message → the draft of a vehicle's state. */
 
-import { MavModeFlag, MavSysStatusSensor } from '$generated';
+import { EkfStatusFlags, MavModeFlag, MavSysStatusSensor } from '$generated';
 import type { DecodedMessage, FieldValue } from '$lib/decoder/Decoder';
 
 import { radioOf, withPort } from './radio';
@@ -48,7 +48,6 @@ function batteryOf(fields: Fields): Battery {
   };
 }
 
-const UNINITIALIZED = 1 << 10;
 /** ArduPilot trusts its estimate up to this variance unless FS_EKF_THRESH says otherwise; PX4 up to a ratio of 1. */
 const MAX_VARIANCE = 0.8;
 
@@ -171,7 +170,12 @@ export const READERS: Readonly<Record<string, Reader>> = {
       height: 'pos_vert_variance',
       compass: 'compass_variance',
     };
-    draft.estimator = estimatorOf(fields, names, MAX_VARIANCE, (number(fields.flags) & UNINITIALIZED) === 0);
+    draft.estimator = estimatorOf(
+      fields,
+      names,
+      MAX_VARIANCE,
+      (number(fields.flags) & EkfStatusFlags.UNINITIALIZED) === 0,
+    );
   },
   ESTIMATOR_STATUS(draft, fields) {
     const names = {

@@ -1,4 +1,5 @@
 /** Problems of all vehicles that a pilot must not miss, the gravest first. */
+import { GpsFixType, MavBatteryChargeState, MavSeverity, MavState } from '$generated';
 import { t, type TextKey, type TextValues } from '$lib/i18n';
 import { batteryLevel, estimatorLevel, type Level, vibrationLevel } from '$lib/instruments/status';
 import { distance } from '$lib/map/geometry';
@@ -23,17 +24,7 @@ interface Surroundings {
 
 type Finder = (state: VehicleState, surroundings: Surroundings) => Alert | null;
 
-/** MAV_STATE. */
-const CRITICAL = 5;
-const EMERGENCY = 6;
-const TERMINATION = 8;
-/** MAV_BATTERY_CHARGE_STATE. */
-const CHARGE_LOW = 2;
-const CHARGE_CRITICAL = 3;
-const CHARGE_UNHEALTHY = 6;
-const FIX_3D = 3;
-/** Status texts of this severity and graver ones are shown for a while. */
-const MAX_SEVERITY = 2;
+/** Critical status texts and graver ones are shown for a while. */
 const TEXT_TIME = 15_000;
 /** Aircraft within these distances in m, both horizontally and vertically. */
 const NEAR = { horizontal: 2000, vertical: 300 };
@@ -94,19 +85,20 @@ const FINDERS: readonly Finder[] = [
     return state.alive ? null : alert(state, state.armed === true, 'fly.alertLost');
   },
   function terminated(state) {
-    return state.systemStatus === TERMINATION ? alert(state, true, 'fly.alertTermination') : null;
+    return state.systemStatus === MavState.FLIGHT_TERMINATION ? alert(state, true, 'fly.alertTermination') : null;
   },
   function failsafe(state) {
-    const isOn = state.systemStatus === CRITICAL || state.systemStatus === EMERGENCY;
+    const isOn = state.systemStatus === MavState.CRITICAL || state.systemStatus === MavState.EMERGENCY;
     return isOn && state.armed ? alert(state, true, 'fly.alertFailsafe', { mode: state.mode ?? '–' }) : null;
   },
   function battery(state) {
     const { remaining = null, voltage = null, cells = [], chargeState = null } = state.battery ?? {};
     const charge = chargeState ?? 0;
     const byVolts = cells.length > 0 ? Math.min(...cells) : null;
-    const isCritical = charge >= CHARGE_CRITICAL && charge <= CHARGE_UNHEALTHY;
+    const isCritical = charge >= MavBatteryChargeState.CRITICAL && charge <= MavBatteryChargeState.UNHEALTHY;
     const level = isCritical ? 'critical' : batteryLevel(remaining, byVolts);
-    const isLow = charge === CHARGE_LOW || level === 'critical' || (level === 'warning' && isFlying(state));
+    const isLow =
+      charge === MavBatteryChargeState.LOW || level === 'critical' || (level === 'warning' && isFlying(state));
     if (!isLow) return null;
     const left = remaining === null ? '' : `${Math.round(remaining * 100)}%`;
     const volts = voltage === null ? '' : `${voltage.toFixed(1)} V`;
@@ -117,7 +109,7 @@ const FINDERS: readonly Finder[] = [
     return state.fenceBreached ? alert(state, true, 'fly.alertFence') : null;
   },
   function gps(state) {
-    if (!isFlying(state) || state.gps === null || state.gps.fix >= FIX_3D) return null;
+    if (!isFlying(state) || state.gps === null || state.gps.fix >= GpsFixType._3D_FIX) return null;
     return alert(state, true, 'fly.alertGps');
   },
   function estimator(state) {
@@ -134,7 +126,7 @@ const FINDERS: readonly Finder[] = [
   },
   traffic,
   function message(state, { now }) {
-    const text = state.statusTexts.filter(({ severity }) => severity <= MAX_SEVERITY).at(-1);
+    const text = state.statusTexts.filter(({ severity }) => severity <= MavSeverity.CRITICAL).at(-1);
     if (text === undefined || now - text.time > TEXT_TIME) return null;
     if (CHECKS.some((prefix) => text.text.startsWith(prefix))) return null;
     return alert(state, true, 'fly.alertText', { text: text.text });

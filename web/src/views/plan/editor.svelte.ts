@@ -1,5 +1,6 @@
 /** The plan that is edited, with its history, selection, tool and the drawing that is under way. */
 
+import { MavCmd, MavFrame } from '$generated';
 import { Persisted } from '$lib/store/settings.svelte';
 
 import { check, type Problem } from './logic/checks';
@@ -12,8 +13,6 @@ import { has, moved, removed, type Selection } from './logic/edits';
 import { begin, commit, redo, undo, type History } from './logic/history';
 import {
   changedAt,
-  CMD,
-  FRAME,
   insertItems,
   isEmpty,
   moveItem,
@@ -49,7 +48,7 @@ const NEW_RADIUS = 100;
 /** Milliseconds without an edit after which the browser keeps the plan. */
 const STORE_DELAY = 300;
 export const KINDS: readonly PlanKind[] = ['mission', 'fence', 'rally'];
-const ENDS: ReadonlySet<number> = new Set([CMD.NAV_RETURN_TO_LAUNCH, CMD.NAV_LAND, CMD.NAV_VTOL_LAND]);
+const ENDS: ReadonlySet<number> = new Set([MavCmd.NAV_RETURN_TO_LAUNCH, MavCmd.NAV_LAND, MavCmd.NAV_VTOL_LAND]);
 
 export class Editor {
   private readonly stored = new Persisted('plan.draft', '');
@@ -75,7 +74,7 @@ export class Editor {
   name = $state('');
 
   readonly altitude = new Persisted('plan.altitude', 30);
-  readonly frame = new Persisted<number>('plan.frame', FRAME.GLOBAL_RELATIVE_ALT);
+  readonly frame = new Persisted<number>('plan.frame', MavFrame.GLOBAL_RELATIVE_ALT);
   readonly pattern = new Persisted('plan.pattern', PATTERN);
   readonly limits = new Persisted<Limits>('plan.limits', { endurance: null, clearance: 20, ceiling: 120 });
 
@@ -209,7 +208,7 @@ export class Editor {
   private addWaypoint(place: Place): void {
     if (this.plan.mission.length === 0) {
       const home = this.plan.home ?? knownHome() ?? { ...place, altitude: 0 };
-      const takeoff = newItem(CMD.NAV_TAKEOFF, { ...home, altitude: place.altitude }, this.frame.value);
+      const takeoff = newItem(MavCmd.NAV_TAKEOFF, { ...home, altitude: place.altitude }, this.frame.value);
       const first = waypoint(place, place.altitude, this.frame.value);
       this.change(forVehicle({ ...insertItems(this.plan, 0, [takeoff, first]), home }));
       this.selection = { kind: 'item', index: 1 };
@@ -384,8 +383,8 @@ export class Editor {
     const isFirst = this.plan.mission.length === 0;
     const home = this.plan.home ?? (isFirst ? (knownHome() ?? { ...first, altitude: 0 }) : null);
     const place = { ...(home ?? first), altitude: this.altitude.value };
-    const takeoff = isFirst ? [newItem(CMD.NAV_TAKEOFF, place, this.frame.value)] : [];
-    const back = isFirst ? [newItem(CMD.NAV_RETURN_TO_LAUNCH, place)] : [];
+    const takeoff = isFirst ? [newItem(MavCmd.NAV_TAKEOFF, place, this.frame.value)] : [];
+    const back = isFirst ? [newItem(MavCmd.NAV_RETURN_TO_LAUNCH, place)] : [];
     const index = this.insertionIndex();
     const patterns = [...this.plan.patterns, pattern];
     const inserted = { ...insertItems(this.plan, index, [...takeoff, ...pattern.items, ...back]), home, patterns };

@@ -1,8 +1,10 @@
+import { MavCmd } from '$generated';
+
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 
 import { Editor } from './editor.svelte';
 import { readPlan, writePlan } from './formats';
-import { CMD, withParam, type Plan } from './logic/model';
+import { withParam, type Plan } from './logic/model';
 import { patternRuns } from './logic/patterns';
 
 class Storage {
@@ -64,7 +66,7 @@ describe('a survey', () => {
     const plan = surveyed(editor, tool);
     const file = JSON.parse(writePlan(plan, 'plan', '')) as { mission: { items: Record<string, unknown>[] } };
     const [takeoff, survey, back, ...rest] = file.mission.items;
-    expect([takeoff!.command, back!.command, rest]).toEqual([CMD.NAV_TAKEOFF, CMD.NAV_RETURN_TO_LAUNCH, []]);
+    expect([takeoff!.command, back!.command, rest]).toEqual([MavCmd.NAV_TAKEOFF, MavCmd.NAV_RETURN_TO_LAUNCH, []]);
     expect(survey).toMatchObject({
       type: 'ComplexItem',
       complexItemType: tool === 'survey' ? 'survey' : 'CorridorScan',
@@ -157,8 +159,8 @@ describe('a survey', () => {
     editor.altitude.value = 60;
     editor.finishDrawing();
     const [changed] = patternRuns(editor.plan);
-    expect(editor.plan.mission.at(0)?.command).toBe(CMD.NAV_TAKEOFF);
-    expect(editor.plan.mission.at(-1)?.command).toBe(CMD.NAV_RETURN_TO_LAUNCH);
+    expect(editor.plan.mission.at(0)?.command).toBe(MavCmd.NAV_TAKEOFF);
+    expect(editor.plan.mission.at(-1)?.command).toBe(MavCmd.NAV_RETURN_TO_LAUNCH);
     expect(changed!.end - changed!.start).toBe(editor.plan.mission.length - 2);
     expect(changed!.pattern.items[0]!.params[6]).toBe(60);
     expect(editor.plan.patterns).toHaveLength(1);

@@ -1,5 +1,6 @@
 /** The plan on the map: how it is painted, and what a pointer can take hold of. */
 
+import { MavCmd, MavFrame } from '$generated';
 import type { Projection } from '$lib/map/projection';
 import type { FenceShape, MissionPath, Stop, StopKind } from '$lib/map/plan';
 import { paintFence, paintHome, paintMission, paintRally } from '$lib/map/planLayer';
@@ -9,7 +10,7 @@ import type { Editor, Selection } from './editor.svelte';
 import { itemPosition, isOnPath } from './logic/commands';
 import { corridorOutline } from './logic/corridor';
 import { between, type Point, radiusHandle } from './logic/geo';
-import { CMD, FRAME, type Item, type Plan } from './logic/model';
+import type { Item, Plan } from './logic/model';
 import { pathOf } from './logic/path';
 
 /** Something that can be dragged or chosen. */
@@ -24,18 +25,18 @@ export interface Handle {
 
 const HIT_RADIUS = 18;
 const KINDS: Readonly<Record<number, StopKind>> = {
-  [CMD.NAV_TAKEOFF]: 'takeoff',
-  [CMD.NAV_VTOL_TAKEOFF]: 'takeoff',
-  [CMD.NAV_LAND]: 'land',
-  [CMD.NAV_VTOL_LAND]: 'land',
-  [CMD.NAV_RETURN_TO_LAUNCH]: 'rtl',
-  [CMD.NAV_SPLINE_WAYPOINT]: 'spline',
+  [MavCmd.NAV_TAKEOFF]: 'takeoff',
+  [MavCmd.NAV_VTOL_TAKEOFF]: 'takeoff',
+  [MavCmd.NAV_LAND]: 'land',
+  [MavCmd.NAV_VTOL_LAND]: 'land',
+  [MavCmd.NAV_RETURN_TO_LAUNCH]: 'rtl',
+  [MavCmd.NAV_SPLINE_WAYPOINT]: 'spline',
 };
 const RADIUS_PARAM: Readonly<Record<number, number>> = {
-  [CMD.NAV_LOITER_UNLIM]: 2,
-  [CMD.NAV_LOITER_TURNS]: 2,
-  [CMD.NAV_LOITER_TIME]: 2,
-  [CMD.NAV_LOITER_TO_ALT]: 1,
+  [MavCmd.NAV_LOITER_UNLIM]: 2,
+  [MavCmd.NAV_LOITER_TURNS]: 2,
+  [MavCmd.NAV_LOITER_TIME]: 2,
+  [MavCmd.NAV_LOITER_TO_ALT]: 1,
 };
 
 function stopOf(each: Item, index: number): Stop | null {
@@ -57,17 +58,17 @@ export function missionPathOf(plan: Plan): MissionPath {
       .find((each) => each !== null) ?? null;
   const jumps = plan.mission.flatMap((each, index) => {
     const [from, to] = [place(index), place(each.params[0] ?? -1)];
-    return each.command === CMD.DO_JUMP && from && to ? [[from, to] as const] : [];
+    return each.command === MavCmd.DO_JUMP && from && to ? [[from, to] as const] : [];
   });
   // Once through the items, without the repetitions of jumps.
   const line = pathOf({
     ...plan,
-    mission: plan.mission.map((each) => (each.command === CMD.DO_JUMP ? NO_JUMP : each)),
+    mission: plan.mission.map((each) => (each.command === MavCmd.DO_JUMP ? NO_JUMP : each)),
   });
   return { stops, line, jumps };
 }
 
-const NO_JUMP: Item = { command: 0, frame: FRAME.MISSION, params: [], autocontinue: true };
+const NO_JUMP: Item = { command: 0, frame: MavFrame.MISSION, params: [], autocontinue: true };
 
 export function shapesOf(plan: Plan): FenceShape[] {
   return [

@@ -1,5 +1,6 @@
 /** The autopilot of one vehicle of the demo: arming, modes, guided flight and missions over its motion. */
 
+import { MavCmd, MavSeverity } from '$generated';
 import type { PlanItem } from '$lib/vehicle/Vehicle';
 import type { VehicleType } from '$lib/vehicle/Vehicle';
 import { ardupilotModes, vehicleTypeOf } from '$lib/vehicle/vehicleType';
@@ -9,17 +10,6 @@ import { Motion, type Demand, type Point } from './motion';
 import { toPoint } from './place';
 import { ARDUPILOT, type MockProfile } from './profiles';
 
-const NAV_WAYPOINT = 16;
-const NAV_LOITER_UNLIM = 17;
-const NAV_LOITER_TURNS = 18;
-const NAV_LOITER_TIME = 19;
-const NAV_RETURN = 20;
-const NAV_LAND = 21;
-const NAV_TAKEOFF = 22;
-const NAV_VTOL_TAKEOFF = 84;
-const NAV_VTOL_LAND = 85;
-const DO_JUMP = 177;
-const DO_CHANGE_SPEED = 178;
 const RETURN_ALTITUDE = 15;
 const WING_RETURN_ALTITUDE = 60;
 /** Turns or seconds that an item of the mission has still to be flown. */
@@ -81,7 +71,7 @@ export class MockAutopilot {
     if (['return', 'land'].includes(behaviourOf(this.mode)) && !this.armed && !force) {
       return `Arm: ${this.mode} mode not armable`;
     }
-    if (!this.armed) this.report(6, 'Arming motors');
+    if (!this.armed) this.report(MavSeverity.INFO, 'Arming motors');
     this.armed = true;
     return null;
   }
@@ -89,7 +79,7 @@ export class MockAutopilot {
   /** Returns the reason why it does not disarm, or null. */
   disarm(force: boolean): string | null {
     if (!this.landed && this.motion.up > 0.5 && !force) return 'Disarm: vehicle is flying';
-    if (this.armed) this.report(6, 'Disarming motors');
+    if (this.armed) this.report(MavSeverity.INFO, 'Disarming motors');
     this.armed = false;
     this.target = null;
     this.motion.rest();
@@ -261,7 +251,7 @@ export class MockAutopilot {
       if (this.mission[this.current] === item) this.current += 1;
       this.itemTime = 0;
       if (this.current < this.mission.length) continue;
-      this.report(6, 'Mission complete');
+      this.report(MavSeverity.INFO, 'Mission complete');
       this.current = this.mission.length - 1;
       this.enter(this.type === 'vtol' || this.type === 'plane' ? 'RTL' : this.isGround ? 'HOLD' : 'LOITER');
       return this.loiterAtEnd();
@@ -280,26 +270,26 @@ export class MockAutopilot {
     const point = toPoint(item, this.home, this.here);
     this.itemTime += dt;
     switch (item.command) {
-      case NAV_WAYPOINT:
+      case MavCmd.NAV_WAYPOINT:
         return this.flyTo(point, item.params[0] ?? 0);
-      case NAV_TAKEOFF:
-      case NAV_VTOL_TAKEOFF:
+      case MavCmd.NAV_TAKEOFF:
+      case MavCmd.NAV_VTOL_TAKEOFF:
         return this.motion.up > point.up - 1
           ? null
           : { kind: 'point', point: { ...this.aheadOf(point), up: point.up } };
-      case NAV_LOITER_UNLIM:
+      case MavCmd.NAV_LOITER_UNLIM:
         return this.toward(point);
-      case NAV_LOITER_TIME:
+      case MavCmd.NAV_LOITER_TIME:
         return this.itemTime > (item.params[0] ?? 0) + 20 ? null : this.toward(point);
-      case NAV_LOITER_TURNS:
+      case MavCmd.NAV_LOITER_TURNS:
         return this.itemTime > (item.params[0] ?? 1) * SECONDS_PER_TURN
           ? null
           : this.around(point, this.profile.limits.radius);
-      case NAV_RETURN:
+      case MavCmd.NAV_RETURN_TO_LAUNCH:
         this.enter(this.modes.RTL === undefined ? 'HOLD' : 'RTL');
         return { kind: 'stay' };
-      case NAV_LAND:
-      case NAV_VTOL_LAND:
+      case MavCmd.NAV_LAND:
+      case MavCmd.NAV_VTOL_LAND:
         return this.land(point);
       default:
         this.doItem(item);
@@ -330,8 +320,8 @@ export class MockAutopilot {
   }
 
   private doItem(item: PlanItem): void {
-    if (item.command === DO_CHANGE_SPEED) this.setSpeed(item.params[1] ?? this.motion.speed);
-    if (item.command !== DO_JUMP) return;
+    if (item.command === MavCmd.DO_CHANGE_SPEED) this.setSpeed(item.params[1] ?? this.motion.speed);
+    if (item.command !== MavCmd.DO_JUMP) return;
     const [target, limit] = [item.params[0] ?? 1, item.params[1] ?? 0];
     const count = (this.jumps.get(this.current) ?? 0) + 1;
     this.jumps.set(this.current, count);

@@ -1,5 +1,6 @@
 /** One vehicle of the demo: the MAVLink component around an autopilot. Time is in ms since the demo began. */
 
+import { MavCmd, MavFrame } from '$generated';
 import { Encoder, type DecodedMessage, type SentFields } from '$lib/decoder/Decoder';
 
 import { commandOf, runCommand } from './commands';
@@ -10,12 +11,9 @@ import { MissionServer } from './plans';
 import { ARDUPILOT, type MockProfile } from './profiles';
 import { Telemetry } from './telemetry';
 
-const NAV_WAYPOINT = 16;
-const GLOBAL_RELATIVE_ALT = 3;
 const POSITION_INTERVAL = 100;
 /** Parameters of a list that are sent in each step. */
 const PARAMETERS_PER_STEP = 15;
-const GLOBAL = 0;
 
 export class MockVehicle {
   readonly autopilot: MockAutopilot;
@@ -112,21 +110,21 @@ export class MockVehicle {
   private loadMission(): void {
     const { profile, autopilot } = this;
     const item = (seq: number, command: number, params: number[]): void => {
-      const name = command === NAV_WAYPOINT ? 'NAV_WAYPOINT' : 'DO_JUMP';
+      const name = command === MavCmd.NAV_WAYPOINT ? 'MavCmd.NAV_WAYPOINT' : 'DO_JUMP';
       autopilot.mission.push({
         seq,
         command,
         name,
-        frame: seq === 0 ? GLOBAL : GLOBAL_RELATIVE_ALT,
+        frame: seq === 0 ? MavFrame.GLOBAL : MavFrame.GLOBAL_RELATIVE_ALT,
         params,
         autocontinue: true,
       });
     };
     [profile.start, ...profile.mission].forEach((point, seq) => {
       const { latitude, longitude, altitude } = toDegrees(point);
-      item(seq, NAV_WAYPOINT, [0, 0, 0, 0, latitude, longitude, seq === 0 ? altitude : point.up]);
+      item(seq, MavCmd.NAV_WAYPOINT, [0, 0, 0, 0, latitude, longitude, seq === 0 ? altitude : point.up]);
     });
-    item(profile.mission.length + 1, 177, [1, -1, 0, 0, 0, 0, 0]);
+    item(profile.mission.length + 1, MavCmd.DO_JUMP, [1, -1, 0, 0, 0, 0, 0]);
     autopilot.start(1);
   }
 
@@ -187,7 +185,7 @@ export class MockVehicle {
     longitude: number,
     altitude: number,
   ): { north: number; east: number; up: number } {
-    const isSea = frame === GLOBAL || frame === 5;
+    const isSea = frame === MavFrame.GLOBAL || frame === MavFrame.GLOBAL_INT;
     const up = isSea ? altitude - toDegrees({ north: 0, east: 0, up: 0 }).altitude : altitude + this.autopilot.home.up;
     return toMetres(latitude, longitude, up);
   }

@@ -1,5 +1,6 @@
 /** Commands that the vehicles of the demo carry out, with the reasons of their refusals. */
 
+import { HomePosition, MavCmd, MavFrame, MavResult, MavSeverity } from '$generated';
 import type { DecodedMessage } from '$lib/decoder/Decoder';
 
 import { behaviourOf } from './modes';
@@ -14,17 +15,9 @@ export interface MockCommand {
   readonly component: number;
 }
 
-const ACCEPTED = 0;
-const TEMPORARILY_REJECTED = 1;
-const DENIED = 2;
-const UNSUPPORTED = 3;
-const FAILED = 4;
-const IN_PROGRESS = 5;
-
 const FORCE = 21196;
-const REASON_SEVERITY = 2;
+const REASON_SEVERITY = MavSeverity.CRITICAL;
 const CALIBRATION_TIME = 3000;
-const GLOBAL_RELATIVE_ALT = 3;
 
 type Handler = (vehicle: MockVehicle, params: readonly number[], command: MockCommand) => number;
 
@@ -36,7 +29,7 @@ export function commandOf(message: DecodedMessage): MockCommand {
   const place = isInt
     ? [Number(fields.x) / 1e7, Number(fields.y) / 1e7, Number(fields.z)]
     : [fields.param5, fields.param6, fields.param7].map(Number);
-  const frame = isInt ? Number(fields.frame) : GLOBAL_RELATIVE_ALT;
+  const frame = isInt ? Number(fields.frame) : MavFrame.GLOBAL_RELATIVE_ALT;
   return { command: Number(fields.command), params: [...params, ...place], frame, system, component };
 }
 
@@ -44,7 +37,8 @@ export function commandOf(message: DecodedMessage): MockCommand {
 export function runCommand(vehicle: MockVehicle, command: MockCommand): void {
   const handler = HANDLERS[command.command];
   const isAllowed = vehicle.isArdupilot || MSP_COMMANDS.has(command.command);
-  const result = handler === undefined || !isAllowed ? UNSUPPORTED : handler(vehicle, command.params, command);
+  const result =
+    handler === undefined || !isAllowed ? MavResult.UNSUPPORTED : handler(vehicle, command.params, command);
   acknowledge(vehicle, command, result);
 }
 
@@ -53,121 +47,114 @@ function acknowledge(vehicle: MockVehicle, { command, system, component }: MockC
 }
 
 /** Says a reason and returns the result of a refusal. */
-function refuse(vehicle: MockVehicle, reason: string | null, result: number = FAILED): number {
-  if (reason === null) return ACCEPTED;
+function refuse(vehicle: MockVehicle, reason: string | null, result: number = MavResult.FAILED): number {
+  if (reason === null) return MavResult.ACCEPTED;
   vehicle.say(REASON_SEVERITY, reason);
   return result;
 }
 
 function enter(vehicle: MockVehicle, ...names: string[]): number {
   const name = names.find((each) => vehicle.autopilot.modes[each] !== undefined);
-  if (name === undefined) return UNSUPPORTED;
+  if (name === undefined) return MavResult.UNSUPPORTED;
   vehicle.autopilot.enter(name);
-  return ACCEPTED;
+  return MavResult.ACCEPTED;
 }
 
 const HANDLERS: Readonly<Record<number, Handler>> = {
-  // COMPONENT_ARM_DISARM
-  400(vehicle, [arm, force]) {
+  [MavCmd.COMPONENT_ARM_DISARM](vehicle, [arm, force]) {
     const isForced = force === FORCE;
     const { autopilot } = vehicle;
     return refuse(vehicle, arm === 1 ? autopilot.arm(isForced) : autopilot.disarm(isForced));
   },
-  // NAV_TAKEOFF and NAV_VTOL_TAKEOFF
-  22: (vehicle, params) =>
+  [MavCmd.NAV_TAKEOFF]: (vehicle, params) =>
     // As ArduPlane, which takes it in missions only: its pilots take off in the mode TAKEOFF.
-    vehicle.autopilot.type === 'plane' ? FAILED : refuse(vehicle, vehicle.autopilot.takeoff(params[6] ?? 10)),
-  84: (vehicle, params) => refuse(vehicle, vehicle.autopilot.takeoff(params[6] ?? 10)),
-  // DO_SET_MODE
-  176(vehicle, params) {
+    vehicle.autopilot.type === 'plane' ? MavResult.FAILED : refuse(vehicle, vehicle.autopilot.takeoff(params[6] ?? 10)),
+  [MavCmd.NAV_VTOL_TAKEOFF]: (vehicle, params) => refuse(vehicle, vehicle.autopilot.takeoff(params[6] ?? 10)),
+  [MavCmd.DO_SET_MODE](vehicle, params) {
     const { modes } = vehicle.autopilot;
     if (!Object.values(modes).includes(params[1] ?? -1)) return refuse(vehicle, 'Mode change failed: no such mode');
     vehicle.setMode(params[1]!);
-    return ACCEPTED;
+    return MavResult.ACCEPTED;
   },
-  20: (vehicle) => enter(vehicle, 'RTL', 'SURFACE'),
-  21: (vehicle) => enter(vehicle, 'LAND', 'QLAND', 'SURFACE', 'HOLD'),
-  // DO_REPOSITION
-  192(vehicle, params, { frame }) {
+  [MavCmd.NAV_RETURN_TO_LAUNCH]: (vehicle) => enter(vehicle, 'RTL', 'SURFACE'),
+  [MavCmd.NAV_LAND]: (vehicle) => enter(vehicle, 'LAND', 'QLAND', 'SURFACE', 'HOLD'),
+  [MavCmd.DO_REPOSITION](vehicle, params, { frame }) {
     const { autopilot } = vehicle;
-    if (!autopilot.armed) return refuse(vehicle, 'Guided: vehicle is not armed', TEMPORARILY_REJECTED);
+    if (!autopilot.armed) return refuse(vehicle, 'Guided: vehicle is not armed', MavResult.TEMPORARILY_REJECTED);
     enter(vehicle, 'GUIDED');
     if (params[0]! > 0) autopilot.setSpeed(params[0]!);
     const radius = params[2]! > 0 ? params[2]! * (params[3] === 1 ? -1 : 1) : undefined;
     autopilot.goto(vehicle.pointOf(frame, params[4]!, params[5]!, params[6]!), radius);
-    return ACCEPTED;
+    return MavResult.ACCEPTED;
   },
-  // DO_CHANGE_SPEED
-  178(vehicle, params) {
-    if (!(params[1]! > 0)) return DENIED;
+  [MavCmd.DO_CHANGE_SPEED](vehicle, params) {
+    if (!(params[1]! > 0)) return MavResult.DENIED;
     vehicle.autopilot.setSpeed(params[1]!);
-    return ACCEPTED;
+    return MavResult.ACCEPTED;
   },
-  // DO_CHANGE_ALTITUDE
-  186(vehicle, params) {
+  [MavCmd.DO_CHANGE_ALTITUDE](vehicle, params) {
     const { autopilot } = vehicle;
     const { north, east } = autopilot.motion;
-    return autopilot.goto({ north, east, up: params[0]! }) ? ACCEPTED : refuse(vehicle, 'Altitude: not in guided mode');
+    return autopilot.goto({ north, east, up: params[0]! })
+      ? MavResult.ACCEPTED
+      : refuse(vehicle, 'Altitude: not in guided mode');
   },
-  // MISSION_START
-  300(vehicle) {
+  [MavCmd.MISSION_START](vehicle) {
     const { autopilot } = vehicle;
     if (autopilot.mission.length < 2) return refuse(vehicle, 'Mission: no mission');
     if (!autopilot.armed) return refuse(vehicle, 'Auto: vehicle is not armed');
     autopilot.start(1);
     return enter(vehicle, 'AUTO');
   },
-  // DO_SET_MISSION_CURRENT
-  224(vehicle, params) {
-    if (params[0]! >= vehicle.autopilot.mission.length) return DENIED;
+  [MavCmd.DO_SET_MISSION_CURRENT](vehicle, params) {
+    if (params[0]! >= vehicle.autopilot.mission.length) return MavResult.DENIED;
     vehicle.autopilot.start(params[0]!);
-    return ACCEPTED;
+    return MavResult.ACCEPTED;
   },
-  // REQUEST_MESSAGE, SET_MESSAGE_INTERVAL
-  512: (vehicle, params) => (vehicle.sendRequested(params[0]!) ? ACCEPTED : DENIED),
-  511: () => ACCEPTED,
-  // PREFLIGHT_CALIBRATION
-  241(vehicle, _params, command) {
-    if (vehicle.autopilot.armed) return refuse(vehicle, 'Disarm to allow calibration', TEMPORARILY_REJECTED);
-    vehicle.say(6, 'Calibrating');
+  [MavCmd.REQUEST_MESSAGE]: (vehicle, params) =>
+    vehicle.sendRequested(params[0]!) ? MavResult.ACCEPTED : MavResult.DENIED,
+  [MavCmd.SET_MESSAGE_INTERVAL]: () => MavResult.ACCEPTED,
+  [MavCmd.PREFLIGHT_CALIBRATION](vehicle, _params, command) {
+    if (vehicle.autopilot.armed) return refuse(vehicle, 'Disarm to allow calibration', MavResult.TEMPORARILY_REJECTED);
+    vehicle.say(MavSeverity.INFO, 'Calibrating');
     setTimeout(() => {
-      vehicle.say(6, 'Calibration successful');
-      acknowledge(vehicle, command, ACCEPTED);
+      vehicle.say(MavSeverity.INFO, 'Calibration successful');
+      acknowledge(vehicle, command, MavResult.ACCEPTED);
     }, CALIBRATION_TIME);
-    return IN_PROGRESS;
+    return MavResult.IN_PROGRESS;
   },
-  // PREFLIGHT_REBOOT_SHUTDOWN
-  246(vehicle) {
+  [MavCmd.PREFLIGHT_REBOOT_SHUTDOWN](vehicle) {
     if (vehicle.autopilot.armed) return refuse(vehicle, 'Reboot refused: vehicle is armed');
-    vehicle.say(6, 'Rebooting');
-    return ACCEPTED;
+    vehicle.say(MavSeverity.INFO, 'Rebooting');
+    return MavResult.ACCEPTED;
   },
-  // DO_MOTOR_TEST
-  209: (vehicle) => (vehicle.autopilot.armed ? refuse(vehicle, 'Motor Test: vehicle is armed') : ACCEPTED),
-  // DO_SET_HOME
-  179(vehicle, params, { frame }) {
+  [MavCmd.DO_MOTOR_TEST]: (vehicle) =>
+    vehicle.autopilot.armed ? refuse(vehicle, 'Motor Test: vehicle is armed') : MavResult.ACCEPTED,
+  [MavCmd.DO_SET_HOME](vehicle, params, { frame }) {
     const { autopilot } = vehicle;
     const { north, east } = autopilot.motion;
     autopilot.home =
       params[0] === 1 ? { north, east, up: 0 } : vehicle.pointOf(frame, params[4]!, params[5]!, params[6]!);
-    vehicle.sendRequested(242);
-    return ACCEPTED;
+    vehicle.sendRequested(HomePosition.info.id);
+    return MavResult.ACCEPTED;
   },
-  // DO_SET_ROI_LOCATION, DO_SET_ROI_NONE
-  195(vehicle, params, { frame }) {
+  [MavCmd.DO_SET_ROI_LOCATION](vehicle, params, { frame }) {
     vehicle.autopilot.lookedAt = vehicle.pointOf(frame, params[4]!, params[5]!, params[6]!);
-    return ACCEPTED;
+    return MavResult.ACCEPTED;
   },
-  197(vehicle) {
+  [MavCmd.DO_SET_ROI_NONE](vehicle) {
     vehicle.autopilot.lookedAt = null;
-    return ACCEPTED;
+    return MavResult.ACCEPTED;
   },
-  // DO_PAUSE_CONTINUE
-  193(vehicle, params) {
+  [MavCmd.DO_PAUSE_CONTINUE](vehicle, params) {
     if (params[0] === 1) return enter(vehicle, 'AUTO');
-    return behaviourOf(vehicle.autopilot.mode) === 'mission' ? enter(vehicle, 'LOITER', 'HOLD') : DENIED;
+    return behaviourOf(vehicle.autopilot.mode) === 'mission' ? enter(vehicle, 'LOITER', 'HOLD') : MavResult.DENIED;
   },
 };
 
 /** Commands that a flight controller behind an MSP bridge takes. */
-const MSP_COMMANDS: ReadonlySet<number> = new Set([511, 512, 246]);
+const MSP_COMMANDS: ReadonlySet<number> = new Set([
+  MavCmd.SET_MESSAGE_INTERVAL,
+  MavCmd.REQUEST_MESSAGE,
+  MavCmd.PREFLIGHT_REBOOT_SHUTDOWN,
+]);

@@ -1,5 +1,6 @@
 /** Parameters of the vehicles of the demo: names and values as those of ArduPilot and Betaflight. */
 
+import { MavParamType } from '$generated';
 import type { VehicleType } from '$lib/vehicle/Vehicle';
 
 import { ARDUPILOT, type MockProfile } from './profiles';
@@ -11,10 +12,7 @@ export interface MockParameter {
   readonly type: number;
 }
 
-const INT8 = 2;
-const INT16 = 4;
-const INT32 = 6;
-const REAL32 = 9;
+const { INT8, INT16, INT32, REAL32 } = MavParamType;
 
 type Table = Readonly<Record<string, readonly [value: number, type: number]>>;
 

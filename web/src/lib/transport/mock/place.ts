@@ -1,5 +1,6 @@
 /** Conversions between degrees and the metres of the demo. */
 
+import { MavFrame } from '$generated';
 import { EARTH_RADIUS } from '$lib/map/geometry';
 import type { PlanItem } from '$lib/vehicle/Vehicle';
 
@@ -8,7 +9,7 @@ import { ORIGIN } from './profiles';
 
 const METRES_PER_DEGREE = (EARTH_RADIUS * Math.PI) / 180;
 const COSINE = Math.cos((ORIGIN.latitude * Math.PI) / 180);
-const GLOBAL_FRAMES: ReadonlySet<number> = new Set([0, 5]);
+const GLOBAL_FRAMES: ReadonlySet<number> = new Set([MavFrame.GLOBAL, MavFrame.GLOBAL_INT]);
 
 export function toDegrees(point: Point): { latitude: number; longitude: number; altitude: number } {
   return {

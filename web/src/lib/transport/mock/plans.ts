@@ -1,22 +1,19 @@
 /** The mission protocol of a vehicle of the demo: missions, fences and rally points. */
 
+import { MavAutopilot, MavMissionResult, MavMissionType } from '$generated';
 import type { DecodedMessage, SentFields } from '$lib/decoder/Decoder';
 import type { PlanItem } from '$lib/vehicle/Vehicle';
 import { fieldsOf, itemOf } from '$lib/vehicle/link/plans';
 
 import type { MockAutopilot } from './MockAutopilot';
 
-const ACCEPTED = 0;
-const INVALID_SEQUENCE = 13;
-const UNSUPPORTED = 3;
-const ARDUPILOT = 3;
 /** Seconds after which an item is requested again. */
 const REQUEST_INTERVAL = 1;
 
 export class MissionServer {
   private readonly autopilot: MockAutopilot;
   private readonly send: (name: string, fields: SentFields) => void;
-  private readonly others: Record<number, PlanItem[]> = { 1: [], 2: [] };
+  private readonly others: Record<number, PlanItem[]> = { [MavMissionType.FENCE]: [], [MavMissionType.RALLY]: [] };
   private upload: { type: number; count: number; items: PlanItem[] } | null = null;
   /** Requests the next item again. */
   private repeat: (() => void) | null = null;
@@ -32,8 +29,8 @@ export class MissionServer {
     const type = Number(fields.mission_type);
     const answer = (name: string, more: SentFields): void =>
       this.send(name, { target_system: system, target_component: component, mission_type: type, ...more });
-    if (message.name.startsWith('MISSION_') && this.autopilot.profile.autopilot !== ARDUPILOT) {
-      return answer('MISSION_ACK', { type: UNSUPPORTED });
+    if (message.name.startsWith('MISSION_') && this.autopilot.profile.autopilot !== MavAutopilot.ARDUPILOTMEGA) {
+      return answer('MISSION_ACK', { type: MavMissionResult.UNSUPPORTED });
     }
     switch (message.name) {
       case 'MISSION_REQUEST_LIST':
@@ -48,7 +45,7 @@ export class MissionServer {
         return this.take(itemOf(message), answer);
       case 'MISSION_CLEAR_ALL':
         this.store(type, []);
-        return answer('MISSION_ACK', { type: ACCEPTED });
+        return answer('MISSION_ACK', { type: MavMissionResult.ACCEPTED });
       default:
     }
   }
@@ -62,11 +59,11 @@ export class MissionServer {
   }
 
   private items(type: number): PlanItem[] {
-    return type === 0 ? this.autopilot.mission : (this.others[type] ?? []);
+    return type === MavMissionType.MISSION ? this.autopilot.mission : (this.others[type] ?? []);
   }
 
   private store(type: number, items: PlanItem[]): void {
-    if (type !== 0) {
+    if (type !== MavMissionType.MISSION) {
       this.others[type] = items;
       return;
     }
@@ -78,7 +75,7 @@ export class MissionServer {
 
   private give(type: number, seq: number, answer: (name: string, fields: SentFields) => void): void {
     const item = this.items(type)[seq];
-    if (item === undefined) return answer('MISSION_ACK', { type: INVALID_SEQUENCE });
+    if (item === undefined) return answer('MISSION_ACK', { type: MavMissionResult.INVALID_SEQUENCE });
     answer('MISSION_ITEM_INT', fieldsOf({ ...item, seq }, type));
   }
 
@@ -90,7 +87,7 @@ export class MissionServer {
     if (items.length < count) return answer('MISSION_REQUEST_INT', { seq: items.length });
     this.store(type, items);
     this.upload = null;
-    answer('MISSION_ACK', { type: ACCEPTED });
+    answer('MISSION_ACK', { type: MavMissionResult.ACCEPTED });
   }
 
   private take(item: PlanItem, answer: (name: string, fields: SentFields) => void): void {

@@ -1,5 +1,7 @@
 /** The vehicles of the demo: what they are, where they start, and what they do at first. */
 
+import { MavAutopilot, MavType } from '$generated';
+
 import type { MotionLimits, Point } from './motion';
 
 export interface MockProfile {
@@ -19,15 +21,8 @@ export interface MockProfile {
   readonly armingProblem?: string;
 }
 
-export const ARDUPILOT = 3;
-export const GENERIC = 0;
-
-const FIXED_WING = 1;
-const QUADROTOR = 2;
-const GROUND_ROVER = 10;
-const SURFACE_BOAT = 11;
-const SUBMARINE = 12;
-const VTOL_FIXEDROTOR = 22;
+export const ARDUPILOT = MavAutopilot.ARDUPILOTMEGA;
+export const GENERIC = MavAutopilot.GENERIC;
 
 /** Landiwiese at the shore of Lake Zurich: a meadow for the copter and the rover, water for the boat. */
 export const ORIGIN = { latitude: 47.3494, longitude: 8.5363, altitude: 407 } as const;
@@ -44,7 +39,7 @@ const at = (north: number, east: number, up = 0): Point => ({ north, east, up })
 export const FLEET: readonly MockProfile[] = [
   {
     system: 1,
-    mavType: QUADROTOR,
+    mavType: MavType.QUADROTOR,
     autopilot: ARDUPILOT,
     limits: COPTER,
     start: at(0, 0),
@@ -54,7 +49,7 @@ export const FLEET: readonly MockProfile[] = [
   },
   {
     system: 2,
-    mavType: VTOL_FIXEDROTOR,
+    mavType: MavType.VTOL_FIXEDROTOR,
     autopilot: ARDUPILOT,
     limits: PLANE,
     start: at(220, -60),
@@ -64,7 +59,7 @@ export const FLEET: readonly MockProfile[] = [
   },
   {
     system: 3,
-    mavType: FIXED_WING,
+    mavType: MavType.FIXED_WING,
     autopilot: ARDUPILOT,
     limits: PLANE,
     start: at(-150, -60),
@@ -74,7 +69,7 @@ export const FLEET: readonly MockProfile[] = [
   },
   {
     system: 4,
-    mavType: GROUND_ROVER,
+    mavType: MavType.GROUND_ROVER,
     autopilot: ARDUPILOT,
     limits: ROVER,
     start: at(40, -70),
@@ -84,7 +79,7 @@ export const FLEET: readonly MockProfile[] = [
   },
   {
     system: 5,
-    mavType: SURFACE_BOAT,
+    mavType: MavType.SURFACE_BOAT,
     autopilot: ARDUPILOT,
     limits: BOAT,
     start: at(0, 380),
@@ -94,7 +89,7 @@ export const FLEET: readonly MockProfile[] = [
   },
   {
     system: 6,
-    mavType: SUBMARINE,
+    mavType: MavType.SUBMARINE,
     autopilot: ARDUPILOT,
     limits: SUB,
     start: at(-80, 420),
@@ -105,7 +100,7 @@ export const FLEET: readonly MockProfile[] = [
   },
   {
     system: 7,
-    mavType: QUADROTOR,
+    mavType: MavType.QUADROTOR,
     autopilot: GENERIC,
     limits: { ...COPTER, speed: 14, acceleration: 7 },
     start: at(-40, -50),

@@ -1,24 +1,33 @@
 /** Telemetry of a vehicle of the demo: attitude and position ten times a second, the rest more slowly. */
 
-import type { SentFields } from '$lib/decoder/Decoder';
+import {
+  MavLandedState,
+  MavModeFlag,
+  MavProtocolCapability,
+  MavState,
+  MavSysStatusSensor,
+  MavVtolState,
+} from '$generated';
+import { messageInfo, type SentFields } from '$lib/decoder/Decoder';
 
 import type { MockVehicle } from './MockVehicle';
 import { toDegrees } from './place';
 
 type Send = (name: string, fields: SentFields) => void;
 
-const ARMED = 0x80;
-const CUSTOM_MODE = 0x01;
-const GUIDED_FLAGS = 0x08 | 0x10;
-const ACTIVE = 4;
-const STANDBY = 3;
-const ON_GROUND = 1;
-const IN_AIR = 2;
-const FIXED_WING_STATE = 4;
-const PREARM_CHECK = 0x10000000;
+const GUIDED_FLAGS = MavModeFlag.GUIDED_ENABLED | MavModeFlag.STABILIZE_ENABLED;
 const SENSORS = 0x1230ffff;
-/** MISSION_INT, FTP, SET_POSITION_TARGET, COMMAND_INT, MAVLINK2, MISSION_FENCE, MISSION_RALLY, FLIGHT_TERMINATION. */
-const CAPABILITIES = 0x0000_f9ae & ~(1 << 5);
+const CAPABILITIES =
+  MavProtocolCapability.PARAM_FLOAT |
+  MavProtocolCapability.MISSION_INT |
+  MavProtocolCapability.COMMAND_INT |
+  MavProtocolCapability.SET_POSITION_TARGET_LOCAL_NED |
+  MavProtocolCapability.SET_POSITION_TARGET_GLOBAL_INT |
+  MavProtocolCapability.FLIGHT_TERMINATION |
+  MavProtocolCapability.COMPASS_CALIBRATION |
+  MavProtocolCapability.MAVLINK2 |
+  MavProtocolCapability.MISSION_FENCE |
+  MavProtocolCapability.MISSION_RALLY;
 const STABLE_5_MODE = 1;
 const WIND = { direction: 240, speed: 3.4 };
 const NO_READING = 0xffff;
@@ -43,20 +52,22 @@ const STREAMS: readonly Stream[] = [
   [1000, 'SYSTEM_TIME'],
   [5000, 'HOME_POSITION'],
 ];
-const REQUESTABLE: Readonly<Record<number, string>> = {
-  0: 'HEARTBEAT',
-  1: 'SYS_STATUS',
-  24: 'GPS_RAW_INT',
-  30: 'ATTITUDE',
-  33: 'GLOBAL_POSITION_INT',
-  74: 'VFR_HUD',
-  147: 'BATTERY_STATUS',
-  148: 'AUTOPILOT_VERSION',
-  242: 'HOME_POSITION',
-  245: 'EXTENDED_SYS_STATE',
-  436: 'CURRENT_MODE',
-  435: 'AVAILABLE_MODES',
-};
+const REQUESTABLE: ReadonlyMap<number, string> = new Map(
+  [
+    'HEARTBEAT',
+    'SYS_STATUS',
+    'GPS_RAW_INT',
+    'ATTITUDE',
+    'GLOBAL_POSITION_INT',
+    'VFR_HUD',
+    'BATTERY_STATUS',
+    'AUTOPILOT_VERSION',
+    'HOME_POSITION',
+    'EXTENDED_SYS_STATE',
+    'CURRENT_MODE',
+    'AVAILABLE_MODES',
+  ].map((name) => [messageInfo(name)!.id, name]),
+);
 
 export class Telemetry {
   private readonly vehicle: MockVehicle;
@@ -88,7 +99,7 @@ export class Telemetry {
   }
 
   sendById(id: number): boolean {
-    const name = REQUESTABLE[id];
+    const name = REQUESTABLE.get(id);
     if (name !== undefined) this.emit(name);
     return name !== undefined;
   }
@@ -131,8 +142,8 @@ export class Telemetry {
         return this.gps();
       case 'EXTENDED_SYS_STATE':
         return {
-          landed_state: autopilot.landed ? ON_GROUND : IN_AIR,
-          vtol_state: autopilot.type === 'vtol' ? FIXED_WING_STATE : 0,
+          landed_state: autopilot.landed ? MavLandedState.ON_GROUND : MavLandedState.IN_AIR,
+          vtol_state: autopilot.type === 'vtol' ? MavVtolState.FW : 0,
         };
       case 'MISSION_CURRENT':
         return { seq: autopilot.current, total: Math.max(0, autopilot.mission.length - 1) };
@@ -173,9 +184,9 @@ export class Telemetry {
     return {
       type: profile.mavType,
       autopilot: profile.autopilot,
-      base_mode: CUSTOM_MODE | GUIDED_FLAGS | (autopilot.armed ? ARMED : 0),
+      base_mode: MavModeFlag.CUSTOM_MODE_ENABLED | GUIDED_FLAGS | (autopilot.armed ? MavModeFlag.SAFETY_ARMED : 0),
       custom_mode: this.customMode,
-      system_status: autopilot.armed ? ACTIVE : STANDBY,
+      system_status: autopilot.armed ? MavState.ACTIVE : MavState.STANDBY,
     };
   }
 
@@ -210,10 +221,13 @@ export class Telemetry {
 
   private status(): SentFields {
     const { autopilot, profile } = this.vehicle;
-    const health = profile.armingProblem === undefined ? SENSORS | PREARM_CHECK : SENSORS & ~PREARM_CHECK;
+    const health =
+      profile.armingProblem === undefined
+        ? SENSORS | MavSysStatusSensor.PREARM_CHECK
+        : SENSORS & ~MavSysStatusSensor.PREARM_CHECK;
     return {
-      onboard_control_sensors_present: (SENSORS | PREARM_CHECK) >>> 0,
-      onboard_control_sensors_enabled: (SENSORS | PREARM_CHECK) >>> 0,
+      onboard_control_sensors_present: (SENSORS | MavSysStatusSensor.PREARM_CHECK) >>> 0,
+      onboard_control_sensors_enabled: (SENSORS | MavSysStatusSensor.PREARM_CHECK) >>> 0,
       onboard_control_sensors_health: health >>> 0,
       load: 210,
       voltage_battery: Math.round(this.voltage * 1000),
@@ -293,7 +307,11 @@ export class Telemetry {
     const identifier = Array.from('BTFL\0\0\0\0', (letter) => letter.charCodeAt(0));
     return this.vehicle.isArdupilot
       ? { capabilities: CAPABILITIES, flight_sw_version: 0x04060000 + 255 }
-      : { capabilities: 0x2000, flight_sw_version: 0x04050000 + 255, flight_custom_version: identifier };
+      : {
+          capabilities: MavProtocolCapability.MAVLINK2,
+          flight_sw_version: 0x04050000 + 255,
+          flight_custom_version: identifier,
+        };
   }
 
   /** A bridge of an MSP flight controller sends the firmware and the name of the mode by itself. */

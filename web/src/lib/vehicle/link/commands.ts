@@ -1,16 +1,15 @@
 /** Commands: COMMAND_LONG and COMMAND_INT, retried until COMMAND_ACK, with the vehicle's reasons when refused. */
 
+import { MavResult, MavSeverity } from '$generated';
 import { StationError } from '$lib/api/errors';
 import { enumName, enumValues, type DecodedMessage } from '$lib/decoder/Decoder';
 
 import type { CommandResult, StatusText } from '../Vehicle';
 import { request, type Channel } from './channel';
 
-const ACCEPTED = 0;
-const IN_PROGRESS = 5;
 /** Status texts follow a refusal by this time in ms. */
 const REASON_DELAY = 300;
-const MAX_SEVERITY_OF_REASONS = 5;
+const MAX_SEVERITY_OF_REASONS = MavSeverity.NOTICE;
 
 export interface CommandPlace {
   readonly frame: number;
@@ -63,7 +62,7 @@ export async function sendCommand(
     });
     const result = Number(answer.fields.result);
     const name = enumName('MAV_RESULT', result) ?? String(result);
-    if (result === ACCEPTED) return { result: name, detail: Number(answer.fields.result_param2), attempts };
+    if (result === MavResult.ACCEPTED) return { result: name, detail: Number(answer.fields.result_param2), attempts };
     await new Promise((resolve) => setTimeout(resolve, REASON_DELAY));
     throw refusal(target, name, result, texts);
   } finally {
@@ -72,7 +71,7 @@ export async function sendCommand(
 }
 
 function isFinal(message: DecodedMessage, command: number): boolean {
-  return Number(message.fields.command) === command && Number(message.fields.result) !== IN_PROGRESS;
+  return Number(message.fields.command) === command && Number(message.fields.result) !== MavResult.IN_PROGRESS;
 }
 
 function refusal(target: string, name: string, result: number, texts: readonly StatusText[]): StationError {

@@ -4,6 +4,7 @@
  * ArduPilot casts integers to float; PX4 puts the bytes of the integer into the four bytes of the float.
  */
 
+import { MavParamType } from '$generated';
 import { enumName } from '$lib/decoder/Decoder';
 
 import type { VehicleState } from '../Vehicle';
@@ -16,15 +17,14 @@ export function encodingOf(firmware: VehicleState['firmware']): ParameterEncodin
   return firmware === 'px4' || firmware === 'msp' ? 'bytewise' : null;
 }
 
-const REAL32 = 9;
 /** The smallest and the largest value of each MAV_PARAM_TYPE of integers. */
 const LIMITS: ReadonlyMap<number, readonly [smallest: number, largest: number]> = new Map([
-  [1, [0, 2 ** 8 - 1]],
-  [2, [-(2 ** 7), 2 ** 7 - 1]],
-  [3, [0, 2 ** 16 - 1]],
-  [4, [-(2 ** 15), 2 ** 15 - 1]],
-  [5, [0, 2 ** 32 - 1]],
-  [6, [-(2 ** 31), 2 ** 31 - 1]],
+  [MavParamType.UINT8, [0, 2 ** 8 - 1]],
+  [MavParamType.INT8, [-(2 ** 7), 2 ** 7 - 1]],
+  [MavParamType.UINT16, [0, 2 ** 16 - 1]],
+  [MavParamType.INT16, [-(2 ** 15), 2 ** 15 - 1]],
+  [MavParamType.UINT32, [0, 2 ** 32 - 1]],
+  [MavParamType.INT32, [-(2 ** 31), 2 ** 31 - 1]],
 ]);
 
 /**
@@ -57,7 +57,9 @@ export function encodeValue(value: number, type: number, encoding: ParameterEnco
 
 /** Returns whether two values of a type are the same one; floats have 32 bits on the wire. */
 export function isSame(one: number, other: number, type: number, encoding: ParameterEncoding): boolean {
-  return encoding === 'bytewise' && type !== REAL32 ? one === other : Math.fround(one) === Math.fround(other);
+  return encoding === 'bytewise' && type !== MavParamType.REAL32
+    ? one === other
+    : Math.fround(one) === Math.fround(other);
 }
 
 /** Returns the name of a MAV_PARAM_TYPE without its prefix, such as `REAL32`. */

@@ -5,10 +5,11 @@
  * meantime, that would undo it: a vehicle that was disarmed would arm. So a later command ends the earlier one.
  */
 
+import { MavCmd } from '$generated';
 import { StationError } from '$lib/api/errors';
 
-/** SET_MESSAGE_INTERVAL and REQUEST_MESSAGE: those of different messages do not replace each other. */
-const BY_MESSAGE: ReadonlySet<number> = new Set([511, 512]);
+/** Commands for different messages do not replace each other. */
+const BY_MESSAGE: ReadonlySet<number> = new Set([MavCmd.SET_MESSAGE_INTERVAL, MavCmd.REQUEST_MESSAGE]);
 
 export class PendingCommands {
   private readonly commands = new Map<string, AbortController>();

@@ -4,20 +4,29 @@
  * ArduPilot stores home as item 0 of its mission. It is left out of plans, whose items count from 0.
  */
 
+import { MavCmd, MavFrame, MavMissionResult, MavMissionType } from '$generated';
 import { StationError } from '$lib/api/errors';
 import { enumName, type DecodedMessage } from '$lib/decoder/Decoder';
 
 import type { Plan, PlanItem, PlanKind, ProgressListener } from '../Vehicle';
 import { DEFAULT_ATTEMPTS, request, type Channel } from './channel';
 
-const TYPES: Readonly<Record<PlanKind, number>> = { mission: 0, fence: 1, rally: 2 };
-const ACCEPTED = 0;
-const DO_JUMP = 177;
-const WAYPOINT = 16;
-const GLOBAL = 0;
+const TYPES: Readonly<Record<PlanKind, number>> = {
+  mission: MavMissionType.MISSION,
+  fence: MavMissionType.FENCE,
+  rally: MavMissionType.RALLY,
+};
 /** Frames whose x and y are metres: LOCAL_NED, LOCAL_ENU and their relatives. */
-const LOCAL_FRAMES: ReadonlySet<number> = new Set([1, 4, 7, 8, 9, 12, 20, 21]);
-const FRAME_MISSION = 2;
+const LOCAL_FRAMES: ReadonlySet<number> = new Set([
+  MavFrame.LOCAL_NED,
+  MavFrame.LOCAL_ENU,
+  MavFrame.LOCAL_OFFSET_NED,
+  MavFrame.BODY_NED,
+  MavFrame.BODY_OFFSET_NED,
+  MavFrame.BODY_FRD,
+  MavFrame.LOCAL_FRD,
+  MavFrame.LOCAL_FLU,
+]);
 const UPLOAD_TIMEOUT = 5000;
 const FIRST_REQUEST_TIMEOUT = 1500;
 
@@ -39,7 +48,7 @@ export function itemOf(message: DecodedMessage): PlanItem {
 }
 
 function scaleOf(frame: number): number {
-  if (frame === FRAME_MISSION) return 1;
+  if (frame === MavFrame.MISSION) return 1;
   return LOCAL_FRAMES.has(frame) ? 1e4 : 1e7;
 }
 
@@ -65,7 +74,7 @@ export function fieldsOf(item: PlanItem, type: number): Record<string, number> {
 
 /** Moves sequence numbers, those of jumps included. */
 function shifted(item: PlanItem, by: number): PlanItem {
-  const params = item.command === DO_JUMP ? [(item.params[0] ?? 0) + by, ...item.params.slice(1)] : item.params;
+  const params = item.command === MavCmd.DO_JUMP ? [(item.params[0] ?? 0) + by, ...item.params.slice(1)] : item.params;
   return { ...item, seq: item.seq + by, params };
 }
 
@@ -96,7 +105,7 @@ export class PlanClient {
         Number(message.fields.seq) === seq ? itemOf(message) : undefined;
       items.push(await this.ask(operation, type, ['MISSION_ITEM_INT'], send, read));
     }
-    this.send('MISSION_ACK', type, { type: ACCEPTED });
+    this.send('MISSION_ACK', type, { type: MavMissionResult.ACCEPTED });
     onProgress?.(total, total);
     return kind === 'mission' && this.hasHomeItem ? withoutHome(items) : { items, home: null };
   }
@@ -151,7 +160,7 @@ export class PlanClient {
 
 function refuseUnlessAccepted(operation: string, message: DecodedMessage): void {
   const result = Number(message.fields.type);
-  if (result === ACCEPTED) return;
+  if (result === MavMissionResult.ACCEPTED) return;
   const name = enumName('MAV_MISSION_RESULT', result) ?? String(result);
   throw new StationError('MissionDenied', `${operation} failed: ${name}`, [], result);
 }
@@ -167,7 +176,14 @@ function withoutHome(items: readonly PlanItem[]): Plan {
 function withHome(plan: Plan): PlanItem[] {
   const { latitude = 0, longitude = 0, altitude = 0 } = plan.home ?? {};
   const params = [0, 0, 0, 0, latitude, longitude, altitude];
-  const home = { seq: 0, command: WAYPOINT, name: 'NAV_WAYPOINT', frame: GLOBAL, params, autocontinue: true };
+  const home = {
+    seq: 0,
+    command: MavCmd.NAV_WAYPOINT,
+    name: 'NAV_WAYPOINT',
+    frame: MavFrame.GLOBAL,
+    params,
+    autocontinue: true,
+  };
   return [home, ...plan.items.map((item) => shifted(item, 1))];
 }
 

@@ -6,31 +6,33 @@
  * the vehicle does not have them.
  */
 
+import { MavCmd } from '$generated';
+import { messageInfo } from '$lib/decoder/Decoder';
+
 import type { VehicleState } from '../Vehicle';
 import type { Channel } from './channel';
 
 /** Rates in hertz; those that the station's server requests (TELEMETRY_RATES in server/station.py). */
-export const TELEMETRY_RATES: Readonly<Record<string, readonly [id: number, rate: number]>> = {
-  ATTITUDE: [30, 10],
-  GLOBAL_POSITION_INT: [33, 5],
-  VFR_HUD: [74, 5],
-  GPS_RAW_INT: [24, 2],
-  RC_CHANNELS: [65, 2],
-  SYS_STATUS: [1, 1],
-  BATTERY_STATUS: [147, 1],
-  EXTENDED_SYS_STATE: [245, 1],
-  MISSION_CURRENT: [42, 1],
-  VIBRATION: [241, 1],
-  FENCE_STATUS: [162, 1],
+export const TELEMETRY_RATES: Readonly<Record<string, number>> = {
+  ATTITUDE: 10,
+  GLOBAL_POSITION_INT: 5,
+  VFR_HUD: 5,
+  GPS_RAW_INT: 2,
+  RC_CHANNELS: 2,
+  SYS_STATUS: 1,
+  BATTERY_STATUS: 1,
+  EXTENDED_SYS_STATE: 1,
+  MISSION_CURRENT: 1,
+  VIBRATION: 1,
+  FENCE_STATUS: 1,
 };
 
 /** Messages that only one firmware has. */
 const OF_FIRMWARE: Readonly<Partial<Record<VehicleState['firmware'], typeof TELEMETRY_RATES>>> = {
-  ardupilot: { EKF_STATUS_REPORT: [193, 1], WIND: [168, 1] },
-  px4: { ESTIMATOR_STATUS: [230, 1], WIND_COV: [231, 1] },
+  ardupilot: { EKF_STATUS_REPORT: 1, WIND: 1 },
+  px4: { ESTIMATOR_STATUS: 1, WIND_COV: 1 },
 };
 
-const SET_MESSAGE_INTERVAL = 511;
 export const CHECK_INTERVAL = 3000;
 /** A message that arrives less often than this share of its rate is requested. */
 const MIN_SHARE = 0.4;
@@ -66,15 +68,15 @@ export class TelemetryRequests {
   }
 
   private check(): void {
-    for (const [name, [id, rate]] of Object.entries(this.rates)) {
+    for (const [name, rate] of Object.entries(this.rates)) {
       const count = this.counts.get(name) ?? 0;
       if (count >= (rate * CHECK_INTERVAL * MIN_SHARE) / 1000) this.waits.delete(name);
-      else this.request(name, id, rate);
+      else this.request(name, rate);
     }
     this.counts.clear();
   }
 
-  private request(name: string, id: number, rate: number): void {
+  private request(name: string, rate: number): void {
     const wait = this.waits.get(name) ?? { left: 0, all: 0 };
     if (wait.left > 0) {
       this.waits.set(name, { ...wait, left: wait.left - 1 });
@@ -82,6 +84,10 @@ export class TelemetryRequests {
     }
     const all = Math.min(wait.all === 0 ? 1 : wait.all * 2, MAX_CHECKS_BETWEEN);
     this.waits.set(name, { left: all, all });
-    this.channel.sendMessage('COMMAND_LONG', { command: SET_MESSAGE_INTERVAL, param1: id, param2: 1e6 / rate });
+    this.channel.sendMessage('COMMAND_LONG', {
+      command: MavCmd.SET_MESSAGE_INTERVAL,
+      param1: messageInfo(name)!.id,
+      param2: 1e6 / rate,
+    });
   }
 }

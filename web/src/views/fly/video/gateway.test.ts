@@ -1,13 +1,15 @@
+import { VideoStreamType } from '$generated';
+
 import { expect, it } from 'vitest';
 
-import { DEFAULT_GATEWAY, gatewayConfiguration, gatewayUrl, STREAM_TYPE } from './gateway';
+import { DEFAULT_GATEWAY, gatewayConfiguration, gatewayUrl } from './gateway';
 
 const LOCAL = 'http://localhost:8889/{path}/whep';
-const FRONT = { uri: 'rtsp://10.0.0.5:8554/front', type: STREAM_TYPE.RTSP };
-const { RTP_UDP, MPEG_TS } = STREAM_TYPE;
+const FRONT = { uri: 'rtsp://10.0.0.5:8554/front', type: VideoStreamType.RTSP };
+const { RTPUDP: RTP_UDP, MPEG_TS } = VideoStreamType;
 
 it('keeps a camera inside of the paths of the gateway', () => {
-  const urlOf = (uri: string): string | null => gatewayUrl({ uri, type: STREAM_TYPE.RTSP }, LOCAL);
+  const urlOf = (uri: string): string | null => gatewayUrl({ uri, type: VideoStreamType.RTSP }, LOCAL);
   expect(urlOf('rtsp://cam/../%2e%2E/admin')).toBe('http://localhost:8889/admin/whep');
   expect(urlOf('rtsp://cam/a b/"c')).toBe('http://localhost:8889/a%20b/%22c/whep');
 });
@@ -46,7 +48,7 @@ it('does not know the host of a gateway that the stream is sent to', () => {
 });
 
 it('writes an address with line ends as one line, so that a camera adds no options', () => {
-  for (const type of Object.values(STREAM_TYPE)) {
+  for (const type of Object.values(VideoStreamType)) {
     const lines = gatewayConfiguration({ uri: 'rtsp://cam/a\n    runOnInit: rm -rf /', type }).split('\n');
     expect(lines).toHaveLength(5);
     expect(lines[1]).toMatch(/^ {2}[\w./~-]+:$/);

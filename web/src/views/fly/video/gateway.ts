@@ -5,13 +5,12 @@
  * add options to its configuration, some of which run programs.
  */
 
-/** VIDEO_STREAM_TYPE. */
-export const STREAM_TYPE = { RTSP: 0, RTP_UDP: 1, TCP_MPEG: 2, MPEG_TS: 3, WHEP: 4 } as const;
+import { VideoStreamType } from '$generated';
 
 /** A stream that a gateway takes. */
 export interface GatewaySource {
   readonly uri: string;
-  /** VIDEO_STREAM_TYPE. */
+  /** VIDEO_VideoStreamType. */
   readonly type: number;
   readonly isH265?: boolean;
 }
@@ -21,8 +20,8 @@ export const DEFAULT_GATEWAY = 'http://{host}:8889/{path}/whep';
 
 /** The MediaMTX source of streams that are sent to one of its ports. */
 const RECEIVED: ReadonlyMap<number, string> = new Map([
-  [STREAM_TYPE.RTP_UDP, 'udp+rtp'],
-  [STREAM_TYPE.MPEG_TS, 'udp+mpegts'],
+  [VideoStreamType.RTPUDP, 'udp+rtp'],
+  [VideoStreamType.MPEG_TS, 'udp+mpegts'],
 ]);
 const MULTICAST = /\b2(?:2[4-9]|3\d)(?:\.\d{1,3}){3}\b/;
 /** Of RTP, by the usual dynamic payload type of H.264 and H.265. */
@@ -50,7 +49,7 @@ export function gatewayConfiguration(source: GatewaySource): string {
   if (scheme === undefined || port === null) return pathConfiguration(pulledPath(uri), uri);
   const host = MULTICAST.exec(uri)?.[0] ?? '0.0.0.0';
   const configuration = pathConfiguration(receivedPath(port), `${scheme}://${host}:${port}`);
-  return type === STREAM_TYPE.RTP_UDP ? configuration + sessionDescription(port, isH265 ?? false) : configuration;
+  return type === VideoStreamType.RTPUDP ? configuration + sessionDescription(port, isH265 ?? false) : configuration;
 }
 
 function pathConfiguration(path: string, source: string): string {

@@ -1,6 +1,8 @@
 /** Video sources that vehicles announce (VIDEO_STREAM_INFORMATION), and how a browser can play them. */
 
-import { gatewayUrl, STREAM_TYPE, type GatewaySource } from './gateway';
+import { VideoStreamEncoding, VideoStreamStatusFlags, VideoStreamType } from '$generated';
+
+import { gatewayUrl, type GatewaySource } from './gateway';
 
 export interface VideoStream extends GatewaySource {
   readonly system: number;
@@ -13,10 +15,6 @@ export interface VideoStream extends GatewaySource {
   readonly isThermal: boolean;
 }
 
-/** VIDEO_STREAM_STATUS_FLAGS. */
-const THERMAL = 2;
-/** VIDEO_STREAM_ENCODING. */
-const H265 = 2;
 /** Schemes that a gateway may understand; addresses of others, such as `file:`, are never opened. */
 const STREAM_SCHEME = /^(?:rtspu?s?|rtmps?|srt|udp|rtp|tcp|mpegts)(?:\+[a-z]+)?:\/\//i;
 
@@ -39,8 +37,8 @@ export function streamFrom(
     width: Number(fields.resolution_h ?? 0),
     height: Number(fields.resolution_v ?? 0),
     frameRate: Number(fields.framerate ?? 0),
-    isH265: Number(fields.encoding ?? 0) === H265,
-    isThermal: (Number(fields.flags ?? 0) & THERMAL) !== 0,
+    isH265: Number(fields.encoding ?? 0) === VideoStreamEncoding.H265,
+    isThermal: (Number(fields.flags ?? 0) & VideoStreamStatusFlags.THERMAL) !== 0,
   };
 }
 
@@ -54,9 +52,9 @@ export type Player =
   | { readonly kind: 'unusable'; readonly url: string; readonly reason: 'scheme' | 'password' };
 
 /** Return how a stream can be played. With a gateway, streams that browsers do not play go by WebRTC (WHEP). */
-export function playerFor(uri: string, type: number = STREAM_TYPE.RTSP, gateway = ''): Player {
+export function playerFor(uri: string, type: number = VideoStreamType.RTSP, gateway = ''): Player {
   const url = uri.trim();
-  if (type === STREAM_TYPE.WHEP) return httpPlayer(url.replace(/^whep/i, 'http'), 'whep');
+  if (type === VideoStreamType.WHEP) return httpPlayer(url.replace(/^whep/i, 'http'), 'whep');
   if (/^wheps?:/i.test(url)) return httpPlayer(url.replace(/^whep/i, 'http'), 'whep');
   if (/^https?:/i.test(url)) return httpPlayer(url, httpKind(url));
   if (/^[a-z][a-z0-9+.-]*:/i.test(url) && !STREAM_SCHEME.test(url)) return { kind: 'unusable', url, reason: 'scheme' };

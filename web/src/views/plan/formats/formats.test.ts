@@ -1,7 +1,9 @@
+import { MavCmd, MavFrame } from '$generated';
+
 import { describe, expect, it } from 'vitest';
 
 import { newItem } from '../logic/commands';
-import { CMD, EMPTY_PLAN, FRAME, item, waypoint, type Plan } from '../logic/model';
+import { EMPTY_PLAN, item, waypoint, type Plan } from '../logic/model';
 import { check } from '../logic/checks';
 import { draftPlan, draftText } from '../logic/draft';
 import { statisticsOf } from '../logic/statistics';
@@ -13,10 +15,10 @@ const whole: Plan = {
   ...EMPTY_PLAN,
   home: HOME,
   mission: [
-    newItem(CMD.NAV_TAKEOFF, { ...HOME, altitude: 20 }),
+    newItem(MavCmd.NAV_TAKEOFF, { ...HOME, altitude: 20 }),
     waypoint({ latitude: 47.398, longitude: 8.546 }, 30),
-    item(CMD.DO_JUMP, [1, 3], 2),
-    newItem(CMD.NAV_RETURN_TO_LAUNCH, HOME),
+    item(MavCmd.DO_JUMP, [1, 3], 2),
+    newItem(MavCmd.NAV_RETURN_TO_LAUNCH, HOME),
   ],
   polygons: [
     { inclusion: true, vertices: [0, 1, 2].map((each) => ({ latitude: 47 + each, longitude: 8 + each ** 2 })) },
@@ -79,7 +81,7 @@ describe('plan files', () => {
       ...whole,
       circles: [{ inclusion: true, center: { latitude: 1, longitude: 2 }, radius: 50, group: 1 }],
     };
-    const aboveSea = { ...whole, rally: [{ latitude: 1, longitude: 2, altitude: 500, frame: FRAME.GLOBAL }] };
+    const aboveSea = { ...whole, rally: [{ latitude: 1, longitude: 2, altitude: 500, frame: MavFrame.GLOBAL }] };
     for (const plan of [grouped, aboveSea]) {
       expect(holdsAll(plan, 'plan')).toBe(false);
       expect(holdsAll(plan, 'json')).toBe(true);
@@ -123,7 +125,11 @@ describe('plan files', () => {
       </LinearRing></outerBoundaryIs></Polygon></Placemark>
       </Document></kml>`;
     const { plan } = readPlan(kml, 40);
-    expect(plan.mission.map((each) => each.command)).toEqual([CMD.NAV_TAKEOFF, CMD.NAV_WAYPOINT, CMD.NAV_WAYPOINT]);
+    expect(plan.mission.map((each) => each.command)).toEqual([
+      MavCmd.NAV_TAKEOFF,
+      MavCmd.NAV_WAYPOINT,
+      MavCmd.NAV_WAYPOINT,
+    ]);
     expect(plan.mission[2]!.params.slice(4)).toEqual([47.4, 8.6, 40]);
     expect(plan.polygons[0]!.vertices).toHaveLength(3);
     const written = readPlan(writePlan(whole, 'kml', 'A & B')).plan;

@@ -1,6 +1,8 @@
 /** Plan files: detection, reading and writing. */
 
-import { CMD, EMPTY_PLAN, isEmpty, waypoint, type Plan } from '../logic/model';
+import { MavCmd } from '$generated';
+
+import { EMPTY_PLAN, isEmpty, waypoint, type Plan } from '../logic/model';
 import { newItem } from '../logic/commands';
 import { patternRuns } from '../logic/patterns';
 import { PlanFileError, Tree } from './json';
@@ -78,7 +80,7 @@ function fromKml(text: string, altitude: number): Plan {
   const shapes = readKml(text);
   const path = shapes.paths.length ? shapes.paths.flat() : shapes.points;
   const first = path[0];
-  const takeoff = first ? [newItem(CMD.NAV_TAKEOFF, { ...first, altitude })] : [];
+  const takeoff = first ? [newItem(MavCmd.NAV_TAKEOFF, { ...first, altitude })] : [];
   const polygons = shapes.polygons.filter((each) => each.length >= 3);
   return {
     ...EMPTY_PLAN,

@@ -1,6 +1,8 @@
 /** KML: a plan as Google Earth shows it, and drawn paths and areas as it saves them. */
 
-import { FRAME, withoutKept, type Place, type Plan } from '../logic/model';
+import { MavFrame } from '$generated';
+
+import { withoutKept, type Place, type Plan } from '../logic/model';
 import { destination, type Point } from '../logic/geo';
 import { itemPosition, commandInfo } from '../logic/commands';
 import { pathOf } from '../logic/path';
@@ -15,8 +17,8 @@ export interface KmlShapes {
 
 const CIRCLE_POINTS = 36;
 const MODES: Readonly<Record<number, string>> = {
-  [FRAME.GLOBAL]: 'absolute',
-  [FRAME.GLOBAL_TERRAIN_ALT]: 'relativeToGround',
+  [MavFrame.GLOBAL]: 'absolute',
+  [MavFrame.GLOBAL_TERRAIN_ALT]: 'relativeToGround',
 };
 
 export function isKml(text: string): boolean {
@@ -53,7 +55,7 @@ export function writeKml(whole: Plan, name: string): string {
 }
 
 function modeOf(frame: number | undefined): string {
-  return `<altitudeMode>${MODES[frame ?? FRAME.GLOBAL_RELATIVE_ALT] ?? 'relativeToGround'}</altitudeMode>`;
+  return `<altitudeMode>${MODES[frame ?? MavFrame.GLOBAL_RELATIVE_ALT] ?? 'relativeToGround'}</altitudeMode>`;
 }
 
 function point(at: Place, mode: string): string {

@@ -8,7 +8,9 @@
  * plan as it is, so that a file that is saved again has it too, and the checks tell that no vehicle can take it.
  */
 
-import { CMD, FRAME, item, keptItem, withParam, type Item, type Params, type Pattern, type Plan } from '../logic/model';
+import { MavCmd, MavFrame } from '$generated';
+
+import { item, keptItem, withParam, type Item, type Params, type Pattern, type Plan } from '../logic/model';
 import { patternRuns } from '../logic/patterns';
 import { PlanFileError, type Json, type Tree } from './json';
 
@@ -40,7 +42,7 @@ class Items {
 
   private resolved(each: Item, index: number): Item {
     const wanted = each.params[0];
-    if (each.command !== CMD.DO_JUMP || wanted == null) return each;
+    if (each.command !== MavCmd.DO_JUMP || wanted == null) return each;
     // Written by hand, without any ids.
     if (this.ids.size + this.innerIds.size === 0) return withParam(each, 1, wanted - 1);
     const target = this.ids.get(wanted) ?? this.innerIds.get(wanted);
@@ -117,23 +119,23 @@ function landing(tree: Tree, kind: string, notes: string[]): Item[] {
   const approach = tree.get('landingApproachCoordinate').exists ? 'landingApproachCoordinate' : 'loiterCoordinate';
   const both = tree.get('altitudesAreRelative');
   const frame = (older: string): number =>
-    (both.exists ? both : tree.need(older)).flag(false) ? FRAME.GLOBAL_RELATIVE_ALT : FRAME.GLOBAL;
+    (both.exists ? both : tree.need(older)).flag(false) ? MavFrame.GLOBAL_RELATIVE_ALT : MavFrame.GLOBAL;
   const isSet = (key: string, missing = false): boolean => tree.get(key).flag(missing);
-  const stop = (command: number): Item => item(command, [0, null, null, null, null, null, null], FRAME.MISSION);
-  const items = [item(CMD.DO_LAND_START, [], FRAME.MISSION)];
+  const stop = (command: number): Item => item(command, [0, null, null, null, null, null, null], MavFrame.MISSION);
+  const items = [item(MavCmd.DO_LAND_START, [], MavFrame.MISSION)];
   if (isSet('stopTakingPhotos'))
-    items.push(item(CMD.DO_SET_CAM_TRIGG_DIST, [], FRAME.MISSION), stop(CMD.IMAGE_STOP_CAPTURE));
-  if (isSet('stopVideoPhotos')) items.push(stop(CMD.VIDEO_STOP_CAPTURE));
+    items.push(item(MavCmd.DO_SET_CAM_TRIGG_DIST, [], MavFrame.MISSION), stop(MavCmd.IMAGE_STOP_CAPTURE));
+  if (isSet('stopVideoPhotos')) items.push(stop(MavCmd.VIDEO_STOP_CAPTURE));
   const place = tree.need(approach).finite(3);
   if (isSet('useLoiterToAlt', true)) {
     const radius = tree.need('loiterRadius').number() * (tree.need('loiterClockwise').flag(false) ? 1 : -1);
-    items.push(item(CMD.NAV_LOITER_TO_ALT, [1, radius, 0, 1, ...place], frame('loiterAltitudeRelative')));
-  } else items.push(item(CMD.NAV_WAYPOINT, [0, 0, 0, null, ...place], frame('loiterAltitudeRelative')));
+    items.push(item(MavCmd.NAV_LOITER_TO_ALT, [1, radius, 0, 1, ...place], frame('loiterAltitudeRelative')));
+  } else items.push(item(MavCmd.NAV_WAYPOINT, [0, 0, 0, null, ...place], frame('loiterAltitudeRelative')));
   const land = tree.need('landCoordinate').finite(3);
   const isVtol = kind === 'vtolLandingPattern';
   items.push(
     item(
-      isVtol ? CMD.NAV_VTOL_LAND : CMD.NAV_LAND,
+      isVtol ? MavCmd.NAV_VTOL_LAND : MavCmd.NAV_LAND,
       [0, 0, 0, isVtol ? null : 0, ...land],
       frame('landAltitudeRelative'),
     ),
@@ -157,7 +159,7 @@ export function itemsJson(plan: Pick<Plan, 'mission' | 'patterns'>): Json[] {
 
 function simpleJson(each: Item, index: number): Json {
   if (each.kept) return each.kept.json;
-  const isJump = each.command === CMD.DO_JUMP && each.params[0] != null;
+  const isJump = each.command === MavCmd.DO_JUMP && each.params[0] != null;
   return {
     autoContinue: each.autocontinue,
     command: each.command,

@@ -1,17 +1,9 @@
 /** `QGC WPL` files of Mission Planner and MAVProxy; the first item of version 110 is the home. */
 
+import { MavCmd, MavFrame } from '$generated';
+
 import { fenceAreas, fenceItems, rallyItems, rallyPoints } from '../logic/fence';
-import {
-  CMD,
-  EMPTY_PLAN,
-  FRAME,
-  item,
-  withoutKept,
-  withParam,
-  type Item,
-  type Plan,
-  type PlanKind,
-} from '../logic/model';
+import { EMPTY_PLAN, item, withoutKept, withParam, type Item, type Plan, type PlanKind } from '../logic/model';
 import { PlanFileError } from './json';
 import type { ReadPlan } from './qgc';
 
@@ -19,7 +11,11 @@ const HEADER = /^QGC WPL (\d+)$/i;
 const COLUMNS = 12;
 const NUMBER = /^[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$/;
 /** Frames of latitude and longitude. */
-const GLOBAL: ReadonlySet<number> = new Set([FRAME.GLOBAL, FRAME.GLOBAL_RELATIVE_ALT, FRAME.GLOBAL_TERRAIN_ALT]);
+const GLOBAL: ReadonlySet<number> = new Set([
+  MavFrame.GLOBAL,
+  MavFrame.GLOBAL_RELATIVE_ALT,
+  MavFrame.GLOBAL_TERRAIN_ALT,
+]);
 
 export function isWaypoints(text: string): boolean {
   return /^(\s*(#.*)?\n)*\s*QGC\s+WPL/i.test(text);
@@ -30,7 +26,7 @@ export function writeWaypoints(whole: Plan, kind: PlanKind = 'mission'): string 
   const plan = withoutKept(whole);
   const shifted = withJumpsShifted(plan.mission, 1);
   const { latitude, longitude, altitude } = plan.home ?? { latitude: 0, longitude: 0, altitude: 0 };
-  const home = item(CMD.NAV_WAYPOINT, [0, 0, 0, 0, latitude, longitude, altitude], FRAME.GLOBAL);
+  const home = item(MavCmd.NAV_WAYPOINT, [0, 0, 0, 0, latitude, longitude, altitude], MavFrame.GLOBAL);
   if (kind === 'mission') return lines([home, ...shifted], 0);
   return lines(kind === 'fence' ? fenceItems(plan) : rallyItems(plan.rally), 1);
 }
@@ -39,7 +35,7 @@ export function writeWaypoints(whole: Plan, kind: PlanKind = 'mission'): string 
 function withJumpsShifted(items: readonly Item[], by: number): Item[] {
   return items.map((each) => {
     const target = each.params[0];
-    return each.command === CMD.DO_JUMP && target != null ? withParam(each, 1, target + by) : each;
+    return each.command === MavCmd.DO_JUMP && target != null ? withParam(each, 1, target + by) : each;
   });
 }
 
@@ -73,15 +69,15 @@ export function readWaypoints(text: string): ReadPlan {
 
 function kindOf(items: readonly Item[]): PlanKind {
   const last = items.at(-1)?.command ?? 0;
-  if (last === CMD.NAV_RALLY_POINT) return 'rally';
-  return last >= CMD.NAV_FENCE_RETURN_POINT && last <= CMD.NAV_FENCE_CIRCLE_EXCLUSION ? 'fence' : 'mission';
+  if (last === MavCmd.NAV_RALLY_POINT) return 'rally';
+  return last >= MavCmd.NAV_FENCE_RETURN_POINT && last <= MavCmd.NAV_FENCE_CIRCLE_EXCLUSION ? 'fence' : 'mission';
 }
 
 function missionOf(items: readonly Item[], version: string): Pick<Plan, 'home' | 'mission'> {
   const first = items[0];
   // Mission Planner writes an empty item if it does not know the home.
   const isHome =
-    version === '110' && (first?.command === CMD.NAV_WAYPOINT || first?.command === 0) && GLOBAL.has(first.frame);
+    version === '110' && (first?.command === MavCmd.NAV_WAYPOINT || first?.command === 0) && GLOBAL.has(first.frame);
   if (!first || !isHome) return { home: null, mission: items };
   const [latitude, longitude, altitude] = first.params.slice(4);
   const known = latitude != null && longitude != null && (latitude !== 0 || longitude !== 0);

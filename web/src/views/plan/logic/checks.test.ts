@@ -1,10 +1,12 @@
+import { MavCmd, MavFrame } from '$generated';
+
 import { describe, expect, it } from 'vitest';
 
 import { check, selectionOf, type CheckInput, type Problem } from './checks';
 import { newItem } from './commands';
 import { hgtHeight, hgtSource, heightOfColour, readHgt, tilePlace, tileSource } from './elevation';
 import { destination } from './geo';
-import { CMD, EMPTY_PLAN, FRAME, item, waypoint, withParam, type Plan } from './model';
+import { EMPTY_PLAN, item, waypoint, withParam, type Plan } from './model';
 import { executionOrder, pathOf } from './path';
 import { batteryUse, statisticsOf } from './statistics';
 import { profileOf } from './terrain';
@@ -15,10 +17,10 @@ const good: Plan = {
   ...EMPTY_PLAN,
   home: HOME,
   mission: [
-    newItem(CMD.NAV_TAKEOFF, { ...HOME, altitude: 20 }),
+    newItem(MavCmd.NAV_TAKEOFF, { ...HOME, altitude: 20 }),
     waypoint(away(0, 300), 50),
     waypoint(away(90, 300), 50),
-    newItem(CMD.NAV_RETURN_TO_LAUNCH, HOME),
+    newItem(MavCmd.NAV_RETURN_TO_LAUNCH, HOME),
   ],
 };
 const away2 = (north: number, east: number) => destination(away(0, north), 90, east);
@@ -55,16 +57,16 @@ describe('statistics', () => {
   });
 
   it('follow changes of speed, waits, circles and jumps', () => {
-    const fast = { ...good, mission: [item(CMD.DO_CHANGE_SPEED, [1, 10, -1], FRAME.MISSION), ...good.mission] };
+    const fast = { ...good, mission: [item(MavCmd.DO_CHANGE_SPEED, [1, 10, -1], MavFrame.MISSION), ...good.mission] };
     expect(statisticsOf(fast).duration!).toBeLessThan(statisticsOf(good).duration!);
     const circles = {
       ...good,
-      mission: [item(CMD.NAV_LOITER_TURNS, [2, 0, 50, 0, HOME.latitude, HOME.longitude, 30])],
+      mission: [item(MavCmd.NAV_LOITER_TURNS, [2, 0, 50, 0, HOME.latitude, HOME.longitude, 30])],
     };
     expect(statisticsOf(circles).distance).toBeCloseTo(2 * 2 * Math.PI * 50, 3);
-    const jump = [good.mission[1]!, good.mission[2]!, item(CMD.DO_JUMP, [0, 2])];
+    const jump = [good.mission[1]!, good.mission[2]!, item(MavCmd.DO_JUMP, [0, 2])];
     expect(executionOrder(jump).order).toEqual([0, 1, 0, 1, 0, 1]);
-    expect(executionOrder([jump[0]!, item(CMD.DO_JUMP, [0, -1])]).ends).toBe(false);
+    expect(executionOrder([jump[0]!, item(MavCmd.DO_JUMP, [0, -1])]).ends).toBe(false);
   });
 });
 
@@ -72,9 +74,9 @@ describe('the time of a flight', () => {
   const speeds = { horizontal: 5, up: 2, down: 1 };
   const durationOf = (mission: Plan['mission'], plan: Partial<Plan> = {}): number =>
     statisticsOf({ ...good, mission, ...plan }, speeds).duration!;
-  const speed = (type: number, metres: number) => item(CMD.DO_CHANGE_SPEED, [type, metres, -1], FRAME.MISSION);
+  const speed = (type: number, metres: number) => item(MavCmd.DO_CHANGE_SPEED, [type, metres, -1], MavFrame.MISSION);
   const east = waypoint(away(90, 300), 30);
-  const up = newItem(CMD.NAV_TAKEOFF, { ...HOME, altitude: 30 });
+  const up = newItem(MavCmd.NAV_TAKEOFF, { ...HOME, altitude: 30 });
 
   it('follows the kind of a changed speed', () => {
     expect(durationOf([up, east])).toBeCloseTo(15 + 60, 1);
@@ -82,32 +84,35 @@ describe('the time of a flight', () => {
     expect(durationOf([up, speed(1, 10), speed(1, -2), east])).toBeCloseTo(15 + 60, 1);
     expect(durationOf([up, speed(1, -1), east])).toBeCloseTo(15 + 60, 1);
     expect(durationOf([speed(2, 10), up, east])).toBeCloseTo(3 + 60, 1);
-    expect(durationOf([speed(3, 10), up, east, newItem(CMD.NAV_RETURN_TO_LAUNCH, HOME)])).toBeCloseTo(15 + 120 + 3, 1);
+    expect(durationOf([speed(3, 10), up, east, newItem(MavCmd.NAV_RETURN_TO_LAUNCH, HOME)])).toBeCloseTo(
+      15 + 120 + 3,
+      1,
+    );
   });
 
   it('knows that a VTOL hovers and flies', () => {
-    const transition = (state: number) => item(CMD.DO_VTOL_TRANSITION, [state], FRAME.MISSION);
+    const transition = (state: number) => item(MavCmd.DO_VTOL_TRANSITION, [state], MavFrame.MISSION);
     const vtol = { vehicleType: 22, cruiseSpeed: 20, hoverSpeed: 3 };
     expect(durationOf([up, transition(4), east], vtol)).toBeCloseTo(15 + 15, 1);
     expect(durationOf([up, transition(3), east], vtol)).toBeCloseTo(15 + 100, 1);
   });
 
   it('has a descent where a copter lands, and none on the way of a wing', () => {
-    const land = newItem(CMD.NAV_LAND, { ...away(90, 300), altitude: 0 });
+    const land = newItem(MavCmd.NAV_LAND, { ...away(90, 300), altitude: 0 });
     expect(durationOf([up, land])).toBeCloseTo(15 + 60 + 30, 1);
     expect(durationOf([up, land], { vehicleType: 1 })).toBeCloseTo(15 + 60, 1);
-    const back = [up, east, newItem(CMD.NAV_RETURN_TO_LAUNCH, HOME)];
+    const back = [up, east, newItem(MavCmd.NAV_RETURN_TO_LAUNCH, HOME)];
     expect(pathOf({ ...good, mission: back }).at(-1)!.altitude).toBe(0);
     expect(pathOf({ ...good, mission: back, vehicleType: 1 }).at(-1)!.altitude).toBe(30);
   });
 
   it('ends for jumps that name one another for ever', () => {
-    const jumps = [item(CMD.DO_JUMP, [1, 1e12]), item(CMD.DO_JUMP, [0, 1e12]), east];
+    const jumps = [item(MavCmd.DO_JUMP, [1, 1e12]), item(MavCmd.DO_JUMP, [0, 1e12]), east];
     expect(executionOrder(jumps).ends).toBe(false);
   });
 
   it('counts a picture at the begin of a lane and after each interval, also around bends', () => {
-    const trigger = (metres: number) => item(CMD.DO_SET_CAM_TRIGG_DIST, [metres], FRAME.MISSION);
+    const trigger = (metres: number) => item(MavCmd.DO_SET_CAM_TRIGG_DIST, [metres], MavFrame.MISSION);
     const lane = [
       waypoint(HOME, 30),
       trigger(100),
@@ -123,21 +128,22 @@ describe('the time of a flight', () => {
 describe('the clearance of legs', () => {
   const clearances = async (plan: Plan, ground: number[] = []) =>
     (await profileOf(plan, async (points) => points.map((_, index) => ground[index] ?? 488))).lowest?.clearance;
-  const to = (altitude: number, frame: number = FRAME.GLOBAL_RELATIVE_ALT) => waypoint(away(90, 300), altitude, frame);
+  const to = (altitude: number, frame: number = MavFrame.GLOBAL_RELATIVE_ALT) =>
+    waypoint(away(90, 300), altitude, frame);
   const begin = waypoint(HOME, 40);
 
   it('counts from the right reference in every frame', async () => {
     const plan = (...mission: Plan['mission']): Plan => ({ ...good, mission });
     expect(await clearances(plan(begin, to(60)))).toBeCloseTo(42, 0);
-    expect(await clearances(plan(begin, to(488 + 60, FRAME.GLOBAL)))).toBeCloseTo(42, 0);
-    expect(await clearances(plan(begin, to(488 + 10, FRAME.GLOBAL)))).toBeCloseTo(10, 0);
+    expect(await clearances(plan(begin, to(488 + 60, MavFrame.GLOBAL)))).toBeCloseTo(42, 0);
+    expect(await clearances(plan(begin, to(488 + 10, MavFrame.GLOBAL)))).toBeCloseTo(10, 0);
     const hills = Array.from({ length: 13 }, (_, index) => 488 + 10 * index);
-    const follow = plan(waypoint(HOME, 40, FRAME.GLOBAL_TERRAIN_ALT), to(40, FRAME.GLOBAL_TERRAIN_ALT));
+    const follow = plan(waypoint(HOME, 40, MavFrame.GLOBAL_TERRAIN_ALT), to(40, MavFrame.GLOBAL_TERRAIN_ALT));
     expect(await clearances(follow, hills)).toBeCloseTo(40, 6);
   });
 
   it('is not asked of a landing, and of all of the way to it', async () => {
-    const land = newItem(CMD.NAV_LAND, { ...away(90, 300), altitude: 0 });
+    const land = newItem(MavCmd.NAV_LAND, { ...away(90, 300), altitude: 0 });
     expect(await clearances({ ...good, mission: [begin, land] })).toBeCloseTo(40, 6);
     expect(pathOf({ ...good, mission: [begin, land] }).map((each) => each.altitude)).toEqual([0, 40, 40, 0]);
     expect(await keys({ ...good, mission: [good.mission[0]!, good.mission[1]!, land] })).toEqual([]);
@@ -156,7 +162,7 @@ describe('checks', () => {
     expect(await keys(edited(1, 7, 150))).toEqual(['checkCeiling']);
     expect(await keys({ ...good, mission: good.mission.slice(1) })).toContain('checkNoTakeoff');
     expect(await keys({ ...good, mission: good.mission.slice(0, -1) })).toEqual(['checkNoEnd']);
-    const jumps = (target: number) => ({ ...good, mission: [...good.mission, item(CMD.DO_JUMP, [target, 1])] });
+    const jumps = (target: number) => ({ ...good, mission: [...good.mission, item(MavCmd.DO_JUMP, [target, 1])] });
     expect(await keys(jumps(9))).toContain('checkJumpNowhere');
     expect(await keys(jumps(4))).toContain('checkJumpToItself');
   });
@@ -178,14 +184,14 @@ describe('checks', () => {
     const [CONDITION_YAW, first] = [115, good.mission[0]!];
     const after = (command: number, param: number) => ({
       ...good,
-      mission: [first, item(command, [param], FRAME.MISSION), ...good.mission.slice(1)],
+      mission: [first, item(command, [param], MavFrame.MISSION), ...good.mission.slice(1)],
     });
     expect(await graded(after(CONDITION_YAW, 360), ARDUPILOT)).toEqual([]);
     expect(await graded(after(CONDITION_YAW, 361), ARDUPILOT)).toEqual(['warning checkParamHigh']);
-    expect(await graded(after(CMD.DO_SET_CAM_TRIGG_DIST, -1), ARDUPILOT)).toEqual(['warning checkParamLow']);
+    expect(await graded(after(MavCmd.DO_SET_CAM_TRIGG_DIST, -1), ARDUPILOT)).toEqual(['warning checkParamLow']);
     const stay = {
       ...good,
-      mission: [...good.mission.slice(0, -1), newItem(CMD.NAV_LOITER_UNLIM, { ...HOME, altitude: 30 })],
+      mission: [...good.mission.slice(0, -1), newItem(MavCmd.NAV_LOITER_UNLIM, { ...HOME, altitude: 30 })],
     };
     expect(await graded(stay, ARDUPILOT)).toEqual(['info checkEndless']);
   });

@@ -1,12 +1,13 @@
 /** Checks of a plan, before a vehicle refuses it or flies it differently. */
 
+import { MavAutopilot, MavCmd, MavFrame } from '$generated';
 import type { plan as texts } from '$lib/i18n/en/plan';
 
 import { commandInfo, isOnPath, itemPosition } from './commands';
 import type { Selection } from './edits';
-import { PX4, allows, gradeOf, legLeaves } from './fenceCheck';
+import { allows, gradeOf, legLeaves } from './fenceCheck';
 import { crossesItself, distance, type Point } from './geo';
-import { CMD, FRAME, isEmpty, type Circle, type Item, type Plan, type PlanKind, type Polygon } from './model';
+import { isEmpty, type Circle, type Item, type Plan, type PlanKind, type Polygon } from './model';
 import { pathOf, type PathPoint } from './path';
 import { batteryUse, type Statistics } from './statistics';
 import type { Profile } from './terrain';
@@ -48,13 +49,13 @@ const USABLE_BATTERY = 0.8;
 const FAR_FROM_VEHICLE = 5000;
 const FAR_FROM_HOME = 20_000;
 const ENDS: ReadonlySet<number> = new Set([
-  CMD.NAV_RETURN_TO_LAUNCH,
-  CMD.NAV_LAND,
-  CMD.NAV_VTOL_LAND,
-  CMD.NAV_LOITER_UNLIM,
+  MavCmd.NAV_RETURN_TO_LAUNCH,
+  MavCmd.NAV_LAND,
+  MavCmd.NAV_VTOL_LAND,
+  MavCmd.NAV_LOITER_UNLIM,
 ]);
-const TAKEOFFS: ReadonlySet<number> = new Set([CMD.NAV_TAKEOFF, CMD.NAV_VTOL_TAKEOFF]);
-const MUST_HAVE_POSITION: ReadonlySet<number> = new Set([CMD.NAV_WAYPOINT, CMD.NAV_SPLINE_WAYPOINT]);
+const TAKEOFFS: ReadonlySet<number> = new Set([MavCmd.NAV_TAKEOFF, MavCmd.NAV_VTOL_TAKEOFF]);
+const MUST_HAVE_POSITION: ReadonlySet<number> = new Set([MavCmd.NAV_WAYPOINT, MavCmd.NAV_SPLINE_WAYPOINT]);
 const RANK: Readonly<Record<Severity, number>> = { error: 0, warning: 1, info: 2 };
 
 type Values = Readonly<Record<string, string | number>>;
@@ -95,12 +96,12 @@ function itemProblems(plan: Plan, each: Item, index: number): Problem[] {
   const found: Problem[] = [];
   const info = commandInfo(each.command);
   const [latitude, longitude, altitude] = each.params.slice(4);
-  if (info.hasLocation && each.frame !== FRAME.MISSION) {
+  if (info.hasLocation && each.frame !== MavFrame.MISSION) {
     if (MUST_HAVE_POSITION.has(each.command) && itemPosition(each) === null) found.push(error('checkNoPosition'));
     if (Math.abs(latitude ?? 0) > 90 || Math.abs(longitude ?? 0) > 180) found.push(error('checkOffEarth'));
     if (altitude == null && MUST_HAVE_POSITION.has(each.command)) found.push(error('checkNoAltitude'));
   }
-  if (each.command === CMD.DO_JUMP) {
+  if (each.command === MavCmd.DO_JUMP) {
     const target = each.params[0] ?? -1;
     if (!Number.isInteger(target) || target < 0 || target >= plan.mission.length) found.push(error('checkJumpNowhere'));
     else if (target === index) found.push(error('checkJumpToItself'));
@@ -112,7 +113,7 @@ function itemProblems(plan: Plan, each: Item, index: number): Problem[] {
     if (minimum !== null && value < minimum) found.push(problem('warning', 'mission', 'checkParamLow', index, values));
     if (maximum !== null && value > maximum) found.push(problem('warning', 'mission', 'checkParamHigh', index, values));
   }
-  if (MUST_HAVE_POSITION.has(each.command) && altitude != null && altitude <= 0 && each.frame !== FRAME.GLOBAL) {
+  if (MUST_HAVE_POSITION.has(each.command) && altitude != null && altitude <= 0 && each.frame !== MavFrame.GLOBAL) {
     found.push(problem('warning', 'mission', 'checkOnGround', index, { altitude }));
   }
   return found;
@@ -134,7 +135,10 @@ function missionProblems(input: CheckInput): Problem[] {
     add(used > 1 ? 'error' : 'warning', 'checkBattery', null, { percent: Math.round(used * 100) });
   const tooHigh = plan.mission.findIndex(
     (each) =>
-      ceiling !== null && each.frame === FRAME.GLOBAL_RELATIVE_ALT && isOnPath(each) && (each.params[6] ?? 0) > ceiling,
+      ceiling !== null &&
+      each.frame === MavFrame.GLOBAL_RELATIVE_ALT &&
+      isOnPath(each) &&
+      (each.params[6] ?? 0) > ceiling,
   );
   if (tooHigh >= 0)
     add('info', 'checkCeiling', tooHigh, { altitude: plan.mission[tooHigh]!.params[6]!, limit: ceiling! });
@@ -162,7 +166,7 @@ function areaProblems(plan: Plan): Problem[] {
 /** Returns the problems of home, path, rally points and return point with the fence. */
 function fenceProblems(plan: Plan, firmware: number): Problem[] {
   if (plan.polygons.length + plan.circles.length === 0) return [];
-  const found = [...pathProblems(plan, firmware), ...(firmware === PX4 ? ignoredAreas(plan) : [])];
+  const found = [...pathProblems(plan, firmware), ...(firmware === MavAutopilot.PX4 ? ignoredAreas(plan) : [])];
   plan.rally.forEach((point, index) => {
     const grade = gradeOf(plan, point);
     if (grade === 'forbidden') found.push(problem('error', 'rally', 'checkRallyOutside', index));
@@ -175,7 +179,7 @@ function fenceProblems(plan: Plan, firmware: number): Problem[] {
 
 /** ArduPilot may be set to ask for one of the areas to stay in; PX4 refuses the mission. */
 function ofPartly(firmware: number): Severity {
-  return firmware === PX4 ? 'error' : 'warning';
+  return firmware === MavAutopilot.PX4 ? 'error' : 'warning';
 }
 
 function pathProblems(plan: Plan, firmware: number): Problem[] {

@@ -1,8 +1,10 @@
 /** The commands of missions: names, params and whether they have a position, from the definitions of MAV_CMD. */
 
+import { MavCmd, MavFrame } from '$generated';
+
 import definitions from '../../../generated/commands.json';
 
-import { CMD, FRAME, item, type Item, type Params, type Place, positionOf } from './model';
+import { item, type Item, type Params, type Place, positionOf } from './model';
 import type { Point } from './geo';
 
 export interface ParamInfo {
@@ -54,32 +56,32 @@ const PREFIX = 'MAV_CMD_';
 const CAMERA = /IMAGE|VIDEO|CAM|GIMBAL|MOUNT|ROI|PHOTO|DIGICAM/;
 /** Names that people know from ground stations, where the definition's name would mislead. */
 const LABELS: Readonly<Record<number, string>> = {
-  [CMD.NAV_RETURN_TO_LAUNCH]: 'Return to launch',
-  [CMD.NAV_LOITER_UNLIM]: 'Loiter (unlimited)',
-  [CMD.NAV_LOITER_TO_ALT]: 'Loiter to altitude',
-  [CMD.NAV_VTOL_TAKEOFF]: 'VTOL takeoff',
-  [CMD.NAV_VTOL_LAND]: 'VTOL land',
-  [CMD.DO_JUMP]: 'Jump to item',
-  [CMD.DO_CHANGE_SPEED]: 'Change speed',
-  [CMD.DO_SET_CAM_TRIGG_DIST]: 'Camera trigger distance',
-  [CMD.DO_SET_ROI_LOCATION]: 'Region of interest',
+  [MavCmd.NAV_RETURN_TO_LAUNCH]: 'Return to launch',
+  [MavCmd.NAV_LOITER_UNLIM]: 'Loiter (unlimited)',
+  [MavCmd.NAV_LOITER_TO_ALT]: 'Loiter to altitude',
+  [MavCmd.NAV_VTOL_TAKEOFF]: 'VTOL takeoff',
+  [MavCmd.NAV_VTOL_LAND]: 'VTOL land',
+  [MavCmd.DO_JUMP]: 'Jump to item',
+  [MavCmd.DO_CHANGE_SPEED]: 'Change speed',
+  [MavCmd.DO_SET_CAM_TRIGG_DIST]: 'Camera trigger distance',
+  [MavCmd.DO_SET_ROI_LOCATION]: 'Region of interest',
 };
 /** The commands that a picker shows first. */
 export const COMMON_COMMANDS: readonly number[] = [
-  CMD.NAV_WAYPOINT,
-  CMD.NAV_TAKEOFF,
-  CMD.NAV_LAND,
-  CMD.NAV_RETURN_TO_LAUNCH,
-  CMD.NAV_SPLINE_WAYPOINT,
-  CMD.NAV_LOITER_TIME,
-  CMD.NAV_LOITER_TURNS,
-  CMD.NAV_LOITER_UNLIM,
-  CMD.NAV_LOITER_TO_ALT,
-  CMD.NAV_DELAY,
-  CMD.DO_CHANGE_SPEED,
-  CMD.DO_JUMP,
-  CMD.DO_SET_ROI_LOCATION,
-  CMD.DO_SET_CAM_TRIGG_DIST,
+  MavCmd.NAV_WAYPOINT,
+  MavCmd.NAV_TAKEOFF,
+  MavCmd.NAV_LAND,
+  MavCmd.NAV_RETURN_TO_LAUNCH,
+  MavCmd.NAV_SPLINE_WAYPOINT,
+  MavCmd.NAV_LOITER_TIME,
+  MavCmd.NAV_LOITER_TURNS,
+  MavCmd.NAV_LOITER_UNLIM,
+  MavCmd.NAV_LOITER_TO_ALT,
+  MavCmd.NAV_DELAY,
+  MavCmd.DO_CHANGE_SPEED,
+  MavCmd.DO_JUMP,
+  MavCmd.DO_SET_ROI_LOCATION,
+  MavCmd.DO_SET_CAM_TRIGG_DIST,
 ];
 
 /** Returns `Loiter turns` for `NAV_LOITER_TURNS`. */
@@ -173,25 +175,25 @@ export function isOnPath(each: Item): boolean {
 }
 
 const DEFAULT_PARAMS: Readonly<Record<number, Params>> = {
-  [CMD.NAV_LOITER_TIME]: [30, 0, 0, 1],
-  [CMD.NAV_LOITER_TURNS]: [2, 0, 20, 1],
-  [CMD.NAV_LOITER_UNLIM]: [0, 0, 20, null],
-  [CMD.NAV_LOITER_TO_ALT]: [0, 20, 0, 1],
-  [CMD.NAV_DELAY]: [10, -1, -1, -1],
-  [CMD.DO_CHANGE_SPEED]: [1, 5, -1],
-  [CMD.DO_JUMP]: [0, 1],
-  [CMD.DO_SET_CAM_TRIGG_DIST]: [25, 0, 1],
-  [CMD.NAV_TAKEOFF]: [0, 0, 0, null],
-  [CMD.NAV_LAND]: [0, 0, 0, null],
-  [CMD.NAV_WAYPOINT]: [0, 0, 0, null],
+  [MavCmd.NAV_LOITER_TIME]: [30, 0, 0, 1],
+  [MavCmd.NAV_LOITER_TURNS]: [2, 0, 20, 1],
+  [MavCmd.NAV_LOITER_UNLIM]: [0, 0, 20, null],
+  [MavCmd.NAV_LOITER_TO_ALT]: [0, 20, 0, 1],
+  [MavCmd.NAV_DELAY]: [10, -1, -1, -1],
+  [MavCmd.DO_CHANGE_SPEED]: [1, 5, -1],
+  [MavCmd.DO_JUMP]: [0, 1],
+  [MavCmd.DO_SET_CAM_TRIGG_DIST]: [25, 0, 1],
+  [MavCmd.NAV_TAKEOFF]: [0, 0, 0, null],
+  [MavCmd.NAV_LAND]: [0, 0, 0, null],
+  [MavCmd.NAV_WAYPOINT]: [0, 0, 0, null],
 };
 
 /** Returns a new item of a command at a place, whose altitude is in metres in the frame. */
-export function newItem(command: number, at: Place, frame: number = FRAME.GLOBAL_RELATIVE_ALT): Item {
+export function newItem(command: number, at: Place, frame: number = MavFrame.GLOBAL_RELATIVE_ALT): Item {
   const first = DEFAULT_PARAMS[command] ?? [];
-  if (!commandInfo(command).hasLocation) return item(command, first, FRAME.MISSION);
+  if (!commandInfo(command).hasLocation) return item(command, first, MavFrame.MISSION);
   const four = Array.from({ length: 4 }, (_, index) => (index < first.length ? first[index]! : 0));
-  const altitude = command === CMD.NAV_LAND ? 0 : at.altitude;
+  const altitude = command === MavCmd.NAV_LAND ? 0 : at.altitude;
   return item(command, [...four, at.latitude, at.longitude, altitude], frame);
 }
 
@@ -199,7 +201,7 @@ export function newItem(command: number, at: Place, frame: number = FRAME.GLOBAL
 export function withCommand(each: Item, command: number, at: Place): Item {
   const place = itemPosition(each) ?? at;
   const altitude = commandInfo(each.command).hasLocation ? (each.params[6] ?? at.altitude) : at.altitude;
-  const frame = each.frame === FRAME.MISSION ? FRAME.GLOBAL_RELATIVE_ALT : each.frame;
+  const frame = each.frame === MavFrame.MISSION ? MavFrame.GLOBAL_RELATIVE_ALT : each.frame;
   return newItem(command, { ...place, altitude: altitude || at.altitude }, frame);
 }
 

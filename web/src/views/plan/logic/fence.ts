@@ -1,6 +1,8 @@
 /** Fence areas as the mission items that vehicles hold, and back. */
 
-import { CMD, FRAME, item, type Circle, type Item, type Place, type Polygon } from './model';
+import { MavCmd, MavFrame } from '$generated';
+
+import { item, type Circle, type Item, type Place, type Polygon } from './model';
 
 export interface FenceAreas {
   readonly polygons: readonly Polygon[];
@@ -11,30 +13,34 @@ export interface FenceAreas {
 }
 
 const VERTICES: Readonly<Record<number, boolean>> = {
-  [CMD.NAV_FENCE_POLYGON_VERTEX_INCLUSION]: true,
-  [CMD.NAV_FENCE_POLYGON_VERTEX_EXCLUSION]: false,
+  [MavCmd.NAV_FENCE_POLYGON_VERTEX_INCLUSION]: true,
+  [MavCmd.NAV_FENCE_POLYGON_VERTEX_EXCLUSION]: false,
 };
 const CIRCLES: Readonly<Record<number, boolean>> = {
-  [CMD.NAV_FENCE_CIRCLE_INCLUSION]: true,
-  [CMD.NAV_FENCE_CIRCLE_EXCLUSION]: false,
+  [MavCmd.NAV_FENCE_CIRCLE_INCLUSION]: true,
+  [MavCmd.NAV_FENCE_CIRCLE_EXCLUSION]: false,
 };
 
 /** Returns the items of a fence: polygons, circles, return point. */
 export function fenceItems(areas: Omit<FenceAreas, 'problems'>): Item[] {
   const polygons = areas.polygons.flatMap((polygon) => {
-    const command = polygon.inclusion ? CMD.NAV_FENCE_POLYGON_VERTEX_INCLUSION : CMD.NAV_FENCE_POLYGON_VERTEX_EXCLUSION;
+    const command = polygon.inclusion
+      ? MavCmd.NAV_FENCE_POLYGON_VERTEX_INCLUSION
+      : MavCmd.NAV_FENCE_POLYGON_VERTEX_EXCLUSION;
     const count = polygon.vertices.length;
     return polygon.vertices.map((at) =>
       fenceItem(command, [count, polygon.group ?? 0, 0, 0, at.latitude, at.longitude, 0]),
     );
   });
   const circles = areas.circles.map(({ inclusion, center, radius, group }) => {
-    const command = inclusion ? CMD.NAV_FENCE_CIRCLE_INCLUSION : CMD.NAV_FENCE_CIRCLE_EXCLUSION;
+    const command = inclusion ? MavCmd.NAV_FENCE_CIRCLE_INCLUSION : MavCmd.NAV_FENCE_CIRCLE_EXCLUSION;
     return fenceItem(command, [radius, group ?? 0, 0, 0, center.latitude, center.longitude, 0]);
   });
   const home = areas.returnPoint;
   const params = home && [0, 0, 0, 0, home.latitude, home.longitude, home.altitude];
-  const last = params ? [fenceItem(CMD.NAV_FENCE_RETURN_POINT, params, home!.frame ?? FRAME.GLOBAL_RELATIVE_ALT)] : [];
+  const last = params
+    ? [fenceItem(MavCmd.NAV_FENCE_RETURN_POINT, params, home!.frame ?? MavFrame.GLOBAL_RELATIVE_ALT)]
+    : [];
   return [...polygons, ...circles, ...last];
 }
 
@@ -53,7 +59,7 @@ export function fenceAreas(items: readonly Item[]): FenceAreas {
     } else if (first.command in CIRCLES) {
       const radius = first.params[0] ?? 0;
       areas.circles.push({ inclusion: CIRCLES[first.command]!, center: at[0]!, radius, ...groupOf(first) });
-    } else if (first.command === CMD.NAV_FENCE_RETURN_POINT) {
+    } else if (first.command === MavCmd.NAV_FENCE_RETURN_POINT) {
       areas.returnPoint = placeOf(first);
     } else problems.push(`fence item ${index}: command ${first.command} is not a fence item`);
     index += count;
@@ -81,21 +87,21 @@ function place(each: Item): { latitude: number; longitude: number } {
 /** Returns the point of an item with its altitude, and its frame if that is not relative to home. */
 function placeOf(each: Item): Place {
   const found = { ...place(each), altitude: each.params[6] ?? 0 };
-  return each.frame === FRAME.GLOBAL_RELATIVE_ALT ? found : { ...found, frame: each.frame };
+  return each.frame === MavFrame.GLOBAL_RELATIVE_ALT ? found : { ...found, frame: each.frame };
 }
 
 function groupOf(each: Item): { group?: number } {
   return each.params[1] ? { group: each.params[1] } : {};
 }
 
-function fenceItem(command: number, params: (number | null)[], frame: number = FRAME.GLOBAL): Item {
+function fenceItem(command: number, params: (number | null)[], frame: number = MavFrame.GLOBAL): Item {
   return { ...item(command, params, frame), autocontinue: false };
 }
 
 export function rallyItems(points: readonly Place[]): Item[] {
   return points.map((at) => {
     const params = [0, 0, 0, 0, at.latitude, at.longitude, at.altitude];
-    return fenceItem(CMD.NAV_RALLY_POINT, params, at.frame ?? FRAME.GLOBAL_RELATIVE_ALT);
+    return fenceItem(MavCmd.NAV_RALLY_POINT, params, at.frame ?? MavFrame.GLOBAL_RELATIVE_ALT);
   });
 }
 

@@ -9,8 +9,6 @@
 import { contains, distance, toLocal, type Local, type Point } from './geo';
 import type { Circle, Plan, Polygon } from './model';
 
-/** MAV_AUTOPILOT of PX4. */
-export const PX4 = 12;
 /** The part of a leg by which two crossings must differ to be two. */
 const MIN_PART = 1e-6;
 

@@ -1,13 +1,15 @@
+import { MavCmd } from '$generated';
+
 import { describe, expect, it } from 'vitest';
 
 import { fenceAreas, fenceItems } from './fence';
 import { begin, commit, redo, undo } from './history';
-import { CMD, EMPTY_PLAN, insertItems, item, moveItem, moveVertex, removeItems, waypoint, type Plan } from './model';
+import { EMPTY_PLAN, insertItems, item, moveItem, moveVertex, removeItems, waypoint, type Plan } from './model';
 
 const at = (latitude: number) => waypoint({ latitude, longitude: 8 }, 30);
-const jump = (target: number) => item(CMD.DO_JUMP, [target, 2]);
+const jump = (target: number) => item(MavCmd.DO_JUMP, [target, 2]);
 const plan: Plan = { ...EMPTY_PLAN, mission: [at(1), at(2), at(3), jump(1)] };
-const target = (edited: Plan) => edited.mission.find((each) => each.command === CMD.DO_JUMP)?.params[0];
+const target = (edited: Plan) => edited.mission.find((each) => each.command === MavCmd.DO_JUMP)?.params[0];
 
 describe('edits of a mission', () => {
   it('moves the targets of jumps with the items that they name', () => {

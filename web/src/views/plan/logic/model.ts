@@ -5,43 +5,17 @@
  * All functions return new plans, so that a history of plans is a history of the edits.
  */
 
+import { MavAutopilot, MavCmd, MavFrame, MavType } from '$generated';
+
 import type { Json } from '../formats/json';
 import type { Point } from './geo';
 
-export const CMD = {
-  NAV_WAYPOINT: 16,
-  NAV_LOITER_UNLIM: 17,
-  NAV_LOITER_TURNS: 18,
-  NAV_LOITER_TIME: 19,
-  NAV_RETURN_TO_LAUNCH: 20,
-  NAV_LAND: 21,
-  NAV_TAKEOFF: 22,
-  NAV_LOITER_TO_ALT: 31,
-  NAV_SPLINE_WAYPOINT: 82,
-  NAV_VTOL_TAKEOFF: 84,
-  NAV_VTOL_LAND: 85,
-  NAV_DELAY: 93,
-  CONDITION_DELAY: 112,
-  DO_JUMP: 177,
-  DO_CHANGE_SPEED: 178,
-  DO_SET_ROI_LOCATION: 195,
-  DO_LAND_START: 189,
-  DO_SET_CAM_TRIGG_DIST: 206,
-  IMAGE_STOP_CAPTURE: 2001,
-  VIDEO_STOP_CAPTURE: 2501,
-  DO_VTOL_TRANSITION: 3000,
-  NAV_FENCE_RETURN_POINT: 5000,
-  NAV_FENCE_POLYGON_VERTEX_INCLUSION: 5001,
-  NAV_FENCE_POLYGON_VERTEX_EXCLUSION: 5002,
-  NAV_FENCE_CIRCLE_INCLUSION: 5003,
-  NAV_FENCE_CIRCLE_EXCLUSION: 5004,
-  NAV_RALLY_POINT: 5100,
-} as const;
-
-export const FRAME = { GLOBAL: 0, MISSION: 2, GLOBAL_RELATIVE_ALT: 3, GLOBAL_TERRAIN_ALT: 10 } as const;
-
 /** The frames that mean the same with `_INT` in their names. */
-const PLAIN_FRAMES: Readonly<Record<number, number>> = { 5: 0, 6: 3, 11: 10 };
+const PLAIN_FRAMES: Readonly<Record<number, number>> = {
+  [MavFrame.GLOBAL_INT]: MavFrame.GLOBAL,
+  [MavFrame.GLOBAL_RELATIVE_ALT_INT]: MavFrame.GLOBAL_RELATIVE_ALT,
+  [MavFrame.GLOBAL_TERRAIN_ALT_INT]: MavFrame.GLOBAL_TERRAIN_ALT,
+};
 
 /** Seven params; null is NaN, which means that the vehicle chooses. */
 export type Params = readonly (number | null)[];
@@ -124,8 +98,8 @@ export const EMPTY_PLAN: Plan = {
   rally: [],
   cruiseSpeed: 15,
   hoverSpeed: 5,
-  firmware: 0,
-  vehicleType: 2,
+  firmware: MavAutopilot.GENERIC,
+  vehicleType: MavType.QUADROTOR,
 };
 
 export function plainFrame(frame: number): number {
@@ -133,14 +107,14 @@ export function plainFrame(frame: number): number {
 }
 
 /** Returns an item; missing params are 0. */
-export function item(command: number, params: Params, frame: number = FRAME.GLOBAL_RELATIVE_ALT): Item {
+export function item(command: number, params: Params, frame: number = MavFrame.GLOBAL_RELATIVE_ALT): Item {
   const seven = Array.from({ length: 7 }, (_, index) => (index < params.length ? params[index]! : 0));
   return { command, frame: plainFrame(frame), params: seven, autocontinue: true };
 }
 
 /** Returns an item that stands for a pattern of another program. */
 export function keptItem(kind: string, json: Json): Item {
-  return { ...item(0, [], FRAME.MISSION), kept: { kind, json } };
+  return { ...item(0, [], MavFrame.MISSION), kept: { kind, json } };
 }
 
 /** Returns a plan without the patterns of other programs, as vehicles and other formats take it. */
@@ -150,14 +124,14 @@ export function withoutKept(plan: Plan): Plan {
 }
 
 /** Returns a waypoint; its altitude in metres in the frame. */
-export function waypoint(at: Point, altitude: number, frame: number = FRAME.GLOBAL_RELATIVE_ALT): Item {
-  return item(CMD.NAV_WAYPOINT, [0, 0, 0, null, at.latitude, at.longitude, altitude], frame);
+export function waypoint(at: Point, altitude: number, frame: number = MavFrame.GLOBAL_RELATIVE_ALT): Item {
+  return item(MavCmd.NAV_WAYPOINT, [0, 0, 0, null, at.latitude, at.longitude, altitude], frame);
 }
 
 /** Returns the position of an item; null if it has none, or means the vehicle's own position. */
 export function positionOf(each: Item, hasLocation: boolean): Point | null {
   const [latitude, longitude] = [each.params[4], each.params[5]];
-  if (!hasLocation || each.frame === FRAME.MISSION || latitude == null || longitude == null) return null;
+  if (!hasLocation || each.frame === MavFrame.MISSION || latitude == null || longitude == null) return null;
   return latitude === 0 && longitude === 0 ? null : { latitude, longitude };
 }
 
@@ -179,7 +153,7 @@ export function withParam(each: Item, number: number, value: number | null): Ite
 function withJumps(items: readonly Item[], target: (index: number) => number): Item[] {
   return items.map((each) => {
     const old = each.params[0];
-    return each.command === CMD.DO_JUMP && old != null && old >= 0 ? withParam(each, 1, target(old)) : each;
+    return each.command === MavCmd.DO_JUMP && old != null && old >= 0 ? withParam(each, 1, target(old)) : each;
   });
 }
 

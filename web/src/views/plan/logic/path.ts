@@ -1,6 +1,8 @@
 /** The path of a mission: which items are executed in which order, and the points that the vehicle flies to. */
 
-import { CMD, FRAME, type Item, type Plan } from './model';
+import { MavCmd, MavFrame, MavType } from '$generated';
+
+import type { Item, Plan } from './model';
 import { distance, type Point } from './geo';
 import { isOnPath, itemPosition } from './commands';
 
@@ -15,13 +17,25 @@ export interface PathPoint extends Point {
 }
 
 /** MAV_TYPE of vehicles that fly on a wing. */
-const WINGS: ReadonlySet<number> = new Set([1, 7, 16, 19, 20, 21, 22, 23, 24, 25, 28]);
+const WINGS: ReadonlySet<number> = new Set([
+  MavType.FIXED_WING,
+  MavType.AIRSHIP,
+  MavType.FLAPPING_WING,
+  MavType.VTOL_TAILSITTER_DUOROTOR,
+  MavType.VTOL_TAILSITTER_QUADROTOR,
+  MavType.VTOL_TILTROTOR,
+  MavType.VTOL_FIXEDROTOR,
+  MavType.VTOL_TAILSITTER,
+  MavType.VTOL_TILTWING,
+  MavType.VTOL_RESERVED5,
+  MavType.PARAFOIL,
+]);
 /** Items that jumps may make the vehicle execute before the mission counts as endless. */
 const MAX_VISITS = 10_000;
 /** Metres within which a vehicle is at a place already. */
 const SAME_PLACE = 1;
-const TAKEOFFS: ReadonlySet<number> = new Set([CMD.NAV_TAKEOFF, CMD.NAV_VTOL_TAKEOFF]);
-const LANDINGS: ReadonlySet<number> = new Set([CMD.NAV_LAND, CMD.NAV_VTOL_LAND]);
+const TAKEOFFS: ReadonlySet<number> = new Set([MavCmd.NAV_TAKEOFF, MavCmd.NAV_VTOL_TAKEOFF]);
+const LANDINGS: ReadonlySet<number> = new Set([MavCmd.NAV_LAND, MavCmd.NAV_VTOL_LAND]);
 
 /** Returns whether the plan's vehicle flies on a wing. */
 export function isWing(plan: Plan): boolean {
@@ -37,10 +51,10 @@ export function executionOrder(mission: readonly Item[]): { order: number[]; end
     // Jumps count too: two that name one another never reach an item to fly.
     if (visits >= MAX_VISITS) return { order, ends: false };
     const each = mission[at]!;
-    if (each.command !== CMD.DO_JUMP) {
+    if (each.command !== MavCmd.DO_JUMP) {
       order.push(at);
-      if (each.command === CMD.NAV_LOITER_UNLIM) return { order, ends: false };
-      if (each.command === CMD.NAV_RETURN_TO_LAUNCH) return { order, ends: true };
+      if (each.command === MavCmd.NAV_LOITER_UNLIM) return { order, ends: false };
+      if (each.command === MavCmd.NAV_RETURN_TO_LAUNCH) return { order, ends: true };
       at += 1;
       continue;
     }
@@ -56,7 +70,7 @@ export function executionOrder(mission: readonly Item[]): { order: number[]; end
 
 export function homePoint(plan: Plan): PathPoint | null {
   const home = plan.home;
-  return home && { ...home, altitude: 0, item: -1, frame: FRAME.GLOBAL_RELATIVE_ALT };
+  return home && { ...home, altitude: 0, item: -1, frame: MavFrame.GLOBAL_RELATIVE_ALT };
 }
 
 /** Returns the points that the vehicle flies to, from home, in the order of execution. */
@@ -75,7 +89,7 @@ export function pathOf(plan: Plan): PathPoint[] {
  */
 export function pointsOf(plan: Plan, index: number, last: PathPoint | null): PathPoint[] {
   const each = plan.mission[index]!;
-  if (each.command === CMD.NAV_RETURN_TO_LAUNCH) return returnPoints(plan, index, last);
+  if (each.command === MavCmd.NAV_RETURN_TO_LAUNCH) return returnPoints(plan, index, last);
   const [isTakeoff, isLanding] = [TAKEOFFS.has(each.command), LANDINGS.has(each.command)];
   const target = { item: index, altitude: each.params[6] ?? 0, frame: each.frame };
   const at = isOnPath(each) ? itemPosition(each) : isTakeoff || isLanding ? last : null;
@@ -84,7 +98,8 @@ export function pointsOf(plan: Plan, index: number, last: PathPoint | null): Pat
   if (!isTakeoff && !isLanding) return [point];
   const touching = { ...point, touchesGround: true };
   if (!last || distance(last, point) < SAME_PLACE) return [touching];
-  if (isWing(plan) && each.command !== CMD.NAV_VTOL_TAKEOFF && each.command !== CMD.NAV_VTOL_LAND) return [touching];
+  if (isWing(plan) && each.command !== MavCmd.NAV_VTOL_TAKEOFF && each.command !== MavCmd.NAV_VTOL_LAND)
+    return [touching];
   if (isTakeoff) return [{ ...touching, latitude: last.latitude, longitude: last.longitude }, point];
   return [{ ...point, altitude: last.altitude, frame: last.frame }, touching];
 }
@@ -92,7 +107,7 @@ export function pointsOf(plan: Plan, index: number, last: PathPoint | null): Pat
 function returnPoints(plan: Plan, index: number, last: PathPoint | null): PathPoint[] {
   const home = homePoint(plan);
   if (!home) return [];
-  const keeps = last?.frame === FRAME.GLOBAL_RELATIVE_ALT ? last.altitude : 0;
+  const keeps = last?.frame === MavFrame.GLOBAL_RELATIVE_ALT ? last.altitude : 0;
   const above = { ...home, altitude: keeps, item: index };
   return isWing(plan) ? [above] : [above, { ...home, item: index, touchesGround: true }];
 }

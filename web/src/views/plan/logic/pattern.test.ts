@@ -1,8 +1,9 @@
+import { MavCmd } from '$generated';
+
 import { describe, expect, it } from 'vitest';
 
 import { area, bearing, contains, destination, distance, pathLength } from './geo';
 import { corridorLanes, corridorOutline } from './corridor';
-import { CMD } from './model';
 import { altitudeFor, CAMERAS, laneItems, pictureCount, spacingOf } from './pattern';
 import { maxEdgeAngle, surveyLanes } from './survey';
 
@@ -125,7 +126,7 @@ describe('camera', () => {
     const items = laneItems(lanes, { altitude: 50, pictures: 10, turnaround: 15 });
     expect(items).toHaveLength(lanes.length * 6);
     const commands = items.slice(0, 6).map((each) => each.command);
-    const [fly, camera] = [CMD.NAV_WAYPOINT, CMD.DO_SET_CAM_TRIGG_DIST];
+    const [fly, camera] = [MavCmd.NAV_WAYPOINT, MavCmd.DO_SET_CAM_TRIGG_DIST];
     expect(commands).toEqual([fly, fly, camera, fly, camera, fly]);
     expect(items[2]!.params[0]).toBe(10);
     expect(items[4]!.params[0]).toBe(0);

@@ -1,6 +1,8 @@
 /** Lanes over an area or along a line, as cameras need them: the geometry that survey and corridor share. */
 
-import { FRAME, item, CMD, waypoint, type Item } from './model';
+import { MavCmd, MavFrame } from '$generated';
+
+import { item, waypoint, type Item } from './model';
 import { bearing, destination, pathLength, type Point } from './geo';
 
 export interface Camera {
@@ -131,10 +133,10 @@ export const TOLERANCE = 1e-3;
 /** Returns the items that fly lanes one after the other and take pictures on them. */
 export function laneItems(lanes: readonly Lane[], options: FlightOptions): Item[] {
   const { altitude, pictures, turnaround } = options;
-  const frame = options.frame ?? FRAME.GLOBAL_RELATIVE_ALT;
+  const frame = options.frame ?? MavFrame.GLOBAL_RELATIVE_ALT;
   const at = (point: Point): Item => waypoint(point, altitude, frame);
   const trigger = (metres: number): Item[] =>
-    pictures > 0 ? [item(CMD.DO_SET_CAM_TRIGG_DIST, [metres, 0, metres > 0 ? 1 : 0], FRAME.MISSION)] : [];
+    pictures > 0 ? [item(MavCmd.DO_SET_CAM_TRIGG_DIST, [metres, 0, metres > 0 ? 1 : 0], MavFrame.MISSION)] : [];
   return lanes.flatMap((lane) => {
     const [first, second] = lane;
     const [beforeLast, last] = [lane.at(-2), lane.at(-1)];

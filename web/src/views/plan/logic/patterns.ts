@@ -1,7 +1,9 @@
 /** Patterns in a mission: where they are, and their form in QGroundControl's files. */
 
+import { MavCmd, MavFrame } from '$generated';
+
 import type { Json } from '../formats/json';
-import { CMD, FRAME, insertItems, removeItems, type Item, type Pattern, type Plan } from './model';
+import { insertItems, removeItems, type Item, type Pattern, type Plan } from './model';
 import type { Point } from './geo';
 import {
   CAMERAS,
@@ -107,7 +109,7 @@ export function patternOf(shape: PatternShape, lanes: readonly Lane[]): Pattern 
     ? spacingOf(camera, altitude, settings)
     : { lanes: settings.spacing, pictures: settings.pictures };
   const items = laneItems(lanes, { altitude, frame, pictures: spacing.pictures, turnaround: settings.turnaround });
-  const places = items.filter(({ command }) => command === CMD.NAV_WAYPOINT);
+  const places = items.filter(({ command }) => command === MavCmd.NAV_WAYPOINT);
   const style = {
     CameraCalc: cameraJson(shape, camera, spacing),
     CameraShots: pictureCount(lanes, spacing.pictures),
@@ -148,7 +150,7 @@ function cameraJson(
     AdjustedFootprintFrontal: spacing.pictures,
     AdjustedFootprintSide: spacing.lanes,
     DistanceToSurface: altitude,
-    DistanceToSurfaceRelative: frame !== FRAME.GLOBAL,
+    DistanceToSurfaceRelative: frame !== MavFrame.GLOBAL,
     version: 1,
   };
   if (camera === null) return { CameraName: NO_CAMERA, ...common };
@@ -189,7 +191,7 @@ export function shapeOf({ kind, json, items }: Pattern): PatternShape | null {
     crosshatch: style.Refly90Degrees === true,
     width: numberIn(json, 'CorridorWidth', PATTERN.width),
   };
-  const frame = items.find(({ command }) => command === CMD.NAV_WAYPOINT)?.frame ?? FRAME.GLOBAL_RELATIVE_ALT;
+  const frame = items.find(({ command }) => command === MavCmd.NAV_WAYPOINT)?.frame ?? MavFrame.GLOBAL_RELATIVE_ALT;
   const start =
     tool === 'survey'
       ? numberIn(json, 'entryLocation', CORNER) ^ CORNER

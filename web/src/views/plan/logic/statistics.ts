@@ -1,6 +1,8 @@
 /** The length, duration and energy of a mission, from the path that the vehicle flies. */
 
-import { CMD, FRAME, type Item, type Plan } from './model';
+import { MavCmd, MavFrame, MavVtolState, SpeedType } from '$generated';
+
+import type { Item, Plan } from './model';
 import { bearing, distance } from './geo';
 import { executionOrder, homePoint, isWing, pointsOf, type PathPoint } from './path';
 
@@ -43,14 +45,8 @@ export interface Statistics {
 
 /** Metres per second. */
 const MIN_SPEED = 0.1;
-/** SPEED_TYPE of DO_CHANGE_SPEED. */
-const CLIMB_SPEED = 2;
-const DESCENT_SPEED = 3;
 /** The speed of DO_CHANGE_SPEED by which the vehicle returns to its own. */
 const DEFAULT_SPEED = -2;
-/** MAV_VTOL_STATE of DO_VTOL_TRANSITION. */
-const HOVERING = 3;
-const FLYING = 4;
 
 /** Returns the speeds of a plan's vehicle. */
 export function speedsOf(plan: Plan): FlightSpeeds {
@@ -61,16 +57,16 @@ export function speedsOf(plan: Plan): FlightSpeeds {
 /** Seconds and metres that an item adds at its position. */
 function stay(each: Item, speed: number): { seconds: number; metres: number } {
   const [first, , third] = each.params;
-  if (each.command === CMD.NAV_LOITER_TURNS) {
+  if (each.command === MavCmd.NAV_LOITER_TURNS) {
     const metres = 2 * Math.PI * Math.abs(third || 0) * Math.abs(first ?? 0);
     return { seconds: metres / speed, metres };
   }
   const waits: number[] = [
-    CMD.NAV_WAYPOINT,
-    CMD.NAV_LOITER_TIME,
-    CMD.NAV_DELAY,
-    CMD.NAV_SPLINE_WAYPOINT,
-    CMD.CONDITION_DELAY,
+    MavCmd.NAV_WAYPOINT,
+    MavCmd.NAV_LOITER_TIME,
+    MavCmd.NAV_DELAY,
+    MavCmd.NAV_SPLINE_WAYPOINT,
+    MavCmd.CONDITION_DELAY,
   ];
   return { seconds: waits.includes(each.command) ? Math.max(0, first ?? 0) : 0, metres: 0 };
 }
@@ -86,13 +82,15 @@ function legOf(from: PathPoint, to: PathPoint, speeds: FlightSpeeds): Leg {
 
 /** Returns the speeds after an item. */
 function speedsAfter(plan: Plan, each: Item, speeds: FlightSpeeds, defaults: FlightSpeeds): FlightSpeeds {
-  if (each.command === CMD.DO_VTOL_TRANSITION) {
-    if (each.params[0] === HOVERING) return { ...speeds, horizontal: Math.max(MIN_SPEED, plan.hoverSpeed) };
-    return each.params[0] === FLYING ? { ...speeds, horizontal: Math.max(MIN_SPEED, plan.cruiseSpeed) } : speeds;
+  if (each.command === MavCmd.DO_VTOL_TRANSITION) {
+    if (each.params[0] === MavVtolState.MC) return { ...speeds, horizontal: Math.max(MIN_SPEED, plan.hoverSpeed) };
+    return each.params[0] === MavVtolState.FW
+      ? { ...speeds, horizontal: Math.max(MIN_SPEED, plan.cruiseSpeed) }
+      : speeds;
   }
-  if (each.command !== CMD.DO_CHANGE_SPEED) return speeds;
+  if (each.command !== MavCmd.DO_CHANGE_SPEED) return speeds;
   const [type, speed] = [each.params[0] ?? 0, each.params[1] ?? -1];
-  const key = type === CLIMB_SPEED ? 'up' : type === DESCENT_SPEED ? 'down' : 'horizontal';
+  const key = type === SpeedType.CLIMB_SPEED ? 'up' : type === SpeedType.DESCENT_SPEED ? 'down' : 'horizontal';
   if (speed === DEFAULT_SPEED) return { ...speeds, [key]: defaults[key] };
   return speed > 0 ? { ...speeds, [key]: speed } : speeds;
 }
@@ -104,7 +102,7 @@ class PictureCounter {
   private flown = 0;
 
   take(each: Item): void {
-    if (each.command !== CMD.DO_SET_CAM_TRIGG_DIST) return;
+    if (each.command !== MavCmd.DO_SET_CAM_TRIGG_DIST) return;
     this.finish();
     this.interval = Math.max(0, each.params[0] ?? 0);
   }
@@ -152,7 +150,9 @@ export function statisticsOf(plan: Plan, speeds: FlightSpeeds = speedsOf(plan)):
 
 function extremes(plan: Plan, legs: readonly Leg[]): Pick<Statistics, 'maxAltitude' | 'farthest' | 'longestLeg'> {
   const points = legs.map((leg) => leg.to);
-  const relative = points.filter((point) => point.frame === FRAME.GLOBAL_RELATIVE_ALT).map((point) => point.altitude);
+  const relative = points
+    .filter((point) => point.frame === MavFrame.GLOBAL_RELATIVE_ALT)
+    .map((point) => point.altitude);
   const home = plan.home;
   return {
     maxAltitude: relative.length ? Math.max(...relative) : null,

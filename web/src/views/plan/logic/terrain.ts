@@ -1,6 +1,8 @@
 /** The altitude profile of a mission above the terrain. */
 
-import { FRAME, type Plan } from './model';
+import { MavFrame } from '$generated';
+
+import type { Plan } from './model';
 import { between, distance, type Point } from './geo';
 import type { ElevationSource } from './elevation';
 import { pathOf, type PathPoint } from './path';
@@ -102,7 +104,7 @@ function absolute({ from, to, part }: Sample, ground: number | null, homeAltitud
 
 /** Returns the altitude above mean sea level that a point would have over some ground; null: not known. */
 function above(point: PathPoint, ground: number | null, homeAltitude: number | null): number | null {
-  if (point.frame === FRAME.GLOBAL) return point.altitude;
-  const base = point.frame === FRAME.GLOBAL_TERRAIN_ALT ? ground : homeAltitude;
+  if (point.frame === MavFrame.GLOBAL) return point.altitude;
+  const base = point.frame === MavFrame.GLOBAL_TERRAIN_ALT ? ground : homeAltitude;
   return base === null ? null : base + point.altitude;
 }

@@ -5,6 +5,8 @@
  * the server the calibrations of `mavstack.vehicle` run, whose steps have this form too.
  */
 
+import { AccelcalVehiclePos, MagCalStatus, MavCmd } from '$generated';
+
 export interface CalibrationStep {
   readonly task: string;
   readonly text: string;
@@ -45,17 +47,15 @@ const PX4: Readonly<Record<string, Params>> = {
   airspeed: [0, 0, 0, 0, 0, 1],
   esc: [0, 0, 0, 0, 0, 0, 1],
 };
-/** ACCELCAL_VEHICLE_POS. */
+/** MavCmd.ACCELCAL_VEHICLE_POS. */
 const POSES: Readonly<Record<number, string>> = {
-  1: 'level',
-  2: 'on its left side',
-  3: 'on its right side',
-  4: 'nose down',
-  5: 'nose up',
-  6: 'on its back',
+  [AccelcalVehiclePos.LEVEL]: 'level',
+  [AccelcalVehiclePos.LEFT]: 'on its left side',
+  [AccelcalVehiclePos.RIGHT]: 'on its right side',
+  [AccelcalVehiclePos.NOSEDOWN]: 'nose down',
+  [AccelcalVehiclePos.NOSEUP]: 'nose up',
+  [AccelcalVehiclePos.BACK]: 'on its back',
 };
-const ACCELCAL_VEHICLE_POS = 42429;
-const ACCELCAL_SUCCESS = 16_777_215;
 /** PX4 names a side by the end of the vehicle that is down, except "up": upside down. */
 const PX4_POSES: Readonly<Record<string, string>> = {
   down: 'level',
@@ -65,8 +65,6 @@ const PX4_POSES: Readonly<Record<string, string>> = {
   back: 'nose up',
   up: 'on its back',
 };
-/** MAG_CAL_SUCCESS; larger ones are failures. */
-const COMPASS_SUCCESS = 4;
 const IDLE: CalibrationStep = {
   task: 'wait',
   text: '',
@@ -151,12 +149,12 @@ export class CalibrationMachine {
   confirm(): { command: number; params: Params } | null {
     if (!this.state.step.needs_confirmation) return null;
     this.show({ ...this.state.step, task: 'hold still', text: 'Hold the vehicle still.', needs_confirmation: false });
-    return { command: ACCELCAL_VEHICLE_POS, params: [this.position] };
+    return { command: MavCmd.ACCELCAL_VEHICLE_POS, params: [this.position] };
   }
 
   message(name: string, fields: Fields): void {
     if (this.state.state !== 'running') return;
-    if (name === 'COMMAND_LONG' && Number(fields.command) === ACCELCAL_VEHICLE_POS)
+    if (name === 'COMMAND_LONG' && Number(fields.command) === MavCmd.ACCELCAL_VEHICLE_POS)
       this.takePose(Number(fields.param1));
     if (name === 'MAG_CAL_PROGRESS') this.takeCompass(Number(fields.compass_id), Number(fields.completion_pct));
     if (name === 'MAG_CAL_REPORT') this.takeReport(Number(fields.compass_id), Number(fields.cal_status));
@@ -206,7 +204,7 @@ export class CalibrationMachine {
         needs_confirmation: true,
       });
     } else if (!pose && this.position > 0) {
-      if (position === ACCELCAL_SUCCESS) this.end('done');
+      if (position === AccelcalVehiclePos.SUCCESS) this.end('done');
       else this.end('failed', 'the vehicle could not calibrate from these poses');
     }
   }
@@ -220,7 +218,7 @@ export class CalibrationMachine {
 
   private takeReport(compass: number, status: number): void {
     if (this.kind !== 'compass') return;
-    this.reports.set(compass, status === COMPASS_SUCCESS);
+    this.reports.set(compass, status === MagCalStatus.SUCCESS);
     if (![...this.compasses.keys()].every((each) => this.reports.has(each))) return;
     if ([...this.reports.values()].every(Boolean)) this.end('done');
     else this.end('failed', 'a compass could not be calibrated: keep away from metal, and turn around all axes');

@@ -1,21 +1,20 @@
 /** Tests of single motors on the ground. */
 
+import { ActuatorOutputFunction, MavType } from '$generated';
 import { commandNumber } from '$lib/vehicle/link/commands';
 
 import type { Firmware } from './calibration';
 
-/** ACTUATOR_OUTPUT_FUNCTION_MOTOR1. */
-const FIRST_MOTOR = 1;
 const MOTORS_BY_TYPE: Readonly<Record<number, number>> = {
-  2: 4,
-  13: 6,
-  14: 8,
-  15: 3,
-  29: 12,
-  35: 10,
-  4: 1,
-  3: 2,
-  1: 1,
+  [MavType.QUADROTOR]: 4,
+  [MavType.HEXAROTOR]: 6,
+  [MavType.OCTOROTOR]: 8,
+  [MavType.TRICOPTER]: 3,
+  [MavType.DODECAROTOR]: 12,
+  [MavType.DECAROTOR]: 10,
+  [MavType.HELICOPTER]: 1,
+  [MavType.COAXIAL]: 2,
+  [MavType.FIXED_WING]: 1,
 };
 
 /** Returns the number of motors of a MAV_TYPE; parameters of PX4 and VTOLs may know better. */
@@ -32,7 +31,10 @@ export interface MotorCommand {
 /** Returns the command that runs a motor, from 1, with a throttle in percent; 0 s stop it. */
 export function motorCommand(firmware: Firmware, motor: number, throttle: number, seconds: number): MotorCommand {
   if (firmware === 'px4')
-    return { command: 'ACTUATOR_TEST', params: [throttle / 100, seconds, 0, 0, FIRST_MOTOR + motor - 1] };
+    return {
+      command: 'ACTUATOR_TEST',
+      params: [throttle / 100, seconds, 0, 0, ActuatorOutputFunction.MOTOR1 + motor - 1],
+    };
   // ArduPilot counts motors clockwise from the front right one.
   return { command: 'DO_MOTOR_TEST', params: [motor, 0, throttle, seconds, 1] };
 }

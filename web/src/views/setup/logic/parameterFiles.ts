@@ -1,5 +1,6 @@
 /** Parameter files of QGroundControl, Mission Planner, MAVProxy and PX4, and their differences to a vehicle. */
 
+import { MavParamType } from '$generated';
 import type { Parameter } from '$lib/vehicle/Vehicle';
 
 import { ownerOf, type Owner } from './owned';
@@ -16,18 +17,7 @@ export const FORMATS: Readonly<Record<ParameterFormat, { readonly suffix: string
 };
 
 /** MAV_PARAM_TYPE by name, as QGroundControl's last column has it. */
-const TYPES: Readonly<Record<string, number>> = {
-  UINT8: 1,
-  INT8: 2,
-  UINT16: 3,
-  INT16: 4,
-  UINT32: 5,
-  INT32: 6,
-  UINT64: 7,
-  INT64: 8,
-  REAL32: 9,
-  REAL64: 10,
-};
+const TYPES: Readonly<Record<string, number>> = MavParamType;
 const NAME = /^[\x21-\x7e]{1,16}$/;
 const NUMBER = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 

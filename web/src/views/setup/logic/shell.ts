@@ -1,10 +1,9 @@
 /** The shell of the autopilot over SERIAL_CONTROL: lines in, text out. */
 
-/** SERIAL_CONTROL_DEV_SHELL. */
-export const SHELL_DEVICE = 10;
-const RESPOND = 2;
-const EXCLUSIVE = 4;
-const MULTI = 16;
+import { SerialControlDev, SerialControlFlag } from '$generated';
+
+export const SHELL_DEVICE = SerialControlDev.DEV_SHELL;
+const REQUEST = SerialControlFlag.RESPOND | SerialControlFlag.EXCLUSIVE | SerialControlFlag.MULTI;
 const DATA_SIZE = 70;
 
 export interface ShellMessage {
@@ -16,7 +15,7 @@ export interface ShellMessage {
   readonly data: readonly number[];
 }
 
-function message(data: readonly number[], flags = RESPOND | EXCLUSIVE | MULTI): ShellMessage {
+function message(data: readonly number[], flags = REQUEST): ShellMessage {
   const padded = [...data, ...Array<number>(DATA_SIZE - data.length).fill(0)];
   return { device: SHELL_DEVICE, flags, timeout: 0, baudrate: 0, count: data.length, data: padded };
 }
