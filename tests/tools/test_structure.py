@@ -53,6 +53,7 @@ SUBJECTS = {
     "node": {"closing"},
     "router": {"cases", "quarantine_reload"},
     "router/firewall/detectors": {"flights"},
+    "services": {"vectors"},
     "services/ftp": {"interruptions", "radio"},
     "services/mission": {"autopilots", "goals"},
     "services/parameters": {"pauses"},

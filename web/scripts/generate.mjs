@@ -1,7 +1,7 @@
-// Generates what the station knows of MAVLink into src/generated: message classes by `mav gen typescript all`,
-// the commands of missions with their params by `mav dialect show all MAV_CMD`, the parameters that belong to one
-// vehicle only, of which `mav param load` and the page leave the same ones out, and the uses of modes, such as those in
-// which a firmware does not arm.
+// Generates what the station knows of MAVLink into src/generated: message classes by `mav gen typescript all`, the
+// commands of missions with their params by `mav dialect show all MAV_CMD`, those with a place, the parameters that
+// belong to one vehicle only, of which `mav param load` and the page leave the same ones out, and the uses of modes,
+// such as those in which a firmware does not arm.
 //
 // Python is the one of the variable MAVSTACK_PYTHON, the project's virtual environment, or `python3`; PYTHONPATH tells
 // where the package is, if not in the folder `src`.
@@ -36,6 +36,9 @@ function run(...words) {
 const mav = (...words) => run('-m', 'mavstack', ...words);
 
 process.stdout.write(mav('gen', 'typescript', 'all', '-o', generated));
-writeFileSync(join(generated, 'commands.json'), mav('dialect', 'show', 'all', 'MAV_CMD', '--json'));
+const commands = mav('dialect', 'show', 'all', 'MAV_CMD', '--json');
+const located = JSON.parse(commands).entries.filter((entry) => entry.has_location);
+writeFileSync(join(generated, 'commands.json'), commands);
+writeFileSync(join(generated, 'located.json'), JSON.stringify(located.map((entry) => entry.value)));
 writeFileSync(join(generated, 'owned.json'), run('-c', OWNED));
 writeFileSync(join(generated, 'modes.json'), run('-c', MODES));

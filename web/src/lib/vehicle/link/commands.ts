@@ -2,17 +2,26 @@
 
 import { MavResult, MavSeverity } from '$generated';
 import { StationError } from '$lib/api/errors';
-import { enumName, enumValues, type DecodedMessage } from '$lib/decoder/Decoder';
+import { enumName, enumValues } from '$lib/decoder/Decoder';
 
 import type { CommandResult, StatusText } from '../Vehicle';
 import { request, type Channel } from './channel';
+import { frameOf, scaleOf, toInteger } from './coordinates';
 
 /** Status texts follow a refusal by this time in ms. */
 const REASON_DELAY = 300;
 const MAX_SEVERITY_OF_REASONS = MavSeverity.NOTICE;
 
+/** Refusals of the message, not of the command. */
+const OTHER_FORM: ReadonlySet<number> = new Set([
+  MavResult.COMMAND_LONG_ONLY,
+  MavResult.COMMAND_INT_ONLY,
+  MavResult.COMMAND_UNSUPPORTED_MAV_FRAME,
+]);
+
 export interface CommandPlace {
   readonly frame: number;
+  /** Degrees; NaN: the vehicle chooses. */
   readonly latitude: number;
   readonly longitude: number;
   readonly altitude: number;
@@ -46,23 +55,19 @@ export async function sendCommand(
   const target = `${operation} ${channel.system}/${channel.component}`;
   const texts: StatusText[] = [];
   const remove = channel.onStatusText((text) => texts.push(text));
-  let attempts = 0;
+  const floats: Form = { command: id, send: asFloats(channel, id, params, place) };
+  const integers: Form = { command: id, send: asIntegers(channel, id, params, place) };
+  const [first, other] = place === undefined ? [floats, integers] : [integers, floats];
   try {
-    const answer = await request(channel, {
-      operation: target,
-      signal,
-      timeoutKind: 'CommandTimeout',
-      answers: ['COMMAND_ACK'],
-      send: (attempt) => {
-        attempts = attempt + 1;
-        transmit(channel, id, params, attempt, place);
-      },
-      read: (message) => (isFinal(message, id) ? message : undefined),
-      continues: (message) => Number(message.fields.command) === id,
-    });
-    const result = Number(answer.fields.result);
+    let answer = await ask(channel, target, first, signal);
+    let { attempts } = answer;
+    if (OTHER_FORM.has(answer.result)) {
+      answer = await ask(channel, target, other, signal);
+      attempts += answer.attempts;
+    }
+    const { result, detail } = answer;
     const name = enumName('MAV_RESULT', result) ?? String(result);
-    if (result === MavResult.ACCEPTED) return { result: name, detail: Number(answer.fields.result_param2), attempts };
+    if (result === MavResult.ACCEPTED) return { result: name, detail, attempts };
     await new Promise((resolve) => setTimeout(resolve, REASON_DELAY));
     throw refusal(target, name, result, texts);
   } finally {
@@ -70,8 +75,36 @@ export async function sendCommand(
   }
 }
 
-function isFinal(message: DecodedMessage, command: number): boolean {
-  return Number(message.fields.command) === command && Number(message.fields.result) !== MavResult.IN_PROGRESS;
+interface Answer {
+  readonly result: number;
+  readonly detail: number;
+  readonly attempts: number;
+}
+
+/** Sends a command in one form until it is carried out or refused. */
+function ask(channel: Channel, operation: string, { command, send }: Form, signal?: AbortSignal): Promise<Answer> {
+  let attempts = 0;
+  let isRunning = false;
+  return request(channel, {
+    operation,
+    signal,
+    timeoutKind: 'CommandTimeout',
+    answers: ['COMMAND_ACK'],
+    send: (attempt) => {
+      attempts = attempt + 1;
+      send(attempt);
+    },
+    read: ({ fields }) => {
+      if (Number(fields.command) !== command) return undefined;
+      const [result, detail] = [Number(fields.result), Number(fields.result_param2)];
+      // A repeated request is rejected while the first one is carried out.
+      const isRepetition = result === MavResult.TEMPORARILY_REJECTED && (isRunning || attempts > 1);
+      const isProgress = result === MavResult.IN_PROGRESS || isRepetition;
+      isRunning ||= isProgress;
+      return isProgress ? undefined : { result, detail, attempts };
+    },
+    continues: ({ fields }) => Number(fields.command) === command,
+  });
 }
 
 function refusal(target: string, name: string, result: number, texts: readonly StatusText[]): StationError {
@@ -80,24 +113,42 @@ function refusal(target: string, name: string, result: number, texts: readonly S
   return new StationError('CommandDenied', `${target} failed: ${name}${why}`, reasons, result);
 }
 
-function transmit(
+/** A command in one of its two messages. */
+interface Form {
+  readonly command: number;
+  /** Sends it; `confirmation` counts from 0 with each repetition. */
+  readonly send: (confirmation: number) => void;
+}
+
+function numbered(params: readonly (number | null)[]): Record<string, number> {
+  return Object.fromEntries(params.map((value, index) => [`param${index + 1}`, value ?? NaN]));
+}
+
+/** Returns the form COMMAND_LONG, whose place has the precision of a float. */
+function asFloats(
   channel: Channel,
   command: number,
   params: readonly (number | null)[],
-  attempt: number,
   place?: CommandPlace,
-): void {
-  const fields: Record<string, number> = { command };
-  params.forEach((value, index) => (fields[`param${index + 1}`] = value ?? NaN));
-  if (place === undefined) {
-    channel.sendMessage('COMMAND_LONG', { ...fields, confirmation: attempt });
-    return;
-  }
-  channel.sendMessage('COMMAND_INT', {
-    ...fields,
-    frame: place.frame,
-    x: Math.round(place.latitude * 1e7),
-    y: Math.round(place.longitude * 1e7),
-    z: place.altitude,
-  });
+): Form['send'] {
+  const all = place === undefined ? params : [...withFour(params), place.latitude, place.longitude, place.altitude];
+  return (confirmation) => channel.sendMessage('COMMAND_LONG', { command, ...numbered(all), confirmation });
+}
+
+/** Returns the form COMMAND_INT. */
+function asIntegers(
+  channel: Channel,
+  command: number,
+  params: readonly (number | null)[],
+  place?: CommandPlace,
+): Form['send'] {
+  const frame = place?.frame ?? frameOf(command);
+  const [x = 0, y = 0, z = 0] = place ? [place.latitude, place.longitude, place.altitude] : params.slice(4);
+  const scale = scaleOf(command, frame);
+  const coordinates = { x: toInteger(x, scale), y: toInteger(y, scale), z: z ?? NaN };
+  return () => channel.sendMessage('COMMAND_INT', { command, ...numbered(withFour(params)), frame, ...coordinates });
+}
+
+function withFour(params: readonly (number | null)[]): (number | null)[] {
+  return Array.from({ length: 4 }, (_, index) => (index < params.length ? params[index]! : 0));
 }

@@ -1,7 +1,7 @@
 /** The parameter protocol: one by name, all with what got lost requested again, and setting. */
 
 import { StationError } from '$lib/api/errors';
-import { fieldBytes, type DecodedMessage } from '$lib/decoder/Decoder';
+import { enumName, fieldBytes, type DecodedMessage } from '$lib/decoder/Decoder';
 
 import type { Parameter, ProgressListener } from '../Vehicle';
 import { request, type Channel } from './channel';
@@ -30,13 +30,25 @@ function readMessage(channel: Channel, name: string): Promise<DecodedMessage> {
   if (name === '' || name.length > MAX_NAME_LENGTH) {
     throw new StationError('InvalidArgumentError', `the name of a parameter has 1 to 16 characters, got '${name}'`);
   }
+  const operation = `reading ${name} of ${channel.system}/${channel.component}`;
   return request(channel, {
-    operation: `reading ${name} of ${channel.system}/${channel.component}`,
+    operation,
     timeoutKind: 'ParameterTimeout',
-    answers: ['PARAM_VALUE'],
+    answers: ['PARAM_VALUE', 'PARAM_ERROR'],
     send: () => channel.sendMessage('PARAM_REQUEST_READ', { param_id: name, param_index: -1 }),
-    read: (message) => (message.fields.param_id === name ? message : undefined),
+    read: (message) => (isAbout(message, name, operation) ? message : undefined),
   });
+}
+
+/** Returns whether a message is about a parameter; throws if it is a refusal. */
+function isAbout(message: DecodedMessage, name: string, operation: string): boolean {
+  if (message.fields.param_id !== name) return false;
+  if (message.name !== 'PARAM_ERROR') return true;
+  // A request by index concerns another parameter, whatever its name.
+  if (Number(message.fields.param_index) >= 0) return false;
+  const code = Number(message.fields.error);
+  const reason = enumName('MAV_PARAM_ERROR', code) ?? `error ${code}`;
+  throw new StationError('ParameterDenied', `${operation} failed: ${reason}`, [], code);
 }
 
 /** Answers with another value than the one that was set, until the vehicle is believed to keep it. */
@@ -56,7 +68,7 @@ export async function writeParameter(
     throw new StationError('InvalidArgumentError', `${name} is of type ${typeName(type)}, which cannot hold ${value}`);
   let others = 0;
   const read = (message: DecodedMessage): Parameter | undefined => {
-    if (message.fields.param_id !== name) return undefined;
+    if (!isAbout(message, name, operation)) return undefined;
     const parameter = parameterOf(message, encoding);
     if (isSame(parameter.value, value, type, encoding)) return parameter;
     others += 1;
@@ -67,7 +79,7 @@ export async function writeParameter(
   return request(channel, {
     operation,
     timeoutKind: 'ParameterTimeout',
-    answers: ['PARAM_VALUE'],
+    answers: ['PARAM_VALUE', 'PARAM_ERROR'],
     send: () => channel.sendMessage('PARAM_SET', { param_id: name, param_value: wire, param_type: type }),
     read,
   });

@@ -10,51 +10,38 @@ import { enumName, type DecodedMessage } from '$lib/decoder/Decoder';
 
 import type { Plan, PlanItem, PlanKind, ProgressListener } from '../Vehicle';
 import { DEFAULT_ATTEMPTS, request, type Channel } from './channel';
+import { fromInteger, scaleOf, toInteger } from './coordinates';
 
 const TYPES: Readonly<Record<PlanKind, number>> = {
   mission: MavMissionType.MISSION,
   fence: MavMissionType.FENCE,
   rally: MavMissionType.RALLY,
 };
-/** Frames whose x and y are metres: LOCAL_NED, LOCAL_ENU and their relatives. */
-const LOCAL_FRAMES: ReadonlySet<number> = new Set([
-  MavFrame.LOCAL_NED,
-  MavFrame.LOCAL_ENU,
-  MavFrame.LOCAL_OFFSET_NED,
-  MavFrame.BODY_NED,
-  MavFrame.BODY_OFFSET_NED,
-  MavFrame.BODY_FRD,
-  MavFrame.LOCAL_FRD,
-  MavFrame.LOCAL_FLU,
-]);
 const UPLOAD_TIMEOUT = 5000;
 const FIRST_REQUEST_TIMEOUT = 1500;
 
-/** Returns the item in a MISSION_ITEM_INT. */
+/** Returns the item in a MISSION_ITEM_INT, or in a MISSION_ITEM, which has floats. */
 export function itemOf(message: DecodedMessage): PlanItem {
   const { fields } = message;
   const frame = Number(fields.frame);
   const command = Number(fields.command);
+  const scale = scaleOf(command, frame);
+  const isInt = message.name === 'MISSION_ITEM_INT';
+  const place = [fields.x, fields.y].map((value) => (isInt ? fromInteger(Number(value), scale) : Number(value)));
   const numbers = [fields.param1, fields.param2, fields.param3, fields.param4].map(Number);
-  const place = [Number(fields.x) / scaleOf(frame), Number(fields.y) / scaleOf(frame), Number(fields.z)];
   return {
     seq: Number(fields.seq),
     command,
     name: enumName('MAV_CMD', command) ?? String(command),
     frame,
-    params: [...numbers, ...place].map((value) => (Number.isNaN(value) ? null : value)),
+    params: [...numbers, ...place, Number(fields.z)].map((value) => (Number.isNaN(value) ? null : value)),
     autocontinue: Number(fields.autocontinue) !== 0,
   };
 }
 
-function scaleOf(frame: number): number {
-  if (frame === MavFrame.MISSION) return 1;
-  return LOCAL_FRAMES.has(frame) ? 1e4 : 1e7;
-}
-
 /** Returns the fields of MISSION_ITEM_INT for an item. */
 export function fieldsOf(item: PlanItem, type: number): Record<string, number> {
-  const scale = scaleOf(item.frame);
+  const scale = scaleOf(item.command, item.frame);
   const [param1, param2, param3, param4, x, y, z] = Array.from({ length: 7 }, (_, index) => item.params[index] ?? null);
   return {
     seq: item.seq,
@@ -65,8 +52,8 @@ export function fieldsOf(item: PlanItem, type: number): Record<string, number> {
     param2: param2 ?? NaN,
     param3: param3 ?? NaN,
     param4: param4 ?? NaN,
-    x: Math.round((x ?? 0) * scale),
-    y: Math.round((y ?? 0) * scale),
+    x: toInteger(x!, scale),
+    y: toInteger(y!, scale),
     z: z ?? NaN,
     mission_type: type,
   };
@@ -103,7 +90,7 @@ export class PlanClient {
       const send = (): void => this.send('MISSION_REQUEST_INT', type, { seq });
       const read = (message: DecodedMessage): PlanItem | undefined =>
         Number(message.fields.seq) === seq ? itemOf(message) : undefined;
-      items.push(await this.ask(operation, type, ['MISSION_ITEM_INT'], send, read));
+      items.push(await this.ask(operation, type, ['MISSION_ITEM_INT', 'MISSION_ITEM'], send, read));
     }
     this.send('MISSION_ACK', type, { type: MavMissionResult.ACCEPTED });
     onProgress?.(total, total);
