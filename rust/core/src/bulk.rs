@@ -6,14 +6,13 @@
 //! discarded.
 
 use crate::header::{Header, SIGNATURE};
-use crate::layout::{Dialect, FieldType, Layout};
+use crate::jobs;
+use crate::layout::{Dialect, Layout};
 use crate::parser::Packet;
-use crate::scan::{FrameSpan, Scanner, State, TIMESTAMP, timestamp_microseconds};
+use crate::scan::{FrameSpan, Scanner, State, TIMESTAMP};
 use crate::sequence::Sources;
 use crate::statistics::Statistics;
 use std::collections::BTreeMap;
-use std::sync::Mutex;
-use std::thread;
 
 /// Bytes of a row before the payload: time in microseconds (8), system, component, sequence, version.
 pub const ROW_HEADER: usize = 12;
@@ -21,12 +20,10 @@ pub const ROW_HEADER: usize = 12;
 pub const NO_TIME: i64 = i64::MIN;
 /// Minimum size of a segment in bytes: a shorter one is not worth a thread.
 const MIN_SEGMENT: usize = 1 << 20;
-/// Number of rows that a thread decodes at a time.
-const ROWS_PER_JOB: usize = 16_384;
-/// Size of a cache line in bytes, on most machines.
-const CACHE_LINE: usize = 64;
-/// Number of rows whose packets are prefetched together.
-const ROWS_PER_BATCH: usize = 64;
+/// Maximum size of a segment in bytes: a thread that the system delays holds up the others by one segment at most.
+const MAX_SEGMENT: usize = 8 << 20;
+/// Number of segments for each thread, if they have the minimum size.
+const SEGMENTS_PER_THREAD: usize = 4;
 /// Number of bytes of a segment in which its first packet is searched.
 const MAX_SPLIT_SEARCH: usize = 1 << 16;
 /// Bit that is set in an offset if a timestamp precedes the packet.
@@ -100,13 +97,10 @@ impl Index {
     /// Indexes the bytes from `state` on; returns the state in which the scan stopped, too.
     pub(crate) fn build_from(source: Source<'_>, state: State, threads: usize) -> (Self, State) {
         let starts = split_points(source, threads);
-        let segments: Vec<Segment> = thread::scope(|scope| {
-            let states = std::iter::once(state).chain(starts.iter().map(|&start| State::at(start)));
-            let ends = starts.iter().copied().chain([source.data.len()]);
-            let running: Vec<_> =
-                states.zip(ends).map(|(state, end)| scope.spawn(move || scan_segment(source, state, end))).collect();
-            running.into_iter().map(|thread| thread.join().expect("scanning does not panic")).collect()
-        });
+        let states = std::iter::once(state).chain(starts.iter().map(|&start| State::at(start)));
+        let ends = starts.iter().copied().chain([source.data.len()]);
+        let ranges = states.zip(ends).collect();
+        let segments = jobs::collect(ranges, threads, |(state, end)| scan_segment(source, state, end));
         let mut whole = Self::default();
         let mut covered = state;
         for (number, segment) in segments.into_iter().enumerate() {
@@ -207,44 +201,20 @@ impl Index {
     pub fn time_span(&self) -> Option<(u64, u64)> {
         self.first_time.zip(self.last_time)
     }
+}
 
-    /// Writes the rows of each slot to the buffer paired with it, whose length must be that of the rows.
-    ///
-    /// `data` must be the indexed bytes; packets that are no longer in it become rows of zeros.
-    pub fn decode(&self, data: &[u8], dialect: &Dialect, tables: Vec<(usize, &mut [u8])>, threads: usize) {
-        let mut jobs = Vec::new();
-        for (slot, mut table) in tables {
-            let Some(layout) = dialect.layouts().get(slot) else {
-                continue;
-            };
-            for part in &self.parts {
-                for offsets in part.offsets.get(slot).map_or(&[][..], Vec::as_slice).chunks(ROWS_PER_JOB) {
-                    let rows = table.split_off_mut(..offsets.len() * row_size(layout)).unwrap_or_default();
-                    jobs.push((layout, &data[part.base.min(data.len())..], offsets, rows));
-                }
-            }
-        }
-        let threads = threads.min(jobs.len());
-        let jobs = Mutex::new(jobs.into_iter());
-        let next = || jobs.lock().ok()?.next();
-        let work = || {
-            while let Some((layout, data, offsets, rows)) = next() {
-                decode_rows(data, layout, offsets, rows);
-            }
-        };
-        thread::scope(|scope| {
-            for _ in 1..threads {
-                scope.spawn(work);
-            }
-            work();
-        });
+/// Number of segments of `size` bytes for `threads` threads.
+fn segment_count(size: usize, threads: usize) -> usize {
+    if threads <= 1 {
+        return 1;
     }
+    (threads * SEGMENTS_PER_THREAD).max(size / MAX_SEGMENT).min(size / MIN_SEGMENT).max(1)
 }
 
 /// Starting points of the segments after the first: ends of packets that are directly followed by another packet.
 fn split_points(source: Source<'_>, threads: usize) -> Vec<usize> {
     let Source { data, dialect, timestamped, .. } = source;
-    let segments = threads.min(data.len() / MIN_SEGMENT).max(1);
+    let segments = segment_count(data.len(), threads);
     let mut starts = Vec::new();
     for nominal in (1..segments).map(|number| data.len() / segments * number) {
         let window = &data[nominal..data.len().min(nominal + MAX_SPLIT_SEARCH)];
@@ -284,64 +254,8 @@ fn scan_segment(source: Source<'_>, state: State, end: usize) -> Segment {
     Segment { index, start, stopped: scanner.state() }
 }
 
-fn decode_rows(data: &[u8], layout: &Layout, offsets: &[u32], rows: &mut [u8]) {
-    let texts: Vec<_> = layout
-        .fields
-        .iter()
-        .filter(|field| field.kind == FieldType::Char && field.array_length > 0)
-        .map(crate::layout::Field::range)
-        .collect();
-    let size = row_size(layout);
-    for (batch, rows) in offsets.chunks(ROWS_PER_BATCH).zip(rows.chunks_mut(ROWS_PER_BATCH * size)) {
-        prefetch(data, batch);
-        for (&offset, row) in batch.iter().zip(rows.chunks_exact_mut(size)) {
-            decode_row(data, offset, row, usize::from(layout.length));
-            for text in &texts {
-                clear_after_nul(&mut row[ROW_HEADER..][text.clone()]);
-            }
-        }
-    }
-}
-
-/// Reads a byte of each packet's timestamp and one of its payload, so that the cache lines are fetched in parallel: the
-/// packets of one message are far apart in the file, and each would cost a separate cache miss.
-#[inline]
-fn prefetch(data: &[u8], batch: &[u32]) {
-    let byte = |index: usize| data.get(index).copied().unwrap_or(0);
-    let fetched = batch.iter().fold(0, |sum, &offset| {
-        let start = (offset & !TIMESTAMPED_BIT) as usize;
-        sum ^ byte(start.saturating_sub(TIMESTAMP)) ^ byte(start + CACHE_LINE / 2)
-    });
-    std::hint::black_box(fetched);
-}
-
-#[inline]
-fn decode_row(data: &[u8], offset: u32, row: &mut [u8], length: usize) {
-    let start = (offset & !TIMESTAMPED_BIT) as usize;
-    let Some(header) = data.get(start..).and_then(Header::parse) else {
-        row.fill(0);
-        return;
-    };
-    let time = match data[..start].last_chunk::<TIMESTAMP>() {
-        Some(&stamp) if offset & TIMESTAMPED_BIT != 0 => {
-            i64::try_from(timestamp_microseconds(stamp)).unwrap_or(NO_TIME)
-        }
-        _ => NO_TIME,
-    };
-    row[..TIMESTAMP].copy_from_slice(&time.to_le_bytes());
-    row[TIMESTAMP..ROW_HEADER].copy_from_slice(&[header.system, header.component, header.sequence, header.version]);
-    let payload = data.get(start..).and_then(|packet| packet.get(header.payload())).unwrap_or(&[]);
-    let known = payload.len().min(length);
-    row[ROW_HEADER..ROW_HEADER + known].copy_from_slice(&payload[..known]);
-    row[ROW_HEADER + known..].fill(0);
-}
-
-/// Clears the bytes after the NUL of a text, which have no meaning.
-fn clear_after_nul(text: &mut [u8]) {
-    if let Some(end) = memchr::memchr(0, text) {
-        text[end..].fill(0);
-    }
-}
+#[path = "bulk_rows.rs"]
+mod rows;
 
 #[path = "bulk_saved.rs"]
 mod saved;

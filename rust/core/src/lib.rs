@@ -11,6 +11,7 @@ pub mod crc;
 pub mod encode;
 pub mod header;
 pub mod index_set;
+pub mod jobs;
 pub mod layout;
 pub mod parser;
 mod running_crc;

@@ -1,8 +1,7 @@
 """The memory of tables that are decoded together.
 
-The kernel clears each new page of 4 KiB on its own, which takes as long as the decoding. numpy asks for pages
-of 2 MiB from 4 MiB on. Small tables share such blocks, whose memory is returned when the last of them is
-dropped.
+The kernel clears each new page of 4 KiB on its own, which takes as long as the decoding. Blocks of at least 4 MiB
+have pages of 2 MiB, and are used again when their tables are dropped. Small tables share such blocks.
 """
 
 from __future__ import annotations
@@ -11,17 +10,20 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from mavstack.logs.reused_memory import ReusedMemory
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
-#: Size in bytes from which numpy asks for large pages: such a table has its own memory.
+#: Size in bytes from which a table has its own memory, with large pages.
 _LARGE: Final = 4 << 20
 #: Maximum size of a block in bytes.
 _MAX_BLOCK: Final = 32 << 20
 #: Tables begin at cache lines.
 _ALIGNMENT: Final = 64
+_REUSED: Final = ReusedMemory()
 
 
 def new_tables(kinds: Sequence[tuple[np.dtype[np.void], int]]) -> list[NDArray[np.void]]:
@@ -36,15 +38,19 @@ def new_tables(kinds: Sequence[tuple[np.dtype[np.void], int]]) -> list[NDArray[n
     sizes = [dtype.itemsize * rows for dtype, rows in kinds]
     tables: dict[int, NDArray[np.void]] = {}
     for numbers in _blocks(sizes):
-        block = np.empty(sum(_padded(sizes[number]) for number in numbers), np.uint8)
+        block = _memory(sum(_padded(sizes[number]) for number in numbers))
         start = 0
         for number in numbers:
             tables[number] = block[start : start + sizes[number]].view(kinds[number][0])
             start += _padded(sizes[number])
     return [
-        tables[number] if number in tables else np.empty(rows, dtype)
-        for number, (dtype, rows) in enumerate(kinds)
+        tables[number] if number in tables else _memory(sizes[number]).view(dtype)
+        for number, (dtype, _) in enumerate(kinds)
     ]
+
+
+def _memory(size: int) -> NDArray[np.uint8]:
+    return _REUSED.take(size) if size >= _LARGE else np.empty(size, np.uint8)
 
 
 def _blocks(sizes: Sequence[int]) -> Iterator[list[int]]:

@@ -13,12 +13,11 @@ use super::neighbours::{Timed, neighbour_times};
 use super::row::Layout;
 use super::scan::{Damage, Place, Walk};
 use super::segment::{SEGMENT, Segment, by_slot, count};
-use crate::rows::run_jobs;
+use mavstack_core::jobs;
 use memchr::memmem;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
 
 /// Maximum number of records whose positions are kept.
 const MAX_KEPT: usize = if cfg!(test) { 2000 } else { 1 << 25 };
@@ -200,7 +199,7 @@ impl Index {
     ///
     /// `data` must be the indexed bytes; records that are no longer in it become rows of zeros.
     pub fn decode(&self, data: &[u8], requests: Vec<Request<'_>>, threads: usize) {
-        run_jobs(self.jobs(requests), threads, |(segment, parts)| {
+        jobs::run(self.jobs(requests), threads, |(segment, parts)| {
             let offsets = segment.offsets(data, &self.formats);
             let data = &data[segment.base().min(data.len())..];
             for (layout, records, rows) in parts {
@@ -255,19 +254,8 @@ fn run_begins(data: &[u8], place: Place, end: usize, types: &Types, threads: usi
 fn walk_runs(data: &[u8], begins: &[Place], end: usize, formats: &Formats, kept: usize) -> Vec<Run> {
     let kept = AtomicUsize::new(kept);
     let ends = begins.iter().skip(1).map(|begin| segment_at(begin.position)).chain([end.div_ceil(SEGMENT)]);
-    thread::scope(|scope| {
-        let running: Vec<_> = begins
-            .iter()
-            .zip(ends)
-            .map(|(&begin, end)| {
-                scope.spawn({
-                    let kept = &kept;
-                    move || walk_run(data, begin, formats.clone(), end, kept)
-                })
-            })
-            .collect();
-        running.into_iter().map(|thread| thread.join().expect("walking does not panic")).collect()
-    })
+    let runs = begins.iter().copied().zip(ends).collect();
+    jobs::collect(runs, begins.len(), |(begin, end)| walk_run(data, begin, formats.clone(), end, &kept))
 }
 
 /// Walks from `begin` to the beginning of the segment `end`.

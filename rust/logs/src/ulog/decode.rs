@@ -4,7 +4,8 @@ use super::header::MESSAGE_HEADER;
 use super::index::{Index, Records};
 use super::layout::Layout;
 use super::{u16_at, u64_at};
-use crate::rows::{INSTANCE, NO_TIME, ROW_HEADER, run_jobs};
+use crate::rows::{INSTANCE, NO_TIME, ROW_HEADER};
+use mavstack_core::jobs;
 
 /// Number of rows that a thread decodes at a time.
 const ROWS_PER_JOB: usize = 16_384;
@@ -31,7 +32,7 @@ impl Index {
         for (table, buffer) in tables {
             self.add_jobs(data, table, buffer, &mut jobs);
         }
-        run_jobs(jobs, threads, |job| job.run(utc_offset));
+        jobs::run(jobs, threads, |job| job.run(utc_offset));
     }
 
     fn add_jobs<'a>(&'a self, data: &'a [u8], table: usize, mut buffer: &'a mut [u8], jobs: &mut Vec<Job<'a>>) {

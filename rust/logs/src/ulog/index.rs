@@ -8,9 +8,9 @@ use super::catalog::Table;
 use super::header::Header;
 use super::scan::{Damage, Message, Scanner, State};
 use super::u16_at;
+use mavstack_core::jobs;
 use std::ops::Range;
 use std::sync::Arc;
-use std::thread;
 
 /// Number of bytes in which the starting point of a segment is searched.
 const MAX_SPLIT_SEARCH: usize = 1 << 16;
@@ -187,14 +187,9 @@ impl Index {
         let header = self.header.clone();
         let starts = split_points(data, &header, &self.state, end, options);
         let ends = starts.iter().skip(1).copied().chain([end]);
-        let segments: Vec<Index> = thread::scope(|scope| {
-            let scan = |(&position, end)| {
-                let state = State { position, catalog: Arc::clone(&known) };
-                let header = &header;
-                scope.spawn(move || scan_segment(data, header, state, end, options))
-            };
-            let running: Vec<_> = starts.iter().zip(ends).map(scan).collect();
-            running.into_iter().map(|thread| thread.join().expect("scanning does not panic")).collect()
+        let ranges: Vec<_> = starts.iter().copied().zip(ends).collect();
+        let segments = jobs::collect(ranges, options.threads, |(position, end)| {
+            scan_segment(data, &header, State { position, catalog: Arc::clone(&known) }, end, options)
         });
         for segment in segments {
             if !Arc::ptr_eq(&self.state.catalog, &known) {
