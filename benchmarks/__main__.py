@@ -44,7 +44,7 @@ ROWS: dict[str, Callable[[rows.Bench], Iterator[Row]]] = {
     "single": lambda bench: iter([rows.single(bench)]),
     "encode": lambda bench: iter([rows.encode(bench)]),
     "verify": lambda bench: iter([rows.verify(bench)]),
-    "tlog": lambda bench: iter([rows.tlog(bench)]),
+    "tlog": rows.tlogs,
     "tlog-1": lambda bench: iter([rows.tlog(bench, threads=1)]),
     "import": rows.first_message,
     "memory": lambda bench: iter([rows.log_memory(bench)]),

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import memory, ours, peers_pymavlink
 from .measure import MAVUTIL, OURS, PYMAVLINK, C, Ratio, Row, rates, speed_ratio, take_turns
+from .onboard_logs import saved_index
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -137,10 +138,18 @@ def _cut(stream: bytes) -> list[bytes]:
     return [stream[at : at + CHUNK] for at in range(0, len(stream), CHUNK)]
 
 
-def tlog(bench: Bench, threads: int = 0) -> Row:
+def tlogs(bench: Bench) -> Iterator[Row]:
+    """Decode a tlog of a usual size and a large one, and open the large one with its saved index."""
+    for size in dict.fromkeys((QUICK.tlog_size, bench.amounts.tlog_size)):
+        yield tlog(bench, size=size)
+    whole, _ = bench.tlog(bench.amounts.tlog_size)
+    yield saved_index(whole, bench.folder / "cache", bench.amounts.turns)
+
+
+def tlog(bench: Bench, threads: int = 0, size: int = 0) -> Row:
     """Decode a tlog to columns: all messages and fields, by default on all cores."""
     fast, few = bench.amounts.fast, bench.amounts.slow
-    whole, many = bench.tlog(bench.amounts.tlog_size)
+    whole, many = bench.tlog(size or bench.amounts.tlog_size)
     part = bench.file("part.tlog", partial(bench.flight.tlog, fast))
     slice_ = bench.file("slice.tlog", partial(bench.flight.tlog, few))
     _assert_equal(ours.columns(slice_, threads), peers_pymavlink.columns(slice_))

@@ -577,8 +577,8 @@ class UlogIndex:
         step: int | None = None,
         done: Callable[[int, int], object] | None = None,
     ) -> Self: ...
-    def save(self) -> bytes | None:
-        """Return the index as bytes, which `restore` takes; None without the positions of the records."""
+    def save(self) -> bytes:
+        """Return the index as bytes, which `restore` takes."""
 
     @staticmethod
     def restore(saved: bytes, data: Buffer, *, threads: int = 1) -> UlogIndex | None:
@@ -718,6 +718,13 @@ class Index:
     def __new__(cls, data: Buffer, dialect: HasCoreDialect, *, timestamped: bool, threads: int = 1) -> Self: ...
     def save(self) -> bytes:
         """Return the index as bytes, which `restore` takes."""
+
+    @property
+    def has_positions(self) -> bool:
+        """True if the index holds the positions of the packets, which `decode` needs."""
+
+    def without_positions(self) -> Index:
+        """Return the same index without the positions of the packets, in less memory."""
 
     @staticmethod
     def restore(saved: bytes, data: Buffer, dialect: HasCoreDialect) -> Index | None:
@@ -880,8 +887,12 @@ class DataFlashIndex:
         step: int | None = None,
         done: Callable[[int, int], object] | None = None,
     ) -> Self: ...
-    def save(self) -> bytes | None:
-        """Return the index as bytes, which `restore` takes; None if it does not hold the positions of all records."""
+    def save(self) -> bytes:
+        """Return the index as bytes, which `restore` takes."""
+
+    @property
+    def has_positions(self) -> bool:
+        """True if the index holds the positions of records; without them, the log is read again when rows are needed."""
 
     @staticmethod
     def restore(saved: bytes, data: Buffer) -> DataFlashIndex | None:

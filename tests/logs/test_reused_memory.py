@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from threading import Thread
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from mavstack.logs.reused_memory import ReusedMemory
+
+if TYPE_CHECKING:
+    import numpy as np
 
 SIZE = 1 << 20
 

@@ -74,6 +74,33 @@ def test_an_index_is_used_again(tmp_path, folder, monkeypatch, content, kind):
 
 
 @FORMATS
+def test_opening_reads_the_totals_alone(tmp_path, folder, monkeypatch, content, kind):
+    path = write(tmp_path / "log", content())
+    first = content_of(open_log(path))
+    parts = []
+    read = saved_index._read
+    monkeypatch.setattr(saved_index, "_read", lambda *names: parts.append(names[2]) or read(*names))
+    log = open_log(path)
+    assert (log.counts, log.skipped.to_dict()) == (first[1], first[2])
+    assert parts == ["totals"]
+    assert content_of(log) == first
+    assert parts == ["totals", "positions"], "they are read once"
+
+
+@FORMATS
+def test_positions_that_are_damaged_are_found_again(tmp_path, folder, content, kind):
+    path = write(tmp_path / "log", content())
+    first = content_of(open_log(path))
+    (index,) = folder.iterdir()
+    sound = index.read_bytes()
+    index.write_bytes(sound[:-1] + bytes([sound[-1] ^ 1]))
+    log = open_log(path)
+    assert log.counts == first[1]
+    assert content_of(log) == first
+    assert index.read_bytes() == sound
+
+
+@FORMATS
 def test_a_changed_log_is_indexed_again(tmp_path, folder, content, kind):
     path = write(tmp_path / "log", content())
     before = content_of(open_log(path))

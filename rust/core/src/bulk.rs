@@ -55,6 +55,8 @@ impl Part {
 #[derive(Debug, Default)]
 pub struct Index {
     parts: Vec<Part>,
+    /// By layout slot: number of packets whose positions are not kept.
+    other_rows: Vec<usize>,
     unknown: BTreeMap<u32, u64>,
     statistics: Statistics,
     sources: Sources,
@@ -177,7 +179,26 @@ impl Index {
     /// Number of packets of the layout in `slot`.
     #[must_use]
     pub fn rows(&self, slot: usize) -> usize {
-        self.parts.iter().map(|part| part.offsets.get(slot).map_or(0, Vec::len)).sum()
+        let kept: usize = self.parts.iter().map(|part| part.offsets.get(slot).map_or(0, Vec::len)).sum();
+        kept + self.other_rows.get(slot).copied().unwrap_or(0)
+    }
+
+    /// True if the positions of all packets are kept, which decoding needs.
+    #[must_use]
+    pub fn has_positions(&self) -> bool {
+        self.other_rows.iter().all(|&rows| rows == 0)
+    }
+
+    /// The same index without the positions of the packets.
+    #[must_use]
+    pub fn without_positions(&self, dialect: &Dialect) -> Self {
+        Self {
+            parts: Vec::new(),
+            other_rows: (0..dialect.layouts().len()).map(|slot| self.rows(slot)).collect(),
+            unknown: self.unknown.clone(),
+            sources: self.sources.clone(),
+            ..*self
+        }
     }
 
     /// Number of packets of each id that is not in the dialect.

@@ -21,6 +21,8 @@ impl Index {
             writer.size(part.base);
             part.offsets.iter().for_each(|offsets| writer.offsets(offsets));
         }
+        writer.size(self.other_rows.len());
+        self.other_rows.iter().for_each(|&rows| writer.size(rows));
         writer.counts(self.unknown.iter().map(|(&id, &count)| (id, count)));
         self.statistics.save(&mut writer);
         self.sources.save(&mut writer);
@@ -44,6 +46,8 @@ impl Index {
             let offsets = (0..slots).map(|_| reader.offsets()).collect::<Option<_>>()?;
             index.parts.push(Part { base, offsets });
         }
+        let rows = (0..reader.length(size_of::<u64>())?).map(|_| reader.size().filter(|&rows| rows <= size));
+        index.other_rows = rows.collect::<Option<_>>()?;
         index.unknown = reader.counts()?;
         index.statistics = Statistics::restore(&mut reader)?;
         index.sources = Sources::restore(&mut reader)?;

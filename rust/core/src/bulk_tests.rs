@@ -157,6 +157,14 @@ fn a_saved_index_is_restored() {
     assert_eq!(flat(&restored), flat(&index));
     assert_eq!(restored.unknown(), index.unknown());
     assert_eq!(restored.sources().all(), index.sources().all());
+    let summary = index.without_positions(&dialect);
+    assert!(index.has_positions() && !summary.has_positions());
+    let restored = Index::restore(&summary.save(&dialect), &dialect, data.len()).expect("the summary that was saved");
+    let whole = &index;
+    for index in [&summary, &restored] {
+        assert_eq!([index.rows(0), index.rows(1)], [whole.rows(0), whole.rows(1)]);
+        assert_eq!((index.statistics(), index.time_span()), (whole.statistics(), whole.time_span()));
+    }
     let other = Dialect::new(dialect.layouts()[1..].to_vec()).expect("a dialect");
     assert!(Index::restore(&saved, &other, data.len()).is_none());
 }

@@ -357,13 +357,18 @@ pub fn timestamp_microseconds(stamp: [u8; TIMESTAMP]) -> u64 {
     if !PLAUSIBLE_TIMES.contains(&big) && PLAUSIBLE_TIMES.contains(&little) { little } else { big }
 }
 
+/// Number of pairs of neighbouring packets that show whether a file has timestamps.
+const MAX_PAIRS: u32 = 1000;
+
 /// Returns whether a file that begins with `head` has a timestamp before each packet.
 #[must_use]
 pub fn looks_timestamped(head: &[u8], dialect: &Dialect) -> bool {
     let mut scanner = Scanner::new(head, dialect, false);
     let mut ignored = Statistics::default();
     let (mut previous, mut apart, mut adjacent) = (0, 0u32, 0u32);
-    while let Some(found) = scanner.next_packet(&mut ignored) {
+    while apart + adjacent < MAX_PAIRS
+        && let Some(found) = scanner.next_packet(&mut ignored)
+    {
         match found.start.checked_sub(previous) {
             Some(0) => adjacent += 1,
             Some(TIMESTAMP) => apart += 1,

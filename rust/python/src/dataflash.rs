@@ -118,9 +118,9 @@ impl DataFlashIndex {
         Ok(Self { core, data: Arc::new(data) })
     }
 
-    /// Return the index as bytes, which `restore` takes; None if it does not hold the positions of all records.
-    fn save<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyBytes>> {
-        py.detach(|| self.core.save()).map(|saved| PyBytes::new(py, &saved))
+    /// Return the index as bytes, which `restore` takes.
+    fn save<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &py.detach(|| self.core.save()))
     }
 
     /// Return an index that was saved, without reading the log again.
@@ -141,6 +141,12 @@ impl DataFlashIndex {
         let bytes = unsafe { shared(&data) }?;
         let core = py.detach(|| Index::restore(saved, bytes));
         Ok(core.map(|core| Self { core, data: Arc::new(data) }))
+    }
+
+    /// True if the index holds the positions of records; without them, the log is read again when rows are needed.
+    #[getter]
+    fn has_positions(&self) -> bool {
+        self.core.has_positions()
     }
 
     /// Return the same index in less memory, which is slower to decode with.

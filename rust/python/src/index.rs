@@ -5,10 +5,11 @@ use crate::memory::{Table, require_read_only, shared, writable};
 use crate::statistics::{Statistics, sources_to_dict};
 use mavstack_core::{bulk, scan, windows};
 use pyo3::buffer::PyBuffer;
-use pyo3::exceptions::PyKeyError;
+use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Number of bytes examined to detect timestamps.
 const MAX_HEAD: usize = 1 << 18;
@@ -45,7 +46,7 @@ pub fn looks_timestamped(head: PyBuffer<u8>, dialect: AnyDialect) -> PyResult<bo
 pub struct Index {
     core: bulk::Index,
     dialect: Py<Dialect>,
-    data: PyBuffer<u8>,
+    data: Arc<PyBuffer<u8>>,
 }
 
 #[pymethods]
@@ -66,12 +67,24 @@ impl Index {
         let bytes = unsafe { shared(&data) }?;
         let layouts = &dialect.get().core;
         let core = py.detach(|| bulk::Index::build(bytes, layouts, timestamped, threads));
-        Ok(Self { core, dialect, data })
+        Ok(Self { core, dialect, data: Arc::new(data) })
     }
 
     /// Return the index as bytes, which `restore` takes.
     fn save<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         PyBytes::new(py, &py.detach(|| self.core.save(&self.dialect.get().core)))
+    }
+
+    /// True if the index holds the positions of the packets, which `decode` needs.
+    #[getter]
+    fn has_positions(&self) -> bool {
+        self.core.has_positions()
+    }
+
+    /// Return the same index without the positions of the packets, in less memory.
+    fn without_positions(&self, py: Python<'_>) -> Self {
+        let core = self.core.without_positions(&self.dialect.get().core);
+        Self { core, dialect: self.dialect.clone_ref(py), data: Arc::clone(&self.data) }
     }
 
     /// Return an index that was saved, without reading the file again.
@@ -92,7 +105,7 @@ impl Index {
         let (dialect, size) = (dialect.0, data.len_bytes());
         let layouts = &dialect.get().core;
         let core = py.detach(|| bulk::Index::restore(saved, layouts, size));
-        Ok(core.map(|core| Self { core, dialect, data }))
+        Ok(core.map(|core| Self { core, dialect, data: Arc::new(data) }))
     }
 
     /// Number of packets of each known message in the buffer, by message id.
@@ -147,9 +160,12 @@ impl Index {
     ///
     /// Raises:
     ///     KeyError: The dialect has no message of that id.
-    ///     ValueError: A buffer is read-only, has the wrong size or overlaps another.
+    ///     ValueError: A buffer is read-only, has the wrong size or overlaps another, or the index has no positions.
     #[pyo3(signature = (tables, *, threads = 1))]
     fn decode(&self, py: Python<'_>, tables: Vec<(u32, PyBuffer<u8>)>, threads: usize) -> PyResult<()> {
+        if !self.core.has_positions() {
+            return Err(PyValueError::new_err("the index has no positions"));
+        }
         let mut sized = Vec::with_capacity(tables.len());
         for (message_id, buffer) in &tables {
             let slot = self.slot(*message_id)?;
@@ -217,7 +233,7 @@ impl WindowIndexer {
         let bytes = unsafe { shared(&data) }?;
         let (layouts, threads, indexer) = (&self.dialect.get().core, self.threads, &mut self.core);
         let (core, done) = py.detach(|| indexer.next(bytes, layouts, last, threads));
-        Ok((Index { core, dialect: self.dialect.clone_ref(py), data }, done))
+        Ok((Index { core, dialect: self.dialect.clone_ref(py), data: Arc::new(data) }, done))
     }
 
     /// Number of packets of each known message so far, by message id.

@@ -68,10 +68,11 @@ impl UlogIndex {
         Ok(Self { core, data: Arc::new(data), options })
     }
 
-    /// Return the index as bytes, which `restore` takes; None without the positions of the records.
-    fn save<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyBytes>> {
-        let saved = self.options.positions.then(|| py.detach(|| self.core.save()));
-        saved.map(|saved| PyBytes::new(py, &saved))
+    /// Return the index as bytes, which `restore` takes.
+    fn save<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        let positions = self.options.positions;
+        let saved = py.detach(|| if positions { self.core.save() } else { self.core.without_positions().save() });
+        PyBytes::new(py, &saved)
     }
 
     /// Return the index of a whole file that was saved, without reading the file again.
@@ -94,9 +95,11 @@ impl UlogIndex {
         // SAFETY: as in `new`.
         let bytes = unsafe { shared(&data) }?;
         let header = Header::parse(bytes).map_err(|error| PyValueError::new_err(error.to_string()))?;
-        let options = Options { threads, positions: true, ..Options::default() };
-        let core = py.detach(|| ulog::index::Index::restore(saved, bytes, &header));
-        Ok(core.map(|core| Self { core, data: Arc::new(data), options }))
+        let restored = py.detach(|| ulog::index::Index::restore(saved, bytes, &header));
+        Ok(restored.map(|core| {
+            let options = Options { threads, positions: !core.parts.is_empty(), ..Options::default() };
+            Self { core, data: Arc::new(data), options }
+        }))
     }
 
     /// Return the same index without the positions of the records, in less memory.

@@ -17,7 +17,7 @@ import stat
 import sys
 import tempfile
 import weakref
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING, Final
@@ -69,6 +69,7 @@ class LogBytes:
         status = os.fstat(self._descriptor)
         if not stat.S_ISREG(status.st_mode) and not _is_null_device(status):
             raise LogError(f"cannot open {path}: not a regular file")
+        _prepare_leases(self._descriptor)
         self.size, self.modified_ns = status.st_size, status.st_mtime_ns
         self._map: mmap.mmap | None = None
         self._copy: mmap.mmap | bytes | None = None if self.size else b""
@@ -133,9 +134,11 @@ class LogBytes:
         Raises:
             LogError: The file was truncated, or cannot be read.
         """
-        buffer = bytearray(max(min(size, self.size - offset), 0))
-        self.read_into(offset, memoryview(buffer))
-        return bytes(buffer)
+        try:
+            with self._lock:
+                return b"".join(self._pieces(offset, max(min(size, self.size - offset), 0)))
+        except OSError as error:
+            raise LogError(f"cannot read {self.path}: {error}") from error
 
     def _mapped(self) -> mmap.mmap:
         # Nothing changes the size while the lease is held.
@@ -152,7 +155,7 @@ class LogBytes:
         if self.size > _MAX_MEMORY:
             return self._temporary()
         try:
-            return b"".join(self._pieces())
+            return b"".join(self._pieces(0, self.size))
         except (OSError, MemoryError) as error:
             raise LogError(f"cannot read {self.path}: {error or 'not enough memory'}") from error
 
@@ -160,7 +163,7 @@ class LogBytes:
         """Return the bytes of a file without a name, which no other process can open."""
         try:
             with tempfile.TemporaryFile() as copy:
-                for piece in self._pieces():
+                for piece in self._pieces(0, self.size):
                     copy.write(piece)
                 copy.flush()
                 return mmap.mmap(copy.fileno(), self.size, access=mmap.ACCESS_READ)
@@ -168,10 +171,10 @@ class LogBytes:
             reason = f"it may change, and cannot be copied to {tempfile.gettempdir()}"
             raise LogError(f"cannot read {self.path}: {reason}: {error.strerror or error}") from error
 
-    def _pieces(self) -> Iterator[bytes]:
-        left = self.size
+    def _pieces(self, offset: int, left: int) -> Iterator[bytes]:
+        """Yield `left` bytes from `offset` on."""
         with open(self._descriptor, "rb", buffering=0, closefd=False) as file:
-            file.seek(0)
+            file.seek(offset)
             while left and (piece := file.read(min(left, _READ_SIZE))):
                 yield piece
                 left -= len(piece)
@@ -189,12 +192,17 @@ def _is_null_device(status: os.stat_result) -> bool:
 if sys.platform == "linux":
     from fcntl import F_RDLCK, F_SETLEASE, F_SETSIG, F_UNLCK, fcntl
 
+    def _prepare_leases(descriptor: int) -> None:
+        """Choose the signal that another process causes when it asks for the file.
+
+        SIGIO, the default, would end this process; SIGURG is ignored.
+        """
+        with suppress(OSError):  # of a file system without leases, none is granted
+            fcntl(descriptor, F_SETSIG, signal.SIGURG)
+
     def _take_lease(descriptor: int) -> bool:
         """Return whether a lease was granted, under which other processes cannot change the file."""
         try:
-            # Another process that asks for the file causes a signal. SIGIO, the default, would end this
-            # process; SIGURG is ignored.
-            fcntl(descriptor, F_SETSIG, signal.SIGURG)
             fcntl(descriptor, F_SETLEASE, F_RDLCK)
         except OSError:
             return False
@@ -204,6 +212,9 @@ if sys.platform == "linux":
         fcntl(descriptor, F_SETLEASE, F_UNLCK)
 
 else:
+
+    def _prepare_leases(descriptor: int) -> None:
+        """Do nothing: there are no leases."""
 
     def _take_lease(descriptor: int) -> bool:
         """Return whether a mapping is safe without a lease."""

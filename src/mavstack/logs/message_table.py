@@ -41,7 +41,9 @@ class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
     if not TYPE_CHECKING:
 
         def __getitem__(self, key: Any) -> Any:  # noqa: ANN401 (the types of numpy's own method)
-            if isinstance(key, str) and key not in (self.dtype.names or ()):
+            if isinstance(key, str):
+                if key in (self.dtype.fields or ()):
+                    return self.view(np.ndarray)[key]
                 return self._element(*(element_of(key) or self._field(key)))
             return _plain_column(super().__getitem__(key))
 

@@ -58,6 +58,9 @@ def open_log(
     data = LogBytes(Path(path))
     if chosen is not None:
         return chosen.open(data, options)
+    beginning = data.read(0, _PACKET_SEARCH)
+    if _is_packets(beginning, options) and recognise(beginning) is None:
+        return open_packets(data, options)
     head = data.read(0, MAX_HEAD)
     found = recognise(head)
     other = other_format(head)
@@ -68,6 +71,13 @@ def open_log(
     if other is not None:
         raise LogError(f"cannot open {path}: this is {other}")
     return open_packets(data, options)
+
+
+def _is_packets(beginning: bytes, options: OpenOptions) -> bool:
+    """Return whether most bytes are packets of known messages: no other signature need be searched then."""
+    packets = Parser(options.dialect).feed(beginning)
+    known = sum(len(packet) for packet in packets if packet.name is not None)
+    return known > len(beginning) / 2
 
 
 def _holds_packet(head: bytes, options: OpenOptions) -> bool:

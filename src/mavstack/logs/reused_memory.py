@@ -1,8 +1,8 @@
 """Memory of large tables, which is used again after the tables are dropped.
 
-The kernel clears each page before a process gets it, which takes as long as the decoding of the rows that fill it.
-An export of a large log, or a program that reads one log after the other, therefore gets the memory of the tables
-that it dropped. The kernel may take this memory back when it is short of it (`MADV_FREE`).
+The kernel clears each page before a process gets it, which takes as long as the decoding of the rows that
+fill it. An export of a large log, or a program that reads one log after the other, therefore gets the memory
+of the tables that it dropped. The kernel may take this memory back when it is short of it (`MADV_FREE`).
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class ReusedMemory:
         return memory
 
     def _waiting_block(self, size: int) -> mmap.mmap | None:
-        """Remove the smallest block that fits; if there is none, remove blocks to make room for another one."""
+        """Remove the smallest block that fits; if there is none, make room for another one."""
         largest = size / (1 - _MAX_WASTE)
         with self._lock:
             fitting = [block for block in self._waiting if size <= len(block) <= largest]

@@ -1,7 +1,7 @@
 """The memory of tables that are decoded together.
 
-The kernel clears each new page of 4 KiB on its own, which takes as long as the decoding. Blocks of at least 4 MiB
-have pages of 2 MiB, and are used again when their tables are dropped. Small tables share such blocks.
+The kernel clears each new page of 4 KiB on its own, which takes as long as the decoding. Blocks of at least
+4 MiB have pages of 2 MiB, and are used again when their tables are dropped. Small tables share such blocks.
 """
 
 from __future__ import annotations

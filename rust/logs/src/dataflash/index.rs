@@ -183,6 +183,12 @@ impl Index {
         neighbour_times(&self.segments, &self.formats, data, slot, clocks, times);
     }
 
+    /// True if the positions of some records are kept: of a very large log they are kept up to a number of records.
+    #[must_use]
+    pub fn has_positions(&self) -> bool {
+        self.segments.iter().any(|segment| segment.offsets.is_some())
+    }
+
     /// The same index in less memory: segments are walked again when their rows are needed.
     #[must_use]
     pub fn without_positions(&self) -> Self {

@@ -11,9 +11,9 @@ use mavstack_core::saved::{Reader, Writer};
 use std::sync::Arc;
 
 impl Index {
-    /// Returns the index as bytes; `None` if it does not hold the positions of all records.
+    /// Returns the index as bytes.
     #[must_use]
-    pub fn save(&self) -> Option<Vec<u8>> {
+    pub fn save(&self) -> Vec<u8> {
         let mut writer = Writer::default();
         writer.size(self.redefinitions().len());
         self.redefinitions().iter().for_each(|one| writer.size(one.position));
@@ -22,14 +22,15 @@ impl Index {
             writer.size(segment.begin.position);
             writer.number(segment.begin.aligned.into());
             writer.offsets(&segment.sums);
-            writer.offsets(segment.offsets.as_ref()?);
+            writer.number(segment.offsets.is_some().into());
+            writer.offsets(segment.offsets.as_deref().unwrap_or(&[]));
         }
         let damage = self.damage();
         for count in damage_counts(&mut damage.clone()) {
             writer.number(*count);
         }
         writer.counts(damage.unknown.iter().map(|(&kind, &count)| (kind, count)));
-        Some(writer.finish())
+        writer.finish()
     }
 
     /// Returns the index of `data` that was saved as `bytes`; `None` if it cannot be that.
@@ -46,11 +47,13 @@ impl Index {
             index.redefinitions.push(defined);
             types.push(Arc::new(index.formats.types.clone()));
         }
-        for number in 0..reader.length(4 * size_of::<u64>())? {
+        for number in 0..reader.length(5 * size_of::<u64>())? {
             let begin = Place { position: reader.size()?, aligned: reader.number()? == 1 };
             let known = index.redefinitions.partition_point(|one| one.position < begin.position);
-            let (sums, offsets) = (reader.offsets()?.into(), reader.offsets()?.into());
-            let segment = Segment { number, begin, types: Arc::clone(&types[known]), sums, offsets: Some(offsets) };
+            let sums = reader.offsets()?.into();
+            let offsets =
+                Some(reader.number()? == 1).zip(reader.offsets()).map(|(kept, all)| kept.then(|| all.into()))?;
+            let segment = Segment { number, begin, types: Arc::clone(&types[known]), sums, offsets };
             index.segments.push(segment.is_sound(index.definitions().len()).then_some(segment)?);
         }
         for count in damage_counts(&mut index.damage) {
@@ -68,12 +71,13 @@ impl Index {
 impl Segment {
     /// Returns whether the offsets are those of the numbers of records, and inside of the segment.
     fn is_sound(&self, slots: usize) -> bool {
-        let offsets = self.offsets.as_deref().unwrap_or(&[]);
         self.sums.first() == Some(&0)
             && self.sums.is_sorted()
             && self.slots() <= slots
-            && self.sums.last().is_some_and(|&total| total as usize == offsets.len())
-            && offsets.iter().all(|&offset| (offset as usize) < SEGMENT)
+            && self.offsets.as_deref().is_none_or(|offsets| {
+                self.sums.last().is_some_and(|&total| total as usize == offsets.len())
+                    && offsets.iter().all(|&offset| (offset as usize) < SEGMENT)
+            })
     }
 }
 

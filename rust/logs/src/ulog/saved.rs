@@ -9,7 +9,7 @@ use super::scan::{Damage, Scanner, State};
 use mavstack_core::saved::{Reader, Writer};
 
 impl Index {
-    /// Returns the index of a whole file, with positions, as bytes.
+    /// Returns the index of a whole file as bytes.
     #[must_use]
     pub fn save(&self) -> Vec<u8> {
         let mut writer = Writer::default();
@@ -27,6 +27,9 @@ impl Index {
                 writer.offsets(offsets);
                 writer.octets(instances);
             }
+        }
+        if self.parts.is_empty() {
+            self.save_counts(&mut writer);
         }
         writer.number(self.message_bytes);
         writer.optional(self.definitions_end.map(|position| position as u64));
@@ -51,7 +54,8 @@ impl Index {
             scanner.learn(kind, index.body(data, &entry));
             index.entries.push(entry);
         }
-        for _ in 0..reader.length(2 * size_of::<u64>())? {
+        let parts = reader.length(2 * size_of::<u64>())?;
+        for _ in 0..parts {
             let base = reader.size().filter(|&base| base <= data.len())?;
             let mut part = Part { base, tables: Vec::new() };
             for table in 0..reader.length(2 * size_of::<u64>())? {
@@ -62,6 +66,9 @@ impl Index {
             index.add_counts(&part);
             index.parts.push(part);
         }
+        if parts == 0 {
+            index.restore_counts(&mut reader, scanner.state.catalog.tables().len(), data.len() as u64)?;
+        }
         index.message_bytes = reader.number()?;
         index.definitions_end = reader.optional()?.map(usize::try_from).transpose().ok()?;
         index.time_span = reader.optional()?.zip(reader.optional()?);
@@ -70,6 +77,24 @@ impl Index {
         index.damage = restore_damage(&mut reader)?;
         reader.end()?;
         Some(index)
+    }
+
+    /// Writes the numbers of records, which otherwise follow from their positions.
+    fn save_counts(&self, writer: &mut Writer) {
+        let tables = 0..self.tables().len();
+        writer.size(tables.len());
+        for table in tables {
+            writer.counts(self.instances(table).iter().enumerate().map(|(instance, &count)| (instance as u64, count)));
+        }
+    }
+
+    fn restore_counts(&mut self, reader: &mut Reader<'_>, tables: usize, limit: u64) -> Option<()> {
+        for table in 0..reader.size().filter(|&count| count == tables)? {
+            for (instance, count) in reader.counts::<u8, Vec<_>>()? {
+                self.add_count(table, instance.into(), Some(count).filter(|&count| count <= limit)?);
+            }
+        }
+        Some(())
     }
 
     fn add_counts(&mut self, part: &Part) {

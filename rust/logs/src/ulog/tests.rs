@@ -296,6 +296,9 @@ fn check(data: &[u8]) {
     let result = summary(&one, data);
     let restored = Index::restore(&one.save(), data, &header).expect("the index that was saved");
     assert_eq!((summary(&restored, data), restored.end()), (result.clone(), one.end()));
+    let without = Index::restore(&one.without_positions().save(), data, &header).expect("the index that was saved");
+    assert_eq!(summary(&without, &[]), summary(&one.without_positions(), &[]));
+    assert!((0..one.tables().len()).all(|table| without.instances(table) == one.instances(table)));
     for (threads, min_segment) in [(2, 1), (3, 64), (5, 300)] {
         let several = Index::build(data, &header, Options { threads, min_segment, positions: true });
         assert_eq!(summary(&several, data), result);

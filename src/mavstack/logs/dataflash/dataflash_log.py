@@ -27,7 +27,7 @@ from mavstack.logs.log_bytes import LogBytes
 from mavstack.logs.mapped_pages import STEP, release
 from mavstack.logs.message_table import MessageTable
 from mavstack.logs.records import RowRecord
-from mavstack.logs.saved_index import cached_index
+from mavstack.logs.saved_index import SavedIndex
 from mavstack.logs.table_memory import new_tables
 
 if TYPE_CHECKING:
@@ -67,9 +67,11 @@ class DataFlashLog(ArduPilotLog):
         self._threads = threads or os.cpu_count() or 1
         self._saves_memory = False
         self._times_of_neighbours: dict[int, NDArray[np.int64]] = {}
+        self._saved = SavedIndex(
+            self._bytes, self.format, restore=DataFlashIndex.restore, build=self._indexed
+        )
         with self._bytes.access() as data:
-            self._index = self._opened(data)
-            self._data = data
+            self._index, self._data = self._saved.open(data), data
         self._types = [RecordType.of(*definition) for definition in self._index.definitions]
         counts = self._index.counts
         self._slots = table_names((slot, kind.name, counts[slot]) for slot, kind in enumerate(self._types))
@@ -93,8 +95,15 @@ class DataFlashLog(ArduPilotLog):
         if self._saves_memory and names:
             counts = {name: self._counts[name] for name in names}
             return join_windows(self.path, counts, self.windows(DEFAULT_WINDOW, names))
+        self._require_positions()
         parts = [(self._slots[name], 0, self._counts[name]) for name in names]
         return self._timed_tables(names, parts)
+
+    def _require_positions(self) -> None:
+        """Take the positions of all records: of an index in the cache, only the totals are read at first."""
+        if not self._index.has_positions:
+            with self._bytes.access() as data:
+                self._index, self._data = self._saved.complete(data), data
 
     def _timed_tables(self, names: Iterable[str], parts: Sequence[Part]) -> dict[str, MessageTable]:
         """Decode parts of tables with all times."""
@@ -129,17 +138,6 @@ class DataFlashLog(ArduPilotLog):
                 self._use_copy(data)
             self._index.decode(requests, threads=self._threads)
         return tables
-
-    def _opened(self, data: mmap.mmap | bytes) -> DataFlashIndex:
-        """Return the saved index, or a new one."""
-        return cached_index(
-            self._bytes,
-            data,
-            self.format,
-            restore=lambda saved: DataFlashIndex.restore(saved, data),
-            build=lambda: self._indexed(data),
-            save=lambda index: index.save(),
-        )
 
     def _indexed(self, data: mmap.mmap | bytes) -> DataFlashIndex:
         index = DataFlashIndex(data, threads=self._threads, step=STEP, done=partial(release, data))

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 _FMT_HEADER: Final = b"\xa3\x95\x80"
 #: Length of an FMT record.
 _FMT_LENGTH: Final = 89
+_FMT_NAME: Final = b"FMT"
 _FMT_LINE: Final = re.compile(rb"(?:\A|\n)FMT, ?128, ?89, ?FMT,")
 #: Text logs of old firmware have some lines before the first FMT.
 _TEXT_HEAD: Final = 8192
@@ -51,7 +52,8 @@ def is_text(head: bytes) -> bool:
     Args:
         head: The beginning of the file.
     """
-    return _FMT_LINE.search(head[:_TEXT_HEAD]) is not None
+    beginning = head[:_TEXT_HEAD]
+    return _FMT_NAME in beginning and _FMT_LINE.search(beginning) is not None
 
 
 def _open_binary(data: LogBytes, options: OpenOptions) -> Log:

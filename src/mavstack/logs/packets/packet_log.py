@@ -29,7 +29,7 @@ from mavstack.logs.packets.packet_record import PacketRecord
 from mavstack.logs.packets.tables import table_dtype
 from mavstack.logs.packets.window_reader import index_windows
 from mavstack.logs.registry import MAX_HEAD
-from mavstack.logs.saved_index import cached_index
+from mavstack.logs.saved_index import SavedIndex
 from mavstack.logs.schema import SchemaSource
 from mavstack.logs.table_memory import new_tables
 from mavstack.wire import Parser
@@ -96,6 +96,9 @@ class PacketLog(Log):
         self.timestamped = timestamped
         self.format = "tlog" if timestamped else "raw"
         self._schemas: dict[int, SchemaSource] = {}
+        self._saved = SavedIndex(
+            self._bytes, f"{self.format} {dialect.name}", restore=self._restored, build=self._indexed
+        )
         self._index: Index | None = None
         self._data: mmap.mmap | bytes = b""
         self._scanned: WindowIndexer | None = None
@@ -138,6 +141,8 @@ class PacketLog(Log):
         with self._bytes.access() as data:
             if data is not self._data:
                 index = self._use_copy(data, index)
+            if not index.has_positions:
+                index = self._index = self._saved.complete(data)
             return self._tables_of(index, wanted)
 
     def _tables_of(self, index: Index, counts: Mapping[int, int]) -> dict[str, MessageTable]:
@@ -155,19 +160,11 @@ class PacketLog(Log):
         """Return the index of the file, and make it before its first use."""
         if self._index is None:
             with self._bytes.access() as data:
-                self._index, self._data = self._opened(data), data
+                self._index, self._data = self._saved.open(data), data
         return self._index
 
-    def _opened(self, data: mmap.mmap | bytes) -> Index:
-        """Return the saved index, or a new one."""
-        return cached_index(
-            self._bytes,
-            data,
-            f"{self.format} {self.dialect.name}",
-            restore=lambda saved: Index.restore(saved, data, self.dialect),
-            build=lambda: self._indexed(data),
-            save=lambda index: index.save(),
-        )
+    def _restored(self, saved: bytes, data: mmap.mmap | bytes) -> Index | None:
+        return Index.restore(saved, data, self.dialect)
 
     @property
     def _totals(self) -> Index | WindowIndexer:

@@ -20,7 +20,7 @@ from mavstack.logs.log import DEFAULT_WINDOW, Log
 from mavstack.logs.log_bytes import LogBytes
 from mavstack.logs.mapped_pages import STEP, release
 from mavstack.logs.message_table import MessageTable
-from mavstack.logs.saved_index import cached_index
+from mavstack.logs.saved_index import SavedIndex
 from mavstack.logs.schema import SchemaSource
 from mavstack.logs.table_memory import new_tables
 from mavstack.logs.ulog import vehicle_facts
@@ -74,9 +74,14 @@ class ULog(Log):
         super().__init__(self._bytes.path, self._bytes.size)
         self._threads = threads or os.cpu_count() or 1
         self._saves_memory = False
+        self._saved = SavedIndex(
+            self._bytes,
+            self.format,
+            restore=partial(UlogIndex.restore, threads=self._threads),
+            build=self._indexed,
+        )
         with self._bytes.access() as data:
-            self._index = self._opened(data)
-            self._data = data
+            self._index, self._data = self._opened(data), data
         self._instances = dict(self._index.instances)
         self._counts = {name: sum(counts.values()) for name, counts in self._instances.items()}
         self._dtypes: dict[str, np.dtype[np.void]] = {}
@@ -86,14 +91,7 @@ class ULog(Log):
         """Return the saved index, or a new one, of a very large file without positions."""
         if self.size >= _MAX_STORED:
             return self._indexed(data, positions=False)
-        return cached_index(
-            self._bytes,
-            data,
-            self.format,
-            restore=lambda saved: UlogIndex.restore(saved, data, threads=self._threads),
-            build=lambda: self._indexed(data),
-            save=lambda index: index.save(),
-        )
+        return self._saved.open(data)
 
     def _indexed(
         self, data: mmap.mmap | bytes, *, positions: bool = True, size: int | None = None
@@ -158,7 +156,7 @@ class ULog(Log):
             if data is not self._data:
                 self._use_copy(data)
             if not self._index.has_positions:
-                self._index = self._indexed(data)
+                self._index = self._saved.complete(data)
             counts = {name: self.counts[name] for name in names}
             return self._decode(self._index, counts, offset)
 
@@ -285,7 +283,8 @@ class ULog(Log):
 
     def _boot_pieces(self, names: Sequence[str]) -> Iterator[Mapping[str, MessageTable]]:
         """Yield tables without UTC: of a large file piece by piece, so that no positions are stored."""
-        if self._index.has_positions:
+        stores_positions = not self._saves_memory and self.size < _MAX_STORED
+        if stores_positions or self._index.has_positions:
             yield self._decode_boot(names, None)
         else:
             yield from self._pieces(DEFAULT_WINDOW, names, None)

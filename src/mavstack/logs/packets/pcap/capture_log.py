@@ -127,7 +127,11 @@ class CapturedPackets(LogBytes):
 
     def read_into(self, offset: int, buffer: memoryview) -> None:
         """Copy bytes into a buffer; see `LogBytes.read_into`."""
-        buffer[:] = (self._copy or b"")[offset : offset + len(buffer)]
+        buffer[:] = self.read(offset, len(buffer))
+
+    def read(self, offset: int, size: int) -> bytes:
+        """Return bytes, up to the end; see `LogBytes.read`."""
+        return bytes((self._copy or b"")[offset : offset + size])
 
 
 def _tlog_time(time: int | None) -> int:
