@@ -53,6 +53,9 @@ def test_the_models_are_schemas_of_the_document() -> None:
         "maximum": 360,
     }
     assert set(schemas) == {"Turn", "Heading", "Problem"}
+    assert turn["responses"]["400"] == {"$ref": "#/components/responses/BadRequest"}
+    refused = document["components"]["responses"]["BadRequest"]["content"]["application/json"]
+    assert refused == {"schema": {"$ref": "#/components/schemas/Problem"}}
     answer = turn["responses"]["200"]["content"]["application/json"]["schema"]
     assert answer == {"$ref": "#/components/schemas/Heading"}
 

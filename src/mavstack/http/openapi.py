@@ -61,7 +61,11 @@ def describe(routes: Iterable[Route[Any, Any]], api: Api) -> dict[str, Any]:
         "openapi": "3.1.0",
         "info": {"title": api.title, "version": api.version, "description": api.about},
         "paths": paths,
-        "components": {"schemas": schemas.named, "securitySchemes": dict(api.security)},
+        "components": {
+            "schemas": schemas.named,
+            "responses": _errors(api, schemas),
+            "securitySchemes": dict(api.security),
+        },
         "security": [{}, *({name: []} for name in api.security)],
     }
 
@@ -160,10 +164,21 @@ def _responses(route: Route[Any, Any], api: Api, schemas: _Schemas) -> dict[str,
     if route.is_long:
         content = {"application/json": {"schema": schemas.of(api.task)}}
         found["202"] = {"description": "The task, with wait=false", "content": content}
-    error = {"application/json": {"schema": schemas.of(api.error)}}
-    for status in api.errors:
-        found[str(status)] = {"description": HTTPStatus(status).phrase, "content": error}
-    return found
+    return found | {
+        str(status): {"$ref": f"#/components/responses/{_error_name(status)}"} for status in api.errors
+    }
+
+
+def _error_name(status: int) -> str:
+    return HTTPStatus(status).name.title().replace("_", "")
+
+
+def _errors(api: Api, schemas: _Schemas) -> dict[str, Any]:
+    content = {"application/json": {"schema": schemas.of(api.error)}}
+    return {
+        _error_name(status): {"description": HTTPStatus(status).phrase, "content": content}
+        for status in api.errors
+    }
 
 
 def _answer_schema(route: Route[Any, Any], schemas: _Schemas) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 import { MavSeverity } from '$generated';
 
 import { api as stationApi, type ApiClient } from '$lib/api/client';
+import type { ActionFields, ActionName } from '$lib/api/requests';
 import type { DecodedMessage } from '$lib/decoder/Decoder';
 
 import { UNKNOWN_CAPABILITIES, capabilitiesFrom, type Capabilities } from './capabilities';
@@ -245,9 +246,9 @@ export class ServerVehicle extends ObservedVehicle implements Vehicle {
   }
 
   /** Actions that pilots give are answered once the vehicle has accepted them: flying there may take minutes. */
-  private async act(action: string, body: object = {}): Promise<void> {
+  private async act<Name extends ActionName>(action: Name, body?: ActionFields<Name>): Promise<void> {
     this.refuseInConflict(`the action ${action} on`);
-    await this.api.post(this.path(action), body, { accepted: true });
+    await this.api.post(this.path(action), body ?? {}, { accepted: true });
   }
 
   private updateCapabilities(): void {
