@@ -74,6 +74,7 @@ lint-python: $(VENV)/installed
 	$(BIN)/python -m tools.vocabulary
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/lint-imports run-time-imports.toml
 	$(BIN)/python -m mavstack.dialects.generate --check
 	$(BIN)/python -m mavstack.sync.generate --check
 

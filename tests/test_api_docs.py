@@ -78,14 +78,16 @@ def public_coroutines():
             function = getattr(owner, name)
             if not name.startswith("_") and iscoroutinefunction(function) and function not in seen:
                 seen.add(function)
-                yield function.__qualname__, function
+                owner_name, _, _ = function.__qualname__.rpartition(".")
+                yield f"{owner_name or owner.__name__}.{name}", function
 
 
 COROUTINES = dict(public_coroutines())
 
 
 def arguments_of(function):
-    return [each for each in signature(function).parameters.values() if each.name != "self"]
+    """Return the arguments without the first one, the object; the classes have no static coroutines."""
+    return list(signature(function).parameters.values())[1:]
 
 
 def section(function, title):

@@ -9,6 +9,14 @@ from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from mavstack.node import RemoteComponent
+from mavstack.node.api_object import is_api_class
+from mavstack.node.camera_settings import CameraSettings
+from mavstack.node.control import ControlStream
+from mavstack.node.forwarding import Forwarding
+from mavstack.node.parts import Part, parts_of
+from mavstack.node.shell import Shell
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -22,6 +30,11 @@ class Section:
     classes: tuple[str, ...] = ()
 
 
+def path_of(kind: type) -> str:
+    """Return the place of a class, as `module:Class`."""
+    return f"{kind.__module__}:{kind.__name__}"
+
+
 SECTIONS = (
     Section("Connections and vehicles", ("mavstack.vehicle",)),
     Section("Telemetry values", ("mavstack.vehicle.telemetry.values",)),
@@ -29,19 +42,10 @@ SECTIONS = (
     Section(
         "Parts of a remote component",
         classes=(
-            "mavstack.node.params:Params",
-            "mavstack.node.extended_params:ExtendedParams",
-            "mavstack.node.plans:Plans",
-            "mavstack.node.ftp:Ftp",
-            "mavstack.node.logs:Logs",
-            "mavstack.node.modes:Modes",
-            "mavstack.node.shell:Shell",
-            "mavstack.node.camera:Camera",
-            "mavstack.node.camera_settings:CameraSettings",
-            "mavstack.node.gimbal:Gimbal",
-            "mavstack.node.terrain:Terrain",
-            "mavstack.node.control:ControlStream",
-            "mavstack.node.forwarding:Forwarding",
+            *dict.fromkeys(
+                path_of(part.kind) for part in parts_of(RemoteComponent) if is_api_class(part.kind)
+            ),
+            *map(path_of, (CameraSettings, ControlStream, Forwarding, Shell)),
         ),
     ),
     Section(
@@ -195,27 +199,30 @@ def members(item: type) -> Iterator[Member]:
 
 
 def _member(name: str, member: object) -> Member | None:
-    if isinstance(member, (property, cached_property)) or inspect.isgetsetdescriptor(member):
+    if isinstance(member, (property, cached_property, Part)) or inspect.isgetsetdescriptor(member):
         return Member(f"`{name}`", "property", _summary(member))
-    if isinstance(member, (classmethod, staticmethod)):
+    if isinstance(member, staticmethod):
         return _function(name, member.__func__)
-    return _function(name, member) if callable(member) and not inspect.isclass(member) else None
+    if isinstance(member, classmethod):
+        return _function(name, member.__func__, is_method=True)
+    return (
+        _function(name, member, is_method=True) if callable(member) and not inspect.isclass(member) else None
+    )
 
 
-def _function(name: str, function: Any) -> Member:  # noqa: ANN401 (anything callable)
+def _function(name: str, function: Any, *, is_method: bool = False) -> Member:  # noqa: ANN401 (anything callable)
     kind = "async" if inspect.iscoroutinefunction(function) else ""
-    return Member(_code(name, _signature(function)), kind, _summary(function))
+    return Member(_code(name, _signature(function, is_method=is_method)), kind, _summary(function))
 
 
-def _signature(function: Any) -> str:  # noqa: ANN401
+def _signature(function: Any, *, is_method: bool = False) -> str:  # noqa: ANN401
     try:
         signature = inspect.signature(function)
     except (TypeError, ValueError):
         return "(…)"
     bare = [
         parameter.replace(annotation=inspect.Parameter.empty)
-        for name, parameter in signature.parameters.items()
-        if name not in ("self", "cls")
+        for parameter in list(signature.parameters.values())[int(is_method) :]
     ]
     return str(inspect.Signature(bare))
 

@@ -7,6 +7,8 @@ import asyncio
 import pytest
 
 from mavstack.dialects import common
+from mavstack.services.modes import ModeMonitor
+from mavstack.services.parameters import ParameterClient
 from mavstack.sim.virtual import run_virtually
 from tests.node.vehicle import VehiclePair
 
@@ -17,8 +19,8 @@ def test_cached_state_is_discarded_and_requested_again(autopilot):
         async with VehiclePair(autopilot=autopilot) as pair:
             remote = pair.remote
             assert remote.mission.progress is None
-            remote._clients.modes.custom_mode = 7
-            remote._clients.modes.intended = 7
+            remote._clients.get(ModeMonitor).custom_mode = 7
+            remote._clients.get(ModeMonitor).intended = 7
             parameters = await remote.params.download()
             cameras = await remote.extended_params.download()
             pair.vehicle.send(common.MissionCurrent(seq=3, total=9))
@@ -32,8 +34,8 @@ def test_cached_state_is_discarded_and_requested_again(autopilot):
             remote.clear_cache()
             assert not remote.params.cached
             assert not remote.extended_params.cached
-            assert not remote._clients.params.complete
-            assert remote.modes.current is remote._clients.modes.intended is None
+            assert not remote._clients.get(ParameterClient).complete
+            assert remote.modes.current is remote._clients.get(ModeMonitor).intended is None
             assert remote.mission.progress is None
             assert parameters
             assert cameras  # the mapping that the program has is unchanged
@@ -47,7 +49,7 @@ def test_clearing_an_empty_cache():
     async def scenario():
         async with VehiclePair() as pair:
             pair.remote.clear_cache()
-            assert not {"params", "modes", "mission"} & set(vars(pair.remote._clients))
+            assert not pair.remote._clients.made
 
     run_virtually(scenario())
 

@@ -92,12 +92,12 @@ def test_standard_modes() -> None:
         assert await modes.set_standard(standard.SAFE_RECOVERY) == rtl
         assert server.current.custom_mode == rtl
         assert [mode.name for mode in await modes.list()][-1] == "RTL"  # without a name on the wire
-        assert (modes.current, modes._clients.modes.standard_mode) == (
+        assert (modes.current, modes._client.standard_mode) == (
             None,
             None,
         )  # not followed until now
         await asyncio.sleep(3)
-        assert (modes.current, modes._clients.modes.standard_mode) == ("RTL", standard.SAFE_RECOVERY)
+        assert (modes.current, modes._client.standard_mode) == ("RTL", standard.SAFE_RECOVERY)
         with pytest.raises(CommandDenied, match="FAILED") as denied:
             await modes.set_standard(standard.ORBIT)
         assert denied.value.code == common.MavResult.FAILED

@@ -8,7 +8,7 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.links import MemoryNetwork
-from mavstack.services.signing_setup import ListenForKey, UseNewKey
+from mavstack.services.signing_setup import ListenForKey, SigningSetupClient, UseNewKey
 from mavstack.services.signing_setup.key_change import TRIAL_DURATION
 from mavstack.sim.virtual import run_virtually
 from tests.node.signed_pair import CHANGES, NEW, THIRD, SignedPair, assert_both_use, refusals
@@ -79,7 +79,7 @@ def test_both_ends_receive_after_a_reconnect_during_a_change(old, new, stage, bo
             await asyncio.gather(task, return_exceptions=True)
             await asyncio.sleep(20)
             await assert_both_use(pair, pair.server.key)
-            assert not pair.remote._clients.signing.changing
+            assert not pair.remote._clients.get(SigningSetupClient).changing
             assert [node._keys._changes for node in pair.nodes] == [{}, {}]
             if task.exception() is None:
                 assert pair.server.key == new

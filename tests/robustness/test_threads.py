@@ -11,6 +11,8 @@ import pytest
 from mavstack.dialects import common
 from mavstack.errors import MavstackError, RemoteCancelled
 from mavstack.node.blocking_portal import BlockingPortal
+from mavstack.services.parameters import ParameterClient
+from mavstack.services.ping import PingClient
 from mavstack.sync import Node
 from tests.interrupts import interrupt_main_thread, keyboard_interrupts
 
@@ -136,8 +138,8 @@ def test_the_node_is_usable_after_ctrl_c_in_any_call(vehicle: Node, ground: Node
     interrupt_main_thread(after=0.1)
     with keyboard_interrupts(), pytest.raises(KeyboardInterrupt):
         calls[call]()
-    assert not silent._inner._clients.params.busy
-    assert not silent._inner._clients.ping.busy
+    assert not silent._inner._clients.get(ParameterClient).busy
+    assert not silent._inner._clients.get(PingClient).busy
     assert found.ping(1).received == 1
 
 

@@ -12,6 +12,8 @@ from mavstack.errors import MavstackError, RemoteError, RemoteTimeout
 from mavstack.links import MemoryNetwork
 from mavstack.node import Node
 from mavstack.services.mission import MissionItem
+from mavstack.services.modes import ModeMonitor
+from mavstack.services.parameters import ParameterClient
 from mavstack.sim.vehicle_types import DEFAULT_HOME as HOME
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.sim.virtual import run_virtually
@@ -245,14 +247,14 @@ async def outcome(work):
 def test_the_cache_is_cleared_at_a_reboot(kind):
     async def scenario(world, vehicle):
         parameters = await vehicle.params.download()
-        vehicle.component._clients.modes  # noqa: B018 (it follows from the first use on)
+        vehicle.component._clients.get(ModeMonitor)  # it follows from the first use on
         await world.wait_until(lambda: vehicle.component.modes.current is not None)
         whole = len(parameters)
         events = world.node.events(VehicleRebooted)
         world.simulated.reboot()
         await anext(events)
         assert not vehicle.params.cached
-        assert not vehicle.component._clients.params.complete
+        assert not vehicle.component._clients.get(ParameterClient).complete
         assert len(parameters) == whole  # a returned mapping is not changed
         assert len(await vehicle.params.download()) == whole
         await world.wait_until(lambda: vehicle.component.modes.current is not None)

@@ -12,9 +12,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.errors import InvalidArgumentError, RemoteDenied
+from mavstack.node.api_object import ReadOnly
 from mavstack.node.ftp import Ftp
-from mavstack.node.read_only import ReadOnly
 from mavstack.services.camera import read_definition
+from mavstack.services.extended_parameters import ExtendedParameterClient
 from mavstack.services.ftp import parse_ftp_uri
 
 if TYPE_CHECKING:
@@ -38,6 +39,10 @@ class CameraSettings(ReadOnly):
         self._definition: CameraDefinition | None = None
 
     @property
+    def _client(self) -> ExtendedParameterClient:
+        return self._clients.get(ExtendedParameterClient)
+
+    @property
     def definition(self) -> CameraDefinition | None:
         """The definition; None until `load`."""
         return self._definition
@@ -45,7 +50,7 @@ class CameraSettings(ReadOnly):
     @property
     def values(self) -> Mapping[str, SettingValue]:
         """The values received so far, by name."""
-        known = self._clients.extended_params.parameters
+        known = self._client.parameters
         return {name: each.value for name, each in known.items() if not isinstance(each.value, bytes)}
 
     @property
@@ -98,7 +103,7 @@ class CameraSettings(ReadOnly):
         elif isinstance(definition, bytes):
             definition = read_definition(definition)
         self._definition = definition
-        host, client = self._clients.host, self._clients.extended_params
+        host, client = self._clients.host, self._client
         await host.finish(client, client.download(host.now(), timeout=timeout))
         return definition
 
@@ -115,7 +120,7 @@ class CameraSettings(ReadOnly):
         Raises:
             ParameterTimeout: The camera does not answer, or has no such setting.
         """
-        host, client = self._clients.host, self._clients.extended_params
+        host, client = self._clients.host, self._client
         return (await host.finish(client, client.get(name, host.now(), timeout=timeout))).value
 
     async def set(
@@ -144,7 +149,7 @@ class CameraSettings(ReadOnly):
             value, kind, updates = setting.parse(value), setting.type, setting.updates
         if definition is not None:
             definition.check(name, value, self.values)
-        host, client = self._clients.host, self._clients.extended_params
+        host, client = self._clients.host, self._client
         if error := host.refusal_of(self._clients.address, f"setting {name} of"):
             raise error  # the client would read the type of the setting first
         request = client.set(name, value, host.now(), kind=kind, timeout=timeout)

@@ -12,6 +12,7 @@ from itertools import count
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
+from mavstack.node.api_object import LoopBound
 from mavstack.node.pacing import Pacer, is_radio
 from mavstack.security.timestamps import time_if_set
 from mavstack.services import message_ids
@@ -33,7 +34,7 @@ REFUSAL_LOG_INTERVAL = 10.0
 _AUTOPILOT_VERSION = next(iter(message_ids(common.AutopilotVersion)))
 
 
-class ChannelState:
+class ChannelState(LoopBound):
     """The state of one channel. Sequence numbers count per channel and local component."""
 
     def __init__(

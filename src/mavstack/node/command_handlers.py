@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.dialects import common
 from mavstack.errors import InvalidTypeError
-from mavstack.node.read_only import ReadOnly
+from mavstack.node.api_object import ReadOnly
 from mavstack.services.command import CommandCancelRequested, CommandServer
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ class _Server(CommandServer):
 class CommandHandlers(ReadOnly):
     """The command server of a node, with plain and async handlers."""
 
-    _constructed = frozenset({"server"})
+    server: CommandServer
 
     def __init__(self, host: NodeHost) -> None:
         self._host = host

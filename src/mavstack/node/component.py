@@ -7,30 +7,46 @@ and a cancelled task cancels the operation on both ends.
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from mavstack.errors import InvalidArgumentError
+from mavstack.node.api_object import ReadOnly
+from mavstack.node.camera import Camera
 from mavstack.node.clients import ComponentClients
-from mavstack.node.control_streams import ControlStreams
-from mavstack.node.events import EventParts
+from mavstack.node.control import ControlStream
+from mavstack.node.events import EventListener, EventMetadata, EventStream
 from mavstack.node.extended_params import ExtendedParams
 from mavstack.node.ftp import Ftp
+from mavstack.node.gimbal import Gimbal
 from mavstack.node.logs import Logs
+from mavstack.node.metadata_files import MetadataAccess
 from mavstack.node.modes import Modes
-from mavstack.node.params import Params
-from mavstack.node.payloads import PayloadParts
-from mavstack.node.plans import PlanParts
-from mavstack.node.read_only import ReadOnly
+from mavstack.node.params import USER_CACHE, Params
+from mavstack.node.parts import Part, clear_caches
+from mavstack.node.plans import Plans
+from mavstack.node.shell import Shell
+from mavstack.node.signing_setup import setup_signing
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.node.terrain import Terrain
+from mavstack.node.time_budget import TimeBudget
+from mavstack.services.arguments import check_number
+from mavstack.services.camera import ListCameras
 from mavstack.services.command import Command, CommandOperation
+from mavstack.services.events import EventReceived, EventReceiver, EventsLost, LogLevel
+from mavstack.services.gimbal import GimbalMonitor, ListGimbals
+from mavstack.services.manual_control import ManualControlSender, OverrideSender
 from mavstack.services.message_request import GetMessageInterval, Interval, RequestMessage, SetMessageInterval
+from mavstack.services.mission import PlanType
+from mavstack.services.ping import PingClient
+from mavstack.services.setpoints import SetpointStreamer
+from mavstack.services.timesync import TimesyncClient
 from mavstack.services.version import RequestAutopilotVersion, RequestProtocolVersion
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from mavstack.dialects import Message
+    from mavstack.files.parameter_metadata import MetadataCache
     from mavstack.links import Channel
     from mavstack.node.dispatch import Listener
     from mavstack.node.host import NodeHost
@@ -38,25 +54,60 @@ if TYPE_CHECKING:
     from mavstack.security import SigningKey
     from mavstack.services import Address
     from mavstack.services.command import CommandResult
+    from mavstack.services.events import DecodedEvent, EventDefinition
     from mavstack.services.heartbeat import ComponentInfo
+    from mavstack.services.manual_control import ChannelOverride, ManualInput
     from mavstack.services.message_request import RateSet
     from mavstack.services.ping import PingStatistics
-    from mavstack.services.timesync import TimesyncClient
+    from mavstack.services.setpoints import Setpoint
     from mavstack.services.version import AutopilotVersion, ProtocolVersion
 
 AnyMessage = TypeVar("AnyMessage", bound="Message")
+Made = TypeVar("Made")
+
+#: The largest device id of cameras that are attached to an autopilot, and of component ids.
+_MAX_ATTACHED, _MAX_COMPONENT = 6, 255
 
 
-class RemoteComponent(EventParts, PayloadParts, PlanParts, ControlStreams, ReadOnly):
+def _part(
+    kind: type[Made], doc: str, *arguments: int, clear_cache: Callable[[Made], object] | None = None
+) -> Part[Made]:
+    """Declare a part that is made from the clients of a component, and from further arguments."""
+
+    def make(component: RemoteComponent) -> Made:
+        made: Callable[..., Made] = kind
+        return made(component._clients, *arguments)  # noqa: SLF001 (a part of this class)
+
+    return Part(kind, doc, make, clear_cache=clear_cache)
+
+
+class RemoteComponent(ReadOnly):
     """A component of another system; from `Node.component`, `wait_for_autopilot` or `wait_for_component`."""
 
-    _constructed = frozenset({"address"})
+    address: Address
+
+    # Parts
+
+    params = _part(Params, "The component's parameters.", clear_cache=Params.clear_cache)
+    extended_params = _part(ExtendedParams, "The component's extended parameters, as cameras have them.")
+    mission = _part(Plans, "The component's mission.", PlanType.MISSION)
+    fence = _part(Plans, "The component's geofence.", PlanType.FENCE)
+    rally = _part(Plans, "The component's rally points.", PlanType.RALLY)
+    modes = _part(Modes, "The component's flight modes.")
+    ftp = _part(Ftp, "The component's files, by MAVLink FTP.")
+    logs = _part(Logs, "The component's logs.")
+    camera = _part(Camera, "The component as a camera (camera protocol v2).")
+    gimbal = _part(Gimbal, "All gimbals that the component manages, as one (gimbal protocol v2).")
+    terrain = _part(Terrain, "The terrain that the component, a vehicle, has from ground stations.")
+    _event_metadata = _part(EventMetadata, "The words of its events.", clear_cache=EventMetadata.clear_cache)
 
     def __init__(self, host: NodeHost, address: Address) -> None:
         #: The component's system and component id.
         self.address = address
         self._host = host
         self._clients = ComponentClients(host, address)
+        self._attached_cameras: dict[int, Camera] = {}
+        self._gimbal_devices: dict[int, Gimbal] = {}
 
     @property
     def info(self) -> ComponentInfo | None:
@@ -87,10 +138,7 @@ class RemoteComponent(EventParts, PayloadParts, PlanParts, ControlStreams, ReadO
         Running operations continue. The node calls this when it detects a reboot.
         """
         self._clients.clear_cache()
-        if "params" in self.__dict__:
-            self.params.clear_cache()
-        if "_event_metadata" in self.__dict__:
-            self._event_metadata.clear_cache()
+        clear_caches(self)
 
     async def command(
         self,
@@ -230,7 +278,7 @@ class RemoteComponent(EventParts, PayloadParts, PlanParts, ControlStreams, ReadO
             InvalidArgumentError: `count` is less than 1.
             RemoteTimeout: The component answers no ping.
         """
-        client = self._clients.ping
+        client = self._clients.get(PingClient)
         return await self._host.finish(client, client.ping(self._host.now(), count=count, timeout=timeout))
 
     def stream(
@@ -278,32 +326,192 @@ class RemoteComponent(EventParts, PayloadParts, PlanParts, ControlStreams, ReadO
         known = {name: value for name, value in fields.items() if name in message.__match_args__}
         self._host.send(message.replace(**known), self.address)
 
-    # Parameters, files, logs, modes, keys
+    # Events
 
-    @cached_property
-    def params(self) -> Params:
-        """The component's parameters."""
-        return Params(self._clients)
+    def events(self, *, severity: int = LogLevel.DEBUG, queue: int = DEFAULT_QUEUE) -> EventStream:
+        """Subscribe to the events of the component (EVENT); missing ones are requested again.
 
-    @cached_property
-    def extended_params(self) -> ExtendedParams:
-        """The component's extended parameters, as cameras have them."""
-        return ExtendedParams(self._clients)
+        Args:
+            severity: The least severe level to deliver, a MAV_SEVERITY or `LogLevel`; `LogLevel.DISABLED`:
+                every event, also those that are for programs only.
+            queue: Events that are queued while the program does not read; then the oldest is dropped.
 
-    @cached_property
-    def ftp(self) -> Ftp:
-        """The component's files, by MAVLink FTP."""
-        return Ftp(self._clients)
+        Returns:
+            An async iterator of the events, with the words of the component's metadata.
 
-    @cached_property
-    def logs(self) -> Logs:
-        """The component's logs."""
-        return Logs(self._clients)
+        Raises:
+            InvalidTypeError: The severity is not a number.
+            InvalidArgumentError: The severity is not from 0 to 9.
+        """
+        check_number("severity", severity)
+        if not 0 <= severity <= LogLevel.DISABLED:
+            raise InvalidArgumentError(f"severity must be from 0 to {int(LogLevel.DISABLED)}, got {severity}")
+        host, receiver = self._clients.host, self._clients.get(EventReceiver)
+        subscription = host.events(EventReceived, EventsLost, of=receiver, queue=queue)
+        return EventStream(subscription, self._event_metadata, severity)
 
-    @cached_property
-    def modes(self) -> Modes:
-        """The component's flight modes."""
-        return Modes(self._clients)
+    def add_event_listener(
+        self, callback: Callable[[DecodedEvent], object], *, severity: int = LogLevel.DEBUG
+    ) -> EventListener:
+        """Call a function with each event of the component (EVENT); missing ones are requested again.
+
+        Args:
+            callback: The function. It must return quickly, since it runs in the event loop.
+            severity: The least severe level to deliver, as for `events`.
+
+        Returns:
+            The listener; its `close()` ends the calls.
+
+        Raises:
+            InvalidTypeError: The severity is not a number.
+            InvalidArgumentError: The severity is not from 0 to 9.
+        """
+        return EventListener(self.events(severity=severity), callback)
+
+    async def download_event_metadata(
+        self,
+        *,
+        fetch: Callable[[str], bytes] | None = None,
+        cache: MetadataCache | None = USER_CACHE,
+        timeout: float | None = None,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Mapping[int, EventDefinition]:
+        """Download the definitions of the events (COMPONENT_METADATA, MAVLink FTP), unless they are cached.
+
+        Streams and listeners do so by themselves, unless the definitions are on a web server.
+
+        Args:
+            fetch: Returns the content of a URL, for components whose metadata is on a web server; called in a
+                thread. The URL comes from the component. None: such a file is refused.
+            cache: Where files are kept by their CRC; None: nowhere.
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+            progress: Called with the bytes received and the bytes in total.
+
+        Returns:
+            The definitions by id, which streams and listeners use from now on.
+
+        Raises:
+            RemoteDenied: The component has no metadata of events, or does not give it.
+            RemoteTimeout: The component does not answer.
+            RemoteProtocolError: The file is damaged, or is not metadata of events.
+            RemoteCancelled: The node was closed.
+        """
+        budget = TimeBudget(timeout, self._clients.host.now)
+        return await self._event_metadata.download(MetadataAccess(budget, cache, fetch, progress))
+
+    # Cameras and gimbals
+
+    def attached_camera(self, device_id: int) -> Camera:
+        """Return a camera that is attached to this autopilot.
+
+        Args:
+            device_id: 1 to 6.
+
+        Returns:
+            The camera; the same object for the same id.
+
+        Raises:
+            InvalidArgumentError: The id is out of range.
+        """
+        if not 1 <= device_id <= _MAX_ATTACHED:
+            raise InvalidArgumentError(f"attached cameras have ids from 1 to 6, got {device_id}")
+        return self._attached_cameras.setdefault(device_id, Camera(self._clients, device_id))
+
+    def gimbal_device(self, device_id: int) -> Gimbal:
+        """Return one of the gimbals that the component manages.
+
+        Args:
+            device_id: 1 to 6, or the component id of the gimbal device.
+
+        Returns:
+            The gimbal; the same object for the same id.
+
+        Raises:
+            InvalidArgumentError: The id is out of range.
+        """
+        if not 1 <= device_id <= _MAX_COMPONENT:
+            raise InvalidArgumentError(f"gimbal devices have ids from 1 to 255, got {device_id}")
+        return self._gimbal_devices.setdefault(device_id, Gimbal(self._clients, device_id))
+
+    async def list_cameras(self, *, timeout: float | None = None) -> tuple[Camera, ...]:
+        """List the cameras of the component: itself, or those attached to an autopilot (CAMERA_INFORMATION).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The cameras; none if the component has no camera.
+
+        Raises:
+            MessageTimeout: The component does not answer.
+        """
+        found = await self._clients.host.run_operation(self._clients.command, ListCameras(timeout=timeout))
+        own = (self.attached_camera(each.device_id) if each.device_id else self.camera for each in found)
+        return tuple(own)
+
+    async def list_gimbals(self, *, timeout: float | None = None) -> tuple[Gimbal, ...]:
+        """List the gimbals that the component manages (GIMBAL_MANAGER_INFORMATION).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The gimbals; none if the component manages no gimbal.
+
+        Raises:
+            MessageTimeout: The component does not answer.
+        """
+        _ = self._clients.get(GimbalMonitor)  # receives what the component tells of its gimbals
+        found = await self._clients.host.run_operation(self._clients.command, ListGimbals(timeout=timeout))
+        return tuple(self.gimbal_device(each.device_id) for each in found if each.device_id)
+
+    # Setpoints, sticks, channels, and the shell
+
+    def setpoints(self, rate: float = 20.0) -> ControlStream[Setpoint]:
+        """Stream setpoints while a block runs, as the offboard and guided modes need them.
+
+        Args:
+            rate: Hertz at which the last setpoint is repeated.
+
+        Returns:
+            An async context manager with `set(setpoint)`.
+        """
+        streamer = SetpointStreamer(self._host.address, self.address, rate)
+        return ControlStream(self._host, streamer, streamer)
+
+    def manual_control(self, rate: float = 20.0) -> ControlStream[ManualInput]:
+        """Stream stick positions while a block runs (MANUAL_CONTROL).
+
+        Args:
+            rate: Hertz at which the last stick positions are repeated.
+
+        Returns:
+            An async context manager with `set(input)`.
+        """
+        sender = ManualControlSender(self._host.address, self.address, rate)
+        return ControlStream(self._host, sender, sender)
+
+    def override_channels(self, rate: float = 20.0) -> ControlStream[ChannelOverride]:
+        """Override radio control channels while a block runs (RC_CHANNELS_OVERRIDE).
+
+        Args:
+            rate: Hertz at which the last values are repeated.
+
+        Returns:
+            An async context manager with `set(override)`.
+        """
+        sender = OverrideSender(self._host.address, self.address, rate)
+        return ControlStream(self._host, sender, sender)
+
+    def shell(self) -> Shell:
+        """Open a shell on the component while a block runs (SERIAL_CONTROL).
+
+        Returns:
+            An async context manager; write lines to it, iterate over its output.
+        """
+        return Shell(self._host, self.address)
+
+    # Signing and time
 
     async def setup_signing(
         self, key: SigningKey | None, *, channel: Channel | str | None = None, timeout: float | None = None
@@ -323,17 +531,12 @@ class RemoteComponent(EventParts, PayloadParts, PlanParts, ControlStreams, ReadO
             RemoteTimeout: The component does not answer. Both sides keep the present key.
         """
         name = channel if channel is None or isinstance(channel, str) else channel.name
-        await self._clients.setup_signing(key, name, timeout)
-
-    @cached_property
-    def terrain(self) -> Terrain:
-        """The terrain that the component, a vehicle, has from ground stations."""
-        return Terrain(self._clients)
+        await setup_signing(self._clients, key, name, timeout)
 
     @property
     def clock(self) -> TimesyncClient:
         """The client that follows the component's clock (TIMESYNC), from the first use on; see `estimate`."""
-        return self._clients.clock
+        return self._clients.get(TimesyncClient)
 
     def __repr__(self) -> str:
         return f"<RemoteComponent {self.address}>"

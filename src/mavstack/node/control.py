@@ -12,7 +12,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
-from mavstack.node.read_only import ReadOnly
+from mavstack.node.api_object import ReadOnly
 
 if TYPE_CHECKING:
     from types import TracebackType

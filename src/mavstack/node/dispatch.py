@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from mavstack.node.api_object import ApiObject
 from mavstack.node.subscription import Subscription
 from mavstack.services import Address
 
@@ -20,7 +21,7 @@ ANY = -1
 MAX_CACHED = 16384
 
 
-class Listener:
+class Listener(ApiObject):
     """A callback that is called with each packet of its message classes, until `close`."""
 
     __slots__ = ("_dispatch", "deliver", "ids", "source")

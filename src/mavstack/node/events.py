@@ -12,22 +12,18 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
-from mavstack.errors import InvalidArgumentError, MavstackError, MetadataError, RemoteTimeout
+from mavstack.errors import MavstackError, MetadataError, RemoteTimeout
+from mavstack.node.api_object import ApiObject, ReadOnly
 from mavstack.node.metadata_files import MetadataAccess, MetadataFiles
 from mavstack.node.params import USER_CACHE
-from mavstack.node.read_only import ReadOnly
-from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.node.time_budget import TimeBudget
-from mavstack.services.arguments import check_number
 from mavstack.services.events import (
     EventReceived,
     EventsLost,
-    LogLevel,
     decode_event,
     parse_event_metadata,
 )
@@ -37,7 +33,6 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
-    from mavstack.files.parameter_metadata import MetadataCache
     from mavstack.node.clients import ComponentClients
     from mavstack.node.subscription import Subscription
     from mavstack.services.events import DecodedEvent, EventDefinition
@@ -151,7 +146,7 @@ class EventStream(ReadOnly):
         self.close()
 
 
-class EventListener:
+class EventListener(ApiObject):
     """A callback that is called with each event, until `close`; made by `Vehicle.add_event_listener`."""
 
     def __init__(self, stream: EventStream, callback: Callable[[DecodedEvent], object]) -> None:
@@ -177,87 +172,6 @@ class EventListener:
             except Exception as error:  # noqa: BLE001 (a defect of the program must not end the listener)
                 context = {"message": "the listener for events failed", "exception": error}
                 asyncio.get_running_loop().call_exception_handler(context)
-
-
-class EventParts:
-    """The part of a remote component that receives its events."""
-
-    _clients: ComponentClients
-
-    @cached_property
-    def _event_metadata(self) -> EventMetadata:
-        return EventMetadata(self._clients)
-
-    def events(self, *, severity: int = LogLevel.DEBUG, queue: int = DEFAULT_QUEUE) -> EventStream:
-        """Subscribe to the events of the component (EVENT); missing ones are requested again.
-
-        Args:
-            severity: The least severe level to deliver, a MAV_SEVERITY or `LogLevel`; `LogLevel.DISABLED`:
-                every event, also those that are for programs only.
-            queue: Events that are queued while the program does not read; then the oldest is dropped.
-
-        Returns:
-            An async iterator of the events, with the words of the component's metadata.
-
-        Raises:
-            InvalidTypeError: The severity is not a number.
-            InvalidArgumentError: The severity is not from 0 to 9.
-        """
-        check_number("severity", severity)
-        if not 0 <= severity <= LogLevel.DISABLED:
-            raise InvalidArgumentError(f"severity must be from 0 to {int(LogLevel.DISABLED)}, got {severity}")
-        host, receiver = self._clients.host, self._clients.events
-        subscription = host.events(EventReceived, EventsLost, of=receiver, queue=queue)
-        return EventStream(subscription, self._event_metadata, severity)
-
-    def add_event_listener(
-        self, callback: Callable[[DecodedEvent], object], *, severity: int = LogLevel.DEBUG
-    ) -> EventListener:
-        """Call a function with each event of the component (EVENT); missing ones are requested again.
-
-        Args:
-            callback: The function. It must return quickly, since it runs in the event loop.
-            severity: The least severe level to deliver, as for `events`.
-
-        Returns:
-            The listener; its `close()` ends the calls.
-
-        Raises:
-            InvalidTypeError: The severity is not a number.
-            InvalidArgumentError: The severity is not from 0 to 9.
-        """
-        return EventListener(self.events(severity=severity), callback)
-
-    async def download_event_metadata(
-        self,
-        *,
-        fetch: Callable[[str], bytes] | None = None,
-        cache: MetadataCache | None = USER_CACHE,
-        timeout: float | None = None,
-        progress: Callable[[int, int], None] | None = None,
-    ) -> Mapping[int, EventDefinition]:
-        """Download the definitions of the events (COMPONENT_METADATA, MAVLink FTP), unless they are cached.
-
-        Streams and listeners do so by themselves, unless the definitions are on a web server.
-
-        Args:
-            fetch: Returns the content of a URL, for components whose metadata is on a web server; called in a
-                thread. The URL comes from the component. None: such a file is refused.
-            cache: Where files are kept by their CRC; None: nowhere.
-            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
-            progress: Called with the bytes received and the bytes in total.
-
-        Returns:
-            The definitions by id, which streams and listeners use from now on.
-
-        Raises:
-            RemoteDenied: The component has no metadata of events, or does not give it.
-            RemoteTimeout: The component does not answer.
-            RemoteProtocolError: The file is damaged, or is not metadata of events.
-            RemoteCancelled: The node was closed.
-        """
-        budget = TimeBudget(timeout, self._clients.host.now)
-        return await self._event_metadata.download(MetadataAccess(budget, cache, fetch, progress))
 
 
 def _parse(data: bytes, uri: str) -> dict[int, EventDefinition]:

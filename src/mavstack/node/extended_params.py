@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mavstack.node.read_only import ReadOnly
+from mavstack.node.api_object import ReadOnly
 from mavstack.node.subscription import DEFAULT_QUEUE
-from mavstack.services.extended_parameters import ExtendedParameterChanged
+from mavstack.services.extended_parameters import ExtendedParameterChanged, ExtendedParameterClient
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -23,9 +23,13 @@ class ExtendedParams(ReadOnly):
         self._clients = clients
 
     @property
+    def _client(self) -> ExtendedParameterClient:
+        return self._clients.get(ExtendedParameterClient)
+
+    @property
     def cached(self) -> Mapping[str, ExtendedParameter]:
         """Every extended parameter received so far, by name."""
-        return self._clients.extended_params.parameters
+        return self._client.parameters
 
     async def get(self, name: str, *, timeout: float | None = None) -> ExtendedParameter:
         """Get one extended parameter (PARAM_EXT_REQUEST_READ).
@@ -41,7 +45,7 @@ class ExtendedParams(ReadOnly):
             ParameterTimeout: The component does not answer, or has no such parameter.
             RemoteCancelled: The node was closed.
         """
-        host, client = self._clients.host, self._clients.extended_params
+        host, client = self._clients.host, self._client
         return await host.finish(client, client.get(name, host.now(), timeout=timeout))
 
     async def set(
@@ -62,7 +66,7 @@ class ExtendedParams(ReadOnly):
             ParameterTimeout: The component does not answer, or has no such parameter.
             RemoteCancelled: The node was closed.
         """
-        host, client = self._clients.host, self._clients.extended_params
+        host, client = self._clients.host, self._client
         return await host.finish(client, client.set(name, value, host.now(), timeout=timeout))
 
     async def download(
@@ -81,11 +85,11 @@ class ExtendedParams(ReadOnly):
             ParameterTimeout: The component does not answer.
             RemoteCancelled: The node was closed.
         """
-        host, client = self._clients.host, self._clients.extended_params
+        host, client = self._clients.host, self._client
         await host.finish(client, client.download(host.now(), timeout=timeout), progress)
         return self.cached
 
     def changes(self) -> Subscription[ExtendedParameterChanged]:
         """Subscribe to changes of extended parameters, made by any component."""
-        client = self._clients.extended_params
+        client = self._client
         return self._clients.host.events(ExtendedParameterChanged, of=client, queue=DEFAULT_QUEUE)

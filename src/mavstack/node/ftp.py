@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypeVar
 
-from mavstack.node.read_only import ReadOnly
+from mavstack.node.api_object import ReadOnly
+from mavstack.services.ftp import FtpClient
 from mavstack.services.ftp.operations import MAX_BYTES, MAX_ENTRIES
 
 if TYPE_CHECKING:
@@ -27,6 +28,10 @@ class Ftp(ReadOnly):
     def __init__(self, clients: ComponentClients) -> None:
         self._clients = clients
 
+    @property
+    def _client(self) -> FtpClient:
+        return self._clients.get(FtpClient)
+
     async def list(
         self, path: str = "/", *, max_entries: int = MAX_ENTRIES, timeout: float | None = None
     ) -> tuple[Entry, ...]:
@@ -46,7 +51,7 @@ class Ftp(ReadOnly):
             RemoteProtocolError: The directory has more entries than allowed.
         """
         entries = await self._finish(
-            self._clients.ftp.list_directory(path, self._now(), max_entries=max_entries, timeout=timeout)
+            self._client.list_directory(path, self._now(), max_entries=max_entries, timeout=timeout)
         )
         return tuple(entry for entry in entries if entry.name not in (".", ".."))
 
@@ -78,7 +83,7 @@ class Ftp(ReadOnly):
             FileTimeout: The component does not answer, or sends too slowly.
             RemoteProtocolError: The file is larger than allowed, or changed during the download.
         """
-        operation = self._clients.ftp.download(
+        operation = self._client.download(
             path, self._now(), offset=offset, size=size, max_size=max_size, timeout=timeout
         )
         return await self._finish(operation, progress)
@@ -103,7 +108,7 @@ class Ftp(ReadOnly):
             FileDenied: The component refused, for instance because its storage is full.
             FileTimeout: The component does not answer.
         """
-        await self._finish(self._clients.ftp.upload(path, data, self._now(), timeout=timeout), progress)
+        await self._finish(self._client.upload(path, data, self._now(), timeout=timeout), progress)
 
     async def checksum(self, path: str, *, timeout: float | None = None) -> int:
         """Get the CRC-32 of a file, as MAVLink FTP computes it.
@@ -119,7 +124,7 @@ class Ftp(ReadOnly):
             FileDenied: The component refused.
             FileTimeout: The component does not answer.
         """
-        operation = self._clients.ftp.checksum(path, self._now(), timeout=timeout)
+        operation = self._client.checksum(path, self._now(), timeout=timeout)
         await self._finish(operation)
         return operation.crc
 
@@ -134,7 +139,7 @@ class Ftp(ReadOnly):
             FileDenied: The component refused.
             FileTimeout: The component does not answer.
         """
-        await self._finish(self._clients.ftp.remove(path, self._now(), timeout=timeout))
+        await self._finish(self._client.remove(path, self._now(), timeout=timeout))
 
     async def rename(self, path: str, to: str, *, timeout: float | None = None) -> None:
         """Rename or move a file or a directory.
@@ -148,7 +153,7 @@ class Ftp(ReadOnly):
             FileDenied: The component refused.
             FileTimeout: The component does not answer.
         """
-        await self._finish(self._clients.ftp.rename(path, to, self._now(), timeout=timeout))
+        await self._finish(self._client.rename(path, to, self._now(), timeout=timeout))
 
     async def truncate(self, path: str, size: int, *, timeout: float | None = None) -> None:
         """Cut a file to a length.
@@ -162,7 +167,7 @@ class Ftp(ReadOnly):
             FileDenied: The component refused.
             FileTimeout: The component does not answer.
         """
-        await self._finish(self._clients.ftp.truncate(path, size, self._now(), timeout=timeout))
+        await self._finish(self._client.truncate(path, size, self._now(), timeout=timeout))
 
     async def make_directory(self, path: str, *, timeout: float | None = None) -> None:
         """Create a directory.
@@ -175,7 +180,7 @@ class Ftp(ReadOnly):
             FileDenied: The component refused, for instance because the directory exists.
             FileTimeout: The component does not answer.
         """
-        await self._finish(self._clients.ftp.make_directory(path, self._now(), timeout=timeout))
+        await self._finish(self._client.make_directory(path, self._now(), timeout=timeout))
 
     async def remove_directory(self, path: str, *, timeout: float | None = None) -> None:
         """Remove an empty directory.
@@ -188,7 +193,7 @@ class Ftp(ReadOnly):
             FileDenied: The component refused.
             FileTimeout: The component does not answer.
         """
-        await self._finish(self._clients.ftp.remove_directory(path, self._now(), timeout=timeout))
+        await self._finish(self._client.remove_directory(path, self._now(), timeout=timeout))
 
     def _now(self) -> float:
         return self._clients.host.now()
@@ -196,4 +201,4 @@ class Ftp(ReadOnly):
     async def _finish(
         self, operation: Operation[Result], progress: Callable[[int, int], None] | None = None
     ) -> Result:
-        return await self._clients.host.finish(self._clients.ftp, operation, progress)
+        return await self._clients.host.finish(self._client, operation, progress)

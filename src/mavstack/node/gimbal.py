@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING, TypeVar
 
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError
+from mavstack.node.api_object import ReadOnly
 from mavstack.node.control import ControlStream
-from mavstack.node.read_only import ReadOnly
 from mavstack.services.arguments import check_numbers
 from mavstack.services.command import Command, CommandOperation
 from mavstack.services.gimbal import (
     GimbalInformation,
+    GimbalMonitor,
     GimbalSetpoint,
     GimbalStatus,
     GimbalStreamer,
@@ -42,13 +43,13 @@ _CMD = common.MavCmd
 class Gimbal(ReadOnly):
     """A gimbal, through its gimbal manager (gimbal protocol v2)."""
 
-    _constructed = frozenset({"device_id"})
+    device_id: int
 
     def __init__(self, clients: ComponentClients, device_id: int = 0) -> None:
         self._clients = clients
         #: The gimbal device: 1 to 6, or its component id; 0: all gimbals of the manager.
         self.device_id = device_id
-        self._monitor = clients.gimbals
+        self._monitor = clients.get(GimbalMonitor)
 
     @property
     def address(self) -> Address:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mavstack.node.read_only import ReadOnly
+from mavstack.node.api_object import ReadOnly
+from mavstack.services.log import LogClient
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -19,6 +20,10 @@ class Logs(ReadOnly):
     def __init__(self, clients: ComponentClients) -> None:
         self._clients = clients
 
+    @property
+    def _client(self) -> LogClient:
+        return self._clients.get(LogClient)
+
     async def list(self, *, timeout: float | None = None) -> tuple[LogEntry, ...]:
         """List the logs, with their ids, sizes in bytes and times.
 
@@ -32,7 +37,7 @@ class Logs(ReadOnly):
             LogTimeout: The component does not answer.
             RemoteCancelled: The node was closed.
         """
-        host, client = self._clients.host, self._clients.logs
+        host, client = self._clients.host, self._client
         return await host.finish(client, client.list_logs(host.now(), timeout=timeout))
 
     async def download(
@@ -59,7 +64,7 @@ class Logs(ReadOnly):
             RemoteProtocolError: The log is larger than allowed, or its chunks contradict each other.
             RemoteCancelled: The node was closed.
         """
-        host, client = self._clients.host, self._clients.logs
+        host, client = self._clients.host, self._client
         return await host.finish(
             client, client.download(log, host.now(), max_size=max_size, timeout=timeout), progress
         )
@@ -74,5 +79,5 @@ class Logs(ReadOnly):
             LogTimeout: The component does not answer, or still lists logs.
             RemoteCancelled: The node was closed.
         """
-        host, client = self._clients.host, self._clients.logs
+        host, client = self._clients.host, self._client
         await host.finish(client, client.erase(host.now(), timeout=timeout))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeVar
 
 from mavstack.dialects import Message
+from mavstack.node.api_object import LoopBound
 from mavstack.node.recording import Recording
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.services import Address
@@ -23,7 +24,7 @@ AnyMessage = TypeVar("AnyMessage", bound=Message)
 AnyEvent = TypeVar("AnyEvent")
 
 
-class Messaging:
+class Messaging(LoopBound):
     """The part of a node that sends and receives messages."""
 
     _host: NodeHost

@@ -162,7 +162,7 @@ class MetadataFiles:
         if other:
             client = host.serve(FtpClient(host.address, Address(address.system, location.component or 0)))
         else:
-            client = self._clients.ftp
+            client = self._clients.get(FtpClient)
         try:
             operation = client.download(
                 location.path, host.now(), max_size=MAX_FILE, timeout=access.budget.remaining()

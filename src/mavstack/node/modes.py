@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, InvalidTypeError
-from mavstack.node.read_only import ReadOnly
+from mavstack.node.api_object import ReadOnly
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.services.modes import (
     ListModes,
+    ModeMonitor,
     ModeSeen,
     SetMode,
     SetStandardMode,
@@ -31,14 +32,18 @@ class Modes(ReadOnly):
     def __init__(self, clients: ComponentClients) -> None:
         self._clients = clients
 
+    @property
+    def _client(self) -> ModeMonitor:
+        return self._clients.get(ModeMonitor)
+
     def follow(self) -> None:
         """Start to follow the mode, so that `current` is known; every other method does this too."""
-        _ = self._clients.modes
+        _ = self._client
 
     @property
     def current(self) -> str | None:
         """The name of the current mode; None until a heartbeat was received."""
-        return self._clients.modes.name
+        return self._client.name
 
     async def set(self, mode: str | int, *, timeout: float | None = None) -> int:
         """Set the flight mode (MAV_CMD_DO_SET_MODE), and wait until a heartbeat confirms it.
@@ -58,7 +63,7 @@ class Modes(ReadOnly):
         """
         if not isinstance(mode, str | int):
             raise InvalidTypeError(f"mode must be a name or a number, got {mode!r}")
-        monitor = self._clients.modes
+        monitor = self._client
         operation = SetMode(mode, reported=monitor.reported, changed=monitor.changed, timeout=timeout)
         return await self._clients.host.run_operation(self._clients.command, operation)
 
@@ -107,7 +112,7 @@ class Modes(ReadOnly):
 
     def changes(self) -> Subscription[ModeSeen]:
         """Subscribe to changes of the mode."""
-        return self._clients.host.events(ModeSeen, of=self._clients.modes, queue=DEFAULT_QUEUE)
+        return self._clients.host.events(ModeSeen, of=self._client, queue=DEFAULT_QUEUE)
 
     def _documented_modes(self) -> tuple[AvailableMode, ...]:
         info = self._clients.info

@@ -21,6 +21,7 @@ from mavstack.dialects import Dialect, Message, common
 from mavstack.errors import InvalidArgumentError, InvalidStateError, RemoteTimeout
 from mavstack.links import ChannelClosed, ChannelOpened, Link, open_link
 from mavstack.links.settings import VERSIONS
+from mavstack.node.api_object import ReadOnly
 from mavstack.node.component import RemoteComponent
 from mavstack.node.diagnostics import describe_traffic
 from mavstack.node.driver import Driver
@@ -30,7 +31,6 @@ from mavstack.node.keys import Keys
 from mavstack.node.link_settings import heartbeat_interval, link_keys, local_address
 from mavstack.node.log_events import log_event
 from mavstack.node.messaging import Messaging
-from mavstack.node.read_only import ReadOnly
 from mavstack.node.sender_choice import SenderChoice
 from mavstack.node.serving import Serving
 from mavstack.node.version_query import VersionQueries
@@ -95,7 +95,7 @@ class Node(Messaging, Serving, SenderChoice, ReadOnly):
         SigningError: The key that a URL names cannot be read.
     """
 
-    _constructed = frozenset({"links"})
+    links: list[Link]
 
     def __init__(
         self,
@@ -216,8 +216,9 @@ class Node(Messaging, Serving, SenderChoice, ReadOnly):
             steps.push_async_callback(self._keys.close)
             steps.push_async_callback(driver.stop)
             steps.push_async_callback(self._version_queries.close)
-            if "commands" in self.__dict__:
-                steps.push_async_callback(self.commands.stop)
+            handlers = Node.commands.made(self)
+            if handlers is not None:
+                steps.push_async_callback(handlers.stop)
 
     # Links
 

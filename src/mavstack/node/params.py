@@ -23,17 +23,19 @@ from mavstack.files.parameter_metadata import (
     parse_parameter_metadata,
     read_metadata_file,
 )
+from mavstack.node.api_object import ReadOnly
 from mavstack.node.firmware import firmware_key, has_packed_params, param_encoding
 from mavstack.node.metadata_files import MetadataAccess, MetadataFiles
-from mavstack.node.read_only import ReadOnly
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.node.time_budget import TimeBudget
 from mavstack.services.arguments import check_number, check_text
+from mavstack.services.ftp import FtpClient
 from mavstack.services.parameters import (
     PACKED_NAME,
     Encoding,
     MetadataTable,
     ParameterChanged,
+    ParameterClient,
     renaming_of,
 )
 from mavstack.services.parameters.metadata import NO_METADATA, number_text
@@ -46,7 +48,7 @@ if TYPE_CHECKING:
     from mavstack.node.clients import ComponentClients
     from mavstack.node.host import NodeHost
     from mavstack.node.subscription import Subscription
-    from mavstack.services.parameters import Parameter, ParameterClient, Snapshot, Value
+    from mavstack.services.parameters import Parameter, Snapshot, Value
     from mavstack.services.version import AutopilotVersion
 
 #: Seconds to wait for a component's capabilities before its parameter encoding follows from its heartbeat.
@@ -69,9 +71,13 @@ class Params(ReadOnly):
         self._metadata_files = MetadataFiles(clients)
 
     @property
+    def _client(self) -> ParameterClient:
+        return self._clients.get(ParameterClient)
+
+    @property
     def cached(self) -> Mapping[str, Parameter]:
         """Every parameter received so far, by name, with changes made by any component."""
-        return self._clients.params.parameters
+        return self._client.parameters
 
     def __getitem__(self, name: str) -> Parameter:
         """Return a parameter that was received before, such as by `download`; nothing is sent.
@@ -101,7 +107,7 @@ class Params(ReadOnly):
     @property
     def encoding(self) -> Encoding:
         """The encoding of values on the wire, as far as it is known."""
-        return self._clients.params.encoding
+        return self._client.encoding
 
     @property
     def metadata(self) -> MetadataTable:
@@ -271,7 +277,7 @@ class Params(ReadOnly):
 
     def changes(self) -> Subscription[ParameterChanged]:
         """Subscribe to changes of parameters, made by any component."""
-        return self._clients.host.events(ParameterChanged, of=self._clients.params, queue=DEFAULT_QUEUE)
+        return self._clients.host.events(ParameterChanged, of=self._client, queue=DEFAULT_QUEUE)
 
     def clear_cache(self) -> None:
         """Discard the version that was cached before a reboot; metadata stays until the next download."""
@@ -292,25 +298,25 @@ class Params(ReadOnly):
 
     def _start(self, timeout: float | None) -> tuple[NodeHost, ParameterClient, TimeBudget]:
         host = self._clients.host
-        return host, self._clients.params, TimeBudget(timeout, host.now)
+        return host, self._client, TimeBudget(timeout, host.now)
 
     async def _download_packed(self, budget: TimeBudget, progress: Callable[[int, int], None] | None) -> bool:
         """Download the packed file; return whether all parameters are known from it."""
         if not has_packed_params(self._clients.info, self._capabilities):
             return False
-        host, ftp = self._clients.host, self._clients.ftp
+        host, ftp = self._clients.host, self._clients.get(FtpClient)
         started_at = host.now()
         try:
             operation = ftp.download(PACKED_NAME, started_at, timeout=budget.remaining())
             data = await host.finish(ftp, operation, progress)
         except (RemoteTimeout, RemoteDenied):
             return False
-        return self._clients.params.load_packed(data, host.now(), started_at=started_at)
+        return self._client.load_packed(data, host.now(), started_at=started_at)
 
     async def _find_encoding(self, budget: TimeBudget) -> None:
         if not self._version_requested:
             await self._find_version(budget)
-            self._clients.params.encoding = param_encoding(self._clients.info, self._capabilities)
+            self._client.encoding = param_encoding(self._clients.info, self._capabilities)
 
     @property
     def _capabilities(self) -> int:

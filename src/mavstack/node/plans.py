@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, CommandTimeout, InvalidTypeError
-from mavstack.node.read_only import ReadOnly
+from mavstack.node.api_object import ReadOnly
+from mavstack.node.firmware import has_home_item_first
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.node.time_budget import TimeBudget
-from mavstack.services.mission import ItemReached, MissionItem, Plan, PlanType, set_current_item
+from mavstack.services.mission import (
+    ItemReached,
+    MissionClient,
+    MissionItem,
+    Plan,
+    PlanType,
+    set_current_item,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -31,7 +38,7 @@ class Plans(ReadOnly):
     `MissionTimeout` if it does not answer, and `RemoteCancelled` if the node is closed during the call.
     """
 
-    _constructed = frozenset({"type"})
+    type: int
 
     def __init__(self, clients: ComponentClients, plan_type: int) -> None:
         self._clients = clients
@@ -40,9 +47,19 @@ class Plans(ReadOnly):
         self._uploaded: Plan | None = None
 
     @property
+    def _client(self) -> MissionClient:
+        clients = self._clients
+
+        def make() -> MissionClient:
+            home_first = has_home_item_first(clients.info)
+            return MissionClient(clients.host.address, clients.address, home_first=home_first)
+
+        return clients.get(MissionClient, make)
+
+    @property
     def home_first(self) -> bool:
         """True if item 0 of a mission is the home position, as with ArduPilot."""
-        return self._clients.mission.home_first
+        return self._client.home_first
 
     def reached_items(self) -> Subscription[ItemReached]:
         """Subscribe to the mission items that the component reaches (MISSION_ITEM_REACHED).
@@ -50,7 +67,7 @@ class Plans(ReadOnly):
         Returns:
             An async iterator over `ItemReached`; close it, or use it as an async context manager.
         """
-        client = self._clients.mission
+        client = self._client
         return self._clients.host.events(ItemReached, of=client, queue=DEFAULT_QUEUE)
 
     async def upload(
@@ -79,7 +96,7 @@ class Plans(ReadOnly):
         for number, item in enumerate(plan.items):
             if not isinstance(item, MissionItem):
                 raise InvalidTypeError(f"items[{number}] must be a MissionItem, got {item!r:.60}")
-        host, client = self._clients.host, self._clients.mission
+        host, client = self._clients.host, self._client
         plan = self._named(plan)
         held = await host.finish(client, client.upload(plan, host.now(), timeout=timeout), progress)
         self._uploaded = held
@@ -111,7 +128,7 @@ class Plans(ReadOnly):
             MissionDenied: The component refused.
             MissionTimeout: The component does not answer.
         """
-        host, client = self._clients.host, self._clients.mission
+        host, client = self._clients.host, self._client
         operation = client.download(host.now(), self.type, timeout=timeout)
         return self._as_uploaded(await host.finish(client, operation, progress))
 
@@ -134,7 +151,7 @@ class Plans(ReadOnly):
             MissionDenied: The component refused.
             MissionTimeout: The component does not answer.
         """
-        host, client = self._clients.host, self._clients.mission
+        host, client = self._clients.host, self._client
         await host.finish(client, client.clear(host.now(), self.type, timeout=timeout))
 
     async def set_current(self, seq: int, *, restart: bool = False, timeout: float | None = None) -> None:
@@ -152,7 +169,7 @@ class Plans(ReadOnly):
             CommandTimeout: The component does not answer, and `restart` is set.
             MissionTimeout: The component does not answer.
         """
-        host, client = self._clients.host, self._clients.mission
+        host, client = self._clients.host, self._client
         budget = TimeBudget(timeout, host.now)
         try:
             operation = set_current_item(seq, restart=restart, timeout=budget.remaining(SET_CURRENT_TIMEOUT))
@@ -166,25 +183,4 @@ class Plans(ReadOnly):
     @property
     def progress(self) -> MissionProgress | None:
         """The progress of a mission (MISSION_CURRENT); None if not received, or for other plans."""
-        return self._clients.mission.progress if self.type == PlanType.MISSION else None
-
-
-class PlanParts:
-    """The part of a remote component that reaches its plans."""
-
-    _clients: ComponentClients
-
-    @cached_property
-    def mission(self) -> Plans:
-        """The component's mission."""
-        return Plans(self._clients, PlanType.MISSION)
-
-    @cached_property
-    def fence(self) -> Plans:
-        """The component's geofence."""
-        return Plans(self._clients, PlanType.FENCE)
-
-    @cached_property
-    def rally(self) -> Plans:
-        """The component's rally points."""
-        return Plans(self._clients, PlanType.RALLY)
+        return self._client.progress if self.type == PlanType.MISSION else None

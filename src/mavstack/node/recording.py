@@ -11,7 +11,7 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 from mavstack.errors import LogError
-from mavstack.node.read_only import ReadOnly
+from mavstack.node.api_object import ReadOnly
 from mavstack.services import Address
 from mavstack.wire import Parser
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.links.scheme_table import find_scheme
+from mavstack.node.api_object import LoopBound
 
 if TYPE_CHECKING:
     from mavstack.links import Channel, Link
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from mavstack.services.heartbeat import Conflict
 
 
-class SenderChoice:
+class SenderChoice(LoopBound):
     """The calls of a node about several senders with one address."""
 
     links: list[Link]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.dialects import common
+from mavstack.node.api_object import LoopBound
 from mavstack.node.command_handlers import CommandHandlers
 from mavstack.node.key_change import trusted_channels
+from mavstack.node.parts import Part
 from mavstack.services.camera import CameraServer
 from mavstack.services.gimbal import GimbalManagerServer
 from mavstack.services.message_request import MessageServer
@@ -33,12 +34,30 @@ AnyHandler = TypeVar("AnyHandler", bound="Callable[..., Any]")
 Result = TypeVar("Result")
 
 
-class Serving:
+class Serving(LoopBound):
     """The part of a node that runs services."""
 
     _host: NodeHost
     _heartbeat: HeartbeatSender
     _sends_heartbeat: bool
+
+    # Parts
+
+    commands = Part(
+        CommandHandlers,
+        "The handlers of commands that remote components send to this node.",
+        lambda node: CommandHandlers(node._host),  # noqa: SLF001 (a part of this class)
+    )
+    message_server = Part(
+        MessageServer,
+        "The server of the messages that were given to `publish`.",
+        lambda node: node.serve(MessageServer(node.address, node.commands.server)),
+    )
+    _statustext_sender = Part(
+        StatustextSender,
+        "The sender of status texts.",
+        lambda node: node.serve(StatustextSender(node.address)),
+    )
 
     def serve(self, service: AnyService) -> AnyService:
         """Run a service on this node, now or as soon as the node opens.
@@ -180,20 +199,6 @@ class Serving:
             The server; its `sent` and `unknown` count the tiles.
         """
         return self.serve(TerrainServer(self._host.address, heights))
-
-    @cached_property
-    def message_server(self) -> MessageServer:
-        """The server of the messages that were given to `publish`."""
-        return self.serve(MessageServer(self._host.address, self.commands.server))
-
-    @cached_property
-    def _statustext_sender(self) -> StatustextSender:
-        return self.serve(StatustextSender(self._host.address))
-
-    @cached_property
-    def commands(self) -> CommandHandlers:
-        """The handlers of commands that remote components send to this node."""
-        return CommandHandlers(self._host)
 
     def on_command(self, command: int) -> Callable[[AnyHandler], AnyHandler]:
         """Register a function, plain or async, as the handler of a command; see `CommandHandlers`.

@@ -12,7 +12,7 @@ from __future__ import annotations
 from codecs import getincrementaldecoder
 from typing import TYPE_CHECKING
 
-from mavstack.node.read_only import ReadOnly
+from mavstack.node.api_object import ReadOnly
 from mavstack.services.serial_control import ShellClient, ShellOutput, ShellReleased
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import asyncio
 from collections import deque
 from typing import TYPE_CHECKING, Generic, TypeVar
 
-from mavstack.node.read_only import ReadOnly
+from mavstack.node.api_object import ReadOnly
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mavstack.node.read_only import ReadOnly
+from mavstack.node.api_object import ReadOnly
+from mavstack.services.terrain import TerrainCheckClient
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -18,6 +19,10 @@ class Terrain(ReadOnly):
 
     def __init__(self, clients: ComponentClients) -> None:
         self._clients = clients
+
+    @property
+    def _client(self) -> TerrainCheckClient:
+        return self._clients.get(TerrainCheckClient)
 
     async def check(self, latitude: float, longitude: float, *, timeout: float | None = None) -> TerrainState:
         """Ask for the terrain that the vehicle has at a position; it requests what it lacks there.
@@ -36,7 +41,7 @@ class Terrain(ReadOnly):
             RemoteTimeout: The vehicle does not answer; PX4 does not have this protocol.
             RemoteCancelled: The node was closed.
         """
-        host, client = self._clients.host, self._clients.terrain
+        host, client = self._clients.host, self._client
         return await host.finish(client, client.check(latitude, longitude, host.now(), timeout=timeout))
 
     async def wait_until_loaded(
@@ -58,6 +63,6 @@ class Terrain(ReadOnly):
             RemoteTimeout: The vehicle does not answer, or no ground station sends it the terrain.
             RemoteCancelled: The node was closed.
         """
-        host, client = self._clients.host, self._clients.terrain
+        host, client = self._clients.host, self._client
         operation = client.wait_until_loaded(positions, host.now(), timeout=timeout)
         await host.finish(client, operation, progress)

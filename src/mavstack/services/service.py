@@ -2,10 +2,11 @@
 
 The driver of a service (the node's engine, or a test in virtual time) calls:
 
-    receive(packet, now)              for each packet whose id is in `handles` and that is addressed to
-    `local` messages_to_send(now, has_room)   after each other call: yields the messages to send, made lazily
-    events()                          returns the events since the last call next_timeout()
-    returns when to call `handle_timeout(now)`; None sets no timer
+    receive(packet, now)              for each packet to `local` whose id is in `handles`
+    messages_to_send(now, has_room)   after each other call: yields the messages to send, made lazily
+    events()                          returns the events since the last call
+    next_timeout()                    returns when to call `handle_timeout(now)`; None sets no timer
+    clear_cache(now)                  after the remote component rebooted
 
 `now` is in Unix seconds and never decreases. Small messages (a command, an acknowledgement, a request) go
 through an outbox and are always sent. A long transfer overrides `bulk_messages` and makes each message only
@@ -126,6 +127,9 @@ class Service:
 
     def handle_refusal(self, error: SystemIdConflictError, now: float) -> None:
         """Handle that a message was not sent, because several vehicles use the system id of its target."""
+
+    def clear_cache(self, now: float) -> None:
+        """Discard the state that was received before a reboot of the remote component."""
 
     def send(
         self, message: Message, target: Address = BROADCAST, priority: Priority = Priority.CONTROL

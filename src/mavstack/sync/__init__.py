@@ -10,15 +10,15 @@ mavstack.sync import Vehicle`.
 
 from __future__ import annotations
 
-from mavstack.sync.classes import CLASSES
+from mavstack.sync.classes import wrapped_classes
 from mavstack.sync.node import Connection, Node, connect
 from mavstack.sync.proxy import Blocking, class_named
 
 __all__ = ["Connection", "Node", "connect"]
-__all__ += [name for name in CLASSES if name not in __all__]
+__all__ += [name for name in wrapped_classes() if name not in __all__]
 
 
 def __getattr__(name: str) -> type[Blocking]:
-    if name in CLASSES:
+    if name in wrapped_classes():
         return class_named(name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

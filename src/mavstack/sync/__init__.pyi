@@ -109,244 +109,442 @@ Item = TypeVar('Item')
 Result = TypeVar('Result')
 TelemetryValue = TypeVar('TelemetryValue')
 
-class Subscription(Generic[Item]):
-    """An iterator over received items; it ends after `close`, or when the node closes.
+class Actuators:
+    """The outputs of a vehicle; `vehicle.actuators`."""
 
-    Close it by `async with` or `close()`. Several tasks may iterate over one subscription; each item is
-    delivered to one of them.
-    """
+    def set_servo(self, number: int, pulse: int, *, timeout: float | None=None) -> None:
+        """Set the pulse of a servo output (MAV_CMD_DO_SET_SERVO).
 
-    @property
-    def dropped(self) -> int:
-        """The number of items dropped because the queue was full."""
-
-    @property
-    def closed(self) -> bool:
-        """True after `close`, or after the node was closed."""
-
-    def put(self, item: Item) -> None:
-        """Add an item without waiting; drop the oldest if the queue is full."""
-
-    def end(self) -> None:
-        """End the iteration once the queued items have been read."""
-
-    def close(self) -> None:
-        """Unsubscribe. Idempotent."""
-
-    def drain(self) -> list[Item]:
-        """Return all queued items and empty the queue, without waiting.
-
-        Returns:
-            The items, oldest first; empty if there are none.
-        """
-
-    def wait(self) -> bool:
-        """Wait until an item is queued or the subscription ends.
-
-        Returns:
-            True if an item is queued, False if the subscription has ended.
-        """
-
-    def __iter__(self) -> Self:
-        ...
-
-    def __next__(self) -> Item:
-        ...
-
-    def __enter__(self) -> Self:
-        ...
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        ...
-
-class Listener:
-    """A callback that is called with each packet of its message classes, until `close`."""
-    ids: tuple[int, ...]
-    source: Address
-    deliver: Callable[[Packet], None]
-
-    def close(self) -> None:
-        """Unregister the callback. Idempotent."""
-
-class Recording:
-    """A running recording; a context manager that ends it."""
-
-    @property
-    def packets(self) -> int:
-        """Number of packets that were written."""
-
-    @property
-    def files(self) -> tuple[Path, ...]:
-        """Paths of the files, oldest first."""
-
-    def close(self) -> None:
-        """End the recording. Idempotent.
-
-        Raises:
-            LogError: A file could not be written; it keeps the packets before.
-        """
-
-    def __enter__(self) -> Self:
-        ...
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        ...
-
-class EventStream:
-    """An iterator of a component's events, in order and each once; made by `Vehicle.events`.
-
-    Close it by `async with` or `close()`. It ends after `close`, or when the connection closes.
-    """
-
-    @property
-    def lost(self) -> int:
-        """The number of events that the component could not send again."""
-
-    @property
-    def dropped(self) -> int:
-        """The number of events that were dropped because they were not read in time."""
-
-    def close(self) -> None:
-        """Unsubscribe. Idempotent."""
-
-    def __iter__(self) -> Self:
-        ...
-
-    def __next__(self) -> DecodedEvent:
-        """Return the next event.
-
-        Raises:
-            StopAsyncIteration: The stream or its connection was closed.
-        """
-
-    def __enter__(self) -> Self:
-        ...
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        ...
-
-class EventListener:
-    """A callback that is called with each event, until `close`; made by `Vehicle.add_event_listener`."""
-
-    @property
-    def lost(self) -> int:
-        """The number of events that the component could not send again."""
-
-    def close(self) -> None:
-        """Unregister the callback. Idempotent."""
-
-class CommandHandlers:
-    """The command server of a node, with plain and async handlers."""
-    server: CommandServer
-
-    def register(self, command: int) -> Callable[[AnyHandler], AnyHandler]:
-        """Register a function as the handler of a command.
+        ArduPilot refuses outputs that one of its own functions drives, such as motors.
 
         Args:
-            command: The MAV_CMD.
-
-        Returns:
-            A decorator for the function, plain or async. It gets a `CommandRequest` and returns a MAV_RESULT,
-            or a tuple of a MAV_RESULT and the `result_param2` of COMMAND_ACK.
-        """
-
-    def progress(self, request: CommandRequest, percent: int) -> None:
-        """Report the progress of a long command to its sender.
-
-        Args:
-            request: The request that the handler got.
-            percent: 0 to 100.
-        """
-
-    def stop(self) -> None:
-        """Cancel the tasks of all long commands, and wait until they have ended.
-
-        A handler may close its own node: its task is not cancelled.
-        """
-
-class ControlStream(Generic[ControlValue]):
-    """A stream of one type of value to a remote component; a context manager."""
-
-    def set(self, value: ControlValue) -> None:
-        """Send a value, and repeat it until the next one.
-
-        Args:
-            value: The setpoint, stick positions or channel values.
-
-        Raises:
-            InvalidStateError: The node is closed.
-            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
-        """
-
-    def stop(self) -> None:
-        """Release control; the next `set` takes control again."""
-
-    def __enter__(self) -> Self:
-        ...
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        ...
-
-class ExtendedParams:
-    """The extended parameters of a remote component, such as a camera: texts and numbers of all sizes."""
-
-    @property
-    def cached(self) -> Mapping[str, ExtendedParameter]:
-        """Every extended parameter received so far, by name."""
-
-    def get(self, name: str, *, timeout: float | None=None) -> ExtendedParameter:
-        """Get one extended parameter (PARAM_EXT_REQUEST_READ).
-
-        Args:
-            name: The name of the parameter.
+            number: The number of the output, from 1.
+            pulse: The pulse in microseconds, 0 to 2500; 0 stops the pulses.
             timeout: Seconds for the whole call; None: until retries are exhausted.
 
-        Returns:
-            The parameter with its value and type.
-
         Raises:
-            ParameterTimeout: The component does not answer, or has no such parameter.
-            RemoteCancelled: The node was closed.
+            InvalidTypeError: An argument is not a number.
+            InvalidArgumentError: The number or the pulse is out of range.
+            ActionUnsupported: The firmware has no servo numbers (PX4); nothing was sent.
+            CommandDenied: The vehicle refused.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
         """
 
-    def set(self, name: str, value: ExtendedValue, *, timeout: float | None=None) -> ExtendedParameter:
-        """Set one extended parameter (PARAM_EXT_SET).
+    def set_relay(self, number: int, on: bool, *, timeout: float | None=None) -> None:
+        """Switch a relay (MAV_CMD_DO_SET_RELAY).
 
         Args:
-            name: The name of the parameter.
-            value: The new value.
+            number: The number of the relay, from 0.
+            on: True switches it on.
             timeout: Seconds for the whole call; None: until retries are exhausted.
 
-        Returns:
-            The parameter with the value that the component holds now.
-
         Raises:
-            ParameterDenied: The component refused the value.
-            ParameterTimeout: The component does not answer, or has no such parameter.
-            RemoteCancelled: The node was closed.
+            InvalidTypeError: The number is not a number.
+            InvalidArgumentError: The number is out of range.
+            ActionUnsupported: The firmware has no relays (PX4); nothing was sent.
+            CommandDenied: The vehicle refused, such as a relay that is not set up.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
         """
 
-    def download(self, *, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> Mapping[str, ExtendedParameter]:
-        """Download all extended parameters (PARAM_EXT_REQUEST_LIST).
+    def set_actuator(self, number: int, value: float, *, timeout: float | None=None) -> None:
+        """Set an actuator output; all others keep their value (MAV_CMD_DO_SET_ACTUATOR).
 
         Args:
+            number: The number of the actuator, from 1: PX4's output function "Peripheral via Actuator Set N".
+            value: The value, -1 to 1.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidTypeError: An argument is not a number.
+            InvalidArgumentError: The number or the value is out of range.
+            ActionUnsupported: The firmware has no actuator numbers (ArduPilot); nothing was sent.
+            CommandDenied: The vehicle refused.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
+    def test_motor(self, number: int, *, throttle: float=5.0, duration: float=2.0, wait: bool=True, timeout: float | None=None) -> None:
+        """Run one motor of a disarmed vehicle for some time, then stop it. Take the propellers off.
+
+        Cancelling the call stops the motor. Without a connection the motor stops by itself, after 3 seconds
+        with PX4 and at the end of `duration` with ArduPilot (MAV_CMD_DO_MOTOR_TEST, MAV_CMD_ACTUATOR_TEST).
+
+        Args:
+            number: The number of the motor, from 1. ArduPilot counts clockwise from the front right motor,
+                PX4 by the functions of its outputs.
+            throttle: Percent, 0 to 100.
+            duration: Seconds, up to 600; PX4 gets the command again and again for a longer test than 3.
+            wait: Wait until the motor has stopped. Without it a PX4 motor runs for 3 seconds at most.
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            InvalidTypeError: An argument is not a number.
+            InvalidArgumentError: An argument is out of range.
+            CommandDenied: The vehicle refused, such as while it is armed or in the air.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The test did not end within `timeout`.
+            ActionInterrupted: The vehicle was armed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def beep(self, tune: str=...) -> None:
+        """Sound the beeper, so that a vehicle is found in the grass (PLAY_TUNE_V2); nothing acknowledges it.
+
+        Args:
+            tune: The tune, in the notation of QBasic's PLAY. Betaflight and iNav have one sound of their own.
+
+        Raises:
+            InvalidTypeError: The tune is not a text.
+            InvalidArgumentError: The tune is empty, is not ASCII, or has more than 248 characters.
+        """
+
+    def grip(self, gripper: int=1, *, timeout: float | None=None) -> None:
+        """Close a gripper (MAV_CMD_DO_GRIPPER).
+
+        Args:
+            gripper: The number of the gripper, from 1.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidTypeError: The number is not a number.
+            InvalidArgumentError: The number is out of range.
+            CommandDenied: The vehicle refused, such as without a gripper.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
+    def release(self, gripper: int=1, *, timeout: float | None=None) -> None:
+        """Open a gripper, which drops its cargo (MAV_CMD_DO_GRIPPER).
+
+        Args:
+            gripper: The number of the gripper, from 1.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidTypeError: The number is not a number.
+            InvalidArgumentError: The number is out of range.
+            CommandDenied: The vehicle refused, such as without a gripper.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
+    def unwind(self, length: float, *, rate: float=0.0, winch: int=1, wait: bool=True, timeout: float | None=None) -> None:
+        """Pay out line from a winch, or wind it in, and wait until it has its length (MAV_CMD_DO_WINCH).
+
+        The length is that of WINCH_STATUS; a vehicle that does not send it is not waited for.
+
+        Args:
+            length: Metres of line to pay out; negative: to wind in.
+            rate: Metres per second; 0 leaves it to the vehicle.
+            winch: The number of the winch, from 1.
+            wait: Wait until the line has its length, or is wound in completely.
             timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
-            progress: Called with the parameters received and the parameters in total.
-
-        Returns:
-            All parameters, by name.
 
         Raises:
-            ParameterTimeout: The component does not answer.
-            RemoteCancelled: The node was closed.
+            InvalidTypeError: An argument is not a number.
+            InvalidArgumentError: An argument is not finite, or the rate is negative.
+            CommandDenied: The vehicle refused, such as without a winch.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The line stopped, or did not have its length within `timeout`.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
         """
 
-    def changes(self) -> Subscription[ExtendedParameterChanged]:
-        """Subscribe to changes of extended parameters, made by any component."""
+    def run_winch(self, rate: float, *, winch: int=1, wait: bool=True, timeout: float | None=None) -> None:
+        """Run a winch at a rate until the next command, and wait until it moves (MAV_CMD_DO_WINCH).
+
+        The speed is that of WINCH_STATUS; a vehicle that does not send it is not waited for.
+
+        Args:
+            rate: Metres of line per second to pay out; negative: to wind in; 0: stop.
+            winch: The number of the winch, from 1.
+            wait: Wait until the winch moves; for a rate of 0, until it stands still.
+            timeout: Seconds for the whole call; None: until retries are exhausted or nothing moves.
+
+        Raises:
+            InvalidTypeError: An argument is not a number.
+            InvalidArgumentError: The rate is not finite.
+            CommandDenied: The vehicle refused, such as without a winch.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The winch did not start, or did not stop, in time.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def relax_winch(self, winch: int=1, *, timeout: float | None=None) -> None:
+        """Let the line of a winch run freely (MAV_CMD_DO_WINCH); no message reports that it does.
+
+        Args:
+            winch: The number of the winch, from 1.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidTypeError: The number is not a number.
+            InvalidArgumentError: The number is out of range.
+            CommandDenied: The vehicle refused, such as without a winch.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
+class Calibration:
+    """The calibrations of a vehicle; `vehicle.calibration`."""
+
+    @property
+    def kinds(self) -> tuple[CalibrationKind, ...]:
+        """The kinds that the firmware and the vehicle type have."""
+
+    def needs_confirmation(self, kind: CalibrationKind | str) -> bool:
+        """Return whether steps of a calibration wait for a confirmation, as of poses and sticks.
+
+        Args:
+            kind: The kind, or its name such as "accelerometer".
+
+        Returns:
+            True if `start` is needed for it; `run` cannot confirm steps.
+
+        Raises:
+            InvalidArgumentError: There is no such kind.
+            ActionUnsupported: The firmware or the vehicle type lacks it.
+        """
+
+    def can_cancel(self, kind: CalibrationKind | str) -> bool:
+        """Return whether the vehicle can cancel a calibration that runs.
+
+        PX4 cancels all of them. ArduPilot cancels those of compasses, motors and the radio control; the
+        others end by themselves, and its accelerometer calibration goes on at its next start. Betaflight
+        and iNav cancel none.
+
+        Args:
+            kind: The kind, or its name such as "accelerometer".
+
+        Returns:
+            True if `cancel`, or leaving the block of `start`, ends it on the vehicle.
+
+        Raises:
+            InvalidArgumentError: There is no such kind.
+            ActionUnsupported: The firmware or the vehicle type lacks it.
+        """
+
+    def start(self, kind: CalibrationKind | str, *, timeout: float | None=None) -> CalibrationSession:
+        """Return a context manager during which a calibration runs, and an iterator of its steps.
+
+        The vehicle must be disarmed. Leaving the block before the end cancels the calibration, as far as the
+        firmware can: ArduPilot cannot cancel its accelerometer calibration, which a new start continues.
+
+        Args:
+            kind: The kind, or its name such as "accelerometer".
+            timeout: Seconds for the whole calibration; None sets no overall limit.
+
+        Returns:
+            The session. Its iteration raises `CommandDenied`, `CommandTimeout`, `ActionTimeout`,
+            `ActionInterrupted`, `ContactLost` or `RemoteCancelled` if the calibration fails.
+
+        Raises:
+            InvalidArgumentError: There is no such kind.
+            ActionUnsupported: The firmware or the vehicle type lacks it.
+        """
+
+    def run(self, kind: CalibrationKind | str, *, on_step: Callable[[CalibrationStep], None] | None=None, timeout: float | None=None) -> CalibrationResult:
+        """Run a calibration that needs no confirmation to its end.
+
+        Args:
+            kind: The kind, or its name such as "gyroscope".
+            on_step: Called with each step, which tells what to do with the vehicle.
+            timeout: Seconds for the whole call; None: until the vehicle gives no sign of progress.
+
+        Returns:
+            The result.
+
+        Raises:
+            InvalidArgumentError: There is no such kind, or its steps need confirmations; use `start`.
+            ActionUnsupported: The firmware or the vehicle type lacks it; nothing was sent.
+            CommandDenied: The vehicle refused, such as while it is armed.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: It was not done within `timeout`, or the vehicle gave no sign of progress.
+            ActionInterrupted: The vehicle reported that it failed, or was armed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def cancel(self, kind: CalibrationKind | str, *, timeout: float | None=None) -> None:
+        """Cancel a calibration that another program, or an earlier one, has started.
+
+        Args:
+            kind: The kind, or its name.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidArgumentError: There is no such kind.
+            ActionUnsupported: The firmware or the vehicle type lacks it; nothing was sent.
+            CommandDenied: The vehicle refused.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
+class CalibrationSession:
+    """A calibration; made by `Calibration.start`.
+
+    Iterating it yields a `CalibrationStep` whenever there is something to do or to show, and ends when the
+    calibration is done. A failure raises from the iteration.
+    """
+
+    @property
+    def kind(self) -> CalibrationKind:
+        """The kind of the calibration."""
+
+    @property
+    def step(self) -> CalibrationStep | None:
+        """The last step; None before the first one."""
+
+    @property
+    def result(self) -> CalibrationResult | None:
+        """The result; None until the calibration is done."""
+
+    def confirm(self) -> None:
+        """Confirm that the task of the step is done, such as that the vehicle is in the pose.
+
+        Raises:
+            InvalidStateError: The calibration is not waiting for a confirmation.
+        """
+
+    def __enter__(self) -> Self:
+        ...
+
+    def __iter__(self) -> Self:
+        ...
+
+    def __next__(self) -> CalibrationStep:
+        """Return the next step.
+
+        Raises:
+            CommandDenied: The vehicle refused.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: It was not done within the timeout, or the vehicle gave no sign of progress.
+            ActionInterrupted: The vehicle reported that it failed, or was armed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        ...
 
 class Camera:
     """A camera: a component of its own, or one that is attached to the autopilot (camera protocol v2)."""
     device_id: int
+
+    @property
+    def address(self) -> Address:
+        """The component of the camera: its system and component id."""
+
+    @property
+    def information(self) -> CameraInformation | None:
+        """The identity and abilities; None until received (`get_information` requests them)."""
+
+    @property
+    def status(self) -> CameraStatus | None:
+        """The last mode, zoom and focus that the camera reported; None until received."""
+
+    @property
+    def capture_status(self) -> CaptureStatus | None:
+        """The last report on series of images and recordings; None until received."""
+
+    @property
+    def tracked(self) -> TrackedTarget | None:
+        """The last report on the tracked target; None until received."""
+
+    @property
+    def streams(self) -> Mapping[int, VideoStream]:
+        """The video streams received so far, by number."""
+
+    @property
+    def storages(self) -> Mapping[int, Storage]:
+        """The storages received so far, by number."""
+
+    def images(self) -> Subscription[ImageCaptured]:
+        """Subscribe to the images that the component's cameras capture, for any reason.
+
+        A lost message is requested again, so that each image arrives once, if the camera keeps a log.
+
+        Returns:
+            An iterator over events with an `image`; close it, or use it as a context manager.
+        """
+
+    def get_information(self, *, timeout: float | None=None) -> CameraInformation:
+        """Request the identity and abilities (CAMERA_INFORMATION).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The information.
+
+        Raises:
+            CommandDenied: The component has no camera.
+            MessageTimeout: The component does not answer.
+        """
+
+    def get_status(self, *, timeout: float | None=None) -> CameraStatus:
+        """Request the mode, zoom and focus (CAMERA_SETTINGS).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The status.
+
+        Raises:
+            CommandDenied: The camera does not report it.
+            MessageTimeout: The camera does not answer.
+        """
+
+    def get_capture_status(self, *, timeout: float | None=None) -> CaptureStatus:
+        """Request the state of captures (CAMERA_CAPTURE_STATUS).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The status.
+
+        Raises:
+            CommandDenied: The camera does not report it.
+            MessageTimeout: The camera does not answer.
+        """
+
+    def list_storages(self, *, timeout: float | None=None) -> tuple[Storage, ...]:
+        """List the storages of the camera's component (STORAGE_INFORMATION).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The storages.
+
+        Raises:
+            CommandDenied: The component has no storage.
+            MessageTimeout: The component does not answer.
+        """
+
+    def list_streams(self, *, timeout: float | None=None) -> tuple[VideoStream, ...]:
+        """List the video streams (VIDEO_STREAM_INFORMATION).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The streams.
+
+        Raises:
+            CommandDenied: The camera has no video stream.
+            MessageTimeout: The camera does not answer.
+        """
+
+    @cached_property
+    def settings(self) -> CameraSettings:
+        """The settings, with their options from the camera definition file."""
 
     def take_photo(self, *, timeout: float | None=None) -> CapturedImage:
         """Take one image, and wait until the camera reports it (MAV_CMD_IMAGE_START_CAPTURE).
@@ -552,117 +750,6 @@ class Camera:
             CommandTimeout: The camera does not answer.
         """
 
-    @property
-    def address(self) -> Address:
-        """The component of the camera: its system and component id."""
-
-    @property
-    def information(self) -> CameraInformation | None:
-        """The identity and abilities; None until received (`get_information` requests them)."""
-
-    @property
-    def status(self) -> CameraStatus | None:
-        """The last mode, zoom and focus that the camera reported; None until received."""
-
-    @property
-    def capture_status(self) -> CaptureStatus | None:
-        """The last report on series of images and recordings; None until received."""
-
-    @property
-    def tracked(self) -> TrackedTarget | None:
-        """The last report on the tracked target; None until received."""
-
-    @property
-    def streams(self) -> Mapping[int, VideoStream]:
-        """The video streams received so far, by number."""
-
-    @property
-    def storages(self) -> Mapping[int, Storage]:
-        """The storages received so far, by number."""
-
-    def images(self) -> Subscription[ImageCaptured]:
-        """Subscribe to the images that the component's cameras capture, for any reason.
-
-        A lost message is requested again, so that each image arrives once, if the camera keeps a log.
-
-        Returns:
-            An iterator over events with an `image`; close it, or use it as a context manager.
-        """
-
-    def get_information(self, *, timeout: float | None=None) -> CameraInformation:
-        """Request the identity and abilities (CAMERA_INFORMATION).
-
-        Args:
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Returns:
-            The information.
-
-        Raises:
-            CommandDenied: The component has no camera.
-            MessageTimeout: The component does not answer.
-        """
-
-    def get_status(self, *, timeout: float | None=None) -> CameraStatus:
-        """Request the mode, zoom and focus (CAMERA_SETTINGS).
-
-        Args:
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Returns:
-            The status.
-
-        Raises:
-            CommandDenied: The camera does not report it.
-            MessageTimeout: The camera does not answer.
-        """
-
-    def get_capture_status(self, *, timeout: float | None=None) -> CaptureStatus:
-        """Request the state of captures (CAMERA_CAPTURE_STATUS).
-
-        Args:
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Returns:
-            The status.
-
-        Raises:
-            CommandDenied: The camera does not report it.
-            MessageTimeout: The camera does not answer.
-        """
-
-    def list_storages(self, *, timeout: float | None=None) -> tuple[Storage, ...]:
-        """List the storages of the camera's component (STORAGE_INFORMATION).
-
-        Args:
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Returns:
-            The storages.
-
-        Raises:
-            CommandDenied: The component has no storage.
-            MessageTimeout: The component does not answer.
-        """
-
-    def list_streams(self, *, timeout: float | None=None) -> tuple[VideoStream, ...]:
-        """List the video streams (VIDEO_STREAM_INFORMATION).
-
-        Args:
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Returns:
-            The streams.
-
-        Raises:
-            CommandDenied: The camera has no video stream.
-            MessageTimeout: The camera does not answer.
-        """
-
-    @cached_property
-    def settings(self) -> CameraSettings:
-        """The settings, with their options from the camera definition file."""
-
 class CameraSettings:
     """The settings of one camera, by the names of its definition file."""
 
@@ -742,6 +829,221 @@ class CameraSettings:
             ParameterTimeout: The camera does not answer, or has no such setting.
             SystemIdConflictError: Several vehicles use its system id, and none was chosen.
         """
+
+class CommandHandlers:
+    """The command server of a node, with plain and async handlers."""
+    server: CommandServer
+
+    def register(self, command: int) -> Callable[[AnyHandler], AnyHandler]:
+        """Register a function as the handler of a command.
+
+        Args:
+            command: The MAV_CMD.
+
+        Returns:
+            A decorator for the function, plain or async. It gets a `CommandRequest` and returns a MAV_RESULT,
+            or a tuple of a MAV_RESULT and the `result_param2` of COMMAND_ACK.
+        """
+
+    def progress(self, request: CommandRequest, percent: int) -> None:
+        """Report the progress of a long command to its sender.
+
+        Args:
+            request: The request that the handler got.
+            percent: 0 to 100.
+        """
+
+    def stop(self) -> None:
+        """Cancel the tasks of all long commands, and wait until they have ended.
+
+        A handler may close its own node: its task is not cancelled.
+        """
+
+class Connection(Node):
+    """A node that finds vehicles; made by `connect`, opened by `async with` or `await`.
+
+    Args:
+        *links: URLs such as "udpin://0.0.0.0:14550", or links.
+        **options: The keyword arguments of `Node`.
+    """
+
+    def __init__(self, *links: str | Link, **options: Unpack[NodeOptions]) -> None:
+        ...
+
+    def wait_for_vehicle(self, system: int | None=None, *, timeout: float | None=...) -> Vehicle:
+        """Wait for a vehicle.
+
+        Args:
+            system: The system id of the vehicle; None: the first vehicle that is alive.
+            timeout: Seconds to wait; None waits for ever.
+
+        Returns:
+            The vehicle.
+
+        Raises:
+            RemoteTimeout: There was none in time; the text names the components that were found instead.
+        """
+
+    def wait_for_vehicles(self, count: int, *, timeout: float | None=...) -> Group:
+        """Wait until `count` vehicles are alive.
+
+        Args:
+            count: The number of vehicles.
+            timeout: Seconds to wait; None waits for ever.
+
+        Returns:
+            All vehicles that are alive, which may be more.
+
+        Raises:
+            RemoteTimeout: There were fewer in time; the text names the components that were found.
+        """
+
+    @property
+    def vehicles(self) -> Mapping[int, Vehicle]:
+        """Every vehicle that was found, by system id, in the order in which they were found."""
+
+    @property
+    def ground_stations(self) -> Mapping[Address, ComponentInfo]:
+        """Every other ground station that was found, by address."""
+
+    def group(self, *systems: int) -> Group:
+        """Return a group of vehicles.
+
+        Args:
+            *systems: The system ids of the vehicles; none: all vehicles that were found.
+
+        Returns:
+            The group.
+
+        Raises:
+            InvalidArgumentError: No vehicle with one of the system ids was found.
+        """
+
+    def __enter__(self) -> Self:
+        ...
+
+class ControlStream(Generic[ControlValue]):
+    """A stream of one type of value to a remote component; a context manager."""
+
+    def set(self, value: ControlValue) -> None:
+        """Send a value, and repeat it until the next one.
+
+        Args:
+            value: The setpoint, stick positions or channel values.
+
+        Raises:
+            InvalidStateError: The node is closed.
+            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
+        """
+
+    def stop(self) -> None:
+        """Release control; the next `set` takes control again."""
+
+    def __enter__(self) -> Self:
+        ...
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        ...
+
+class EventListener:
+    """A callback that is called with each event, until `close`; made by `Vehicle.add_event_listener`."""
+
+    @property
+    def lost(self) -> int:
+        """The number of events that the component could not send again."""
+
+    def close(self) -> None:
+        """Unregister the callback. Idempotent."""
+
+class EventStream:
+    """An iterator of a component's events, in order and each once; made by `Vehicle.events`.
+
+    Close it by `async with` or `close()`. It ends after `close`, or when the connection closes.
+    """
+
+    @property
+    def lost(self) -> int:
+        """The number of events that the component could not send again."""
+
+    @property
+    def dropped(self) -> int:
+        """The number of events that were dropped because they were not read in time."""
+
+    def close(self) -> None:
+        """Unsubscribe. Idempotent."""
+
+    def __iter__(self) -> Self:
+        ...
+
+    def __next__(self) -> DecodedEvent:
+        """Return the next event.
+
+        Raises:
+            StopAsyncIteration: The stream or its connection was closed.
+        """
+
+    def __enter__(self) -> Self:
+        ...
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        ...
+
+class ExtendedParams:
+    """The extended parameters of a remote component, such as a camera: texts and numbers of all sizes."""
+
+    @property
+    def cached(self) -> Mapping[str, ExtendedParameter]:
+        """Every extended parameter received so far, by name."""
+
+    def get(self, name: str, *, timeout: float | None=None) -> ExtendedParameter:
+        """Get one extended parameter (PARAM_EXT_REQUEST_READ).
+
+        Args:
+            name: The name of the parameter.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The parameter with its value and type.
+
+        Raises:
+            ParameterTimeout: The component does not answer, or has no such parameter.
+            RemoteCancelled: The node was closed.
+        """
+
+    def set(self, name: str, value: ExtendedValue, *, timeout: float | None=None) -> ExtendedParameter:
+        """Set one extended parameter (PARAM_EXT_SET).
+
+        Args:
+            name: The name of the parameter.
+            value: The new value.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The parameter with the value that the component holds now.
+
+        Raises:
+            ParameterDenied: The component refused the value.
+            ParameterTimeout: The component does not answer, or has no such parameter.
+            RemoteCancelled: The node was closed.
+        """
+
+    def download(self, *, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> Mapping[str, ExtendedParameter]:
+        """Download all extended parameters (PARAM_EXT_REQUEST_LIST).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+            progress: Called with the parameters received and the parameters in total.
+
+        Returns:
+            All parameters, by name.
+
+        Raises:
+            ParameterTimeout: The component does not answer.
+            RemoteCancelled: The node was closed.
+        """
+
+    def changes(self) -> Subscription[ExtendedParameterChanged]:
+        """Subscribe to changes of extended parameters, made by any component."""
 
 class Ftp:
     """The files of a remote component, by MAVLink FTP (FILE_TRANSFER_PROTOCOL).
@@ -1067,6 +1369,268 @@ class Gimbal:
             A context manager with `set(value)`, for a `GimbalSetpoint` or `GimbalSticks`.
         """
 
+class Group(Collection['Vehicle']):
+    """Several vehicles, each once, in the order in which they were given.
+
+    The methods run the method of `Vehicle` with the same name on all vehicles. They raise no error of a
+    vehicle: the returned `Results` hold them, and `Results.check` raises `GroupError`.
+    """
+
+    def each(self, work: Callable[[Vehicle], Result], *, max_concurrency: int | None=None, name: str='work') -> Results[Result]:
+        """Run a function for every vehicle.
+
+        Args:
+            work: The function; it gets the vehicle.
+            max_concurrency: The number of vehicles for which it runs at the same time; None: all.
+            name: The name of the operation in errors, a gerund.
+
+        Returns:
+            The result or the error of each vehicle.
+
+        Raises:
+            InvalidArgumentError: `max_concurrency` is less than 1.
+        """
+
+    def arm(self, *, force: bool=False, allow_flight: bool=False, keep_mode: bool=False, timeout: float | None=None) -> Results[None]:
+        """Arm all vehicles.
+
+        Args:
+            force: Skip the firmware's checks, as far as it allows that.
+            allow_flight: Arm also in modes in which a vehicle starts to fly or drive at once.
+            keep_mode: Refuse instead of leaving a mode in which a firmware does not arm.
+            timeout: Seconds for each vehicle; None: until retries are exhausted or progress stalls.
+
+        Returns:
+            The outcome of each vehicle; its errors are those of `Vehicle.arm`.
+        """
+
+    def disarm(self, *, force: bool=False, timeout: float | None=None) -> Results[None]:
+        """Disarm all vehicles.
+
+        Args:
+            force: Stop the motors even in the air.
+            timeout: Seconds for each vehicle; None: until retries are exhausted or progress stalls.
+
+        Returns:
+            The outcome of each vehicle; its errors are those of `Vehicle.disarm`.
+        """
+
+    def set_mode(self, mode: str | int, *, timeout: float | None=None) -> Results[None]:
+        """Set the flight mode of all vehicles; each firmware has its own modes.
+
+        Args:
+            mode: The name of the mode, or its custom mode number.
+            timeout: Seconds for each vehicle; None: until retries are exhausted.
+
+        Returns:
+            The outcome of each vehicle; its errors are those of `Vehicle.set_mode`.
+        """
+
+    def takeoff(self, altitude: float=10.0, *, wait: bool=True, timeout: float | None=None) -> Results[None]:
+        """Let all vehicles take off.
+
+        Args:
+            altitude: Metres above home.
+            wait: Wait until each vehicle has reached the altitude.
+            timeout: Seconds for each vehicle; None sets no overall limit.
+
+        Returns:
+            The outcome of each vehicle; its errors are those of `Vehicle.takeoff`.
+        """
+
+    def land(self, *, wait: bool=True, timeout: float | None=None) -> Results[None]:
+        """Let all vehicles land.
+
+        Args:
+            wait: Wait until each vehicle has landed.
+            timeout: Seconds for each vehicle; None sets no overall limit.
+
+        Returns:
+            The outcome of each vehicle; its errors are those of `Vehicle.land`.
+        """
+
+    def rtl(self, *, wait: bool=True, timeout: float | None=None) -> Results[None]:
+        """Let all vehicles return to home.
+
+        Args:
+            wait: Wait until each vehicle has landed, or has arrived where it does not land.
+            timeout: Seconds for each vehicle; None sets no overall limit.
+
+        Returns:
+            The outcome of each vehicle; its errors are those of `Vehicle.rtl`.
+        """
+
+    def hold(self, *, timeout: float | None=None) -> Results[None]:
+        """Let all vehicles hold their positions.
+
+        Args:
+            timeout: Seconds for each vehicle; None: until retries are exhausted.
+
+        Returns:
+            The outcome of each vehicle; its errors are those of `Vehicle.hold`.
+        """
+
+    def set_speed(self, speed: float, *, timeout: float | None=None) -> Results[None]:
+        """Set the ground speed of all vehicles.
+
+        Args:
+            speed: Metres per second.
+            timeout: Seconds for each vehicle; None: until retries are exhausted.
+
+        Returns:
+            The outcome of each vehicle; its errors are those of `Vehicle.set_speed`.
+        """
+
+    def reboot(self, *, wait: bool=True, timeout: float | None=None) -> Results[None]:
+        """Reboot all autopilots.
+
+        Args:
+            wait: Wait until each autopilot is back.
+            timeout: Seconds for each vehicle; None: until retries are exhausted, or it stays away.
+
+        Returns:
+            The outcome of each vehicle; its errors are those of `Vehicle.reboot`.
+        """
+
+    @property
+    def systems(self) -> tuple[int, ...]:
+        """The system ids."""
+
+    def __contains__(self, vehicle: object) -> bool:
+        ...
+
+    def __iter__(self) -> Iterator[Vehicle]:
+        ...
+
+    def __len__(self) -> int:
+        ...
+
+class GuidedSession:
+    """A block during which a vehicle follows setpoints; made by `Vehicle.guided`.
+
+    Every setpoint raises `ActionUnsupported` if the vehicle ignores setpoints of its type, and
+    `ActionInterrupted`, `ContactLost` or `RemoteCancelled` if it does not follow any more, and
+    `SetpointError` for numbers that are not finite.
+    """
+
+    @property
+    def interrupted(self) -> bool:
+        """True if the vehicle has left the mode in which it follows setpoints."""
+
+    def check(self) -> None:
+        """Raise an error if the vehicle does not follow setpoints any more.
+
+        Raises:
+            ActionInterrupted: The vehicle left the mode.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
+        """
+
+    def set(self, setpoint: Setpoint) -> None:
+        """Follow a setpoint of any type, with NED axes as on the wire.
+
+        Args:
+            setpoint: A `LocalSetpoint`, `GlobalSetpoint` or `AttitudeSetpoint`; axes that it leaves out are
+                left to the vehicle.
+
+        Raises:
+            ActionUnsupported: The vehicle ignores setpoints of this type; it was not sent.
+            ActionInterrupted: The vehicle left the mode.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def velocity(self, north: float=0.0, east: float=0.0, up: float=0.0, *, yaw: float | None=None) -> None:
+        """Fly with a velocity (SET_POSITION_TARGET_LOCAL_NED).
+
+        Args:
+            north: Metres per second to the north.
+            east: Metres per second to the east.
+            up: Metres per second upwards.
+            yaw: Heading in degrees; None leaves it to the vehicle.
+
+        Raises:
+            ActionInterrupted: The vehicle left the mode.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def body_velocity(self, forward: float=0.0, right: float=0.0, up: float=0.0, *, yaw_rate: float=0.0) -> None:
+        """Fly with a velocity in the axes of the body (SET_POSITION_TARGET_LOCAL_NED in BODY_NED).
+
+        Args:
+            forward: Metres per second forwards.
+            right: Metres per second to the right.
+            up: Metres per second upwards.
+            yaw_rate: Degrees per second, positive clockwise.
+
+        Raises:
+            ActionInterrupted: The vehicle left the mode.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def position(self, north: float, east: float, up: float, *, yaw: float | None=None) -> None:
+        """Go to a position in the local frame (SET_POSITION_TARGET_LOCAL_NED).
+
+        Args:
+            north: Metres north of the origin of the vehicle's local frame.
+            east: Metres east of it.
+            up: Metres above it.
+            yaw: Heading in degrees; None leaves it to the vehicle.
+
+        Raises:
+            ActionInterrupted: The vehicle left the mode.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def goto(self, latitude: float, longitude: float, altitude: float, *, yaw: float | None=None) -> None:
+        """Go to a global position (SET_POSITION_TARGET_GLOBAL_INT).
+
+        Args:
+            latitude: Degrees.
+            longitude: Degrees.
+            altitude: Metres above home.
+            yaw: Heading in degrees; None leaves it to the vehicle.
+
+        Raises:
+            ActionInterrupted: The vehicle left the mode.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def attitude(self, roll: float, pitch: float, yaw: float, thrust: float) -> None:
+        """Hold an attitude (SET_ATTITUDE_TARGET).
+
+        Args:
+            roll: Degrees, positive to the right.
+            pitch: Degrees, positive nose up.
+            yaw: Heading in degrees.
+            thrust: 0 to 1.
+
+        Raises:
+            ActionInterrupted: The vehicle left the mode.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def __enter__(self) -> Self:
+        ...
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        ...
+
+class Listener:
+    """A callback that is called with each packet of its message classes, until `close`."""
+    ids: tuple[int, ...]
+    source: Address
+    deliver: Callable[[Packet], None]
+
+    def close(self) -> None:
+        """Unregister the callback. Idempotent."""
+
 class Logs:
     """The logs stored on a remote component, by the log protocol (LOG_REQUEST_LIST, LOG_REQUEST_DATA)."""
 
@@ -1111,6 +1675,156 @@ class Logs:
         Raises:
             LogTimeout: The component does not answer, or still lists logs.
             RemoteCancelled: The node was closed.
+        """
+
+class MessageStream(Generic[AnyMessage]):
+    """An iterator of one vehicle's messages; made by `Vehicle.stream`.
+
+    `async with` ends the stream with the block, and so does dropping the last reference to it. A reader that
+    is too slow loses the oldest messages (`dropped`).
+    """
+
+    @property
+    def dropped(self) -> int:
+        """The number of messages that were lost because they were not read in time."""
+
+    @property
+    def denied(self) -> dict[type[Message], CommandDenied]:
+        """The refusals of the rate, by message class."""
+
+    def drain(self) -> list[AnyMessage]:
+        """Return all messages that arrived and were not read, without waiting."""
+
+    def close(self) -> None:
+        """Unsubscribe, and release the requested rate. Idempotent."""
+
+    def __iter__(self) -> Self:
+        ...
+
+    def __next__(self) -> AnyMessage:
+        """Return the next message.
+
+        Raises:
+            CommandDenied: The vehicle refused to send the messages, and none arrived.
+            StopAsyncIteration: The stream or its connection was closed.
+        """
+
+    def __enter__(self) -> Self:
+        ...
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        ...
+
+    def __del__(self) -> None:
+        ...
+
+class Mission(VehiclePlan):
+    """The mission of a vehicle; `vehicle.mission`."""
+
+    def upload(self, items: Plan | Iterable[MissionItem], *, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> Plan:
+        """Replace the vehicle's mission atomically: it holds either the old or the whole new mission.
+
+        A mission that begins far away is uploaded, with a `MissionWarning`.
+
+        Args:
+            items: A plan or its items.
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+            progress: Called with the number of items sent and the number of all items.
+
+        Returns:
+            The plan, with the id that the vehicle gave it.
+
+        Raises:
+            InvalidTypeError: An item is not a `MissionItem`.
+            MissionDenied: The vehicle refused the plan.
+            MissionTimeout: The vehicle did not answer, or the transfer stalled.
+        """
+
+    @property
+    def progress(self) -> MissionProgress | None:
+        """The last progress that the vehicle reported (MISSION_CURRENT); None before the first report."""
+
+    @property
+    def last_seq(self) -> int:
+        """The sequence number of the last item, as far as it is known; -1 if it is not."""
+
+    @property
+    def landing_seq(self) -> int:
+        """The sequence number of the landing or return at the end of the mission; else `last_seq`."""
+
+    def reached_items(self) -> Subscription[ItemReached]:
+        """Return an iterator of the items that the vehicle reaches from now on.
+
+        Returns:
+            A subscription of `ItemReached` events; close it, or use it as a context manager.
+        """
+
+    def set_current(self, seq: int, *, restart: bool=False, timeout: float | None=None) -> None:
+        """Set the item that the vehicle flies to next.
+
+        Args:
+            seq: The sequence number of the item.
+            restart: Start the mission again, with its jump counters reset.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidTypeError: The sequence number is not a number.
+            CommandDenied: The vehicle refused the item.
+            CommandTimeout: The vehicle did not answer, and `restart` is set.
+            MissionDenied: The vehicle refused MISSION_SET_CURRENT.
+            MissionTimeout: The vehicle did not answer.
+        """
+
+    def start(self, *, arm: bool=False, timeout: float | None=None) -> None:
+        """Fly the mission, from its start or from where it was paused.
+
+        Args:
+            arm: Arm a disarmed vehicle first, as `Vehicle.arm` does; it leaves a mode in which it does not
+                arm or would start by itself, and is disarmed again if it refuses the mission.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            ActionRefused: The vehicle is not armed, and `arm` is False, or it has no mission; nothing but
+                reads was sent.
+            CommandDenied: The vehicle refused; it is as it was before.
+            CommandTimeout: The vehicle did not answer.
+            ModeTimeout: The vehicle accepted its mission mode and did not enter it.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
+    def pause(self, *, timeout: float | None=None) -> None:
+        """Hold the present position; `start` resumes the mission.
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            ActionRefused: The vehicle is not armed; nothing was sent.
+            CommandDenied: The vehicle refused.
+            CommandTimeout: The vehicle did not answer.
+            ModeTimeout: The vehicle accepted the mode and did not enter it.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
+    def fly(self, *, timeout: float | None=None) -> None:
+        """Arm if the vehicle is disarmed, start the mission, and wait for its end.
+
+        A mission that ends with a landing ends when the vehicle has landed.
+
+        Args:
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            ActionRefused: It has no mission; nothing but reads was sent.
+            CommandDenied: The vehicle refused to be armed, or to start the mission; it is as it was before.
+            CommandTimeout: The vehicle did not answer.
+            ModeTimeout: The vehicle accepted its mission mode and did not enter it.
+            MissionDenied: The vehicle refused the download of its mission.
+            MissionTimeout: The vehicle did not answer the request for its mission.
+            ActionTimeout: The call did not end within `timeout`, or no item was reached for a long time.
+            ActionInterrupted: The vehicle left the mission.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
         """
 
 class Modes:
@@ -1173,6 +1887,476 @@ class Modes:
 
     def changes(self) -> Subscription[ModeSeen]:
         """Subscribe to changes of the mode."""
+
+class Node:
+    """The local MAVLink component; open it with `async with`, or with `open()` and `close()`.
+
+    Args:
+        links: URLs such as "udpin://0.0.0.0:14550", or links from `mavstack.links`.
+        system: The node's system id, 1 to 255.
+        component: The node's component id, 1 to 255.
+        type: The MAV_TYPE in the node's HEARTBEAT.
+        autopilot: The MAV_AUTOPILOT in the node's HEARTBEAT; INVALID for everything but flight controllers.
+        dialect: The dialect of the messages; None: "all".
+        version: The MAVLink version of sent packets, 1 or 2; both are received. "auto": 1 on the channels of
+            peers that have only been heard speaking version 1, 2 on all others.
+        signing: The key that new channels sign with; None: unsigned.
+        timestamps: The store of the signing timestamp between two runs of the program; None: not stored.
+        heartbeat: Send HEARTBEAT.
+        heartbeat_rate: Heartbeats per second; 0: none.
+        channel: The only channel whose packets count, by its name or its remote address, such as
+            "192.168.1.20:14550" or "/dev/ttyACM0", where several vehicles use one system id; None: all.
+
+    The options `id`, `mavlink`, `signing_key` and `heartbeat_rate` of a link's URL win over the arguments.
+
+    Raises:
+        InvalidArgumentError: `system` or `component` is not in 1 to 255, `version` or `heartbeat_rate` is
+            invalid, or the URLs contradict each other.
+        LinkURLError: A URL is invalid.
+        SigningError: The key that a URL names cannot be read.
+    """
+
+    def stream(self, *messages: type[AnyMessage], system: int=0, component: int=0, queue: int=..., keep_all: bool=False) -> Subscription[AnyMessage]:
+        """Subscribe to messages.
+
+        Args:
+            messages: Message classes; none: every message that the dialect defines.
+            system: The system id of the sender; 0: any.
+            component: The component id of the sender; 0: any.
+            queue: Messages that are queued while the program does not read; then the oldest is dropped.
+            keep_all: Queue without limit and drop nothing.
+
+        Returns:
+            An iterator over the messages; close it, or use it as a context manager.
+        """
+
+    def packets(self, *messages: type[Message], system: int=0, component: int=0, queue: int=..., keep_all: bool=False) -> Subscription[Packet]:
+        """Subscribe to packets: messages with their headers and raw bytes.
+
+        Args:
+            messages: Message classes; none: every packet, unknown message ids included.
+            system: The system id of the sender; 0: any.
+            component: The component id of the sender; 0: any.
+            queue: Packets that are queued while the program does not read; then the oldest is dropped.
+            keep_all: Queue without limit and drop nothing.
+
+        Returns:
+            An iterator over the packets; close it, or use it as a context manager.
+        """
+
+    def add_listener(self, kind: type[AnyMessage] | tuple[type[AnyMessage], ...], callback: Callable[[AnyMessage], None], *, system: int=0, component: int=0) -> Listener:
+        """Call a function with each message of a class, as soon as it is received.
+
+        Args:
+            kind: A message class, or a tuple of them.
+            callback: The function. It must return quickly, since it runs in the event loop.
+            system: The system id of the sender; 0: any.
+            component: The component id of the sender; 0: any.
+
+        Returns:
+            The listener; its `close()` ends the calls.
+        """
+
+    def add_packet_listener(self, kind: type[Message] | tuple[type[Message], ...] | None, callback: Callable[[Packet], None], *, system: int=0, component: int=0) -> Listener:
+        """Call a function with each packet of a message class, as soon as it is received.
+
+        Args:
+            kind: A message class, or a tuple of them; None: every packet, unknown message ids included.
+            callback: The function. It must return quickly, since it runs in the event loop.
+            system: The system id of the sender; 0: any.
+            component: The component id of the sender; 0: any.
+
+        Returns:
+            The listener; its `close()` ends the calls.
+        """
+
+    def record(self, path: str | PathLike[str], *, sent: bool=True, max_size: int | None=None, max_duration: float | None=None, keep: int | None=None) -> Recording:
+        """Record the packets that the node receives and sends, without keys, passwords and signatures.
+
+        Packets that are refused because of their signature are not recorded. With `max_size` or
+        `max_duration` the files have a number: `flight-0001.tlog`, `flight-0002.tlog` …
+
+        Args:
+            path: Path of a new file: a tlog, or with the suffix `.pcap` a capture for Wireshark.
+            sent: True records sent packets too, once for each channel.
+            max_size: Bytes of a file before the next one begins; None: no limit.
+            max_duration: Seconds of a file before the next one begins; None: no limit.
+            keep: Number of numbered files that are kept, the newest ones; None keeps all.
+
+        Returns:
+            The recording: close it, or use it as a context manager.
+
+        Raises:
+            InvalidArgumentError: A limit is not positive.
+            LogError: The file exists, or cannot be created.
+        """
+
+    def events(self, *kinds: type[AnyEvent], of: Service | None=None, queue: int=...) -> Subscription[AnyEvent]:
+        """Subscribe to events of links and services.
+
+        Args:
+            kinds: Event classes; none: all.
+            of: The service whose events are delivered; None: all links and services.
+            queue: Events that are queued while the program does not read; then the oldest is dropped.
+
+        Returns:
+            An iterator over the events; close it, or use it as a context manager.
+        """
+
+    def send(self, message: Message, target: Address | None=None) -> None:
+        """Send a message over the channels that lead to its target.
+
+        Args:
+            message: The message.
+            target: The address to send to; None: the address in its target fields, or all components.
+
+        Raises:
+            InvalidStateError: The node is closed.
+            EncodeError: The message cannot be encoded in the node's MAVLink version.
+        """
+
+    def forward(self, packet: Packet) -> None:
+        """Send a packet of another component unchanged to its target; see `Forwarding`.
+
+        A SETUP_SIGNING is dropped, since it carries a signing key.
+
+        Args:
+            packet: The packet.
+
+        Raises:
+            InvalidStateError: The node is closed.
+        """
+
+    @property
+    def commands(self) -> CommandHandlers:
+        """The handlers of commands that remote components send to this node."""
+
+    @property
+    def message_server(self) -> MessageServer:
+        """The server of the messages that were given to `publish`."""
+
+    def serve(self, service: AnyService) -> AnyService:
+        """Run a service on this node, now or as soon as the node opens.
+
+        Args:
+            service: The service, such as a `FtpServer` with this node's address.
+
+        Returns:
+            The service.
+        """
+
+    def wake(self, service: Service) -> None:
+        """Process a service after the program called one of its methods: its messages, events and timer.
+
+        Args:
+            service: A service that was given to `serve`.
+        """
+
+    def run_operation(self, client: Client, operation: Operation[Result], progress: Callable[[int, int], None] | None=None) -> Result:
+        """Run an operation of a client that was given to `serve`; a cancelled task cancels it on both ends.
+
+        Args:
+            client: The client.
+            operation: The operation, not started yet.
+            progress: Called with the units done and in total.
+
+        Returns:
+            The result of the operation.
+
+        Raises:
+            RemoteError: The operation failed; a subclass says how.
+            InvalidStateError: The node is closed.
+        """
+
+    def now(self) -> float:
+        """Return the time of services: Unix seconds that never decrease.
+
+        Raises:
+            InvalidStateError: The node is closed.
+        """
+
+    def set_heartbeat(self, *, base_mode: int | None=None, custom_mode: int | None=None, system_status: int | None=None) -> None:
+        """Change fields of the node's own HEARTBEAT; the next HEARTBEAT is sent immediately.
+
+        Args:
+            base_mode: MAV_MODE_FLAG flags; None: unchanged.
+            custom_mode: The firmware's mode number; None: unchanged.
+            system_status: A MAV_STATE; None: unchanged.
+        """
+
+    def publish(self, message: type[Message], producer: Callable[[float], Message | None], *, interval: float=0.0) -> None:
+        """Publish a message: at an interval, at the rates that remote components set, and on request.
+
+        Args:
+            message: The message class.
+            producer: Called with the time; returns the message, or None if there is none to send.
+            interval: Seconds between two messages; 0: only on request, and at rates that are set.
+        """
+
+    def send_statustext(self, text: str, severity: int=...) -> None:
+        """Send a status text to all components (STATUSTEXT); a long text is sent in chunks.
+
+        Args:
+            text: The text.
+            severity: The MAV_SEVERITY.
+        """
+
+    def serve_camera(self, *devices: CameraDevice) -> CameraServer:
+        """Offer a camera by the camera protocol v2, or several that are attached to this autopilot.
+
+        Args:
+            devices: The camera; for attached cameras each with a device id from 1 to 6.
+
+        Returns:
+            The server of the cameras.
+
+        Raises:
+            InvalidArgumentError: There is no camera, or two have one device id.
+        """
+
+    def serve_gimbal(self, *devices: GimbalDevice) -> GimbalManagerServer:
+        """Offer gimbals by the gimbal protocol v2, as their gimbal manager.
+
+        Args:
+            devices: The gimbals, each with a device id of its own.
+
+        Returns:
+            The server of the gimbals.
+
+        Raises:
+            InvalidArgumentError: There is no gimbal, or two have one device id.
+        """
+
+    def serve_terrain(self, heights: Heights) -> TerrainServer:
+        """Send the terrain that vehicles ask for (TERRAIN_REQUEST, TERRAIN_DATA).
+
+        Args:
+            heights: Called with a latitude and a longitude in degrees; returns the height of the terrain in
+                metres above mean sea level, or None if it is not known. It must return quickly, since it runs
+                in the event loop, 16 times for each tile.
+
+        Returns:
+            The server; its `sent` and `unknown` count the tiles.
+        """
+
+    def on_command(self, command: int) -> Callable[[AnyHandler], AnyHandler]:
+        """Register a function, plain or async, as the handler of a command; see `CommandHandlers`.
+
+        Args:
+            command: The MAV_CMD.
+
+        Returns:
+            A decorator for the function.
+        """
+
+    def channel_state(self, channel: Channel) -> ChannelState | None:
+        """Return the signing state, pace and statistics of a channel.
+
+        Args:
+            channel: A channel of one of the node's links.
+
+        Returns:
+            The state; None if the channel is closed. Its `trusted` allows `trusted_channel_policy`.
+        """
+
+    def trusted_channel_policy(self) -> Callable[[SigningRequest], str | None]:
+        """Return the policy for a `SigningSetupServer` that accepts keys over trusted channels alone.
+
+        Returns:
+            The policy. A channel is trusted once the program sets `channel_state(channel).trusted`.
+        """
+    links: list[Link]
+
+    def has_address_conflict(self, address: Address) -> bool:
+        """Return whether several senders use one address.
+
+        Args:
+            address: The address of a component.
+
+        Returns:
+            True while packets of that address contradict each other (boot time, type or unique id).
+        """
+
+    def id_conflict(self, system: int) -> Conflict | None:
+        """Return the vehicles that use one system id.
+
+        Args:
+            system: The system id.
+
+        Returns:
+            The senders and what tells them apart; None if no more than one vehicle uses the system id.
+        """
+
+    def choose_sender(self, system: int, channel: Channel | str | None) -> None:
+        """Choose the vehicle to work with, where several use one system id.
+
+        Its packets count only on that channel, and packets for it go over that channel alone, until another
+        choice or until the channel closes.
+
+        Args:
+            system: The system id.
+            channel: The channel, its name, or its remote address, such as "192.168.1.20:14550"; None: take
+                the choice back.
+
+        Raises:
+            InvalidArgumentError: No open channel is named so, or the vehicles share the channel.
+        """
+
+    def check_sender(self, system: int, operation: str='acting on') -> None:
+        """Wait until it is clear whether several vehicles use a system id, and refuse if they do.
+
+        Every call that acts is refused in any case; this one comes before it does anything.
+
+        Args:
+            system: The system id.
+            operation: The operation in the text of the error, with its preposition.
+
+        Raises:
+            SystemIdConflictError: Several vehicles use the system id, and none was chosen.
+        """
+
+    def refuse_conflict(self, system: int, operation: str='acting on') -> None:
+        """Refuse if several vehicles are known to use a system id.
+
+        Args:
+            system: The system id.
+            operation: The operation in the text of the error, with its preposition.
+
+        Raises:
+            SystemIdConflictError: Several vehicles use the system id, and none was chosen.
+        """
+
+    def forget_sender(self, system: int) -> None:
+        """Forget the chosen vehicle of a system id, because it has another system id now.
+
+        Args:
+            system: The system id that it had.
+        """
+
+    def chosen_sender(self, system: int) -> str | None:
+        """Return the name of the channel that was chosen for a system id.
+
+        Args:
+            system: The system id.
+
+        Returns:
+            The name of the channel; None if none was chosen.
+        """
+
+    def __init__(self, *links: str | Link, system: int=255, component: int=..., type: int=..., autopilot: int=..., dialect: HasCoreDialect | None=None, version: Version=2, signing: SigningKey | None=None, timestamps: TimestampStore | None=None, heartbeat: bool=True, heartbeat_rate: float=1.0, channel: str | None=None) -> None:
+        ...
+
+    @property
+    def address(self) -> Address:
+        """The node's own system and component id."""
+
+    @property
+    def dialect(self) -> HasCoreDialect:
+        """The dialect of the node's messages."""
+
+    @property
+    def components(self) -> dict[Address, ComponentInfo]:
+        """Every component discovered so far, by address."""
+
+    @property
+    def is_open(self) -> bool:
+        """True while the node is open."""
+
+    def open(self) -> Self:
+        """Open the links and start the services. Does nothing if the node is open.
+
+        Returns:
+            The node.
+
+        Raises:
+            LinkError: A link cannot be opened; the others are closed again.
+            SigningError: The stored signing timestamp cannot be read.
+        """
+
+    def close(self) -> None:
+        """Cancel running operations on both ends, end all subscriptions and close the links. Idempotent.
+
+        Packets that arrive meanwhile are ignored. A step that fails does not keep the others from being done;
+        its error is raised at the end.
+        """
+
+    def add_link(self, link: str | Link) -> Link:
+        """Add a link; on an open node the link is opened at once.
+
+        The address and the heartbeats of a node do not change while it is open, so the URL must not name
+        others.
+
+        Args:
+            link: A URL such as "tcpout://192.168.1.20:5760", or a link.
+
+        Returns:
+            The link.
+
+        Raises:
+            InvalidArgumentError: The URL gives the node another address, or a rate of heartbeats.
+            LinkError: The link cannot be opened.
+            LinkURLError: The URL is invalid.
+            SigningError: The key that the URL names cannot be read.
+        """
+
+    def remove_link(self, link: Link) -> None:
+        """Close a link and remove it; components that were reachable over it alone become lost.
+
+        Args:
+            link: One of `links`.
+
+        Raises:
+            InvalidArgumentError: The node does not have that link.
+        """
+
+    def component(self, system: int, component: int=...) -> RemoteComponent:
+        """Return a remote component by its address, whether it was discovered or not.
+
+        Args:
+            system: The system id.
+            component: The component id.
+
+        Returns:
+            The component; the same object for the same address.
+        """
+
+    def wait_for_autopilot(self, system: int | None=None, *, timeout: float | None=...) -> RemoteComponent:
+        """Wait until the heartbeat of an autopilot is received.
+
+        Args:
+            system: The system id; None: the first autopilot that is discovered.
+            timeout: Seconds to wait; None: for ever.
+
+        Returns:
+            The autopilot.
+
+        Raises:
+            RemoteTimeout: No autopilot was discovered in time; the text names the traffic received.
+        """
+
+    def wait_for_component(self, predicate: Callable[[ComponentInfo], bool], description: str='a component', *, timeout: float | None=...) -> RemoteComponent:
+        """Wait until a component is alive for which `predicate` is true.
+
+        Args:
+            predicate: Called with the `ComponentInfo` of each component.
+            description: The name of the component in the error text.
+            timeout: Seconds to wait; None: for ever.
+
+        Returns:
+            The first component for which `predicate` is true.
+
+        Raises:
+            RemoteTimeout: No such component was discovered in time; the text names the traffic received.
+        """
+
+    def serve_forever(self) -> None:
+        """Wait until the task is cancelled: the last call of a program that only serves."""
+
+    def __enter__(self) -> Self:
+        ...
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        ...
 
 class Params:
     """The parameters of a remote component, by the parameter protocol or ArduPilot's packed file."""
@@ -1396,27 +2580,22 @@ class Plans:
     def progress(self) -> MissionProgress | None:
         """The progress of a mission (MISSION_CURRENT); None if not received, or for other plans."""
 
-class Shell:
-    """A shell: write commands to it, and iterate over its output as text; a context manager."""
+class Recording:
+    """A running recording; a context manager that ends it."""
 
-    def write(self, data: bytes) -> None:
-        """Send bytes to the shell.
+    @property
+    def packets(self) -> int:
+        """Number of packets that were written."""
 
-        Args:
-            data: The bytes, with their line ends.
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """Paths of the files, oldest first."""
 
-        Raises:
-            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
-        """
-
-    def write_line(self, text: str) -> None:
-        """Send a line to the shell.
-
-        Args:
-            text: The line, without its end.
+    def close(self) -> None:
+        """End the recording. Idempotent.
 
         Raises:
-            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
+            LogError: A file could not be written; it keeps the packets before.
         """
 
     def __enter__(self) -> Self:
@@ -1425,213 +2604,104 @@ class Shell:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         ...
 
-    def __iter__(self) -> Self:
-        ...
+class RegionOfInterest:
+    """The region of interest of a vehicle; `vehicle.roi`."""
 
-    def __next__(self) -> str:
-        ...
-
-class Terrain:
-    """The terrain that a vehicle has from ground stations (TERRAIN_CHECK, TERRAIN_REPORT)."""
-
-    def check(self, latitude: float, longitude: float, *, timeout: float | None=None) -> TerrainState:
-        """Ask for the terrain that the vehicle has at a position; it requests what it lacks there.
+    def set_location(self, latitude: float, longitude: float, altitude: float=0.0, *, timeout: float | None=None) -> None:
+        """Keep pointing at a location (MAV_CMD_DO_SET_ROI_LOCATION).
 
         Args:
             latitude: Degrees.
             longitude: Degrees.
+            altitude: Metres above home.
             timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Returns:
-            The height of the terrain if the vehicle has it, and how many tiles it has and waits for.
 
         Raises:
             InvalidTypeError: An argument is not a number.
-            InvalidArgumentError: The position is not on Earth.
-            RemoteTimeout: The vehicle does not answer; PX4 does not have this protocol.
-            RemoteCancelled: The node was closed.
+            InvalidArgumentError: The location is not one on Earth.
+            CommandDenied: The vehicle refused, or has no home (PX4 counts altitudes from the sea).
+            CommandTimeout: The vehicle did not answer.
+            MessageTimeout: The vehicle did not report its home, which the altitude counts from (PX4).
+            ActionTimeout: The call did not end within `timeout`.
         """
 
-    def wait_until_loaded(self, *positions: Position, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> None:
-        """Wait until the vehicle has the terrain of all positions, such as the waypoints of a mission.
+    def set_next_waypoint(self, *, pitch: float=0.0, roll: float=0.0, yaw: float=0.0, timeout: float | None=None) -> None:
+        """Keep pointing at the next waypoint, turned by an offset (MAV_CMD_DO_SET_ROI_WPNEXT_OFFSET).
 
         Args:
-            positions: Latitudes and longitudes in degrees.
-            timeout: Seconds for the whole call; None: until no tile arrived for a minute.
-            progress: Called with the positions whose terrain the vehicle has, and all positions.
+            pitch: Degrees, positive up.
+            roll: Degrees, positive to the right.
+            yaw: Degrees, positive clockwise.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
 
         Raises:
-            InvalidTypeError: A position is not two numbers.
-            InvalidArgumentError: A position is not on Earth.
-            RemoteTimeout: The vehicle does not answer, or no ground station sends it the terrain.
-            RemoteCancelled: The node was closed.
+            InvalidTypeError: An angle is not a number.
+            InvalidArgumentError: An angle is not finite.
+            ActionUnsupported: The firmware does not do that (ArduPilot); nothing was sent.
+            CommandDenied: The vehicle refused.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
+    def clear(self, *, timeout: float | None=None) -> None:
+        """Point ahead again (MAV_CMD_DO_SET_ROI_NONE).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            CommandDenied: The vehicle refused.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The call did not end within `timeout`.
         """
 
 class RemoteComponent:
     """A component of another system; from `Node.component`, `wait_for_autopilot` or `wait_for_component`."""
+    address: Address
 
-    def events(self, *, severity: int=..., queue: int=...) -> EventStream:
-        """Subscribe to the events of the component (EVENT); missing ones are requested again.
+    @property
+    def params(self) -> Params:
+        """The component's parameters."""
 
-        Args:
-            severity: The least severe level to deliver, a MAV_SEVERITY or `LogLevel`; `LogLevel.DISABLED`:
-                every event, also those that are for programs only.
-            queue: Events that are queued while the program does not read; then the oldest is dropped.
+    @property
+    def extended_params(self) -> ExtendedParams:
+        """The component's extended parameters, as cameras have them."""
 
-        Returns:
-            An iterator of the events, with the words of the component's metadata.
-
-        Raises:
-            InvalidTypeError: The severity is not a number.
-            InvalidArgumentError: The severity is not from 0 to 9.
-        """
-
-    def add_event_listener(self, callback: Callable[[DecodedEvent], object], *, severity: int=...) -> EventListener:
-        """Call a function with each event of the component (EVENT); missing ones are requested again.
-
-        Args:
-            callback: The function. It must return quickly, since it runs in the event loop.
-            severity: The least severe level to deliver, as for `events`.
-
-        Returns:
-            The listener; its `close()` ends the calls.
-
-        Raises:
-            InvalidTypeError: The severity is not a number.
-            InvalidArgumentError: The severity is not from 0 to 9.
-        """
-
-    def download_event_metadata(self, *, fetch: Callable[[str], bytes] | None=None, cache: MetadataCache | None=..., timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> Mapping[int, EventDefinition]:
-        """Download the definitions of the events (COMPONENT_METADATA, MAVLink FTP), unless they are cached.
-
-        Streams and listeners do so by themselves, unless the definitions are on a web server.
-
-        Args:
-            fetch: Returns the content of a URL, for components whose metadata is on a web server; called in a
-                thread. The URL comes from the component. None: such a file is refused.
-            cache: Where files are kept by their CRC; None: nowhere.
-            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
-            progress: Called with the bytes received and the bytes in total.
-
-        Returns:
-            The definitions by id, which streams and listeners use from now on.
-
-        Raises:
-            RemoteDenied: The component has no metadata of events, or does not give it.
-            RemoteTimeout: The component does not answer.
-            RemoteProtocolError: The file is damaged, or is not metadata of events.
-            RemoteCancelled: The node was closed.
-        """
-
-    @cached_property
-    def camera(self) -> Camera:
-        """The component as a camera (camera protocol v2)."""
-
-    @cached_property
-    def gimbal(self) -> Gimbal:
-        """All gimbals that the component manages, as one (gimbal protocol v2)."""
-
-    def attached_camera(self, device_id: int) -> Camera:
-        """Return a camera that is attached to this autopilot.
-
-        Args:
-            device_id: 1 to 6.
-
-        Returns:
-            The camera; the same object for the same id.
-
-        Raises:
-            InvalidArgumentError: The id is out of range.
-        """
-
-    def gimbal_device(self, device_id: int) -> Gimbal:
-        """Return one of the gimbals that the component manages.
-
-        Args:
-            device_id: 1 to 6, or the component id of the gimbal device.
-
-        Returns:
-            The gimbal; the same object for the same id.
-
-        Raises:
-            InvalidArgumentError: The id is out of range.
-        """
-
-    def list_cameras(self, *, timeout: float | None=None) -> tuple[Camera, ...]:
-        """List the cameras of the component: itself, or those attached to an autopilot (CAMERA_INFORMATION).
-
-        Args:
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Returns:
-            The cameras; none if the component has no camera.
-
-        Raises:
-            MessageTimeout: The component does not answer.
-        """
-
-    def list_gimbals(self, *, timeout: float | None=None) -> tuple[Gimbal, ...]:
-        """List the gimbals that the component manages (GIMBAL_MANAGER_INFORMATION).
-
-        Args:
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Returns:
-            The gimbals; none if the component manages no gimbal.
-
-        Raises:
-            MessageTimeout: The component does not answer.
-        """
-
-    @cached_property
+    @property
     def mission(self) -> Plans:
         """The component's mission."""
 
-    @cached_property
+    @property
     def fence(self) -> Plans:
         """The component's geofence."""
 
-    @cached_property
+    @property
     def rally(self) -> Plans:
         """The component's rally points."""
-    address: Address
 
-    def setpoints(self, rate: float=20.0) -> ControlStream[Setpoint]:
-        """Stream setpoints while a block runs, as the offboard and guided modes need them.
+    @property
+    def modes(self) -> Modes:
+        """The component's flight modes."""
 
-        Args:
-            rate: Hertz at which the last setpoint is repeated.
+    @property
+    def ftp(self) -> Ftp:
+        """The component's files, by MAVLink FTP."""
 
-        Returns:
-            A context manager with `set(setpoint)`.
-        """
+    @property
+    def logs(self) -> Logs:
+        """The component's logs."""
 
-    def manual_control(self, rate: float=20.0) -> ControlStream[ManualInput]:
-        """Stream stick positions while a block runs (MANUAL_CONTROL).
+    @property
+    def camera(self) -> Camera:
+        """The component as a camera (camera protocol v2)."""
 
-        Args:
-            rate: Hertz at which the last stick positions are repeated.
+    @property
+    def gimbal(self) -> Gimbal:
+        """All gimbals that the component manages, as one (gimbal protocol v2)."""
 
-        Returns:
-            A context manager with `set(input)`.
-        """
-
-    def override_channels(self, rate: float=20.0) -> ControlStream[ChannelOverride]:
-        """Override radio control channels while a block runs (RC_CHANNELS_OVERRIDE).
-
-        Args:
-            rate: Hertz at which the last values are repeated.
-
-        Returns:
-            A context manager with `set(override)`.
-        """
-
-    def shell(self) -> Shell:
-        """Open a shell on the component while a block runs (SERIAL_CONTROL).
-
-        Returns:
-            A context manager; write lines to it, iterate over its output.
-        """
+    @property
+    def terrain(self) -> Terrain:
+        """The terrain that the component, a vehicle, has from ground stations."""
 
     @property
     def info(self) -> ComponentInfo | None:
@@ -1803,25 +2873,147 @@ class RemoteComponent:
             EncodeError: The message cannot be encoded in the node's MAVLink version.
         """
 
-    @cached_property
-    def params(self) -> Params:
-        """The component's parameters."""
+    def events(self, *, severity: int=..., queue: int=...) -> EventStream:
+        """Subscribe to the events of the component (EVENT); missing ones are requested again.
 
-    @cached_property
-    def extended_params(self) -> ExtendedParams:
-        """The component's extended parameters, as cameras have them."""
+        Args:
+            severity: The least severe level to deliver, a MAV_SEVERITY or `LogLevel`; `LogLevel.DISABLED`:
+                every event, also those that are for programs only.
+            queue: Events that are queued while the program does not read; then the oldest is dropped.
 
-    @cached_property
-    def ftp(self) -> Ftp:
-        """The component's files, by MAVLink FTP."""
+        Returns:
+            An iterator of the events, with the words of the component's metadata.
 
-    @cached_property
-    def logs(self) -> Logs:
-        """The component's logs."""
+        Raises:
+            InvalidTypeError: The severity is not a number.
+            InvalidArgumentError: The severity is not from 0 to 9.
+        """
 
-    @cached_property
-    def modes(self) -> Modes:
-        """The component's flight modes."""
+    def add_event_listener(self, callback: Callable[[DecodedEvent], object], *, severity: int=...) -> EventListener:
+        """Call a function with each event of the component (EVENT); missing ones are requested again.
+
+        Args:
+            callback: The function. It must return quickly, since it runs in the event loop.
+            severity: The least severe level to deliver, as for `events`.
+
+        Returns:
+            The listener; its `close()` ends the calls.
+
+        Raises:
+            InvalidTypeError: The severity is not a number.
+            InvalidArgumentError: The severity is not from 0 to 9.
+        """
+
+    def download_event_metadata(self, *, fetch: Callable[[str], bytes] | None=None, cache: MetadataCache | None=..., timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> Mapping[int, EventDefinition]:
+        """Download the definitions of the events (COMPONENT_METADATA, MAVLink FTP), unless they are cached.
+
+        Streams and listeners do so by themselves, unless the definitions are on a web server.
+
+        Args:
+            fetch: Returns the content of a URL, for components whose metadata is on a web server; called in a
+                thread. The URL comes from the component. None: such a file is refused.
+            cache: Where files are kept by their CRC; None: nowhere.
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+            progress: Called with the bytes received and the bytes in total.
+
+        Returns:
+            The definitions by id, which streams and listeners use from now on.
+
+        Raises:
+            RemoteDenied: The component has no metadata of events, or does not give it.
+            RemoteTimeout: The component does not answer.
+            RemoteProtocolError: The file is damaged, or is not metadata of events.
+            RemoteCancelled: The node was closed.
+        """
+
+    def attached_camera(self, device_id: int) -> Camera:
+        """Return a camera that is attached to this autopilot.
+
+        Args:
+            device_id: 1 to 6.
+
+        Returns:
+            The camera; the same object for the same id.
+
+        Raises:
+            InvalidArgumentError: The id is out of range.
+        """
+
+    def gimbal_device(self, device_id: int) -> Gimbal:
+        """Return one of the gimbals that the component manages.
+
+        Args:
+            device_id: 1 to 6, or the component id of the gimbal device.
+
+        Returns:
+            The gimbal; the same object for the same id.
+
+        Raises:
+            InvalidArgumentError: The id is out of range.
+        """
+
+    def list_cameras(self, *, timeout: float | None=None) -> tuple[Camera, ...]:
+        """List the cameras of the component: itself, or those attached to an autopilot (CAMERA_INFORMATION).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The cameras; none if the component has no camera.
+
+        Raises:
+            MessageTimeout: The component does not answer.
+        """
+
+    def list_gimbals(self, *, timeout: float | None=None) -> tuple[Gimbal, ...]:
+        """List the gimbals that the component manages (GIMBAL_MANAGER_INFORMATION).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The gimbals; none if the component manages no gimbal.
+
+        Raises:
+            MessageTimeout: The component does not answer.
+        """
+
+    def setpoints(self, rate: float=20.0) -> ControlStream[Setpoint]:
+        """Stream setpoints while a block runs, as the offboard and guided modes need them.
+
+        Args:
+            rate: Hertz at which the last setpoint is repeated.
+
+        Returns:
+            A context manager with `set(setpoint)`.
+        """
+
+    def manual_control(self, rate: float=20.0) -> ControlStream[ManualInput]:
+        """Stream stick positions while a block runs (MANUAL_CONTROL).
+
+        Args:
+            rate: Hertz at which the last stick positions are repeated.
+
+        Returns:
+            A context manager with `set(input)`.
+        """
+
+    def override_channels(self, rate: float=20.0) -> ControlStream[ChannelOverride]:
+        """Override radio control channels while a block runs (RC_CHANNELS_OVERRIDE).
+
+        Args:
+            rate: Hertz at which the last values are repeated.
+
+        Returns:
+            A context manager with `set(override)`.
+        """
+
+    def shell(self) -> Shell:
+        """Open a shell on the component while a block runs (SERIAL_CONTROL).
+
+        Returns:
+            A context manager; write lines to it, iterate over its output.
+        """
 
     def setup_signing(self, key: SigningKey | None, *, channel: Channel | str | None=None, timeout: float | None=None) -> None:
         """Install a signing key on the component (SETUP_SIGNING), and use it once the component uses it.
@@ -1839,515 +3031,126 @@ class RemoteComponent:
             RemoteTimeout: The component does not answer. Both sides keep the present key.
         """
 
-    @cached_property
-    def terrain(self) -> Terrain:
-        """The terrain that the component, a vehicle, has from ground stations."""
-
     @property
     def clock(self) -> TimesyncClient:
         """The client that follows the component's clock (TIMESYNC), from the first use on; see `estimate`."""
 
-class Node:
-    """The local MAVLink component; open it with `async with`, or with `open()` and `close()`.
+class Results(Mapping['Vehicle', 'Result | Exception'], Generic[Result]):
+    """The outcome of an operation for each vehicle of a group: its result, or the error that it raised."""
 
-    Args:
-        links: URLs such as "udpin://0.0.0.0:14550", or links from `mavstack.links`.
-        system: The node's system id, 1 to 255.
-        component: The node's component id, 1 to 255.
-        type: The MAV_TYPE in the node's HEARTBEAT.
-        autopilot: The MAV_AUTOPILOT in the node's HEARTBEAT; INVALID for everything but flight controllers.
-        dialect: The dialect of the messages; None: "all".
-        version: The MAVLink version of sent packets, 1 or 2; both are received. "auto": 1 on the channels of
-            peers that have only been heard speaking version 1, 2 on all others.
-        signing: The key that new channels sign with; None: unsigned.
-        timestamps: The store of the signing timestamp between two runs of the program; None: not stored.
-        heartbeat: Send HEARTBEAT.
-        heartbeat_rate: Heartbeats per second; 0: none.
-        channel: The only channel whose packets count, by its name or its remote address, such as
-            "192.168.1.20:14550" or "/dev/ttyACM0", where several vehicles use one system id; None: all.
+    @property
+    def ok(self) -> bool:
+        """True if the operation succeeded on all vehicles."""
 
-    The options `id`, `mavlink`, `signing_key` and `heartbeat_rate` of a link's URL win over the arguments.
+    @property
+    def succeeded(self) -> dict[Vehicle, Result]:
+        """The results of the vehicles on which the operation succeeded."""
 
-    Raises:
-        InvalidArgumentError: `system` or `component` is not in 1 to 255, `version` or `heartbeat_rate` is
-            invalid, or the URLs contradict each other.
-        LinkURLError: A URL is invalid.
-        SigningError: The key that a URL names cannot be read.
-    """
+    @property
+    def errors(self) -> dict[Vehicle, Exception]:
+        """The errors of the vehicles on which the operation failed."""
 
-    def stream(self, *messages: type[AnyMessage], system: int=0, component: int=0, queue: int=..., keep_all: bool=False) -> Subscription[AnyMessage]:
-        """Subscribe to messages.
+    @property
+    def failed(self) -> Group:
+        """The group of the vehicles on which the operation failed, to try again."""
 
-        Args:
-            messages: Message classes; none: every message that the dialect defines.
-            system: The system id of the sender; 0: any.
-            component: The component id of the sender; 0: any.
-            queue: Messages that are queued while the program does not read; then the oldest is dropped.
-            keep_all: Queue without limit and drop nothing.
+    def check(self) -> dict[Vehicle, Result]:
+        """Return the results of all vehicles.
 
         Returns:
-            An iterator over the messages; close it, or use it as a context manager.
-        """
-
-    def packets(self, *messages: type[Message], system: int=0, component: int=0, queue: int=..., keep_all: bool=False) -> Subscription[Packet]:
-        """Subscribe to packets: messages with their headers and raw bytes.
-
-        Args:
-            messages: Message classes; none: every packet, unknown message ids included.
-            system: The system id of the sender; 0: any.
-            component: The component id of the sender; 0: any.
-            queue: Packets that are queued while the program does not read; then the oldest is dropped.
-            keep_all: Queue without limit and drop nothing.
-
-        Returns:
-            An iterator over the packets; close it, or use it as a context manager.
-        """
-
-    def add_listener(self, kind: type[AnyMessage] | tuple[type[AnyMessage], ...], callback: Callable[[AnyMessage], None], *, system: int=0, component: int=0) -> Listener:
-        """Call a function with each message of a class, as soon as it is received.
-
-        Args:
-            kind: A message class, or a tuple of them.
-            callback: The function. It must return quickly, since it runs in the event loop.
-            system: The system id of the sender; 0: any.
-            component: The component id of the sender; 0: any.
-
-        Returns:
-            The listener; its `close()` ends the calls.
-        """
-
-    def add_packet_listener(self, kind: type[Message] | tuple[type[Message], ...] | None, callback: Callable[[Packet], None], *, system: int=0, component: int=0) -> Listener:
-        """Call a function with each packet of a message class, as soon as it is received.
-
-        Args:
-            kind: A message class, or a tuple of them; None: every packet, unknown message ids included.
-            callback: The function. It must return quickly, since it runs in the event loop.
-            system: The system id of the sender; 0: any.
-            component: The component id of the sender; 0: any.
-
-        Returns:
-            The listener; its `close()` ends the calls.
-        """
-
-    def record(self, path: str | PathLike[str], *, sent: bool=True, max_size: int | None=None, max_duration: float | None=None, keep: int | None=None) -> Recording:
-        """Record the packets that the node receives and sends, without keys, passwords and signatures.
-
-        Packets that are refused because of their signature are not recorded. With `max_size` or
-        `max_duration` the files have a number: `flight-0001.tlog`, `flight-0002.tlog` …
-
-        Args:
-            path: Path of a new file: a tlog, or with the suffix `.pcap` a capture for Wireshark.
-            sent: True records sent packets too, once for each channel.
-            max_size: Bytes of a file before the next one begins; None: no limit.
-            max_duration: Seconds of a file before the next one begins; None: no limit.
-            keep: Number of numbered files that are kept, the newest ones; None keeps all.
-
-        Returns:
-            The recording: close it, or use it as a context manager.
+            The result of each vehicle.
 
         Raises:
-            InvalidArgumentError: A limit is not positive.
-            LogError: The file exists, or cannot be created.
+            GroupError: The operation failed on a vehicle; the error holds the error of each.
         """
 
-    def events(self, *kinds: type[AnyEvent], of: Service | None=None, queue: int=...) -> Subscription[AnyEvent]:
-        """Subscribe to events of links and services.
-
-        Args:
-            kinds: Event classes; none: all.
-            of: The service whose events are delivered; None: all links and services.
-            queue: Events that are queued while the program does not read; then the oldest is dropped.
-
-        Returns:
-            An iterator over the events; close it, or use it as a context manager.
-        """
-
-    def send(self, message: Message, target: Address | None=None) -> None:
-        """Send a message over the channels that lead to its target.
-
-        Args:
-            message: The message.
-            target: The address to send to; None: the address in its target fields, or all components.
-
-        Raises:
-            InvalidStateError: The node is closed.
-            EncodeError: The message cannot be encoded in the node's MAVLink version.
-        """
-
-    def forward(self, packet: Packet) -> None:
-        """Send a packet of another component unchanged to its target; see `Forwarding`.
-
-        A SETUP_SIGNING is dropped, since it carries a signing key.
-
-        Args:
-            packet: The packet.
-
-        Raises:
-            InvalidStateError: The node is closed.
-        """
-
-    def serve(self, service: AnyService) -> AnyService:
-        """Run a service on this node, now or as soon as the node opens.
-
-        Args:
-            service: The service, such as a `FtpServer` with this node's address.
-
-        Returns:
-            The service.
-        """
-
-    def wake(self, service: Service) -> None:
-        """Process a service after the program called one of its methods: its messages, events and timer.
-
-        Args:
-            service: A service that was given to `serve`.
-        """
-
-    def run_operation(self, client: Client, operation: Operation[Result], progress: Callable[[int, int], None] | None=None) -> Result:
-        """Run an operation of a client that was given to `serve`; a cancelled task cancels it on both ends.
-
-        Args:
-            client: The client.
-            operation: The operation, not started yet.
-            progress: Called with the units done and in total.
-
-        Returns:
-            The result of the operation.
-
-        Raises:
-            RemoteError: The operation failed; a subclass says how.
-            InvalidStateError: The node is closed.
-        """
-
-    def now(self) -> float:
-        """Return the time of services: Unix seconds that never decrease.
-
-        Raises:
-            InvalidStateError: The node is closed.
-        """
-
-    def set_heartbeat(self, *, base_mode: int | None=None, custom_mode: int | None=None, system_status: int | None=None) -> None:
-        """Change fields of the node's own HEARTBEAT; the next HEARTBEAT is sent immediately.
-
-        Args:
-            base_mode: MAV_MODE_FLAG flags; None: unchanged.
-            custom_mode: The firmware's mode number; None: unchanged.
-            system_status: A MAV_STATE; None: unchanged.
-        """
-
-    def publish(self, message: type[Message], producer: Callable[[float], Message | None], *, interval: float=0.0) -> None:
-        """Publish a message: at an interval, at the rates that remote components set, and on request.
-
-        Args:
-            message: The message class.
-            producer: Called with the time; returns the message, or None if there is none to send.
-            interval: Seconds between two messages; 0: only on request, and at rates that are set.
-        """
-
-    def send_statustext(self, text: str, severity: int=...) -> None:
-        """Send a status text to all components (STATUSTEXT); a long text is sent in chunks.
-
-        Args:
-            text: The text.
-            severity: The MAV_SEVERITY.
-        """
-
-    def serve_camera(self, *devices: CameraDevice) -> CameraServer:
-        """Offer a camera by the camera protocol v2, or several that are attached to this autopilot.
-
-        Args:
-            devices: The camera; for attached cameras each with a device id from 1 to 6.
-
-        Returns:
-            The server of the cameras.
-
-        Raises:
-            InvalidArgumentError: There is no camera, or two have one device id.
-        """
-
-    def serve_gimbal(self, *devices: GimbalDevice) -> GimbalManagerServer:
-        """Offer gimbals by the gimbal protocol v2, as their gimbal manager.
-
-        Args:
-            devices: The gimbals, each with a device id of its own.
-
-        Returns:
-            The server of the gimbals.
-
-        Raises:
-            InvalidArgumentError: There is no gimbal, or two have one device id.
-        """
-
-    def serve_terrain(self, heights: Heights) -> TerrainServer:
-        """Send the terrain that vehicles ask for (TERRAIN_REQUEST, TERRAIN_DATA).
-
-        Args:
-            heights: Called with a latitude and a longitude in degrees; returns the height of the terrain in
-                metres above mean sea level, or None if it is not known. It must return quickly, since it runs
-                in the event loop, 16 times for each tile.
-
-        Returns:
-            The server; its `sent` and `unknown` count the tiles.
-        """
-
-    @cached_property
-    def message_server(self) -> MessageServer:
-        """The server of the messages that were given to `publish`."""
-
-    @cached_property
-    def commands(self) -> CommandHandlers:
-        """The handlers of commands that remote components send to this node."""
-
-    def on_command(self, command: int) -> Callable[[AnyHandler], AnyHandler]:
-        """Register a function, plain or async, as the handler of a command; see `CommandHandlers`.
-
-        Args:
-            command: The MAV_CMD.
-
-        Returns:
-            A decorator for the function.
-        """
-
-    def channel_state(self, channel: Channel) -> ChannelState | None:
-        """Return the signing state, pace and statistics of a channel.
-
-        Args:
-            channel: A channel of one of the node's links.
-
-        Returns:
-            The state; None if the channel is closed. Its `trusted` allows `trusted_channel_policy`.
-        """
-
-    def trusted_channel_policy(self) -> Callable[[SigningRequest], str | None]:
-        """Return the policy for a `SigningSetupServer` that accepts keys over trusted channels alone.
-
-        Returns:
-            The policy. A channel is trusted once the program sets `channel_state(channel).trusted`.
-        """
-    links: list[Link]
-
-    def has_address_conflict(self, address: Address) -> bool:
-        """Return whether several senders use one address.
-
-        Args:
-            address: The address of a component.
-
-        Returns:
-            True while packets of that address contradict each other (boot time, type or unique id).
-        """
-
-    def id_conflict(self, system: int) -> Conflict | None:
-        """Return the vehicles that use one system id.
-
-        Args:
-            system: The system id.
-
-        Returns:
-            The senders and what tells them apart; None if no more than one vehicle uses the system id.
-        """
-
-    def choose_sender(self, system: int, channel: Channel | str | None) -> None:
-        """Choose the vehicle to work with, where several use one system id.
-
-        Its packets count only on that channel, and packets for it go over that channel alone, until another
-        choice or until the channel closes.
-
-        Args:
-            system: The system id.
-            channel: The channel, its name, or its remote address, such as "192.168.1.20:14550"; None: take
-                the choice back.
-
-        Raises:
-            InvalidArgumentError: No open channel is named so, or the vehicles share the channel.
-        """
-
-    def check_sender(self, system: int, operation: str='acting on') -> None:
-        """Wait until it is clear whether several vehicles use a system id, and refuse if they do.
-
-        Every call that acts is refused in any case; this one comes before it does anything.
-
-        Args:
-            system: The system id.
-            operation: The operation in the text of the error, with its preposition.
-
-        Raises:
-            SystemIdConflictError: Several vehicles use the system id, and none was chosen.
-        """
-
-    def refuse_conflict(self, system: int, operation: str='acting on') -> None:
-        """Refuse if several vehicles are known to use a system id.
-
-        Args:
-            system: The system id.
-            operation: The operation in the text of the error, with its preposition.
-
-        Raises:
-            SystemIdConflictError: Several vehicles use the system id, and none was chosen.
-        """
-
-    def forget_sender(self, system: int) -> None:
-        """Forget the chosen vehicle of a system id, because it has another system id now.
-
-        Args:
-            system: The system id that it had.
-        """
-
-    def chosen_sender(self, system: int) -> str | None:
-        """Return the name of the channel that was chosen for a system id.
-
-        Args:
-            system: The system id.
-
-        Returns:
-            The name of the channel; None if none was chosen.
-        """
-
-    def __init__(self, *links: str | Link, system: int=255, component: int=..., type: int=..., autopilot: int=..., dialect: HasCoreDialect | None=None, version: Version=2, signing: SigningKey | None=None, timestamps: TimestampStore | None=None, heartbeat: bool=True, heartbeat_rate: float=1.0, channel: str | None=None) -> None:
+    def __getitem__(self, vehicle: Vehicle) -> Result | Exception:
         ...
 
-    @property
-    def address(self) -> Address:
-        """The node's own system and component id."""
+    def __iter__(self) -> Iterator[Vehicle]:
+        ...
 
-    @property
-    def dialect(self) -> HasCoreDialect:
-        """The dialect of the node's messages."""
+    def __len__(self) -> int:
+        ...
 
-    @property
-    def components(self) -> dict[Address, ComponentInfo]:
-        """Every component discovered so far, by address."""
+class Shell:
+    """A shell: write commands to it, and iterate over its output as text; a context manager."""
 
-    @property
-    def is_open(self) -> bool:
-        """True while the node is open."""
-
-    def open(self) -> Self:
-        """Open the links and start the services. Does nothing if the node is open.
-
-        Returns:
-            The node.
-
-        Raises:
-            LinkError: A link cannot be opened; the others are closed again.
-            SigningError: The stored signing timestamp cannot be read.
-        """
-
-    def close(self) -> None:
-        """Cancel running operations on both ends, end all subscriptions and close the links. Idempotent.
-
-        Packets that arrive meanwhile are ignored. A step that fails does not keep the others from being done;
-        its error is raised at the end.
-        """
-
-    def add_link(self, link: str | Link) -> Link:
-        """Add a link; on an open node the link is opened at once.
-
-        The address and the heartbeats of a node do not change while it is open, so the URL must not name
-        others.
+    def write(self, data: bytes) -> None:
+        """Send bytes to the shell.
 
         Args:
-            link: A URL such as "tcpout://192.168.1.20:5760", or a link.
-
-        Returns:
-            The link.
+            data: The bytes, with their line ends.
 
         Raises:
-            InvalidArgumentError: The URL gives the node another address, or a rate of heartbeats.
-            LinkError: The link cannot be opened.
-            LinkURLError: The URL is invalid.
-            SigningError: The key that the URL names cannot be read.
+            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
         """
 
-    def remove_link(self, link: Link) -> None:
-        """Close a link and remove it; components that were reachable over it alone become lost.
+    def write_line(self, text: str) -> None:
+        """Send a line to the shell.
 
         Args:
-            link: One of `links`.
+            text: The line, without its end.
 
         Raises:
-            InvalidArgumentError: The node does not have that link.
+            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
         """
-
-    def component(self, system: int, component: int=...) -> RemoteComponent:
-        """Return a remote component by its address, whether it was discovered or not.
-
-        Args:
-            system: The system id.
-            component: The component id.
-
-        Returns:
-            The component; the same object for the same address.
-        """
-
-    def wait_for_autopilot(self, system: int | None=None, *, timeout: float | None=...) -> RemoteComponent:
-        """Wait until the heartbeat of an autopilot is received.
-
-        Args:
-            system: The system id; None: the first autopilot that is discovered.
-            timeout: Seconds to wait; None: for ever.
-
-        Returns:
-            The autopilot.
-
-        Raises:
-            RemoteTimeout: No autopilot was discovered in time; the text names the traffic received.
-        """
-
-    def wait_for_component(self, predicate: Callable[[ComponentInfo], bool], description: str='a component', *, timeout: float | None=...) -> RemoteComponent:
-        """Wait until a component is alive for which `predicate` is true.
-
-        Args:
-            predicate: Called with the `ComponentInfo` of each component.
-            description: The name of the component in the error text.
-            timeout: Seconds to wait; None: for ever.
-
-        Returns:
-            The first component for which `predicate` is true.
-
-        Raises:
-            RemoteTimeout: No such component was discovered in time; the text names the traffic received.
-        """
-
-    def serve_forever(self) -> None:
-        """Wait until the task is cancelled: the last call of a program that only serves."""
 
     def __enter__(self) -> Self:
         ...
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         ...
-
-class MessageStream(Generic[AnyMessage]):
-    """An iterator of one vehicle's messages; made by `Vehicle.stream`.
-
-    `async with` ends the stream with the block, and so does dropping the last reference to it. A reader that
-    is too slow loses the oldest messages (`dropped`).
-    """
-
-    @property
-    def dropped(self) -> int:
-        """The number of messages that were lost because they were not read in time."""
-
-    @property
-    def denied(self) -> dict[type[Message], CommandDenied]:
-        """The refusals of the rate, by message class."""
-
-    def drain(self) -> list[AnyMessage]:
-        """Return all messages that arrived and were not read, without waiting."""
-
-    def close(self) -> None:
-        """Unsubscribe, and release the requested rate. Idempotent."""
 
     def __iter__(self) -> Self:
         ...
 
-    def __next__(self) -> AnyMessage:
-        """Return the next message.
+    def __next__(self) -> str:
+        ...
 
-        Raises:
-            CommandDenied: The vehicle refused to send the messages, and none arrived.
-            StopAsyncIteration: The stream or its connection was closed.
+class Subscription(Generic[Item]):
+    """An iterator over received items; it ends after `close`, or when the node closes.
+
+    Close it by `async with` or `close()`. Several tasks may iterate over one subscription; each item is
+    delivered to one of them.
+    """
+
+    @property
+    def dropped(self) -> int:
+        """The number of items dropped because the queue was full."""
+
+    @property
+    def closed(self) -> bool:
+        """True after `close`, or after the node was closed."""
+
+    def put(self, item: Item) -> None:
+        """Add an item without waiting; drop the oldest if the queue is full."""
+
+    def end(self) -> None:
+        """End the iteration once the queued items have been read."""
+
+    def close(self) -> None:
+        """Unsubscribe. Idempotent."""
+
+    def drain(self) -> list[Item]:
+        """Return all queued items and empty the queue, without waiting.
+
+        Returns:
+            The items, oldest first; empty if there are none.
         """
+
+    def wait(self) -> bool:
+        """Wait until an item is queued or the subscription ends.
+
+        Returns:
+            True if an item is queued, False if the subscription has ended.
+        """
+
+    def __iter__(self) -> Self:
+        ...
+
+    def __next__(self) -> Item:
+        ...
 
     def __enter__(self) -> Self:
         ...
@@ -2355,8 +3158,41 @@ class MessageStream(Generic[AnyMessage]):
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         ...
 
-    def __del__(self) -> None:
-        ...
+class Terrain:
+    """The terrain that a vehicle has from ground stations (TERRAIN_CHECK, TERRAIN_REPORT)."""
+
+    def check(self, latitude: float, longitude: float, *, timeout: float | None=None) -> TerrainState:
+        """Ask for the terrain that the vehicle has at a position; it requests what it lacks there.
+
+        Args:
+            latitude: Degrees.
+            longitude: Degrees.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The height of the terrain if the vehicle has it, and how many tiles it has and waits for.
+
+        Raises:
+            InvalidTypeError: An argument is not a number.
+            InvalidArgumentError: The position is not on Earth.
+            RemoteTimeout: The vehicle does not answer; PX4 does not have this protocol.
+            RemoteCancelled: The node was closed.
+        """
+
+    def wait_until_loaded(self, *positions: Position, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> None:
+        """Wait until the vehicle has the terrain of all positions, such as the waypoints of a mission.
+
+        Args:
+            positions: Latitudes and longitudes in degrees.
+            timeout: Seconds for the whole call; None: until no tile arrived for a minute.
+            progress: Called with the positions whose terrain the vehicle has, and all positions.
+
+        Raises:
+            InvalidTypeError: A position is not two numbers.
+            InvalidArgumentError: A position is not on Earth.
+            RemoteTimeout: The vehicle does not answer, or no ground station sends it the terrain.
+            RemoteCancelled: The node was closed.
+        """
 
 class ValueStream(Generic[TelemetryValue]):
     """An iterator of a telemetry value; made by `Vehicle.stream_position` and the like.
@@ -2389,1050 +3225,71 @@ class ValueStream(Generic[TelemetryValue]):
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         ...
 
-class GuidedSession:
-    """A block during which a vehicle follows setpoints; made by `Vehicle.guided`.
-
-    Every setpoint raises `ActionUnsupported` if the vehicle ignores setpoints of its type, and
-    `ActionInterrupted`, `ContactLost` or `RemoteCancelled` if it does not follow any more, and
-    `SetpointError` for numbers that are not finite.
-    """
-
-    @property
-    def interrupted(self) -> bool:
-        """True if the vehicle has left the mode in which it follows setpoints."""
-
-    def check(self) -> None:
-        """Raise an error if the vehicle does not follow setpoints any more.
-
-        Raises:
-            ActionInterrupted: The vehicle left the mode.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
-        """
-
-    def set(self, setpoint: Setpoint) -> None:
-        """Follow a setpoint of any type, with NED axes as on the wire.
-
-        Args:
-            setpoint: A `LocalSetpoint`, `GlobalSetpoint` or `AttitudeSetpoint`; axes that it leaves out are
-                left to the vehicle.
-
-        Raises:
-            ActionUnsupported: The vehicle ignores setpoints of this type; it was not sent.
-            ActionInterrupted: The vehicle left the mode.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def velocity(self, north: float=0.0, east: float=0.0, up: float=0.0, *, yaw: float | None=None) -> None:
-        """Fly with a velocity (SET_POSITION_TARGET_LOCAL_NED).
-
-        Args:
-            north: Metres per second to the north.
-            east: Metres per second to the east.
-            up: Metres per second upwards.
-            yaw: Heading in degrees; None leaves it to the vehicle.
-
-        Raises:
-            ActionInterrupted: The vehicle left the mode.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def body_velocity(self, forward: float=0.0, right: float=0.0, up: float=0.0, *, yaw_rate: float=0.0) -> None:
-        """Fly with a velocity in the axes of the body (SET_POSITION_TARGET_LOCAL_NED in BODY_NED).
-
-        Args:
-            forward: Metres per second forwards.
-            right: Metres per second to the right.
-            up: Metres per second upwards.
-            yaw_rate: Degrees per second, positive clockwise.
-
-        Raises:
-            ActionInterrupted: The vehicle left the mode.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def position(self, north: float, east: float, up: float, *, yaw: float | None=None) -> None:
-        """Go to a position in the local frame (SET_POSITION_TARGET_LOCAL_NED).
-
-        Args:
-            north: Metres north of the origin of the vehicle's local frame.
-            east: Metres east of it.
-            up: Metres above it.
-            yaw: Heading in degrees; None leaves it to the vehicle.
-
-        Raises:
-            ActionInterrupted: The vehicle left the mode.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def goto(self, latitude: float, longitude: float, altitude: float, *, yaw: float | None=None) -> None:
-        """Go to a global position (SET_POSITION_TARGET_GLOBAL_INT).
-
-        Args:
-            latitude: Degrees.
-            longitude: Degrees.
-            altitude: Metres above home.
-            yaw: Heading in degrees; None leaves it to the vehicle.
-
-        Raises:
-            ActionInterrupted: The vehicle left the mode.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def attitude(self, roll: float, pitch: float, yaw: float, thrust: float) -> None:
-        """Hold an attitude (SET_ATTITUDE_TARGET).
-
-        Args:
-            roll: Degrees, positive to the right.
-            pitch: Degrees, positive nose up.
-            yaw: Heading in degrees.
-            thrust: 0 to 1.
-
-        Raises:
-            ActionInterrupted: The vehicle left the mode.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def __enter__(self) -> Self:
-        ...
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        ...
-
-class VehiclePlan:
-    """A plan of a vehicle: `fence` and `rally`; errors carry the vehicle's status texts."""
-
-    @property
-    def count(self) -> int | None:
-        """The number of items, as of the last upload or download; None before."""
-
-    def upload(self, items: Plan | Iterable[MissionItem], *, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> Plan:
-        """Replace the vehicle's plan atomically: it holds either the old or the whole new plan.
-
-        Args:
-            items: A plan or its items.
-            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
-            progress: Called with the number of items sent and the number of all items.
-
-        Returns:
-            The plan, with the id that the vehicle gave it.
-
-        Raises:
-            InvalidTypeError: An item is not a `MissionItem`.
-            MissionDenied: The vehicle refused the plan.
-            MissionTimeout: The vehicle did not answer, or the transfer stalled.
-        """
-
-    def download(self, *, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> Plan:
-        """Download the vehicle's plan.
-
-        Args:
-            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
-            progress: Called with the number of items received and the number of all items.
-
-        Returns:
-            The plan.
-
-        Raises:
-            MissionDenied: The vehicle refused the transfer.
-            MissionTimeout: The vehicle did not answer, or the transfer stalled.
-        """
-
-    def clear(self, *, timeout: float | None=None) -> None:
-        """Remove the vehicle's plan.
-
-        Args:
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Raises:
-            MissionDenied: The vehicle refused.
-            MissionTimeout: The vehicle did not answer.
-        """
-
-class Mission(VehiclePlan):
-    """The mission of a vehicle; `vehicle.mission`."""
-
-    def upload(self, items: Plan | Iterable[MissionItem], *, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> Plan:
-        """Replace the vehicle's mission atomically: it holds either the old or the whole new mission.
-
-        A mission that begins far away is uploaded, with a `MissionWarning`.
-
-        Args:
-            items: A plan or its items.
-            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
-            progress: Called with the number of items sent and the number of all items.
-
-        Returns:
-            The plan, with the id that the vehicle gave it.
-
-        Raises:
-            InvalidTypeError: An item is not a `MissionItem`.
-            MissionDenied: The vehicle refused the plan.
-            MissionTimeout: The vehicle did not answer, or the transfer stalled.
-        """
-
-    @property
-    def progress(self) -> MissionProgress | None:
-        """The last progress that the vehicle reported (MISSION_CURRENT); None before the first report."""
-
-    @property
-    def last_seq(self) -> int:
-        """The sequence number of the last item, as far as it is known; -1 if it is not."""
-
-    @property
-    def landing_seq(self) -> int:
-        """The sequence number of the landing or return at the end of the mission; else `last_seq`."""
-
-    def reached_items(self) -> Subscription[ItemReached]:
-        """Return an iterator of the items that the vehicle reaches from now on.
-
-        Returns:
-            A subscription of `ItemReached` events; close it, or use it as a context manager.
-        """
-
-    def set_current(self, seq: int, *, restart: bool=False, timeout: float | None=None) -> None:
-        """Set the item that the vehicle flies to next.
-
-        Args:
-            seq: The sequence number of the item.
-            restart: Start the mission again, with its jump counters reset.
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Raises:
-            InvalidTypeError: The sequence number is not a number.
-            CommandDenied: The vehicle refused the item.
-            CommandTimeout: The vehicle did not answer, and `restart` is set.
-            MissionDenied: The vehicle refused MISSION_SET_CURRENT.
-            MissionTimeout: The vehicle did not answer.
-        """
-
-    def start(self, *, arm: bool=False, timeout: float | None=None) -> None:
-        """Fly the mission, from its start or from where it was paused.
-
-        Args:
-            arm: Arm a disarmed vehicle first, as `Vehicle.arm` does; it leaves a mode in which it does not
-                arm or would start by itself, and is disarmed again if it refuses the mission.
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Raises:
-            ActionRefused: The vehicle is not armed, and `arm` is False, or it has no mission; nothing but
-                reads was sent.
-            CommandDenied: The vehicle refused; it is as it was before.
-            CommandTimeout: The vehicle did not answer.
-            ModeTimeout: The vehicle accepted its mission mode and did not enter it.
-            ActionTimeout: The call did not end within `timeout`.
-        """
-
-    def pause(self, *, timeout: float | None=None) -> None:
-        """Hold the present position; `start` resumes the mission.
-
-        Args:
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Raises:
-            ActionRefused: The vehicle is not armed; nothing was sent.
-            CommandDenied: The vehicle refused.
-            CommandTimeout: The vehicle did not answer.
-            ModeTimeout: The vehicle accepted the mode and did not enter it.
-            ActionTimeout: The call did not end within `timeout`.
-        """
-
-    def fly(self, *, timeout: float | None=None) -> None:
-        """Arm if the vehicle is disarmed, start the mission, and wait for its end.
-
-        A mission that ends with a landing ends when the vehicle has landed.
-
-        Args:
-            timeout: Seconds for the whole call; None sets no overall limit.
-
-        Raises:
-            ActionRefused: It has no mission; nothing but reads was sent.
-            CommandDenied: The vehicle refused to be armed, or to start the mission; it is as it was before.
-            CommandTimeout: The vehicle did not answer.
-            ModeTimeout: The vehicle accepted its mission mode and did not enter it.
-            MissionDenied: The vehicle refused the download of its mission.
-            MissionTimeout: The vehicle did not answer the request for its mission.
-            ActionTimeout: The call did not end within `timeout`, or no item was reached for a long time.
-            ActionInterrupted: The vehicle left the mission.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-class Actuators:
-    """The outputs of a vehicle; `vehicle.actuators`."""
-
-    def set_servo(self, number: int, pulse: int, *, timeout: float | None=None) -> None:
-        """Set the pulse of a servo output (MAV_CMD_DO_SET_SERVO).
-
-        ArduPilot refuses outputs that one of its own functions drives, such as motors.
-
-        Args:
-            number: The number of the output, from 1.
-            pulse: The pulse in microseconds, 0 to 2500; 0 stops the pulses.
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Raises:
-            InvalidTypeError: An argument is not a number.
-            InvalidArgumentError: The number or the pulse is out of range.
-            ActionUnsupported: The firmware has no servo numbers (PX4); nothing was sent.
-            CommandDenied: The vehicle refused.
-            CommandTimeout: The vehicle did not answer.
-            ActionTimeout: The call did not end within `timeout`.
-        """
-
-    def set_relay(self, number: int, on: bool, *, timeout: float | None=None) -> None:
-        """Switch a relay (MAV_CMD_DO_SET_RELAY).
-
-        Args:
-            number: The number of the relay, from 0.
-            on: True switches it on.
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Raises:
-            InvalidTypeError: The number is not a number.
-            InvalidArgumentError: The number is out of range.
-            ActionUnsupported: The firmware has no relays (PX4); nothing was sent.
-            CommandDenied: The vehicle refused, such as a relay that is not set up.
-            CommandTimeout: The vehicle did not answer.
-            ActionTimeout: The call did not end within `timeout`.
-        """
-
-    def set_actuator(self, number: int, value: float, *, timeout: float | None=None) -> None:
-        """Set an actuator output; all others keep their value (MAV_CMD_DO_SET_ACTUATOR).
-
-        Args:
-            number: The number of the actuator, from 1: PX4's output function "Peripheral via Actuator Set N".
-            value: The value, -1 to 1.
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Raises:
-            InvalidTypeError: An argument is not a number.
-            InvalidArgumentError: The number or the value is out of range.
-            ActionUnsupported: The firmware has no actuator numbers (ArduPilot); nothing was sent.
-            CommandDenied: The vehicle refused.
-            CommandTimeout: The vehicle did not answer.
-            ActionTimeout: The call did not end within `timeout`.
-        """
-
-    def test_motor(self, number: int, *, throttle: float=5.0, duration: float=2.0, wait: bool=True, timeout: float | None=None) -> None:
-        """Run one motor of a disarmed vehicle for some time, then stop it. Take the propellers off.
-
-        Cancelling the call stops the motor. Without a connection the motor stops by itself, after 3 seconds
-        with PX4 and at the end of `duration` with ArduPilot (MAV_CMD_DO_MOTOR_TEST, MAV_CMD_ACTUATOR_TEST).
-
-        Args:
-            number: The number of the motor, from 1. ArduPilot counts clockwise from the front right motor,
-                PX4 by the functions of its outputs.
-            throttle: Percent, 0 to 100.
-            duration: Seconds, up to 600; PX4 gets the command again and again for a longer test than 3.
-            wait: Wait until the motor has stopped. Without it a PX4 motor runs for 3 seconds at most.
-            timeout: Seconds for the whole call; None sets no overall limit.
-
-        Raises:
-            InvalidTypeError: An argument is not a number.
-            InvalidArgumentError: An argument is out of range.
-            CommandDenied: The vehicle refused, such as while it is armed or in the air.
-            CommandTimeout: The vehicle did not answer.
-            ActionTimeout: The test did not end within `timeout`.
-            ActionInterrupted: The vehicle was armed meanwhile.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def beep(self, tune: str=...) -> None:
-        """Sound the beeper, so that a vehicle is found in the grass (PLAY_TUNE_V2); nothing acknowledges it.
-
-        Args:
-            tune: The tune, in the notation of QBasic's PLAY. Betaflight and iNav have one sound of their own.
-
-        Raises:
-            InvalidTypeError: The tune is not a text.
-            InvalidArgumentError: The tune is empty, is not ASCII, or has more than 248 characters.
-        """
-
-    def grip(self, gripper: int=1, *, timeout: float | None=None) -> None:
-        """Close a gripper (MAV_CMD_DO_GRIPPER).
-
-        Args:
-            gripper: The number of the gripper, from 1.
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Raises:
-            InvalidTypeError: The number is not a number.
-            InvalidArgumentError: The number is out of range.
-            CommandDenied: The vehicle refused, such as without a gripper.
-            CommandTimeout: The vehicle did not answer.
-            ActionTimeout: The call did not end within `timeout`.
-        """
-
-    def release(self, gripper: int=1, *, timeout: float | None=None) -> None:
-        """Open a gripper, which drops its cargo (MAV_CMD_DO_GRIPPER).
-
-        Args:
-            gripper: The number of the gripper, from 1.
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Raises:
-            InvalidTypeError: The number is not a number.
-            InvalidArgumentError: The number is out of range.
-            CommandDenied: The vehicle refused, such as without a gripper.
-            CommandTimeout: The vehicle did not answer.
-            ActionTimeout: The call did not end within `timeout`.
-        """
-
-    def unwind(self, length: float, *, rate: float=0.0, winch: int=1, wait: bool=True, timeout: float | None=None) -> None:
-        """Pay out line from a winch, or wind it in, and wait until it has its length (MAV_CMD_DO_WINCH).
-
-        The length is that of WINCH_STATUS; a vehicle that does not send it is not waited for.
-
-        Args:
-            length: Metres of line to pay out; negative: to wind in.
-            rate: Metres per second; 0 leaves it to the vehicle.
-            winch: The number of the winch, from 1.
-            wait: Wait until the line has its length, or is wound in completely.
-            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
-
-        Raises:
-            InvalidTypeError: An argument is not a number.
-            InvalidArgumentError: An argument is not finite, or the rate is negative.
-            CommandDenied: The vehicle refused, such as without a winch.
-            CommandTimeout: The vehicle did not answer.
-            ActionTimeout: The line stopped, or did not have its length within `timeout`.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def run_winch(self, rate: float, *, winch: int=1, wait: bool=True, timeout: float | None=None) -> None:
-        """Run a winch at a rate until the next command, and wait until it moves (MAV_CMD_DO_WINCH).
-
-        The speed is that of WINCH_STATUS; a vehicle that does not send it is not waited for.
-
-        Args:
-            rate: Metres of line per second to pay out; negative: to wind in; 0: stop.
-            winch: The number of the winch, from 1.
-            wait: Wait until the winch moves; for a rate of 0, until it stands still.
-            timeout: Seconds for the whole call; None: until retries are exhausted or nothing moves.
-
-        Raises:
-            InvalidTypeError: An argument is not a number.
-            InvalidArgumentError: The rate is not finite.
-            CommandDenied: The vehicle refused, such as without a winch.
-            CommandTimeout: The vehicle did not answer.
-            ActionTimeout: The winch did not start, or did not stop, in time.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def relax_winch(self, winch: int=1, *, timeout: float | None=None) -> None:
-        """Let the line of a winch run freely (MAV_CMD_DO_WINCH); no message reports that it does.
-
-        Args:
-            winch: The number of the winch, from 1.
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Raises:
-            InvalidTypeError: The number is not a number.
-            InvalidArgumentError: The number is out of range.
-            CommandDenied: The vehicle refused, such as without a winch.
-            CommandTimeout: The vehicle did not answer.
-            ActionTimeout: The call did not end within `timeout`.
-        """
-
-class CalibrationSession:
-    """A calibration; made by `Calibration.start`.
-
-    Iterating it yields a `CalibrationStep` whenever there is something to do or to show, and ends when the
-    calibration is done. A failure raises from the iteration.
-    """
-
-    @property
-    def kind(self) -> CalibrationKind:
-        """The kind of the calibration."""
-
-    @property
-    def step(self) -> CalibrationStep | None:
-        """The last step; None before the first one."""
-
-    @property
-    def result(self) -> CalibrationResult | None:
-        """The result; None until the calibration is done."""
-
-    def confirm(self) -> None:
-        """Confirm that the task of the step is done, such as that the vehicle is in the pose.
-
-        Raises:
-            InvalidStateError: The calibration is not waiting for a confirmation.
-        """
-
-    def __enter__(self) -> Self:
-        ...
-
-    def __iter__(self) -> Self:
-        ...
-
-    def __next__(self) -> CalibrationStep:
-        """Return the next step.
-
-        Raises:
-            CommandDenied: The vehicle refused.
-            CommandTimeout: The vehicle did not answer.
-            ActionTimeout: It was not done within the timeout, or the vehicle gave no sign of progress.
-            ActionInterrupted: The vehicle reported that it failed, or was armed meanwhile.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        ...
-
-class Calibration:
-    """The calibrations of a vehicle; `vehicle.calibration`."""
-
-    @property
-    def kinds(self) -> tuple[CalibrationKind, ...]:
-        """The kinds that the firmware and the vehicle type have."""
-
-    def needs_confirmation(self, kind: CalibrationKind | str) -> bool:
-        """Return whether steps of a calibration wait for a confirmation, as of poses and sticks.
-
-        Args:
-            kind: The kind, or its name such as "accelerometer".
-
-        Returns:
-            True if `start` is needed for it; `run` cannot confirm steps.
-
-        Raises:
-            InvalidArgumentError: There is no such kind.
-            ActionUnsupported: The firmware or the vehicle type lacks it.
-        """
-
-    def can_cancel(self, kind: CalibrationKind | str) -> bool:
-        """Return whether the vehicle can cancel a calibration that runs.
-
-        PX4 cancels all of them. ArduPilot cancels those of compasses, motors and the radio control; the
-        others end by themselves, and its accelerometer calibration goes on at its next start. Betaflight
-        and iNav cancel none.
-
-        Args:
-            kind: The kind, or its name such as "accelerometer".
-
-        Returns:
-            True if `cancel`, or leaving the block of `start`, ends it on the vehicle.
-
-        Raises:
-            InvalidArgumentError: There is no such kind.
-            ActionUnsupported: The firmware or the vehicle type lacks it.
-        """
-
-    def start(self, kind: CalibrationKind | str, *, timeout: float | None=None) -> CalibrationSession:
-        """Return a context manager during which a calibration runs, and an iterator of its steps.
-
-        The vehicle must be disarmed. Leaving the block before the end cancels the calibration, as far as the
-        firmware can: ArduPilot cannot cancel its accelerometer calibration, which a new start continues.
-
-        Args:
-            kind: The kind, or its name such as "accelerometer".
-            timeout: Seconds for the whole calibration; None sets no overall limit.
-
-        Returns:
-            The session. Its iteration raises `CommandDenied`, `CommandTimeout`, `ActionTimeout`,
-            `ActionInterrupted`, `ContactLost` or `RemoteCancelled` if the calibration fails.
-
-        Raises:
-            InvalidArgumentError: There is no such kind.
-            ActionUnsupported: The firmware or the vehicle type lacks it.
-        """
-
-    def run(self, kind: CalibrationKind | str, *, on_step: Callable[[CalibrationStep], None] | None=None, timeout: float | None=None) -> CalibrationResult:
-        """Run a calibration that needs no confirmation to its end.
-
-        Args:
-            kind: The kind, or its name such as "gyroscope".
-            on_step: Called with each step, which tells what to do with the vehicle.
-            timeout: Seconds for the whole call; None: until the vehicle gives no sign of progress.
-
-        Returns:
-            The result.
-
-        Raises:
-            InvalidArgumentError: There is no such kind, or its steps need confirmations; use `start`.
-            ActionUnsupported: The firmware or the vehicle type lacks it; nothing was sent.
-            CommandDenied: The vehicle refused, such as while it is armed.
-            CommandTimeout: The vehicle did not answer.
-            ActionTimeout: It was not done within `timeout`, or the vehicle gave no sign of progress.
-            ActionInterrupted: The vehicle reported that it failed, or was armed meanwhile.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def cancel(self, kind: CalibrationKind | str, *, timeout: float | None=None) -> None:
-        """Cancel a calibration that another program, or an earlier one, has started.
-
-        Args:
-            kind: The kind, or its name.
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Raises:
-            InvalidArgumentError: There is no such kind.
-            ActionUnsupported: The firmware or the vehicle type lacks it; nothing was sent.
-            CommandDenied: The vehicle refused.
-            CommandTimeout: The vehicle did not answer.
-            ActionTimeout: The call did not end within `timeout`.
-        """
-
-class RegionOfInterest:
-    """The region of interest of a vehicle; `vehicle.roi`."""
-
-    def set_location(self, latitude: float, longitude: float, altitude: float=0.0, *, timeout: float | None=None) -> None:
-        """Keep pointing at a location (MAV_CMD_DO_SET_ROI_LOCATION).
-
-        Args:
-            latitude: Degrees.
-            longitude: Degrees.
-            altitude: Metres above home.
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Raises:
-            InvalidTypeError: An argument is not a number.
-            InvalidArgumentError: The location is not one on Earth.
-            CommandDenied: The vehicle refused, or has no home (PX4 counts altitudes from the sea).
-            CommandTimeout: The vehicle did not answer.
-            MessageTimeout: The vehicle did not report its home, which the altitude counts from (PX4).
-            ActionTimeout: The call did not end within `timeout`.
-        """
-
-    def set_next_waypoint(self, *, pitch: float=0.0, roll: float=0.0, yaw: float=0.0, timeout: float | None=None) -> None:
-        """Keep pointing at the next waypoint, turned by an offset (MAV_CMD_DO_SET_ROI_WPNEXT_OFFSET).
-
-        Args:
-            pitch: Degrees, positive up.
-            roll: Degrees, positive to the right.
-            yaw: Degrees, positive clockwise.
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Raises:
-            InvalidTypeError: An angle is not a number.
-            InvalidArgumentError: An angle is not finite.
-            ActionUnsupported: The firmware does not do that (ArduPilot); nothing was sent.
-            CommandDenied: The vehicle refused.
-            CommandTimeout: The vehicle did not answer.
-            ActionTimeout: The call did not end within `timeout`.
-        """
-
-    def clear(self, *, timeout: float | None=None) -> None:
-        """Point ahead again (MAV_CMD_DO_SET_ROI_NONE).
-
-        Args:
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Raises:
-            CommandDenied: The vehicle refused.
-            CommandTimeout: The vehicle did not answer.
-            ActionTimeout: The call did not end within `timeout`.
-        """
-
 class Vehicle:
-    """One vehicle; made by `Connection.wait_for_vehicle` and found in `Connection.vehicles`."""
+    """One vehicle; made by `Connection.wait_for_vehicle` and found in `Connection.vehicles`.
+
+    Altitudes are in metres above home, angles in degrees. An action waits until it is complete, unless
+    `wait=False`. Every action may raise these errors, which the calls do not list again:
+
+    - `ActionUnsupported`: The vehicle type or the firmware does not support it; nothing was sent.
+    - `ActionRefused`: A precondition is not met, such as an armed vehicle; nothing was sent.
+    - `CommandDenied`: The vehicle refused; it is as it was before, and the text holds its status texts.
+    - `CommandTimeout`: The vehicle did not answer.
+    - `ModeTimeout`: The vehicle accepted a mode and did not enter it.
+    - `ActionTimeout`: It was not complete within `timeout`, or its progress stalled.
+    - `ActionInterrupted`: The vehicle changed its mode or was disarmed meanwhile.
+    - `ContactLost`: No heartbeat of the vehicle arrives.
+    - `RemoteCancelled`: The connection was closed.
+    - `SystemIdConflictError`: Several vehicles use its system id, and none was chosen.
+    """
     connection: Node
     component: RemoteComponent
 
     @property
-    def cameras(self) -> tuple[Camera, ...]:
-        """The cameras that are known: by their heartbeats, and the attached ones after `find_cameras`."""
-
-    def camera(self, component: int | None=None) -> Camera:
-        """Return a camera of the vehicle.
-
-        Args:
-            component: The component id of the camera, or 1 to 6 for one that is attached to the autopilot;
-                None: the first one that is known.
-
-        Returns:
-            The camera.
-
-        Raises:
-            InvalidArgumentError: The id is out of range.
-            ActionUnsupported: No camera of the vehicle is known.
-        """
-
-    def wait_for_camera(self, component: int | None=None, *, timeout: float | None=...) -> Camera:
-        """Wait for the heartbeat of a camera of the vehicle.
-
-        Args:
-            component: The component id of the camera; None: the first one.
-            timeout: Seconds to wait; None waits for ever.
-
-        Returns:
-            The camera.
-
-        Raises:
-            RemoteTimeout: There was none in time; the text names the components that were heard.
-        """
-
-    def find_cameras(self, *, timeout: float | None=None) -> tuple[Camera, ...]:
-        """Ask the autopilot for attached cameras (CAMERA_INFORMATION), and return all that are known.
-
-        Args:
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Returns:
-            The cameras; `cameras` holds the same from then on.
-
-        Raises:
-            MessageTimeout: The autopilot does not answer.
-        """
+    def mission(self) -> Mission:
+        """The mission."""
 
     @property
-    def gimbal(self) -> Gimbal:
-        """All gimbals that the autopilot manages, as one; `find_gimbals` returns each of them."""
-
-    def find_gimbals(self, *, timeout: float | None=None) -> tuple[Gimbal, ...]:
-        """Ask the autopilot and the other components for the gimbals that they manage.
-
-        Args:
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Returns:
-            The gimbals; those of the autopilot first.
-
-        Raises:
-            MessageTimeout: The autopilot does not answer.
-        """
-
-    def latest(self, message: type[AnyMessage], component: int | None=None) -> AnyMessage | None:
-        """Return the last message of a class.
-
-        Args:
-            message: The message class, such as `common.Attitude`.
-            component: The component id of the sender; None is the autopilot.
-
-        Returns:
-            The message, or None if none was received.
-        """
-
-    def age(self, message: type[Message], component: int | None=None) -> float | None:
-        """Return the seconds since the last message of a class was received.
-
-        Args:
-            message: The message class.
-            component: The component id of the sender; None is the autopilot.
-
-        Returns:
-            Seconds, or None if no message was received.
-        """
-
-    def stream(self, *messages: type[AnyMessage], rate: float | None=None, queue: int=1000) -> MessageStream[AnyMessage]:
-        """Return an iterator of the autopilot's messages of these classes, as they arrive.
-
-        Args:
-            *messages: The message classes; none of them: all messages.
-            rate: The rate to request while the stream is open, in hertz; None requests a default rate, and
-                only for messages that the vehicle does not send by itself.
-            queue: The number of unread messages that are kept; a slow reader loses the oldest.
-
-        Returns:
-            The stream; reading it raises `CommandDenied` if the vehicle refuses the rate and sends nothing.
-
-        Raises:
-            InvalidArgumentError: A rate without message classes.
-        """
-
-    def wait_for_message(self, message: type[AnyMessage], *, timeout: float | None=...) -> AnyMessage:
-        """Return the next message of a class, which is requested if the vehicle does not send it by itself.
-
-        Args:
-            message: The message class.
-            timeout: Seconds to wait; None waits for ever.
-
-        Returns:
-            The message.
-
-        Raises:
-            MessageTimeout: No message arrived in time.
-            CommandDenied: The vehicle refused to send the message, and none arrived.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def add_listener(self, message: type[AnyMessage] | tuple[type[AnyMessage], ...], callback: Callable[[AnyMessage], object], *, component: int | None=None) -> Listener:
-        """Call a function with each message of a class as soon as it is received.
-
-        Args:
-            message: The message class, or a tuple of classes.
-            callback: A plain function, which must return quickly. An exception that it raises goes to the
-                event loop's exception handler.
-            component: The component id of the sender; None is the autopilot.
-
-        Returns:
-            The registration; its `close()` unregisters the function.
-        """
-
-    def set_message_rate(self, message: type[Message], rate: float | None, *, timeout: float | None=None) -> None:
-        """Request a message from the autopilot at a rate, permanently.
-
-        The rate is requested again after a reboot (SET_MESSAGE_INTERVAL).
-
-        Args:
-            message: The message class.
-            rate: Hertz; None returns to the rate at which the vehicle sends the message by itself.
-            timeout: Seconds for the whole call; None sets no overall limit.
-
-        Raises:
-            CommandDenied: The vehicle refused the rate.
-            CommandTimeout: The vehicle did not answer in time.
-        """
+    def fence(self) -> VehiclePlan:
+        """The geofence."""
 
     @property
-    def position(self) -> values.Position | None:
-        """The global position, in degrees and metres (GLOBAL_POSITION_INT)."""
+    def rally(self) -> VehiclePlan:
+        """The rally points."""
 
     @property
-    def local_position(self) -> values.LocalPosition | None:
-        """The position in the local frame, in metres (LOCAL_POSITION_NED)."""
+    def actuators(self) -> Actuators:
+        """The outputs: servos, relays, actuators, motor tests, gripper and winch."""
 
     @property
-    def velocity(self) -> values.Velocity | None:
-        """The velocity over ground, in m/s (LOCAL_POSITION_NED or GLOBAL_POSITION_INT)."""
+    def calibration(self) -> Calibration:
+        """The calibrations of the sensors, the radio control and the motors."""
 
     @property
-    def attitude(self) -> values.Attitude | None:
-        """The attitude, in degrees and degrees per second (ATTITUDE or ATTITUDE_QUATERNION)."""
+    def roi(self) -> RegionOfInterest:
+        """The region of interest: the point that the gimbal or the nose keeps pointing at."""
 
     @property
-    def vfr_hud(self) -> values.VfrHud | None:
-        """Airspeed, ground speed and climb rate in m/s, and throttle in percent (VFR_HUD)."""
+    def modes(self) -> Modes:
+        """The flight modes."""
 
     @property
-    def home(self) -> values.HomePosition | None:
-        """The home position, in degrees and metres above mean sea level (HOME_POSITION)."""
+    def params(self) -> Params:
+        """The parameters."""
 
     @property
-    def wind(self) -> values.Wind | None:
-        """The estimated wind, in m/s (WIND_COV or WIND)."""
+    def ftp(self) -> Ftp:
+        """The files on the vehicle (MAVLink FTP); raises `ActionUnsupported` if its firmware has none."""
 
     @property
-    def odometry(self) -> values.Odometry | None:
-        """The odometry estimate, in metres, m/s and degrees per second (ODOMETRY)."""
+    def logs(self) -> Logs:
+        """The logs on the vehicle; raises `ActionUnsupported` if its firmware has none."""
 
     @property
-    def gps(self) -> values.Gps | None:
-        """The state of the satellite navigation receiver, in degrees, metres and m/s (GPS_RAW_INT)."""
+    def terrain(self) -> Terrain:
+        """The terrain that the vehicle has from ground stations; `serve_terrain` of a node sends it.
 
-    @property
-    def imu(self) -> values.Imu | None:
-        """The inertial sensors, in m/s², degrees per second and gauss (HIGHRES_IMU or SCALED_IMU)."""
-
-    @property
-    def rc(self) -> values.Rc | None:
-        """The radio control input, in microseconds per channel (RC_CHANNELS or RC_CHANNELS_RAW)."""
-
-    @property
-    def battery(self) -> values.Battery | None:
-        """The first battery, in volts, amperes and percent (BATTERY_STATUS or SYS_STATUS)."""
-
-    @property
-    def batteries(self) -> Mapping[int, values.Battery]:
-        """All batteries by id, in volts, amperes and percent (BATTERY_STATUS or SYS_STATUS)."""
-
-    @property
-    def armed(self) -> bool | None:
-        """True if the motors may run (HEARTBEAT)."""
-
-    @property
-    def mode(self) -> str | None:
-        """The name of the flight mode (HEARTBEAT or CURRENT_MODE)."""
-
-    @property
-    def in_air(self) -> bool | None:
-        """True if the vehicle flies (EXTENDED_SYS_STATE, HEARTBEAT, or its height with speed or throttle)."""
-
-    @property
-    def landed_state(self) -> common.MavLandedState | int | None:
-        """The MAV_LANDED_STATE: on the ground, taking off, in the air or landing (EXTENDED_SYS_STATE)."""
-
-    @property
-    def vtol_state(self) -> common.MavVtolState | int | None:
-        """The MAV_VTOL_STATE: hovering or flying forward; None if it is no VTOL (EXTENDED_SYS_STATE)."""
-
-    @property
-    def system_status(self) -> common.MavState | int | None:
-        """The MAV_STATE of the autopilot (HEARTBEAT)."""
-
-    @property
-    def mav_type(self) -> common.MavType | int | None:
-        """The MAV_TYPE of the vehicle (HEARTBEAT)."""
-
-    @property
-    def status_texts(self) -> list[values.StatusText]:
-        """The last status texts of the vehicle's system, oldest first (STATUSTEXT)."""
-
-    def wait_for_telemetry(self, *names: str, timeout: float | None=...) -> None:
-        """Wait until values were received, and request the messages that hold them.
-
-        Args:
-            names: The names of properties, such as "position" and "battery"; none: position, battery, gps
-                and home.
-            timeout: Seconds to wait; None waits for ever.
-
-        Raises:
-            InvalidArgumentError: There is no stream of that name.
-            MessageTimeout: A value was not received in time; the text names it.
-            CommandDenied: The vehicle refused to send a value.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def stream_position(self, rate: float | None=None) -> ValueStream[values.Position]:
-        """Stream the global position, in degrees and metres (GLOBAL_POSITION_INT).
-
-        Args:
-            rate: Hertz; None: as the vehicle sends it, or a default rate.
-
-        Returns:
-            The stream.
-        """
-
-    def stream_local_position(self, rate: float | None=None) -> ValueStream[values.LocalPosition]:
-        """Stream the position in the local frame, in metres (LOCAL_POSITION_NED or ODOMETRY).
-
-        Args:
-            rate: Hertz; None: as the vehicle sends it, or a default rate.
-
-        Returns:
-            The stream.
-        """
-
-    def stream_velocity(self, rate: float | None=None) -> ValueStream[values.Velocity]:
-        """Stream the velocity over ground, in m/s (LOCAL_POSITION_NED or GLOBAL_POSITION_INT).
-
-        Args:
-            rate: Hertz; None: as the vehicle sends it, or a default rate.
-
-        Returns:
-            The stream.
-        """
-
-    def stream_attitude(self, rate: float | None=None) -> ValueStream[values.Attitude]:
-        """Stream the attitude, in degrees and degrees per second (ATTITUDE or ATTITUDE_QUATERNION).
-
-        Args:
-            rate: Hertz; None: as the vehicle sends it, or a default rate.
-
-        Returns:
-            The stream.
-        """
-
-    def stream_vfr_hud(self, rate: float | None=None) -> ValueStream[values.VfrHud]:
-        """Stream airspeed, ground speed and climb rate in m/s, and throttle in percent (VFR_HUD).
-
-        Args:
-            rate: Hertz; None: as the vehicle sends it, or a default rate.
-
-        Returns:
-            The stream.
-        """
-
-    def stream_home(self, rate: float | None=None) -> ValueStream[values.HomePosition]:
-        """Stream the home position, in degrees and metres above mean sea level (HOME_POSITION).
-
-        Args:
-            rate: Hertz; None: as the vehicle sends it, or a default rate.
-
-        Returns:
-            The stream.
-        """
-
-    def stream_wind(self, rate: float | None=None) -> ValueStream[values.Wind]:
-        """Stream the estimated wind, in m/s (WIND_COV or WIND).
-
-        Args:
-            rate: Hertz; None: as the vehicle sends it, or a default rate.
-
-        Returns:
-            The stream.
-        """
-
-    def stream_odometry(self, rate: float | None=None) -> ValueStream[values.Odometry]:
-        """Stream the odometry estimate, in metres, m/s and degrees per second (ODOMETRY).
-
-        Args:
-            rate: Hertz; None: as the vehicle sends it, or a default rate.
-
-        Returns:
-            The stream.
-        """
-
-    def stream_gps(self, rate: float | None=None) -> ValueStream[values.Gps]:
-        """Stream the satellite navigation state, in degrees, metres and m/s (GPS_RAW_INT).
-
-        Args:
-            rate: Hertz; None: as the vehicle sends it, or a default rate.
-
-        Returns:
-            The stream.
-        """
-
-    def stream_imu(self, rate: float | None=None) -> ValueStream[values.Imu]:
-        """Stream the inertial sensors, in m/s², degrees per second and gauss (HIGHRES_IMU or SCALED_IMU).
-
-        Args:
-            rate: Hertz; None: as the vehicle sends it, or a default rate.
-
-        Returns:
-            The stream.
-        """
-
-    def stream_rc(self, rate: float | None=None) -> ValueStream[values.Rc]:
-        """Stream the radio control input, in microseconds per channel (RC_CHANNELS or RC_CHANNELS_RAW).
-
-        Args:
-            rate: Hertz; None: as the vehicle sends it, or a default rate.
-
-        Returns:
-            The stream.
-        """
-
-    def stream_battery(self, rate: float | None=None) -> ValueStream[values.Battery]:
-        """Stream the first battery, in volts, amperes and percent (BATTERY_STATUS or SYS_STATUS).
-
-        Args:
-            rate: Hertz; None: as the vehicle sends it, or a default rate.
-
-        Returns:
-            The stream.
-        """
-
-    def stream_armed(self) -> ValueStream[bool]:
-        """Stream whether the motors may run; the present state first (HEARTBEAT).
-
-        Returns:
-            The stream.
-        """
-
-    def stream_mode(self) -> ValueStream[str]:
-        """Stream the name of the flight mode; the present one first (HEARTBEAT or CURRENT_MODE).
-
-        Returns:
-            The stream.
-        """
-
-    def stream_in_air(self) -> ValueStream[bool]:
-        """Stream whether the vehicle flies; the present state first (EXTENDED_SYS_STATE or HEARTBEAT).
-
-        Returns:
-            The stream.
-        """
-
-    def stream_landed_state(self) -> ValueStream[common.MavLandedState | int]:
-        """Stream the changes of the MAV_LANDED_STATE; the present state first (EXTENDED_SYS_STATE).
-
-        Returns:
-            The stream.
+        Raises `ActionUnsupported` if its firmware uses none.
         """
 
     @property
@@ -3494,47 +3351,634 @@ class Vehicle:
         """The way the vehicle moves; `mav_type` is the MAV_TYPE of its heartbeat."""
 
     @property
-    def health(self) -> Health:
-        """The readiness to arm, and the problems and warnings that the vehicle reports."""
-
-    @property
-    def heading(self) -> float | None:
-        """The direction in which the vehicle points, 0 to 360 degrees (GLOBAL_POSITION_INT or ATTITUDE)."""
-
-    @property
-    def ground_speed(self) -> float | None:
-        """The horizontal speed over ground, in m/s (LOCAL_POSITION_NED, GLOBAL_POSITION_INT or VFR_HUD)."""
-
-    @property
-    def climb_rate(self) -> float | None:
-        """The vertical speed, in m/s, positive up (LOCAL_POSITION_NED, GLOBAL_POSITION_INT or VFR_HUD)."""
-
-    @property
     def version(self) -> AutopilotVersion | None:
         """The software and hardware versions; None before `get_version` (AUTOPILOT_VERSION)."""
 
     @property
-    def modes(self) -> Modes:
-        """The flight modes."""
+    def capabilities(self) -> Capabilities:
+        """The capabilities as far as they are known now; `get_version` requests AUTOPILOT_VERSION."""
 
     @property
-    def params(self) -> Params:
-        """The parameters."""
+    def health(self) -> Health:
+        """The readiness to arm, and the problems and warnings that the vehicle reports."""
+
+    def wait_until_ready(self, *, mode: str | None=None, keep_mode: bool=False, timeout: float | None=...) -> Health:
+        """Wait until the vehicle will accept arming.
+
+    A disarmed vehicle leaves a mode in which its firmware does not arm, such as the one that it landed
+    in, as `arm` does. A disarmed PX4 vehicle without radio control leaves a mode that needs sticks for
+    its hold mode.
+    A vehicle that does not report its checks, such as ArduPilot before 4.1, is ready when it has a
+    position and has reported no problem for some seconds.
+
+    Args:
+        mode: The name of the mode to be flown, such as "ALT_HOLD"; None: one that needs a position, as
+            takeoff and all other actions do; a submarine needs one only for a mode that is named here.
+        keep_mode: Change no mode; then a vehicle in such a mode does not get ready.
+        timeout: Seconds to wait; None waits for ever.
+
+    Returns:
+        The health of the ready vehicle; its `ready` is None if the vehicle does not report its checks.
+
+    Raises:
+        HealthTimeout: The vehicle was not ready in time; the text holds its problems.
+        RemoteCancelled: The connection was closed.
+    """
+
+    def arm(self, *, force: bool=False, allow_flight: bool=False, keep_mode: bool=False, timeout: float | None=None) -> None:
+        """Arm the vehicle: let its motors run (MAV_CMD_COMPONENT_ARM_DISARM).
+
+    A vehicle stays in RTL, LAND or AUTO after its landing, where most firmwares do not arm. Then it first
+    enters the mode in which it waits on the ground: GUIDED (ArduPilot's copters), FBWA (planes), HOLD
+    (rovers) or LOITER (PX4). In a mode that starts by itself, such as TAKEOFF or MISSION, arming is
+    refused. If the vehicle refuses to arm, its mode is restored.
+
+    Args:
+        force: Skip the firmware's checks, as far as it allows that.
+        allow_flight: Arm in a mode in which the vehicle starts to fly or drive at once.
+        keep_mode: Refuse instead of leaving a mode in which the firmware does not arm.
+        timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+
+    Raises:
+        ActionRefused: The mode would start a flight, or does not allow arming; nothing was sent.
+        CommandDenied: The vehicle refused; the text holds the failed checks.
+        CommandTimeout: The vehicle did not answer.
+        ActionTimeout: The vehicle accepted, and its heartbeat did not confirm it in time.
+        ContactLost: No heartbeat of the vehicle arrives.
+        RemoteCancelled: The connection was closed, or a disarming came before the vehicle armed.
+    """
+
+    def disarm(self, *, force: bool=False, timeout: float | None=None) -> None:
+        """Disarm the vehicle: stop its motors (MAV_CMD_COMPONENT_ARM_DISARM).
+
+    Args:
+        force: Stop the motors even in the air.
+        timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+
+    Raises:
+        CommandDenied: The vehicle refused, such as in the air.
+        CommandTimeout: The vehicle did not answer.
+        ActionTimeout: The vehicle accepted, and its heartbeat did not confirm it in time.
+        ContactLost: No heartbeat of the vehicle arrives.
+        RemoteCancelled: The connection was closed.
+    """
+
+    def takeoff(self, altitude: float=10.0, *, override_limits: bool=False, wait: bool=True, timeout: float | None=None) -> None:
+        """Take off to an altitude and stay there; the vehicle must be armed.
+
+    It ends when a vehicle that hovers has settled within half a metre of the altitude.
+
+    Args:
+        altitude: Metres above home.
+        override_limits: Send an altitude above the limit of plausible flights.
+        wait: Wait until the altitude is reached and kept.
+        timeout: Seconds for the whole call; None sets no overall limit.
+
+    Raises:
+        InvalidTypeError: An argument is not a number.
+        InvalidArgumentError: The altitude is not positive, or implausibly high.
+        ActionRefused: The vehicle is not armed, or it flies and its firmware does not take off then
+            (ArduPilot); nothing was sent.
+        RemoteError: An error that all actions share; see `Vehicle`.
+    """
+
+    def land(self, *, wait: bool=True, timeout: float | None=None) -> None:
+        """Land at the present position; an ArduPilot plane lands where its mission tells it to.
+
+    Args:
+        wait: Wait until the vehicle has landed.
+        timeout: Seconds for the whole call; None sets no overall limit.
+
+    Raises:
+        ActionRefused: The vehicle is not armed; nothing was sent.
+        RemoteError: An error that all actions share; see `Vehicle`.
+    """
+
+    def rtl(self, *, tolerance: float | None=None, wait: bool=True, timeout: float | None=None) -> None:
+        """Return to home, and land there if the vehicle does that.
+
+    A plane has returned when it circles home and does not climb or sink any more.
+
+    Args:
+        tolerance: Metres from home at which a vehicle that does not land has arrived; None: see `goto`.
+        wait: Wait until the vehicle has landed, or has arrived where it does not land.
+        timeout: Seconds for the whole call; None sets no overall limit.
+
+    Raises:
+        ActionRefused: The vehicle is not armed; nothing was sent.
+        RemoteError: An error that all actions share; see `Vehicle`.
+    """
+
+    def hold(self, *, timeout: float | None=None) -> None:
+        """Hold the present position; a wing circles.
+
+    Args:
+        timeout: Seconds for the whole call; None: until retries are exhausted.
+
+    Raises:
+        ActionRefused: The vehicle is not armed; nothing was sent.
+        CommandDenied: The vehicle refused the mode.
+        ModeTimeout: The vehicle accepted the mode and did not enter it.
+        ActionTimeout: The call did not end within `timeout`.
+        RemoteError: An error that all actions share; see `Vehicle`.
+    """
+
+    def goto(self, latitude: float, longitude: float, altitude: float | None=None, *, yaw: float | None=None, radius: float | None=None, tolerance: float | None=None, override_limits: bool=False, wait: bool=True, timeout: float | None=None) -> None:
+        """Go to a global position and stay there (MAV_CMD_DO_REPOSITION).
+
+    A vehicle that stops has arrived when it is within the tolerance and slow. By default that is 0.5 m
+    for copters, submarines (0.2 m of depth) and rovers, 1 m for boats and hovering VTOLs; rovers and
+    boats that stop within a larger radius by their parameters (WP_RADIUS, LOIT_RADIUS, NAV_ACC_RAD)
+    arrive within it. Rovers and boats have no altitude. A wing has arrived when it circles the position
+    within 5 m of the altitude, or within `tolerance`; with it, passing that closely is enough too.
+
+    Args:
+        latitude: Degrees.
+        longitude: Degrees.
+        altitude: Metres above home; None keeps the present altitude.
+        yaw: Heading in degrees; None leaves it to the vehicle.
+        radius: Metres of the circle that a wing flies around the position; None: the vehicle's default.
+        tolerance: Metres from the position, over ground and in altitude, at which the vehicle has
+            arrived; None: the default of its type.
+        override_limits: Send a position or an altitude that lies beyond the limits of plausible flights.
+        wait: Wait until the vehicle has arrived.
+        timeout: Seconds for the whole call; None sets no overall limit.
+
+    Raises:
+        InvalidTypeError: An argument is not a number.
+        InvalidArgumentError: The position is not one on Earth, or implausibly far, high or low.
+        ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
+        ActionUnsupported: The vehicle type or the firmware does not support it, such as a radius that the
+            version ignores, or a tolerance below the radius within which it stops; nothing was changed.
+        ActionTimeout: It was not complete within `timeout`, or its progress stalled, such as a vehicle
+            that does not meet the tolerance; the text says by how much.
+        RemoteError: An error that all actions share; see `Vehicle`.
+    """
+
+    def move(self, north: float=0.0, east: float=0.0, up: float=0.0, *, tolerance: float | None=None, override_limits: bool=False, wait: bool=True, timeout: float | None=None) -> None:
+        """Move by a distance from the present position (MAV_CMD_DO_REPOSITION).
+
+    Args:
+        north: Metres to the north.
+        east: Metres to the east.
+        up: Metres upwards; rovers and boats have no altitude.
+        tolerance: Metres from the position at which the vehicle has arrived; None: as for `goto`.
+        override_limits: Send a position or an altitude that lies beyond the limits of plausible flights.
+        wait: Wait until the vehicle has arrived.
+        timeout: Seconds for the whole call; None sets no overall limit.
+
+    Raises:
+        InvalidTypeError: An argument is not a number.
+        InvalidArgumentError: The position is implausibly far, high or low.
+        MessageTimeout: The vehicle did not report its position.
+        ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
+        ActionUnsupported: The vehicle type or the firmware does not support it, such as a change of
+            altitude by a rover; nothing was changed.
+        ActionTimeout: It was not complete within `timeout`, or its progress stalled, as for `goto`.
+        RemoteError: An error that all actions share; see `Vehicle`.
+    """
+
+    def orbit(self, latitude: float, longitude: float, altitude: float | None=None, *, radius: float=20.0, speed: float | None=None, tolerance: float | None=None, override_limits: bool=False, wait: bool=True, timeout: float | None=None) -> None:
+        """Circle a global position (MAV_CMD_DO_ORBIT, or the firmware's mode for it).
+
+    Args:
+        latitude: Degrees.
+        longitude: Degrees.
+        altitude: Metres above home; None keeps the present altitude.
+        radius: Metres; negative: counter-clockwise.
+        speed: Metres per second; None leaves it to the vehicle.
+        tolerance: Metres by which radius and altitude may differ; None: a tenth of the radius, at
+            least 1; on a wing a quarter of it, at least 10.
+        override_limits: Send a position or an altitude that lies beyond the limits of plausible flights.
+        wait: Wait until the vehicle is on the circle, in the direction that was asked for.
+        timeout: Seconds for the whole call; None sets no overall limit.
+
+    Raises:
+        InvalidTypeError: An argument is not a number.
+        InvalidArgumentError: The position is not one on Earth, or implausible, or the radius is 0.
+        ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
+        ActionUnsupported: The vehicle type or the firmware does not support it, such as a radius that the
+            version ignores; the text names the parameter that sets it. Nothing was changed.
+        ActionTimeout: It was not complete within `timeout`, its progress stalled, or the vehicle flies
+            another circle, or the other way round.
+        RemoteError: An error that all actions share; see `Vehicle`.
+    """
+
+    def set_speed(self, speed: float, speed_type: int=..., *, timeout: float | None=None) -> None:
+        """Set the speed of flight (MAV_CMD_DO_CHANGE_SPEED).
+
+    Args:
+        speed: Metres per second.
+        speed_type: The SPEED_TYPE; the default is the speed over ground.
+        timeout: Seconds for the whole call; None: until retries are exhausted.
+
+    Raises:
+        InvalidTypeError: The speed is not a number.
+        InvalidArgumentError: The speed is not finite.
+        CommandDenied: The vehicle refused.
+        RemoteError: An error that all actions share; see `Vehicle`.
+    """
+
+    def set_yaw(self, heading: float, *, wait: bool=True, timeout: float | None=None) -> None:
+        """Turn to a heading on the spot.
+
+    Args:
+        heading: Degrees clockwise from north; 500 is the same as 140.
+        wait: Wait until the vehicle has turned.
+        timeout: Seconds for the whole call; None sets no overall limit.
+
+    Raises:
+        InvalidTypeError: The heading is not a number.
+        InvalidArgumentError: The heading is not finite.
+        ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
+        RemoteError: An error that all actions share; see `Vehicle`.
+    """
+
+    def transition_to_fixed_wing(self, *, wait: bool=True, timeout: float | None=None) -> None:
+        """Change a VTOL that hovers to flight on its wing (MAV_CMD_DO_VTOL_TRANSITION).
+
+    Args:
+        wait: Wait until the vehicle flies on its wing.
+        timeout: Seconds for the whole call; None sets no overall limit.
+
+    Raises:
+        ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
+        CommandDenied: The vehicle refused, such as on the ground or in a mode without forward flight.
+        ActionUnsupported: The vehicle is no VTOL; nothing was sent.
+        ActionTimeout: It was not complete within `timeout`, or within a minute.
+        ActionInterrupted: The vehicle was disarmed meanwhile.
+        RemoteError: An error that all actions share; see `Vehicle`.
+    """
+
+    def transition_to_multicopter(self, *, wait: bool=True, timeout: float | None=None) -> None:
+        """Change a VTOL that flies on its wing to hovering (MAV_CMD_DO_VTOL_TRANSITION).
+
+    Args:
+        wait: Wait until the vehicle hovers.
+        timeout: Seconds for the whole call; None sets no overall limit.
+
+    Raises:
+        ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
+        CommandDenied: The vehicle refused, such as on the ground.
+        ActionUnsupported: The vehicle is no VTOL; nothing was sent.
+        ActionTimeout: It was not complete within `timeout`, or within a minute.
+        ActionInterrupted: The vehicle was disarmed meanwhile.
+        RemoteError: An error that all actions share; see `Vehicle`.
+    """
+
+    def terminate(self, *, timeout: float | None=None) -> None:
+        """Terminate the flight: stop the motors permanently, wherever the vehicle is. It crashes.
+
+    Only a reboot ends the termination. ArduPilot may need AFS_ENABLE for it
+    (MAV_CMD_DO_FLIGHTTERMINATION).
+
+    Args:
+        timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+
+    Raises:
+        CommandDenied: The vehicle refused, such as PX4 while it is disarmed.
+        ActionTimeout: The vehicle accepted, and its heartbeat did not confirm it in time.
+        RemoteError: An error that all actions share; see `Vehicle`.
+    """
+
+    def reboot(self, *, wait: bool=True, timeout: float | None=None) -> None:
+        """Reboot the autopilot (MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN).
+
+    It may be gone before its acknowledgement arrives; then the command is not repeated, since that would
+    reboot it once more.
+
+    Args:
+        wait: Wait until the autopilot is back.
+        timeout: Seconds for the whole call; None: until retries are exhausted, or it stays away.
+
+    Raises:
+        CommandDenied: The vehicle refused, such as in the air.
+        CommandTimeout: The vehicle did not answer.
+        ContactLost: Without `wait`: the vehicle fell silent and did not acknowledge.
+        ActionTimeout: The vehicle did not come back in time.
+        RemoteCancelled: The connection was closed.
+    """
+
+    def set_home(self, latitude: float | None=None, longitude: float | None=None, altitude: float | None=None, *, timeout: float | None=None) -> None:
+        """Set the home position (MAV_CMD_DO_SET_HOME).
+
+    Args:
+        latitude: Degrees; None with `longitude` None: the present position.
+        longitude: Degrees.
+        altitude: Metres above mean sea level; None keeps the altitude of home.
+        timeout: Seconds for the whole call; None: until retries are exhausted.
+
+    Raises:
+        InvalidArgumentError: Only one of latitude and longitude is given.
+        CommandDenied: The vehicle refused.
+        CommandTimeout: The vehicle did not answer.
+        MessageTimeout: `altitude` is None, and the altitude of home is not known.
+        ActionTimeout: The call did not end within `timeout`.
+    """
+
+    def renumber(self, system: int | None=None, *, timeout: float | None=None) -> Renumbered:
+        """Give the vehicle another system id, reboot it if that is needed, and wait until it speaks with it.
+
+    Where several vehicles use its system id, choose one with `choose_sender` first.
+
+    Args:
+        system: The new system id, 1 to 255; None: the lowest one that no component uses.
+        timeout: Seconds for the whole call; None: until retries are exhausted, or it stays away.
+
+    Returns:
+        The new system id, the parameter, and whether the vehicle rebooted.
+
+    Raises:
+        SystemIdConflictError: Several vehicles use its system id, and none was chosen.
+        InvalidArgumentError: The system id is out of range, or a component uses it.
+        InvalidStateError: The vehicle is armed.
+        ActionUnsupported: The firmware's parameter is not known.
+        ParameterDenied: The vehicle refused the parameter.
+        CommandDenied: The vehicle refused to reboot.
+        ActionTimeout: It has no such parameter, or did not speak with the new system id in time.
+    """
+
+    def set_mode(self, mode: str | int, *, timeout: float | None=None) -> None:
+        """Set the flight mode (MAV_CMD_DO_SET_MODE), and wait until the heartbeat confirms it.
+
+    Args:
+        mode: The name of a mode of the firmware, or its custom mode number; `modes.list()` returns them.
+        timeout: Seconds for the whole call; None: until retries are exhausted.
+
+    Raises:
+        CommandDenied: The vehicle refused the mode, or has none of that name.
+        CommandTimeout: The vehicle did not answer.
+        ModeTimeout: The vehicle accepted the mode and did not enter it.
+    """
+
+    def command(self, command: int, *params: float, frame: int | None=None, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> CommandResult:
+        """Send any MAV_CMD to the autopilot, and wait for its end; errors carry the vehicle's status texts.
+
+    Args:
+        command: The MAV_CMD.
+        params: Up to seven parameters, in the units of the command's definition; missing ones are 0.
+        frame: A MAV_FRAME: send COMMAND_INT, with params 5 and 6 in degrees or metres. None:
+            COMMAND_LONG.
+        timeout: Seconds for the whole call; None: until retries are exhausted or no more IN_PROGRESS is
+            received.
+        progress: Called with the percentage done and 100 while a long command runs.
+
+    Returns:
+        The result and its additional data (COMMAND_ACK).
+
+    Raises:
+        CommandDenied: The vehicle answered with another result than ACCEPTED.
+        CommandTimeout: The vehicle did not answer.
+        RemoteCancelled: The connection was closed.
+    """
+
+    def get_version(self, *, timeout: float | None=None) -> AutopilotVersion:
+        """Get the software and hardware versions and the capabilities (AUTOPILOT_VERSION).
+
+    Args:
+        timeout: Seconds for the whole call; None: until retries are exhausted.
+
+    Returns:
+        The versions, the unique id and the MAV_PROTOCOL_CAPABILITY flags; `version` keeps them.
+
+    Raises:
+        CommandDenied: The vehicle refused the request.
+        MessageTimeout: The vehicle did not answer.
+    """
+
+    def set_ekf_source(self, number: int, *, timeout: float | None=None) -> None:
+        """Select a set of sources of the state estimator (MAV_CMD_SET_EKF_SOURCE_SET).
+
+    Args:
+        number: The number of the set, 1 to 3: parameters EK3_SRC1_… to EK3_SRC3_….
+        timeout: Seconds for the whole call; None: until retries are exhausted.
+
+    Raises:
+        InvalidTypeError: The number is not a number.
+        InvalidArgumentError: The number is not 1, 2 or 3.
+        ActionUnsupported: The firmware has no source sets (PX4); nothing was sent.
+        CommandDenied: The vehicle refused.
+        CommandTimeout: The vehicle did not answer.
+        ActionTimeout: The call did not end within `timeout`.
+    """
+
+    def guided(self, rate: float=20.0, first: Setpoint=..., *, timeout: float | None=None) -> GuidedSession:
+        """Return a context manager during which the vehicle follows setpoints.
+
+    Args:
+        rate: The rate at which the last setpoint is sent, in hertz.
+        first: The setpoint at the start; the default stays where the vehicle is, which a wing cannot do:
+            it needs another one, such as an `AttitudeSetpoint`.
+        timeout: Seconds to enter the mode; None: until retries are exhausted.
+
+    Returns:
+        The session. Entering it raises `ActionRefused` if the vehicle is not armed, and `CommandDenied`,
+        `CommandTimeout`, `ModeTimeout`, `ActionTimeout` or `ActionUnsupported` if it does not enter the
+        mode; the last one, before anything is sent, also if it ignores setpoints of the type of `first`.
+    """
+
+    def get_home(self, *, timeout: float | None=None) -> HomePosition:
+        """Return the home position; request it if it was not received (HOME_POSITION).
+
+    Args:
+        timeout: Seconds for the whole call; None: until retries are exhausted.
+
+    Returns:
+        The position in degrees and metres above mean sea level.
+
+    Raises:
+        CommandDenied: The vehicle refused the request.
+        MessageTimeout: The vehicle did not answer, or has no home yet.
+    """
+
+    def get_home_altitude(self, *, timeout: float | None=None) -> float:
+        """Return the altitude of home, which follows from the position if home itself is not known.
+
+    Args:
+        timeout: Seconds for the whole call; None: until retries are exhausted.
+
+    Returns:
+        Metres above mean sea level.
+
+    Raises:
+        CommandDenied: The vehicle refused the request for its home, and its position is not known.
+        MessageTimeout: The vehicle did not answer, and its position is not known.
+    """
+
+    def get_position(self, *, timeout: float | None=None) -> Position:
+        """Return the position; wait for it if it was not received (GLOBAL_POSITION_INT).
+
+    Args:
+        timeout: Seconds for the whole call; None: until no position has arrived for a while.
+
+    Returns:
+        The position in degrees and metres.
+
+    Raises:
+        MessageTimeout: No position arrived in time, or the vehicle does not know it.
+        CommandDenied: The vehicle refused to send its position.
+        RemoteCancelled: The connection was closed.
+    """
+
+    def get_relative_altitude(self, *, timeout: float | None=None) -> float:
+        """Return the altitude above home; wait for it if it was not received (GLOBAL_POSITION_INT).
+
+    Args:
+        timeout: Seconds for the whole call; None: until no position has arrived for a while.
+
+    Returns:
+        Metres above home.
+
+    Raises:
+        MessageTimeout: No position arrived in time, or the vehicle does not know its altitude.
+        CommandDenied: The vehicle refused to send its position.
+        RemoteCancelled: The connection was closed.
+    """
 
     @property
-    def ftp(self) -> Ftp:
-        """The files on the vehicle (MAVLink FTP); raises `ActionUnsupported` if its firmware has none."""
+    def cameras(self) -> tuple[Camera, ...]:
+        """The cameras that are known: by their heartbeats, and the attached ones after `find_cameras`."""
 
-    @property
-    def logs(self) -> Logs:
-        """The logs on the vehicle; raises `ActionUnsupported` if its firmware has none."""
+    def camera(self, component: int | None=None) -> Camera:
+        """Return a camera of the vehicle.
 
-    @property
-    def terrain(self) -> Terrain:
-        """The terrain that the vehicle has from ground stations; `serve_terrain` of a node sends it.
+    Args:
+        component: The component id of the camera, or 1 to 6 for one that is attached to the autopilot;
+            None: the first one that is known.
 
-        Raises `ActionUnsupported` if its firmware uses none.
+    Returns:
+        The camera.
+
+    Raises:
+        InvalidArgumentError: The id is out of range.
+        ActionUnsupported: No camera of the vehicle is known.
+    """
+
+    def wait_for_camera(self, component: int | None=None, *, timeout: float | None=...) -> Camera:
+        """Wait for the heartbeat of a camera of the vehicle.
+
+    Args:
+        component: The component id of the camera; None: the first one.
+        timeout: Seconds to wait; None waits for ever.
+
+    Returns:
+        The camera.
+
+    Raises:
+        RemoteTimeout: There was none in time; the text names the components that were heard.
+    """
+
+    def find_cameras(self, *, timeout: float | None=None) -> tuple[Camera, ...]:
+        """Ask the autopilot for attached cameras (CAMERA_INFORMATION), and return all that are known.
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The cameras; `cameras` holds the same from then on.
+
+        Raises:
+            MessageTimeout: The autopilot does not answer.
         """
+
+    @property
+    def gimbal(self) -> Gimbal:
+        """All gimbals that the autopilot manages, as one; `find_gimbals` returns each of them."""
+
+    def find_gimbals(self, *, timeout: float | None=None) -> tuple[Gimbal, ...]:
+        """Ask the autopilot and the other components for the gimbals that they manage.
+
+    Args:
+        timeout: Seconds for the whole call; None: until retries are exhausted.
+
+    Returns:
+        The gimbals; those of the autopilot first.
+
+    Raises:
+        MessageTimeout: The autopilot does not answer.
+    """
+
+    def latest(self, message: type[AnyMessage], component: int | None=None) -> AnyMessage | None:
+        """Return the last message of a class.
+
+        Args:
+            message: The message class, such as `common.Attitude`.
+            component: The component id of the sender; None is the autopilot.
+
+        Returns:
+            The message, or None if none was received.
+        """
+
+    def age(self, message: type[Message], component: int | None=None) -> float | None:
+        """Return the seconds since the last message of a class was received.
+
+        Args:
+            message: The message class.
+            component: The component id of the sender; None is the autopilot.
+
+        Returns:
+            Seconds, or None if no message was received.
+        """
+
+    def stream(self, *messages: type[AnyMessage], rate: float | None=None, queue: int=1000) -> MessageStream[AnyMessage]:
+        """Return an iterator of the autopilot's messages of these classes, as they arrive.
+
+    Args:
+        *messages: The message classes; none of them: all messages.
+        rate: The rate to request while the stream is open, in hertz; None requests a default rate, and
+            only for messages that the vehicle does not send by itself.
+        queue: The number of unread messages that are kept; a slow reader loses the oldest.
+
+    Returns:
+        The stream; reading it raises `CommandDenied` if the vehicle refuses the rate and sends nothing.
+
+    Raises:
+        InvalidArgumentError: A rate without message classes.
+    """
+
+    def wait_for_message(self, message: type[AnyMessage], *, timeout: float | None=...) -> AnyMessage:
+        """Return the next message of a class, which is requested if the vehicle does not send it by itself.
+
+    Args:
+        message: The message class.
+        timeout: Seconds to wait; None waits for ever.
+
+    Returns:
+        The message.
+
+    Raises:
+        MessageTimeout: No message arrived in time.
+        CommandDenied: The vehicle refused to send the message, and none arrived.
+        RemoteCancelled: The connection was closed.
+    """
+
+    def add_listener(self, message: type[AnyMessage] | tuple[type[AnyMessage], ...], callback: Callable[[AnyMessage], object], *, component: int | None=None) -> Listener:
+        """Call a function with each message of a class as soon as it is received.
+
+    Args:
+        message: The message class, or a tuple of classes.
+        callback: A plain function, which must return quickly. An exception that it raises goes to the
+            event loop's exception handler.
+        component: The component id of the sender; None is the autopilot.
+
+    Returns:
+        The registration; its `close()` unregisters the function.
+    """
+
+    def set_message_rate(self, message: type[Message], rate: float | None, *, timeout: float | None=None) -> None:
+        """Request a message from the autopilot at a rate, permanently.
+
+    The rate is requested again after a reboot (SET_MESSAGE_INTERVAL).
+
+    Args:
+        message: The message class.
+        rate: Hertz; None returns to the rate at which the vehicle sends the message by itself.
+        timeout: Seconds for the whole call; None sets no overall limit.
+
+    Raises:
+        CommandDenied: The vehicle refused the rate.
+        CommandTimeout: The vehicle did not answer in time.
+    """
 
     def events(self, *, severity: int=..., component: int | None=None, queue: int=...) -> EventStream:
         """Subscribe to the vehicle's events (EVENT): notices that arrive in order and each once.
@@ -3582,6 +4026,62 @@ class Vehicle:
             ActionUnsupported: The firmware has none.
         """
 
+    @property
+    def position(self) -> values.Position | None:
+        """The global position, in degrees and metres (GLOBAL_POSITION_INT)."""
+
+    @property
+    def local_position(self) -> values.LocalPosition | None:
+        """The position in the local frame, in metres (LOCAL_POSITION_NED)."""
+
+    @property
+    def velocity(self) -> values.Velocity | None:
+        """The velocity over ground, in m/s (LOCAL_POSITION_NED or GLOBAL_POSITION_INT)."""
+
+    @property
+    def attitude(self) -> values.Attitude | None:
+        """The attitude, in degrees and degrees per second (ATTITUDE or ATTITUDE_QUATERNION)."""
+
+    @property
+    def heading(self) -> float | None:
+        """The direction in which the vehicle points, 0 to 360 degrees (GLOBAL_POSITION_INT or ATTITUDE)."""
+
+    @property
+    def ground_speed(self) -> float | None:
+        """The horizontal speed over ground, in m/s (LOCAL_POSITION_NED, GLOBAL_POSITION_INT or VFR_HUD)."""
+
+    @property
+    def climb_rate(self) -> float | None:
+        """The vertical speed, in m/s, positive up (LOCAL_POSITION_NED, GLOBAL_POSITION_INT or VFR_HUD)."""
+
+    @property
+    def vfr_hud(self) -> values.VfrHud | None:
+        """Airspeed, ground speed and climb rate in m/s, and throttle in percent (VFR_HUD)."""
+
+    @property
+    def home(self) -> values.HomePosition | None:
+        """The home position, in degrees and metres above mean sea level (HOME_POSITION)."""
+
+    @property
+    def wind(self) -> values.Wind | None:
+        """The estimated wind, in m/s (WIND_COV or WIND)."""
+
+    @property
+    def odometry(self) -> values.Odometry | None:
+        """The odometry estimate, in metres, m/s and degrees per second (ODOMETRY)."""
+
+    @property
+    def gps(self) -> values.Gps | None:
+        """The state of the satellite navigation receiver, in degrees, metres and m/s (GPS_RAW_INT)."""
+
+    @property
+    def imu(self) -> values.Imu | None:
+        """The inertial sensors, in m/s², degrees per second and gauss (HIGHRES_IMU or SCALED_IMU)."""
+
+    @property
+    def rc(self) -> values.Rc | None:
+        """The radio control input, in microseconds per channel (RC_CHANNELS or RC_CHANNELS_RAW)."""
+
     def rc_pulse(self, channel: int) -> int | None:
         """Return the pulse of a radio control channel.
 
@@ -3592,789 +4092,258 @@ class Vehicle:
             Microseconds, or None if the channel is unused or was not received (RC_CHANNELS).
         """
 
-    def get_home(self, *, timeout: float | None=None) -> HomePosition:
-        """Return the home position; request it if it was not received (HOME_POSITION).
-
-        Args:
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Returns:
-            The position in degrees and metres above mean sea level.
-
-        Raises:
-            CommandDenied: The vehicle refused the request.
-            MessageTimeout: The vehicle did not answer, or has no home yet.
-        """
-
-    def get_home_altitude(self, *, timeout: float | None=None) -> float:
-        """Return the altitude of home, which follows from the position if home itself is not known.
-
-        Args:
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Returns:
-            Metres above mean sea level.
-
-        Raises:
-            CommandDenied: The vehicle refused the request for its home, and its position is not known.
-            MessageTimeout: The vehicle did not answer, and its position is not known.
-        """
-
-    def get_position(self, *, timeout: float | None=None) -> Position:
-        """Return the position; wait for it if it was not received (GLOBAL_POSITION_INT).
-
-        Args:
-            timeout: Seconds for the whole call; None: until no position has arrived for a while.
-
-        Returns:
-            The position in degrees and metres.
-
-        Raises:
-            MessageTimeout: No position arrived in time, or the vehicle does not know it.
-            CommandDenied: The vehicle refused to send its position.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def get_relative_altitude(self, *, timeout: float | None=None) -> float:
-        """Return the altitude above home; wait for it if it was not received (GLOBAL_POSITION_INT).
-
-        Args:
-            timeout: Seconds for the whole call; None: until no position has arrived for a while.
-
-        Returns:
-            Metres above home.
-
-        Raises:
-            MessageTimeout: No position arrived in time, or the vehicle does not know its altitude.
-            CommandDenied: The vehicle refused to send its position.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def takeoff(self, altitude: float=10.0, *, override_limits: bool=False, wait: bool=True, timeout: float | None=None) -> None:
-        """Take off to an altitude and stay there; the vehicle must be armed.
-
-        It ends when a vehicle that hovers has settled within half a metre of the altitude.
-
-        Args:
-            altitude: Metres above home.
-            override_limits: Send an altitude above the limit of plausible flights.
-            wait: Wait until the altitude is reached and kept.
-            timeout: Seconds for the whole call; None sets no overall limit.
-
-        Raises:
-            InvalidTypeError: An argument is not a number.
-            InvalidArgumentError: The altitude is not positive, or implausibly high.
-            ActionRefused: The vehicle is not armed, or it flies and its firmware does not take off then
-                (ArduPilot); nothing was sent.
-            CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
-            CommandTimeout: The vehicle did not answer.
-            ModeTimeout: The vehicle accepted a mode and did not enter it.
-            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
-            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
-            ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def land(self, *, wait: bool=True, timeout: float | None=None) -> None:
-        """Land at the present position; an ArduPilot plane lands where its mission tells it to.
-
-        Args:
-            wait: Wait until the vehicle has landed.
-            timeout: Seconds for the whole call; None sets no overall limit.
-
-        Raises:
-            ActionRefused: The vehicle is not armed; nothing was sent.
-            CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
-            CommandTimeout: The vehicle did not answer.
-            ModeTimeout: The vehicle accepted a mode and did not enter it.
-            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
-            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
-            ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def rtl(self, *, tolerance: float | None=None, wait: bool=True, timeout: float | None=None) -> None:
-        """Return to home, and land there if the vehicle does that.
-
-        A plane has returned when it circles home and does not climb or sink any more.
-
-        Args:
-            tolerance: Metres from home at which a vehicle that does not land has arrived; None: see `goto`.
-            wait: Wait until the vehicle has landed, or has arrived where it does not land.
-            timeout: Seconds for the whole call; None sets no overall limit.
-
-        Raises:
-            ActionRefused: The vehicle is not armed; nothing was sent.
-            CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
-            CommandTimeout: The vehicle did not answer.
-            ModeTimeout: The vehicle accepted a mode and did not enter it.
-            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
-            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
-            ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def hold(self, *, timeout: float | None=None) -> None:
-        """Hold the present position; a wing circles.
-
-        Args:
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Raises:
-            ActionRefused: The vehicle is not armed; nothing was sent.
-            CommandDenied: The vehicle refused the mode.
-            CommandTimeout: The vehicle did not answer.
-            ModeTimeout: The vehicle accepted the mode and did not enter it.
-            ActionTimeout: The call did not end within `timeout`.
-        """
-
-    def goto(self, latitude: float, longitude: float, altitude: float | None=None, *, yaw: float | None=None, radius: float | None=None, tolerance: float | None=None, override_limits: bool=False, wait: bool=True, timeout: float | None=None) -> None:
-        """Go to a global position and stay there (MAV_CMD_DO_REPOSITION).
-
-        A vehicle that stops has arrived when it is within the tolerance and slow. By default that is 0.5 m
-        for copters, submarines (0.2 m of depth) and rovers, 1 m for boats and hovering VTOLs; rovers and
-        boats that stop within a larger radius by their parameters (WP_RADIUS, LOIT_RADIUS, NAV_ACC_RAD)
-        arrive within it. Rovers and boats have no altitude. A wing has arrived when it circles the position
-        within 5 m of the altitude, or within `tolerance`; with it, passing that closely is enough too.
-
-        Args:
-            latitude: Degrees.
-            longitude: Degrees.
-            altitude: Metres above home; None keeps the present altitude.
-            yaw: Heading in degrees; None leaves it to the vehicle.
-            radius: Metres of the circle that a wing flies around the position; None: the vehicle's default.
-            tolerance: Metres from the position, over ground and in altitude, at which the vehicle has
-                arrived; None: the default of its type.
-            override_limits: Send a position or an altitude that lies beyond the limits of plausible flights.
-            wait: Wait until the vehicle has arrived.
-            timeout: Seconds for the whole call; None sets no overall limit.
-
-        Raises:
-            InvalidTypeError: An argument is not a number.
-            InvalidArgumentError: The position is not one on Earth, or implausibly far, high or low.
-            ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
-            CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
-            CommandTimeout: The vehicle did not answer.
-            ModeTimeout: The vehicle accepted a mode and did not enter it.
-            ActionUnsupported: The vehicle type or the firmware does not support it, such as a radius that the
-                version ignores, or a tolerance below the radius within which it stops; nothing was changed.
-            ActionTimeout: It was not complete within `timeout`, or its progress stalled, such as a vehicle
-                that does not meet the tolerance; the text says by how much.
-            ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def move(self, north: float=0.0, east: float=0.0, up: float=0.0, *, tolerance: float | None=None, override_limits: bool=False, wait: bool=True, timeout: float | None=None) -> None:
-        """Move by a distance from the present position (MAV_CMD_DO_REPOSITION).
-
-        Args:
-            north: Metres to the north.
-            east: Metres to the east.
-            up: Metres upwards; rovers and boats have no altitude.
-            tolerance: Metres from the position at which the vehicle has arrived; None: as for `goto`.
-            override_limits: Send a position or an altitude that lies beyond the limits of plausible flights.
-            wait: Wait until the vehicle has arrived.
-            timeout: Seconds for the whole call; None sets no overall limit.
-
-        Raises:
-            InvalidTypeError: An argument is not a number.
-            InvalidArgumentError: The position is implausibly far, high or low.
-            MessageTimeout: The vehicle did not report its position.
-            ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
-            CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
-            CommandTimeout: The vehicle did not answer.
-            ModeTimeout: The vehicle accepted a mode and did not enter it.
-            ActionUnsupported: The vehicle type or the firmware does not support it, such as a change of
-                altitude by a rover; nothing was changed.
-            ActionTimeout: It was not complete within `timeout`, or its progress stalled, as for `goto`.
-            ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def orbit(self, latitude: float, longitude: float, altitude: float | None=None, *, radius: float=20.0, speed: float | None=None, tolerance: float | None=None, override_limits: bool=False, wait: bool=True, timeout: float | None=None) -> None:
-        """Circle a global position (MAV_CMD_DO_ORBIT, or the firmware's mode for it).
-
-        Args:
-            latitude: Degrees.
-            longitude: Degrees.
-            altitude: Metres above home; None keeps the present altitude.
-            radius: Metres; negative: counter-clockwise.
-            speed: Metres per second; None leaves it to the vehicle.
-            tolerance: Metres by which radius and altitude may differ; None: a tenth of the radius, at
-                least 1; on a wing a quarter of it, at least 10.
-            override_limits: Send a position or an altitude that lies beyond the limits of plausible flights.
-            wait: Wait until the vehicle is on the circle, in the direction that was asked for.
-            timeout: Seconds for the whole call; None sets no overall limit.
-
-        Raises:
-            InvalidTypeError: An argument is not a number.
-            InvalidArgumentError: The position is not one on Earth, or implausible, or the radius is 0.
-            ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
-            CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
-            CommandTimeout: The vehicle did not answer.
-            ModeTimeout: The vehicle accepted a mode and did not enter it.
-            ActionUnsupported: The vehicle type or the firmware does not support it, such as a radius that the
-                version ignores; the text names the parameter that sets it. Nothing was changed.
-            ActionTimeout: It was not complete within `timeout`, its progress stalled, or the vehicle flies
-                another circle, or the other way round.
-            ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def set_speed(self, speed: float, speed_type: int=..., *, timeout: float | None=None) -> None:
-        """Set the speed of flight (MAV_CMD_DO_CHANGE_SPEED).
-
-        Args:
-            speed: Metres per second.
-            speed_type: The SPEED_TYPE; the default is the speed over ground.
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Raises:
-            InvalidTypeError: The speed is not a number.
-            InvalidArgumentError: The speed is not finite.
-            CommandDenied: The vehicle refused.
-            CommandTimeout: The vehicle did not answer.
-        """
-
-    def set_yaw(self, heading: float, *, wait: bool=True, timeout: float | None=None) -> None:
-        """Turn to a heading on the spot.
-
-        Args:
-            heading: Degrees clockwise from north; 500 is the same as 140.
-            wait: Wait until the vehicle has turned.
-            timeout: Seconds for the whole call; None sets no overall limit.
-
-        Raises:
-            InvalidTypeError: The heading is not a number.
-            InvalidArgumentError: The heading is not finite.
-            ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
-            CommandDenied: The vehicle refused; it is as it was before, and the text holds its status texts.
-            CommandTimeout: The vehicle did not answer.
-            ModeTimeout: The vehicle accepted a mode and did not enter it.
-            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
-            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
-            ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def transition_to_fixed_wing(self, *, wait: bool=True, timeout: float | None=None) -> None:
-        """Change a VTOL that hovers to flight on its wing (MAV_CMD_DO_VTOL_TRANSITION).
-
-        Args:
-            wait: Wait until the vehicle flies on its wing.
-            timeout: Seconds for the whole call; None sets no overall limit.
-
-        Raises:
-            ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
-            CommandDenied: The vehicle refused, such as on the ground or in a mode without forward flight.
-            CommandTimeout: The vehicle did not answer.
-            ActionUnsupported: The vehicle is no VTOL; nothing was sent.
-            ActionTimeout: It was not complete within `timeout`, or within a minute.
-            ActionInterrupted: The vehicle was disarmed meanwhile.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def transition_to_multicopter(self, *, wait: bool=True, timeout: float | None=None) -> None:
-        """Change a VTOL that flies on its wing to hovering (MAV_CMD_DO_VTOL_TRANSITION).
-
-        Args:
-            wait: Wait until the vehicle hovers.
-            timeout: Seconds for the whole call; None sets no overall limit.
-
-        Raises:
-            ActionRefused: The vehicle is not armed, or stands on the ground; nothing was sent.
-            CommandDenied: The vehicle refused, such as on the ground.
-            CommandTimeout: The vehicle did not answer.
-            ActionUnsupported: The vehicle is no VTOL; nothing was sent.
-            ActionTimeout: It was not complete within `timeout`, or within a minute.
-            ActionInterrupted: The vehicle was disarmed meanwhile.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def terminate(self, *, timeout: float | None=None) -> None:
-        """Terminate the flight: stop the motors permanently, wherever the vehicle is. It crashes.
-
-        Only a reboot ends the termination. ArduPilot may need AFS_ENABLE for it
-        (MAV_CMD_DO_FLIGHTTERMINATION).
-
-        Args:
-            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
-
-        Raises:
-            CommandDenied: The vehicle refused, such as PX4 while it is disarmed.
-            CommandTimeout: The vehicle did not answer.
-            ActionTimeout: The vehicle accepted, and its heartbeat did not confirm it in time.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
+    @property
+    def battery(self) -> values.Battery | None:
+        """The first battery, in volts, amperes and percent (BATTERY_STATUS or SYS_STATUS)."""
 
     @property
-    def capabilities(self) -> Capabilities:
-        """The capabilities as far as they are known now; `get_version` requests AUTOPILOT_VERSION."""
-
-    def wait_until_ready(self, *, mode: str | None=None, keep_mode: bool=False, timeout: float | None=...) -> Health:
-        """Wait until the vehicle will accept arming.
-
-        A disarmed vehicle leaves a mode in which its firmware does not arm, such as the one that it landed
-        in, as `arm` does. A disarmed PX4 vehicle without radio control leaves a mode that needs sticks for
-        its hold mode.
-        A vehicle that does not report its checks, such as ArduPilot before 4.1, is ready when it has a
-        position and has reported no problem for some seconds.
-
-        Args:
-            mode: The name of the mode to be flown, such as "ALT_HOLD"; None: one that needs a position, as
-                takeoff and all other actions do; a submarine needs one only for a mode that is named here.
-            keep_mode: Change no mode; then a vehicle in such a mode does not get ready.
-            timeout: Seconds to wait; None waits for ever.
-
-        Returns:
-            The health of the ready vehicle; its `ready` is None if the vehicle does not report its checks.
-
-        Raises:
-            HealthTimeout: The vehicle was not ready in time; the text holds its problems.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def arm(self, *, force: bool=False, allow_flight: bool=False, keep_mode: bool=False, timeout: float | None=None) -> None:
-        """Arm the vehicle: let its motors run (MAV_CMD_COMPONENT_ARM_DISARM).
-
-        A vehicle stays in RTL, LAND or AUTO after its landing, where most firmwares do not arm. Then it first
-        enters the mode in which it waits on the ground: GUIDED (ArduPilot's copters), FBWA (planes), HOLD
-        (rovers) or LOITER (PX4). In a mode that starts by itself, such as TAKEOFF or MISSION, arming is
-        refused. If the vehicle refuses to arm, its mode is restored.
-
-        Args:
-            force: Skip the firmware's checks, as far as it allows that.
-            allow_flight: Arm in a mode in which the vehicle starts to fly or drive at once.
-            keep_mode: Refuse instead of leaving a mode in which the firmware does not arm.
-            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
-
-        Raises:
-            ActionRefused: The mode would start a flight, or does not allow arming; nothing was sent.
-            CommandDenied: The vehicle refused; the text holds the failed checks.
-            CommandTimeout: The vehicle did not answer.
-            ActionTimeout: The vehicle accepted, and its heartbeat did not confirm it in time.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed, or a disarming came before the vehicle armed.
-        """
-
-    def disarm(self, *, force: bool=False, timeout: float | None=None) -> None:
-        """Disarm the vehicle: stop its motors (MAV_CMD_COMPONENT_ARM_DISARM).
-
-        Args:
-            force: Stop the motors even in the air.
-            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
-
-        Raises:
-            CommandDenied: The vehicle refused, such as in the air.
-            CommandTimeout: The vehicle did not answer.
-            ActionTimeout: The vehicle accepted, and its heartbeat did not confirm it in time.
-            ContactLost: No heartbeat of the vehicle arrives.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def set_mode(self, mode: str | int, *, timeout: float | None=None) -> None:
-        """Set the flight mode (MAV_CMD_DO_SET_MODE), and wait until the heartbeat confirms it.
-
-        Args:
-            mode: The name of a mode of the firmware, or its custom mode number; `modes.list()` returns them.
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Raises:
-            CommandDenied: The vehicle refused the mode, or has none of that name.
-            CommandTimeout: The vehicle did not answer.
-            ModeTimeout: The vehicle accepted the mode and did not enter it.
-        """
-
-    def command(self, command: int, *params: float, frame: int | None=None, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> CommandResult:
-        """Send any MAV_CMD to the autopilot, and wait for its end; errors carry the vehicle's status texts.
-
-        Args:
-            command: The MAV_CMD.
-            params: Up to seven parameters, in the units of the command's definition; missing ones are 0.
-            frame: A MAV_FRAME: send COMMAND_INT, with params 5 and 6 in degrees or metres. None:
-                COMMAND_LONG.
-            timeout: Seconds for the whole call; None: until retries are exhausted or no more IN_PROGRESS is
-                received.
-            progress: Called with the percentage done and 100 while a long command runs.
-
-        Returns:
-            The result and its additional data (COMMAND_ACK).
-
-        Raises:
-            CommandDenied: The vehicle answered with another result than ACCEPTED.
-            CommandTimeout: The vehicle did not answer.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def get_version(self, *, timeout: float | None=None) -> AutopilotVersion:
-        """Get the software and hardware versions and the capabilities (AUTOPILOT_VERSION).
-
-        Args:
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Returns:
-            The versions, the unique id and the MAV_PROTOCOL_CAPABILITY flags; `version` keeps them.
-
-        Raises:
-            CommandDenied: The vehicle refused the request.
-            MessageTimeout: The vehicle did not answer.
-        """
-
-    def set_ekf_source(self, number: int, *, timeout: float | None=None) -> None:
-        """Select a set of sources of the state estimator (MAV_CMD_SET_EKF_SOURCE_SET).
-
-        Args:
-            number: The number of the set, 1 to 3: parameters EK3_SRC1_… to EK3_SRC3_….
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Raises:
-            InvalidTypeError: The number is not a number.
-            InvalidArgumentError: The number is not 1, 2 or 3.
-            ActionUnsupported: The firmware has no source sets (PX4); nothing was sent.
-            CommandDenied: The vehicle refused.
-            CommandTimeout: The vehicle did not answer.
-            ActionTimeout: The call did not end within `timeout`.
-        """
-
-    def guided(self, rate: float=20.0, first: Setpoint=..., *, timeout: float | None=None) -> GuidedSession:
-        """Return a context manager during which the vehicle follows setpoints.
-
-        Args:
-            rate: The rate at which the last setpoint is sent, in hertz.
-            first: The setpoint at the start; the default stays where the vehicle is, which a wing cannot do:
-                it needs another one, such as an `AttitudeSetpoint`.
-            timeout: Seconds to enter the mode; None: until retries are exhausted.
-
-        Returns:
-            The session. Entering it raises `ActionRefused` if the vehicle is not armed, and `CommandDenied`,
-            `CommandTimeout`, `ModeTimeout`, `ActionTimeout` or `ActionUnsupported` if it does not enter the
-            mode; the last one, before anything is sent, also if it ignores setpoints of the type of `first`.
-        """
-
-    def set_home(self, latitude: float | None=None, longitude: float | None=None, altitude: float | None=None, *, timeout: float | None=None) -> None:
-        """Set the home position (MAV_CMD_DO_SET_HOME).
-
-        Args:
-            latitude: Degrees; None with `longitude` None: the present position.
-            longitude: Degrees.
-            altitude: Metres above mean sea level; None keeps the altitude of home.
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Raises:
-            InvalidArgumentError: Only one of latitude and longitude is given.
-            CommandDenied: The vehicle refused.
-            CommandTimeout: The vehicle did not answer.
-            MessageTimeout: `altitude` is None, and the altitude of home is not known.
-            ActionTimeout: The call did not end within `timeout`.
-        """
-
-    def reboot(self, *, wait: bool=True, timeout: float | None=None) -> None:
-        """Reboot the autopilot (MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN).
-
-        Args:
-            wait: Wait until the autopilot is back.
-            timeout: Seconds for the whole call; None: until retries are exhausted, or it stays away.
-
-        Raises:
-            CommandDenied: The vehicle refused, such as in the air.
-            CommandTimeout: The vehicle did not answer.
-            ContactLost: Without `wait`: the vehicle fell silent and did not acknowledge.
-            ActionTimeout: The vehicle did not come back in time.
-            RemoteCancelled: The connection was closed.
-        """
-
-    def renumber(self, system: int | None=None, *, timeout: float | None=None) -> Renumbered:
-        """Give the vehicle another system id, reboot it if that is needed, and wait until it speaks with it.
-
-        Where several vehicles use its system id, choose one with `choose_sender` first.
-
-        Args:
-            system: The new system id, 1 to 255; None: the lowest one that no component uses.
-            timeout: Seconds for the whole call; None: until retries are exhausted, or it stays away.
-
-        Returns:
-            The new system id, the parameter, and whether the vehicle rebooted.
-
-        Raises:
-            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
-            InvalidArgumentError: The system id is out of range, or a component uses it.
-            InvalidStateError: The vehicle is armed.
-            ActionUnsupported: The firmware's parameter is not known.
-            ParameterDenied: The vehicle refused the parameter.
-            CommandDenied: The vehicle refused to reboot.
-            ActionTimeout: It has no such parameter, or did not speak with the new system id in time.
-        """
-
-    @cached_property
-    def actuators(self) -> Actuators:
-        """The outputs: servos, relays, actuators, motor tests, gripper and winch."""
-
-    @cached_property
-    def calibration(self) -> Calibration:
-        """The calibrations of the sensors, the radio control and the motors."""
-
-    @cached_property
-    def roi(self) -> RegionOfInterest:
-        """The region of interest: the point that the gimbal or the nose keeps pointing at."""
-
-    @cached_property
-    def mission(self) -> Mission:
-        """The mission."""
-
-    @cached_property
-    def fence(self) -> VehiclePlan:
-        """The geofence."""
-
-    @cached_property
-    def rally(self) -> VehiclePlan:
-        """The rally points."""
-
-class Results(Mapping['Vehicle', 'Result | Exception'], Generic[Result]):
-    """The outcome of an operation for each vehicle of a group: its result, or the error that it raised."""
+    def batteries(self) -> Mapping[int, values.Battery]:
+        """All batteries by id, in volts, amperes and percent (BATTERY_STATUS or SYS_STATUS)."""
 
     @property
-    def ok(self) -> bool:
-        """True if the operation succeeded on all vehicles."""
+    def armed(self) -> bool | None:
+        """True if the motors may run (HEARTBEAT)."""
 
     @property
-    def succeeded(self) -> dict[Vehicle, Result]:
-        """The results of the vehicles on which the operation succeeded."""
+    def mode(self) -> str | None:
+        """The name of the flight mode (HEARTBEAT or CURRENT_MODE)."""
 
     @property
-    def errors(self) -> dict[Vehicle, Exception]:
-        """The errors of the vehicles on which the operation failed."""
+    def in_air(self) -> bool | None:
+        """True if the vehicle flies (EXTENDED_SYS_STATE, HEARTBEAT, or its height with speed or throttle)."""
 
     @property
-    def failed(self) -> Group:
-        """The group of the vehicles on which the operation failed, to try again."""
-
-    def check(self) -> dict[Vehicle, Result]:
-        """Return the results of all vehicles.
-
-        Returns:
-            The result of each vehicle.
-
-        Raises:
-            GroupError: The operation failed on a vehicle; the error holds the error of each.
-        """
-
-    def __getitem__(self, vehicle: Vehicle) -> Result | Exception:
-        ...
-
-    def __iter__(self) -> Iterator[Vehicle]:
-        ...
-
-    def __len__(self) -> int:
-        ...
-
-class Group(Collection['Vehicle']):
-    """Several vehicles, each once, in the order in which they were given.
-
-    The methods run the method of `Vehicle` with the same name on all vehicles. They raise no error of a
-    vehicle: the returned `Results` hold them, and `Results.check` raises `GroupError`.
-    """
-
-    def each(self, work: Callable[[Vehicle], Result], *, max_concurrency: int | None=None, name: str='work') -> Results[Result]:
-        """Run a function for every vehicle.
-
-        Args:
-            work: The function; it gets the vehicle.
-            max_concurrency: The number of vehicles for which it runs at the same time; None: all.
-            name: The name of the operation in errors, a gerund.
-
-        Returns:
-            The result or the error of each vehicle.
-
-        Raises:
-            InvalidArgumentError: `max_concurrency` is less than 1.
-        """
-
-    def arm(self, *, force: bool=False, allow_flight: bool=False, keep_mode: bool=False, timeout: float | None=None) -> Results[None]:
-        """Arm all vehicles.
-
-        Args:
-            force: Skip the firmware's checks, as far as it allows that.
-            allow_flight: Arm also in modes in which a vehicle starts to fly or drive at once.
-            keep_mode: Refuse instead of leaving a mode in which a firmware does not arm.
-            timeout: Seconds for each vehicle; None: until retries are exhausted or progress stalls.
-
-        Returns:
-            The outcome of each vehicle; its errors are those of `Vehicle.arm`.
-        """
-
-    def disarm(self, *, force: bool=False, timeout: float | None=None) -> Results[None]:
-        """Disarm all vehicles.
-
-        Args:
-            force: Stop the motors even in the air.
-            timeout: Seconds for each vehicle; None: until retries are exhausted or progress stalls.
-
-        Returns:
-            The outcome of each vehicle; its errors are those of `Vehicle.disarm`.
-        """
-
-    def set_mode(self, mode: str | int, *, timeout: float | None=None) -> Results[None]:
-        """Set the flight mode of all vehicles; each firmware has its own modes.
-
-        Args:
-            mode: The name of the mode, or its custom mode number.
-            timeout: Seconds for each vehicle; None: until retries are exhausted.
-
-        Returns:
-            The outcome of each vehicle; its errors are those of `Vehicle.set_mode`.
-        """
-
-    def takeoff(self, altitude: float=10.0, *, wait: bool=True, timeout: float | None=None) -> Results[None]:
-        """Let all vehicles take off.
-
-        Args:
-            altitude: Metres above home.
-            wait: Wait until each vehicle has reached the altitude.
-            timeout: Seconds for each vehicle; None sets no overall limit.
-
-        Returns:
-            The outcome of each vehicle; its errors are those of `Vehicle.takeoff`.
-        """
-
-    def land(self, *, wait: bool=True, timeout: float | None=None) -> Results[None]:
-        """Let all vehicles land.
-
-        Args:
-            wait: Wait until each vehicle has landed.
-            timeout: Seconds for each vehicle; None sets no overall limit.
-
-        Returns:
-            The outcome of each vehicle; its errors are those of `Vehicle.land`.
-        """
-
-    def rtl(self, *, wait: bool=True, timeout: float | None=None) -> Results[None]:
-        """Let all vehicles return to home.
-
-        Args:
-            wait: Wait until each vehicle has landed, or has arrived where it does not land.
-            timeout: Seconds for each vehicle; None sets no overall limit.
-
-        Returns:
-            The outcome of each vehicle; its errors are those of `Vehicle.rtl`.
-        """
-
-    def hold(self, *, timeout: float | None=None) -> Results[None]:
-        """Let all vehicles hold their positions.
-
-        Args:
-            timeout: Seconds for each vehicle; None: until retries are exhausted.
-
-        Returns:
-            The outcome of each vehicle; its errors are those of `Vehicle.hold`.
-        """
-
-    def set_speed(self, speed: float, *, timeout: float | None=None) -> Results[None]:
-        """Set the ground speed of all vehicles.
-
-        Args:
-            speed: Metres per second.
-            timeout: Seconds for each vehicle; None: until retries are exhausted.
-
-        Returns:
-            The outcome of each vehicle; its errors are those of `Vehicle.set_speed`.
-        """
-
-    def reboot(self, *, wait: bool=True, timeout: float | None=None) -> Results[None]:
-        """Reboot all autopilots.
-
-        Args:
-            wait: Wait until each autopilot is back.
-            timeout: Seconds for each vehicle; None: until retries are exhausted, or it stays away.
-
-        Returns:
-            The outcome of each vehicle; its errors are those of `Vehicle.reboot`.
-        """
+    def landed_state(self) -> common.MavLandedState | int | None:
+        """The MAV_LANDED_STATE: on the ground, taking off, in the air or landing (EXTENDED_SYS_STATE)."""
 
     @property
-    def systems(self) -> tuple[int, ...]:
-        """The system ids."""
+    def vtol_state(self) -> common.MavVtolState | int | None:
+        """The MAV_VTOL_STATE: hovering or flying forward; None if it is no VTOL (EXTENDED_SYS_STATE)."""
 
-    def __contains__(self, vehicle: object) -> bool:
-        ...
+    @property
+    def system_status(self) -> common.MavState | int | None:
+        """The MAV_STATE of the autopilot (HEARTBEAT)."""
 
-    def __iter__(self) -> Iterator[Vehicle]:
-        ...
+    @property
+    def mav_type(self) -> common.MavType | int | None:
+        """The MAV_TYPE of the vehicle (HEARTBEAT)."""
 
-    def __len__(self) -> int:
-        ...
+    @property
+    def status_texts(self) -> list[values.StatusText]:
+        """The last status texts of the vehicle's system, oldest first (STATUSTEXT)."""
 
-class Connection(Node):
-    """A node that finds vehicles; made by `connect`, opened by `async with` or `await`.
+    def wait_for_telemetry(self, *names: str, timeout: float | None=...) -> None:
+        """Wait until values were received, and request the messages that hold them.
 
     Args:
-        *links: URLs such as "udpin://0.0.0.0:14550", or links.
-        **options: The keyword arguments of `Node`.
+        names: The names of properties, such as "position" and "battery"; none: position, battery, gps
+            and home.
+        timeout: Seconds to wait; None waits for ever.
+
+    Raises:
+        InvalidArgumentError: There is no stream of that name.
+        MessageTimeout: A value was not received in time; the text names it.
+        CommandDenied: The vehicle refused to send a value.
+        RemoteCancelled: The connection was closed.
     """
 
-    def __init__(self, *links: str | Link, **options: Unpack[NodeOptions]) -> None:
-        ...
+    def stream_position(self, rate: float | None=None) -> ValueStream[values.Position]:
+        """Stream the global position, in degrees and metres (GLOBAL_POSITION_INT).
 
-    def wait_for_vehicle(self, system: int | None=None, *, timeout: float | None=...) -> Vehicle:
-        """Wait for a vehicle.
+    Args:
+        rate: Hertz; None: as the vehicle sends it, or a default rate.
 
-        Args:
-            system: The system id of the vehicle; None: the first vehicle that is alive.
-            timeout: Seconds to wait; None waits for ever.
+    Returns:
+        The stream.
+    """
 
-        Returns:
-            The vehicle.
+    def stream_local_position(self, rate: float | None=None) -> ValueStream[values.LocalPosition]:
+        """Stream the position in the local frame, in metres (LOCAL_POSITION_NED or ODOMETRY).
 
-        Raises:
-            RemoteTimeout: There was none in time; the text names the components that were found instead.
-        """
+    Args:
+        rate: Hertz; None: as the vehicle sends it, or a default rate.
 
-    def wait_for_vehicles(self, count: int, *, timeout: float | None=...) -> Group:
-        """Wait until `count` vehicles are alive.
+    Returns:
+        The stream.
+    """
 
-        Args:
-            count: The number of vehicles.
-            timeout: Seconds to wait; None waits for ever.
+    def stream_velocity(self, rate: float | None=None) -> ValueStream[values.Velocity]:
+        """Stream the velocity over ground, in m/s (LOCAL_POSITION_NED or GLOBAL_POSITION_INT).
 
-        Returns:
-            All vehicles that are alive, which may be more.
+    Args:
+        rate: Hertz; None: as the vehicle sends it, or a default rate.
 
-        Raises:
-            RemoteTimeout: There were fewer in time; the text names the components that were found.
-        """
+    Returns:
+        The stream.
+    """
+
+    def stream_attitude(self, rate: float | None=None) -> ValueStream[values.Attitude]:
+        """Stream the attitude, in degrees and degrees per second (ATTITUDE or ATTITUDE_QUATERNION).
+
+    Args:
+        rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+    Returns:
+        The stream.
+    """
+
+    def stream_vfr_hud(self, rate: float | None=None) -> ValueStream[values.VfrHud]:
+        """Stream airspeed, ground speed and climb rate in m/s, and throttle in percent (VFR_HUD).
+
+    Args:
+        rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+    Returns:
+        The stream.
+    """
+
+    def stream_home(self, rate: float | None=None) -> ValueStream[values.HomePosition]:
+        """Stream the home position, in degrees and metres above mean sea level (HOME_POSITION).
+
+    Args:
+        rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+    Returns:
+        The stream.
+    """
+
+    def stream_wind(self, rate: float | None=None) -> ValueStream[values.Wind]:
+        """Stream the estimated wind, in m/s (WIND_COV or WIND).
+
+    Args:
+        rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+    Returns:
+        The stream.
+    """
+
+    def stream_odometry(self, rate: float | None=None) -> ValueStream[values.Odometry]:
+        """Stream the odometry estimate, in metres, m/s and degrees per second (ODOMETRY).
+
+    Args:
+        rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+    Returns:
+        The stream.
+    """
+
+    def stream_gps(self, rate: float | None=None) -> ValueStream[values.Gps]:
+        """Stream the satellite navigation state, in degrees, metres and m/s (GPS_RAW_INT).
+
+    Args:
+        rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+    Returns:
+        The stream.
+    """
+
+    def stream_imu(self, rate: float | None=None) -> ValueStream[values.Imu]:
+        """Stream the inertial sensors, in m/s², degrees per second and gauss (HIGHRES_IMU or SCALED_IMU).
+
+    Args:
+        rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+    Returns:
+        The stream.
+    """
+
+    def stream_rc(self, rate: float | None=None) -> ValueStream[values.Rc]:
+        """Stream the radio control input, in microseconds per channel (RC_CHANNELS or RC_CHANNELS_RAW).
+
+    Args:
+        rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+    Returns:
+        The stream.
+    """
+
+    def stream_battery(self, rate: float | None=None) -> ValueStream[values.Battery]:
+        """Stream the first battery, in volts, amperes and percent (BATTERY_STATUS or SYS_STATUS).
+
+    Args:
+        rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+    Returns:
+        The stream.
+    """
+
+    def stream_armed(self) -> ValueStream[bool]:
+        """Stream whether the motors may run; the present state first (HEARTBEAT).
+
+    Returns:
+        The stream.
+    """
+
+    def stream_mode(self) -> ValueStream[str]:
+        """Stream the name of the flight mode; the present one first (HEARTBEAT or CURRENT_MODE).
+
+    Returns:
+        The stream.
+    """
+
+    def stream_in_air(self) -> ValueStream[bool]:
+        """Stream whether the vehicle flies; the present state first (EXTENDED_SYS_STATE or HEARTBEAT).
+
+    Returns:
+        The stream.
+    """
+
+    def stream_landed_state(self) -> ValueStream[common.MavLandedState | int]:
+        """Stream the changes of the MAV_LANDED_STATE; the present state first (EXTENDED_SYS_STATE).
+
+    Returns:
+        The stream.
+    """
+
+class VehiclePlan:
+    """A plan of a vehicle: `fence` and `rally`; errors carry the vehicle's status texts."""
 
     @property
-    def vehicles(self) -> Mapping[int, Vehicle]:
-        """Every vehicle that was found, by system id, in the order in which they were found."""
+    def count(self) -> int | None:
+        """The number of items, as of the last upload or download; None before."""
 
-    @property
-    def ground_stations(self) -> Mapping[Address, ComponentInfo]:
-        """Every other ground station that was found, by address."""
-
-    def group(self, *systems: int) -> Group:
-        """Return a group of vehicles.
+    def upload(self, items: Plan | Iterable[MissionItem], *, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> Plan:
+        """Replace the vehicle's plan atomically: it holds either the old or the whole new plan.
 
         Args:
-            *systems: The system ids of the vehicles; none: all vehicles that were found.
+            items: A plan or its items.
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+            progress: Called with the number of items sent and the number of all items.
 
         Returns:
-            The group.
+            The plan, with the id that the vehicle gave it.
 
         Raises:
-            InvalidArgumentError: No vehicle with one of the system ids was found.
+            InvalidTypeError: An item is not a `MissionItem`.
+            MissionDenied: The vehicle refused the plan.
+            MissionTimeout: The vehicle did not answer, or the transfer stalled.
         """
 
-    def __enter__(self) -> Self:
-        ...
+    def download(self, *, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> Plan:
+        """Download the vehicle's plan.
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+            progress: Called with the number of items received and the number of all items.
+
+        Returns:
+            The plan.
+
+        Raises:
+            MissionDenied: The vehicle refused the transfer.
+            MissionTimeout: The vehicle did not answer, or the transfer stalled.
+        """
+
+    def clear(self, *, timeout: float | None=None) -> None:
+        """Remove the vehicle's plan.
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            MissionDenied: The vehicle refused.
+            MissionTimeout: The vehicle did not answer.
+        """
 
 def connect(*links: str | Link, **options: Unpack[NodeOptions]) -> Connection:
     """Connect to the vehicles on one link or several.

@@ -16,15 +16,19 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Iterator, Mapping
-from dataclasses import is_dataclass
 from functools import cached_property, wraps
-from importlib import import_module
 from inspect import getattr_static, isawaitable, iscoroutinefunction
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from mavstack.node.read_only import ReadOnly, is_settable_property, refused_assignment
-from mavstack.sync.classes import CLASSES
+from mavstack.node.api_object import (
+    LoopBound,
+    ReadOnly,
+    is_api_class,
+    is_settable_property,
+    refused_assignment,
+)
+from mavstack.sync.classes import wrapped_classes
 from mavstack.vehicle.events import VehicleEvent
 
 if TYPE_CHECKING:
@@ -34,9 +38,6 @@ if TYPE_CHECKING:
 
     from mavstack.node.blocking_portal import BlockingPortal
     from mavstack.node.command_handlers import AnyHandler
-
-#: Packages whose objects belong to the loop's thread.
-PACKAGES = ("mavstack.node.", "mavstack.vehicle.")
 
 
 class Blocking:
@@ -206,14 +207,13 @@ def blocking_class(kind: type) -> type[Blocking]:
     """Return the blocking class of an async class, or of its nearest public base."""
     known = _classes.get(kind)
     if known is None:
-        public = next((each for each in kind.__mro__ if CLASSES.get(each.__name__) == _module_of(each)), None)
+        public = next(filter(is_api_class, kind.__mro__), None)
         if public is None:
             return Blocking
         base: type[Blocking] = _BASES.get(public.__name__, Blocking)
-        for parent in public.__mro__[1:]:
-            if CLASSES.get(parent.__name__) == _module_of(parent):
-                base = blocking_class(parent)
-                break
+        parent = next(filter(is_api_class, public.__mro__[1:]), None)
+        if parent is not None:
+            base = blocking_class(parent)
         body = {"__doc__": public.__doc__, "__module__": "mavstack.sync", "_wrapped": public}
         known = _classes.get(public) or type(public.__name__, (base,), body)
         _classes[public] = _classes[kind] = known
@@ -227,11 +227,7 @@ def register(kind: type, blocking: type[Blocking]) -> None:
 
 def class_named(name: str) -> type[Blocking]:
     """Return the blocking class of that name."""
-    return blocking_class(getattr(import_module(f"mavstack.{CLASSES[name]}"), name))
-
-
-def _module_of(kind: type) -> str:
-    return kind.__module__.removeprefix("mavstack.")
+    return blocking_class(wrapped_classes()[name])
 
 
 def _unwrap(argument: Any) -> Any:  # noqa: ANN401 (any value)
@@ -239,11 +235,7 @@ def _unwrap(argument: Any) -> Any:  # noqa: ANN401 (any value)
 
 
 def _needs_proxy(value: object) -> bool:
-    kind = type(value)
-    if is_dataclass(kind) and not isinstance(value, VehicleEvent):
-        return False
-    belongs = kind.__module__.startswith(PACKAGES) and not isinstance(value, str | tuple)
-    return belongs or hasattr(kind, "__anext__")
+    return isinstance(value, LoopBound | VehicleEvent) or hasattr(type(value), "__anext__")
 
 
 def _is_settable(inner: object, name: str) -> bool:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from mavstack.dialects import Message
     from mavstack.errors import RemoteError
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 #: The time without progress after which an action fails, in seconds.
 STALL_TIMEOUT = 30.0
@@ -94,7 +94,7 @@ class ActionMonitor:
 
     def __init__(
         self,
-        vehicle: VehicleState,
+        vehicle: Vehicle,
         operation: str,
         timeout: float | None = None,
         *,

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.errors import ActionInterrupted, InvalidArgumentError
-from mavstack.node.read_only import ReadOnly
+from mavstack.node.api_object import ReadOnly
 from mavstack.services.arguments import check_number, check_text
 from mavstack.vehicle.action_monitor import ActionGoal, ActionMonitor
 from mavstack.vehicle.actions import winch as winching
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from mavstack.vehicle.firmware import Firmware
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 _CMD: Final = common.MavCmd
 _GRIP: Final = common.GripperActions
@@ -52,7 +52,7 @@ _DISARMING_TIME: Final = 5.0
 class Actuators(ReadOnly):
     """The outputs of a vehicle; `vehicle.actuators`."""
 
-    def __init__(self, vehicle: VehicleState) -> None:
+    def __init__(self, vehicle: Vehicle) -> None:
         self._vehicle = vehicle
 
     async def set_servo(self, number: int, pulse: int, *, timeout: float | None = None) -> None:

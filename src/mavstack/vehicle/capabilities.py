@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from mavstack.dialects import Message
     from mavstack.vehicle.calibration.kinds import CalibrationKind
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 _FLAG: Final = common.MavProtocolCapability
 _TYPE: Final = common.MavType
@@ -122,7 +122,7 @@ class Capabilities:
         return tuple(each.name for each in fields(self) if getattr(self, each.name))
 
 
-def capabilities_of(vehicle: VehicleState) -> Capabilities:
+def capabilities_of(vehicle: Vehicle) -> Capabilities:
     """Return the capabilities of a vehicle as far as they are known now."""
     reader = _Reader(vehicle)
     firmware = firmware_of(vehicle)
@@ -180,7 +180,7 @@ def capabilities_of(vehicle: VehicleState) -> Capabilities:
 class _Reader:
     """Reads what is known of a vehicle."""
 
-    def __init__(self, vehicle: VehicleState) -> None:
+    def __init__(self, vehicle: Vehicle) -> None:
         self._vehicle = vehicle
         message = vehicle.latest(common.AutopilotVersion)
         self._version = None if message is None else AutopilotVersion.read(message)

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, TypedDict
 
 from mavstack.errors import InvalidArgumentError, RemoteError
 from mavstack.node import Node
+from mavstack.node.api_object import ReadOnly
 from mavstack.services import DEFAULT_WAIT_TIMEOUT
 from mavstack.vehicle.events import (
     SystemIdConflict,
@@ -64,7 +65,7 @@ class NodeOptions(TypedDict, total=False):
     channel: str | None
 
 
-class Connection(Node):
+class Connection(Node, ReadOnly):
     """A node that finds vehicles; made by `connect`, opened by `async with` or `await`.
 
     Args:

@@ -20,7 +20,7 @@ from contextlib import nullcontext
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from mavstack.errors import GroupError, InvalidArgumentError, RemoteCancelled
-from mavstack.node.read_only import ReadOnly
+from mavstack.node.api_object import ApiObject, ReadOnly
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterable, Iterator
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 
 
-class Results(Mapping["Vehicle", "Result | Exception"], Generic[Result]):
+class Results(ApiObject, Mapping["Vehicle", "Result | Exception"], Generic[Result]):
     """The outcome of an operation for each vehicle of a group: its result, or the error that it raised."""
 
     def __init__(self, outcomes: Mapping[Vehicle, Result | Exception], name: str = "work") -> None:

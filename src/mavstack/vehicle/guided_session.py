@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.errors import ActionInterrupted, ActionUnsupported, ContactLost, RemoteCancelled, RemoteError
-from mavstack.node.read_only import ReadOnly
+from mavstack.node.api_object import ReadOnly
 from mavstack.services.arguments import check_numbers
 from mavstack.services.setpoints import AttitudeSetpoint, GlobalSetpoint, LocalSetpoint
 from mavstack.vehicle.actions.preconditions import check_preconditions
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from typing import Self
 
     from mavstack.services.setpoints import Setpoint
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 #: The time for which setpoints are streamed before the mode is entered, in seconds.
 STREAM_LEAD_TIME: Final = 0.6
@@ -57,7 +57,7 @@ class GuidedSession(ReadOnly):
     `SetpointError` for numbers that are not finite.
     """
 
-    def __init__(self, vehicle: VehicleState, rate: float, first: Setpoint, timeout: float | None) -> None:
+    def __init__(self, vehicle: Vehicle, rate: float, first: Setpoint, timeout: float | None) -> None:
         self._vehicle = vehicle
         self._stream = vehicle.component.setpoints(rate)
         self._texts: StatusTextCapture | None = None
@@ -242,6 +242,25 @@ class GuidedSession(ReadOnly):
         if self._texts is not None:
             self._texts.close()
         await self._stream.__aexit__(None, None, None)
+
+
+def guided(
+    vehicle: Vehicle, rate: float = 20.0, first: Setpoint = STANDING_STILL, *, timeout: float | None = None
+) -> GuidedSession:
+    """Return a context manager during which the vehicle follows setpoints.
+
+    Args:
+        rate: The rate at which the last setpoint is sent, in hertz.
+        first: The setpoint at the start; the default stays where the vehicle is, which a wing cannot do:
+            it needs another one, such as an `AttitudeSetpoint`.
+        timeout: Seconds to enter the mode; None: until retries are exhausted.
+
+    Returns:
+        The session. Entering it raises `ActionRefused` if the vehicle is not armed, and `CommandDenied`,
+        `CommandTimeout`, `ModeTimeout`, `ActionTimeout` or `ActionUnsupported` if it does not enter the
+        mode; the last one, before anything is sent, also if it ignores setpoints of the type of `first`.
+    """
+    return GuidedSession(vehicle, rate, first, timeout)
 
 
 def quaternion(roll: float, pitch: float, yaw: float) -> tuple[float, float, float, float]:

@@ -16,8 +16,8 @@ from mavstack.vehicle.firmware import firmware_of
 from mavstack.vehicle.telemetry.problems import Problem, problems_of, recent
 
 if TYPE_CHECKING:
-    from mavstack.vehicle.firmware.interface import FirmwareVehicle
     from mavstack.vehicle.telemetry import Telemetry
+    from mavstack.vehicle.vehicle import Vehicle
 
 __all__ = ["Health", "Problem", "health_of"]
 
@@ -52,7 +52,7 @@ class Health:
         return "; ".join(("ready" if self.ready else not_ready, *map(str, self.problems), *warnings))
 
 
-def health_of(vehicle: FirmwareVehicle, telemetry: Telemetry) -> Health:
+def health_of(vehicle: Vehicle, telemetry: Telemetry) -> Health:
     """Return the health that a vehicle's last messages report."""
     info, mode = telemetry.component.info, vehicle.mode
     ready = _passes_checks(telemetry)

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Final
 from mavstack.dialects import common
 from mavstack.errors import MissionWarning
 from mavstack.geodesy import distance
-from mavstack.node.read_only import ReadOnly
+from mavstack.node.api_object import ReadOnly
 from mavstack.services.arguments import check_number
 from mavstack.services.mission import PlanType
 from mavstack.vehicle.action_monitor import ActionGoal, ActionMonitor
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from mavstack.node.plans import Plans
     from mavstack.node.subscription import Subscription
     from mavstack.services.mission import ItemReached, MissionItem, MissionProgress, Plan
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 #: The time in which no item is reached, in seconds: a long leg, or a wait that the mission contains.
 STALL_TIMEOUT: Final = 1800.0
@@ -58,7 +58,7 @@ logger = logging.getLogger("mavstack.vehicle")
 class VehiclePlan(ReadOnly):
     """A plan of a vehicle: `fence` and `rally`; errors carry the vehicle's status texts."""
 
-    def __init__(self, vehicle: VehicleState, plan_type: int) -> None:
+    def __init__(self, vehicle: Vehicle, plan_type: int) -> None:
         self._vehicle = vehicle
         component = vehicle.component
         plans: dict[int, Plans] = {
@@ -144,10 +144,10 @@ class VehiclePlan(ReadOnly):
         firmware_of(self._vehicle).check_supported(self._call)
 
 
-class Mission(VehiclePlan):
+class Mission(VehiclePlan, ReadOnly):
     """The mission of a vehicle; `vehicle.mission`."""
 
-    def __init__(self, vehicle: VehicleState) -> None:
+    def __init__(self, vehicle: Vehicle) -> None:
         super().__init__(vehicle, PlanType.MISSION)
 
     async def upload(
@@ -298,7 +298,7 @@ class Mission(VehiclePlan):
             if arm and vehicle.armed is not True:
                 if firmware_of(vehicle).starts_by_itself(vehicle.mode):
                     await with_status_texts(vehicle, enter_waiting_mode(vehicle, changes))
-                await arming.arm(vehicle, changes)
+                await arming.arm_as_step(vehicle, changes)
             await with_status_texts(vehicle, firmware_of(vehicle, changes).start_mission())
 
     async def pause(self, *, timeout: float | None = None) -> None:

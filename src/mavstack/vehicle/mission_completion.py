@@ -14,7 +14,7 @@ from mavstack.vehicle.actions.conditions import LandingDetector, SustainedCondit
 if TYPE_CHECKING:
     from mavstack.services.mission import MissionProgress
     from mavstack.vehicle.firmware import Firmware
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 _STATE: Final = common.MissionState
 #: The time after the end in which the vehicle may still enter a landing mode, in seconds: PX4 reports
@@ -51,7 +51,7 @@ class MissionCompletion:
     the end belongs to them only at the end, since before that it is a pause.
     """
 
-    def __init__(self, vehicle: VehicleState, firmware: Firmware, mission: FlownMission) -> None:
+    def __init__(self, vehicle: Vehicle, firmware: Firmware, mission: FlownMission) -> None:
         self._vehicle = vehicle
         self._firmware = firmware
         self._mission = mission

@@ -9,7 +9,6 @@ one too.
 from __future__ import annotations
 
 import asyncio
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
@@ -17,12 +16,9 @@ from mavstack.errors import ActionUnsupported, InvalidArgumentError, RemoteError
 from mavstack.services import DEFAULT_WAIT_TIMEOUT
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from mavstack.node import Node, RemoteComponent
     from mavstack.node.camera import Camera
     from mavstack.node.gimbal import Gimbal
-    from mavstack.services.heartbeat import ComponentInfo
+    from mavstack.vehicle.vehicle import Vehicle
 
 _TYPE = common.MavType
 #: The types of components that may manage gimbals beside the autopilot.
@@ -30,137 +26,96 @@ _MANAGERS = (_TYPE.GIMBAL, _TYPE.CAMERA, _TYPE.ONBOARD_CONTROLLER)
 _MAX_ATTACHED, _MAX_COMPONENT = 6, 255
 
 
-class VehiclePayloads:
-    """The part of a vehicle that reaches its cameras and gimbals."""
+def alive_cameras(vehicle: Vehicle) -> tuple[Camera, ...]:
+    """Return the cameras whose heartbeats arrive."""
+    return tuple(
+        vehicle.connection.component(vehicle.system, number).camera
+        for number, info in sorted(vehicle.components.items())
+        if info.type == _TYPE.CAMERA and info.alive
+    )
 
-    connection: Node
-    component: RemoteComponent
 
-    if TYPE_CHECKING:  # `VehicleState` has them
+def camera(vehicle: Vehicle, component: int | None = None) -> Camera:
+    """Return a camera of the vehicle.
 
-        @property
-        def system(self) -> int:
-            """The system id."""
+    Args:
+        component: The component id of the camera, or 1 to 6 for one that is attached to the autopilot;
+            None: the first one that is known.
 
-        @property
-        def components(self) -> Mapping[int, ComponentInfo]:
-            """The other components of the system by component id."""
+    Returns:
+        The camera.
 
-    @property
-    def cameras(self) -> tuple[Camera, ...]:
-        """The cameras that are known: by their heartbeats, and the attached ones after `find_cameras`."""
-        found = [
-            self.connection.component(self.system, number).camera
-            for number, info in sorted(self.components.items())
-            if info.type == _TYPE.CAMERA and info.alive
-        ]
-        return (*found, *self._attached.values())
+    Raises:
+        InvalidArgumentError: The id is out of range.
+        ActionUnsupported: No camera of the vehicle is known.
+    """
+    if component is None:
+        known = vehicle.cameras
+        if not known:
+            raise ActionUnsupported(
+                f"no camera of vehicle {vehicle.system} is known; await vehicle.wait_for_camera(), "
+                "or find_cameras() for cameras that are attached to the autopilot"
+            )
+        return known[0]
+    if not 1 <= component <= _MAX_COMPONENT:
+        raise InvalidArgumentError(f"a camera has an id from 1 to 255, got {component}")
+    if component <= _MAX_ATTACHED:
+        return vehicle.component.attached_camera(component)
+    return vehicle.connection.component(vehicle.system, component).camera
 
-    def camera(self, component: int | None = None) -> Camera:
-        """Return a camera of the vehicle.
 
-        Args:
-            component: The component id of the camera, or 1 to 6 for one that is attached to the autopilot;
-                None: the first one that is known.
+async def wait_for_camera(
+    vehicle: Vehicle, component: int | None = None, *, timeout: float | None = DEFAULT_WAIT_TIMEOUT
+) -> Camera:
+    """Wait for the heartbeat of a camera of the vehicle.
 
-        Returns:
-            The camera.
+    Args:
+        component: The component id of the camera; None: the first one.
+        timeout: Seconds to wait; None waits for ever.
 
-        Raises:
-            InvalidArgumentError: The id is out of range.
-            ActionUnsupported: No camera of the vehicle is known.
-        """
-        if component is None:
-            known = self.cameras
-            if not known:
-                raise ActionUnsupported(
-                    f"no camera of vehicle {self.system} is known; await vehicle.wait_for_camera(), "
-                    "or find_cameras() for cameras that are attached to the autopilot"
-                )
-            return known[0]
-        if not 1 <= component <= _MAX_COMPONENT:
-            raise InvalidArgumentError(f"a camera has an id from 1 to 255, got {component}")
-        if component <= _MAX_ATTACHED:
-            return self.component.attached_camera(component)
-        return self.connection.component(self.system, component).camera
+    Returns:
+        The camera.
 
-    async def wait_for_camera(
-        self, component: int | None = None, *, timeout: float | None = DEFAULT_WAIT_TIMEOUT
-    ) -> Camera:
-        """Wait for the heartbeat of a camera of the vehicle.
+    Raises:
+        RemoteTimeout: There was none in time; the text names the components that were heard.
+    """
+    number = "" if component is None else f" {component}"
+    found = await vehicle.connection.wait_for_component(
+        lambda info: (
+            info.address.system == vehicle.system
+            and info.type == _TYPE.CAMERA
+            and component in (None, info.address.component)
+        ),
+        f"camera{number} of vehicle {vehicle.system}" if number else f"a camera of vehicle {vehicle.system}",
+        timeout=timeout,
+    )
+    return found.camera
 
-        Args:
-            component: The component id of the camera; None: the first one.
-            timeout: Seconds to wait; None waits for ever.
 
-        Returns:
-            The camera.
+async def find_gimbals(vehicle: Vehicle, *, timeout: float | None = None) -> tuple[Gimbal, ...]:
+    """Ask the autopilot and the other components for the gimbals that they manage.
 
-        Raises:
-            RemoteTimeout: There was none in time; the text names the components that were heard.
-        """
-        number = "" if component is None else f" {component}"
-        found = await self.connection.wait_for_component(
-            lambda info: (
-                info.address.system == self.system
-                and info.type == _TYPE.CAMERA
-                and component in (None, info.address.component)
-            ),
-            f"camera{number} of vehicle {self.system}" if number else f"a camera of vehicle {self.system}",
-            timeout=timeout,
-        )
-        return found.camera
+    Args:
+        timeout: Seconds for the whole call; None: until retries are exhausted.
 
-    async def find_cameras(self, *, timeout: float | None = None) -> tuple[Camera, ...]:
-        """Ask the autopilot for attached cameras (CAMERA_INFORMATION), and return all that are known.
+    Returns:
+        The gimbals; those of the autopilot first.
 
-        Args:
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Returns:
-            The cameras; `cameras` holds the same from then on.
-
-        Raises:
-            MessageTimeout: The autopilot does not answer.
-        """
-        for camera in await self.component.list_cameras(timeout=timeout):
-            if camera.device_id:
-                self._attached[camera.device_id] = camera
-        return self.cameras
-
-    @property
-    def gimbal(self) -> Gimbal:
-        """All gimbals that the autopilot manages, as one; `find_gimbals` returns each of them."""
-        return self.component.gimbal
-
-    async def find_gimbals(self, *, timeout: float | None = None) -> tuple[Gimbal, ...]:
-        """Ask the autopilot and the other components for the gimbals that they manage.
-
-        Args:
-            timeout: Seconds for the whole call; None: until retries are exhausted.
-
-        Returns:
-            The gimbals; those of the autopilot first.
-
-        Raises:
-            MessageTimeout: The autopilot does not answer.
-        """
-        others = [number for number, info in sorted(self.components.items()) if info.type in _MANAGERS]
-        managers = [self.connection.component(self.system, number) for number in others]
-        answers = await asyncio.gather(
-            self.component.list_gimbals(timeout=timeout),
-            *(manager.list_gimbals(timeout=timeout) for manager in managers),
-            return_exceptions=True,
-        )
-        found: list[Gimbal] = []
-        for number, answer in enumerate(answers):
-            if isinstance(answer, BaseException):
-                if number and isinstance(answer, RemoteError):
-                    continue  # a payload that does not answer hides no gimbal of the autopilot
-                raise answer
-            found += answer
-        return tuple(found)
-
-    @cached_property
-    def _attached(self) -> dict[int, Camera]:
-        return {}
+    Raises:
+        MessageTimeout: The autopilot does not answer.
+    """
+    others = [number for number, info in sorted(vehicle.components.items()) if info.type in _MANAGERS]
+    managers = [vehicle.connection.component(vehicle.system, number) for number in others]
+    answers = await asyncio.gather(
+        vehicle.component.list_gimbals(timeout=timeout),
+        *(manager.list_gimbals(timeout=timeout) for manager in managers),
+        return_exceptions=True,
+    )
+    found: list[Gimbal] = []
+    for number, answer in enumerate(answers):
+        if isinstance(answer, BaseException):
+            if number and isinstance(answer, RemoteError):
+                continue  # a payload that does not answer hides no gimbal of the autopilot
+            raise answer
+        found += answer
+    return tuple(found)

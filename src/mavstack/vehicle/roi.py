@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from mavstack.node.read_only import ReadOnly
+from mavstack.node.api_object import ReadOnly
 from mavstack.services.arguments import check_number, check_numbers
 from mavstack.vehicle.actions.limits import check_location
 from mavstack.vehicle.actions.preconditions import check_preconditions
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from mavstack.vehicle.firmware import Firmware
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 _OPERATION: Final = "setting the region of interest of"
 
@@ -30,7 +30,7 @@ _OPERATION: Final = "setting the region of interest of"
 class RegionOfInterest(ReadOnly):
     """The region of interest of a vehicle; `vehicle.roi`."""
 
-    def __init__(self, vehicle: VehicleState) -> None:
+    def __init__(self, vehicle: Vehicle) -> None:
         self._vehicle = vehicle
 
     async def set_location(

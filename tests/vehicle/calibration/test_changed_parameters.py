@@ -43,7 +43,7 @@ def test_announced_values_are_not_read_again():
         await vehicle.params.download()
         table = world.simulated.parameters.table
         values = []
-        vehicle.telemetry.add_listener(common.ParamValue, lambda message: values.append(message.param_id))
+        vehicle.add_listener(common.ParamValue, lambda message: values.append(message.param_id))
         async with vehicle.calibration.start("gyroscope") as session:
             async for _ in session:
                 if not values:

@@ -223,18 +223,6 @@ VEHICLE = [
     ),
 ]
 TELEMETRY = [
-    rate(
-        "Telemetry.wait_for_message",
-        lambda h: h.vehicle.telemetry.wait_for_message(common.Attitude),
-        4,
-        silent=MessageTimeout,
-    ),
-    rate(
-        "Telemetry.set_message_rate",
-        lambda h: h.vehicle.telemetry.set_message_rate(common.Attitude, 5.0),
-        5,
-        why_not=NOT_WAITED,
-    ),
     Call(
         "Telemetry.ensure",
         lambda h: h.vehicle.telemetry.ensure(common.Attitude, 5.0),

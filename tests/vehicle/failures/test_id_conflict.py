@@ -25,7 +25,7 @@ READING: Final = MappingProxyType(
     {
         "Vehicle": "wait_until_ready wait_for_message wait_for_telemetry get_home get_home_altitude "
         "get_position get_relative_altitude get_version find_cameras find_gimbals wait_for_camera",
-        "Telemetry": "wait_for_message ensure request_home close",
+        "Telemetry": "ensure request_home close",
         "MessageStream": "__anext__ __aenter__ __aexit__",
         "Mission": "download",
         "VehiclePlan": "download",

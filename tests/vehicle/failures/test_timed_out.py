@@ -24,7 +24,7 @@ MAX_DURATION = 150.0
 #: The longest time in seconds that a call takes if the vehicle is silent, but for the calls that wait for
 #: something to appear, whose timeout the program gives, and a reboot, which waits until the vehicle is back.
 MAX_SILENCE = 12.0
-WAITING = ("Vehicle.wait_", "Telemetry.wait_", "Vehicle.reboot", "Vehicle.renumber")
+WAITING = ("Vehicle.wait_", "Vehicle.reboot", "Vehicle.renumber")
 SILENT = [call for call in CALLS if call.silent]
 STUCK = [call for call in CALLS if call.stuck]
 MONITORED = [call for call in CALLS if call.interrupted]

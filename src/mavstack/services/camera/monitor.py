@@ -130,7 +130,7 @@ class CameraMonitor(Service):
         known = (number for number, each in self._cameras.items() if each.information is not None)
         return tuple(sorted(known))
 
-    def clear_cache(self) -> None:
+    def clear_cache(self, now: float) -> None:
         """Discard all state, because the component rebooted."""
         self._cameras.clear()
         self.storages.clear()

@@ -87,7 +87,7 @@ class GimbalMonitor(Service):
             keys += [(own, 0)] if len(self._informations) <= 1 else []
         return next((self._attitudes[key] for key in keys if key in self._attitudes), None)
 
-    def clear_cache(self) -> None:
+    def clear_cache(self, now: float) -> None:
         """Discard all state, because the component rebooted."""
         for table in (self._informations, self._statuses, self._attitudes, self._names):
             table.clear()

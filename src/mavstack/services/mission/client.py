@@ -113,7 +113,7 @@ class MissionClient(Client):
         """Set the current item by MISSION_SET_CURRENT; see `set_current_item` for the command."""
         return self.begin(SetCurrentItem(seq, timeout=timeout), now)
 
-    def clear_progress(self) -> None:
+    def clear_cache(self, now: float) -> None:
         """Discard the progress known before a reboot."""
         self.progress = self._reached = None
 

@@ -63,7 +63,7 @@ class ModeMonitor(Service):
         """True if the vehicle's set of modes changed since it started, so that it has modes of its own."""
         return self._sequence != 0
 
-    def clear_cache(self) -> None:
+    def clear_cache(self, now: float) -> None:
         """Discard the state of before a reboot: the mode, and the number of the set of modes."""
         self.custom_mode = self.standard_mode = self.intended = None
         self.reported, self._sequence = {}, 0

@@ -25,7 +25,7 @@ from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
     from mavstack.node.subscription import Subscription
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
     _Event: TypeAlias = ComponentLost | ComponentRebooted | ComponentReturned | ComponentFound
 
@@ -45,17 +45,51 @@ _BACK: Final = (ComponentRebooted, ComponentReturned, ComponentFound)
 
 
 async def arm(
-    vehicle: VehicleState,
-    changes: Changes | None = None,
+    vehicle: Vehicle,
     *,
     force: bool = False,
     allow_flight: bool = False,
     keep_mode: bool = False,
     timeout: float | None = None,
 ) -> None:
-    """Arm, and wait until a heartbeat confirms it; `changes` are those of a call that arms as one step."""
+    """Arm the vehicle: let its motors run (MAV_CMD_COMPONENT_ARM_DISARM).
+
+    A vehicle stays in RTL, LAND or AUTO after its landing, where most firmwares do not arm. Then it first
+    enters the mode in which it waits on the ground: GUIDED (ArduPilot's copters), FBWA (planes), HOLD
+    (rovers) or LOITER (PX4). In a mode that starts by itself, such as TAKEOFF or MISSION, arming is
+    refused. If the vehicle refuses to arm, its mode is restored.
+
+    Args:
+        force: Skip the firmware's checks, as far as it allows that.
+        allow_flight: Arm in a mode in which the vehicle starts to fly or drive at once.
+        keep_mode: Refuse instead of leaving a mode in which the firmware does not arm.
+        timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+
+    Raises:
+        ActionRefused: The mode would start a flight, or does not allow arming; nothing was sent.
+        CommandDenied: The vehicle refused; the text holds the failed checks.
+        CommandTimeout: The vehicle did not answer.
+        ActionTimeout: The vehicle accepted, and its heartbeat did not confirm it in time.
+        ContactLost: No heartbeat of the vehicle arrives.
+        RemoteCancelled: The connection was closed, or a disarming came before the vehicle armed.
+    """
+    changes = Changes(vehicle)
+    await arm_as_step(
+        vehicle, changes, force=force, allow_flight=allow_flight, keep_mode=keep_mode, timeout=timeout
+    )
+
+
+async def arm_as_step(
+    vehicle: Vehicle,
+    changes: Changes,
+    *,
+    force: bool = False,
+    allow_flight: bool = False,
+    keep_mode: bool = False,
+    timeout: float | None = None,
+) -> None:
+    """Arm, and wait until a heartbeat confirms it, as a step of a call that has these changes."""
     check_preconditions(vehicle, "arm", _ARMING)
-    changes = Changes(vehicle) if changes is None else changes
     leaves = _leaves_mode(vehicle, allow_flight=allow_flight, keep_mode=keep_mode)
     async with (
         kept_only_if_reached(changes),
@@ -68,8 +102,20 @@ async def arm(
         await monitor.wait_until_reached(_confirmed(vehicle, armed=True))
 
 
-async def disarm(vehicle: VehicleState, *, force: bool, timeout: float | None) -> None:
-    """Disarm, and wait until a heartbeat confirms it."""
+async def disarm(vehicle: Vehicle, *, force: bool = False, timeout: float | None = None) -> None:
+    """Disarm the vehicle: stop its motors (MAV_CMD_COMPONENT_ARM_DISARM).
+
+    Args:
+        force: Stop the motors even in the air.
+        timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+
+    Raises:
+        CommandDenied: The vehicle refused, such as in the air.
+        CommandTimeout: The vehicle did not answer.
+        ActionTimeout: The vehicle accepted, and its heartbeat did not confirm it in time.
+        ContactLost: No heartbeat of the vehicle arrives.
+        RemoteCancelled: The connection was closed.
+    """
     check_preconditions(vehicle, "disarm", "disarming")
     async with ActionMonitor(vehicle, "disarming", timeout) as monitor:
         command = vehicle.component.command(_CMD.COMPONENT_ARM_DISARM, 0.0, FORCE if force else 0.0)
@@ -77,14 +123,14 @@ async def disarm(vehicle: VehicleState, *, force: bool, timeout: float | None) -
         await monitor.wait_until_reached(_confirmed(vehicle, armed=False))
 
 
-async def enter_waiting_mode(vehicle: VehicleState, changes: Changes) -> None:
+async def enter_waiting_mode(vehicle: Vehicle, changes: Changes) -> None:
     """Enter the mode in which the vehicle waits on the ground when it is armed, if there is a known one."""
     firmware = firmware_of(vehicle, changes)
     if firmware.waiting_mode:
         await firmware.set_mode(firmware.waiting_mode)
 
 
-def _leaves_mode(vehicle: VehicleState, *, allow_flight: bool, keep_mode: bool) -> bool:
+def _leaves_mode(vehicle: Vehicle, *, allow_flight: bool, keep_mode: bool) -> bool:
     """Return whether arming has to leave the present mode; raise if it may not arm there."""
     if vehicle.armed is not False:
         return False
@@ -110,12 +156,24 @@ def _to(mode: str) -> str:
     return f" to {mode}" if mode else ""
 
 
-def _confirmed(vehicle: VehicleState, *, armed: bool) -> ActionGoal:
+def _confirmed(vehicle: Vehicle, *, armed: bool) -> ActionGoal:
     return ActionGoal(lambda: vehicle.armed == armed, stall_timeout=CONFIRMATION_TIMEOUT)
 
 
-async def terminate(vehicle: VehicleState, *, timeout: float | None) -> None:
-    """Terminate the flight, and wait until a heartbeat confirms it."""
+async def terminate(vehicle: Vehicle, *, timeout: float | None = None) -> None:
+    """Terminate the flight: stop the motors permanently, wherever the vehicle is. It crashes.
+
+    Only a reboot ends the termination. ArduPilot may need AFS_ENABLE for it
+    (MAV_CMD_DO_FLIGHTTERMINATION).
+
+    Args:
+        timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+
+    Raises:
+        CommandDenied: The vehicle refused, such as PX4 while it is disarmed.
+        ActionTimeout: The vehicle accepted, and its heartbeat did not confirm it in time.
+        RemoteError: An error that all actions share; see `Vehicle`.
+    """
     check_preconditions(vehicle, "terminate", "flight termination of")
 
     def terminated() -> bool:
@@ -126,11 +184,22 @@ async def terminate(vehicle: VehicleState, *, timeout: float | None) -> None:
         await monitor.wait_until_reached(ActionGoal(terminated, stall_timeout=CONFIRMATION_TIMEOUT))
 
 
-async def reboot(vehicle: VehicleState, *, wait: bool, timeout: float | None) -> None:
-    """Reboot the autopilot, and wait until it is back.
+async def reboot(vehicle: Vehicle, *, wait: bool = True, timeout: float | None = None) -> None:
+    """Reboot the autopilot (MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN).
 
     It may be gone before its acknowledgement arrives; then the command is not repeated, since that would
     reboot it once more.
+
+    Args:
+        wait: Wait until the autopilot is back.
+        timeout: Seconds for the whole call; None: until retries are exhausted, or it stays away.
+
+    Raises:
+        CommandDenied: The vehicle refused, such as in the air.
+        CommandTimeout: The vehicle did not answer.
+        ContactLost: Without `wait`: the vehicle fell silent and did not acknowledge.
+        ActionTimeout: The vehicle did not come back in time.
+        RemoteCancelled: The connection was closed.
     """
     check_preconditions(vehicle, "reboot", _REBOOTING)
     async with deadline(timeout, _REBOOTING, vehicle.address):
@@ -147,7 +216,7 @@ async def reboot(vehicle: VehicleState, *, wait: bool, timeout: float | None) ->
                 await _wait_until_back(vehicle, events)
 
 
-async def _wait_until_back(vehicle: VehicleState, events: Subscription[_Event]) -> None:
+async def _wait_until_back(vehicle: Vehicle, events: Subscription[_Event]) -> None:
     try:
         async with asyncio.timeout(REBOOT_TIMEOUT):
             while not isinstance(await _next_event(vehicle, events), _BACK):
@@ -157,7 +226,7 @@ async def _wait_until_back(vehicle: VehicleState, events: Subscription[_Event]) 
         raise ActionTimeout(_REBOOTING, str(vehicle.address), answer=answer) from None
 
 
-async def _request_reboot(vehicle: VehicleState, events: Subscription[_Event]) -> _Event | None:
+async def _request_reboot(vehicle: Vehicle, events: Subscription[_Event]) -> _Event | None:
     """Send the command until it is acknowledged; return the event that made it needless, if any."""
     command = vehicle.component.command(_CMD.PREFLIGHT_REBOOT_SHUTDOWN, 1)
     acknowledged = asyncio.ensure_future(with_status_texts(vehicle, command))
@@ -173,7 +242,7 @@ async def _request_reboot(vehicle: VehicleState, events: Subscription[_Event]) -
     return None if event.cancelled() else event.result()
 
 
-async def _next_event(vehicle: VehicleState, events: Subscription[_Event]) -> _Event:
+async def _next_event(vehicle: Vehicle, events: Subscription[_Event]) -> _Event:
     async for event in events:
         if event.component.address == vehicle.address:
             return event

@@ -26,13 +26,14 @@ from mavstack.geodesy import distance
 from mavstack.services.arguments import check_number
 from mavstack.vehicle.actions.circling import CircleTracker
 from mavstack.vehicle.actions.conditions import SustainedCondition
+from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import firmware_of
 from mavstack.vehicle.vehicle_type import VehicleType, flies_on_wing
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 #: The time in which a vehicle has to be slow within its tolerance, in seconds.
 SETTLED_TIME: Final = 1.0
@@ -75,7 +76,7 @@ _OTHER: Final = Tolerance(1.0, 1.0, 0.5)
 WING_HEIGHT: Final = 5.0
 
 
-def default_tolerance(vehicle: VehicleState) -> Tolerance:
+def default_tolerance(vehicle: Vehicle) -> Tolerance:
     """Return the default tolerance of a vehicle that can stop, by its type."""
     return DEFAULTS.get(vehicle.vehicle_type, _OTHER)
 
@@ -89,7 +90,7 @@ def check_tolerance(tolerance: float | None) -> None:
         raise InvalidArgumentError(f"tolerance must be positive and finite, got {tolerance}")
 
 
-async def tolerance_of(vehicle: VehicleState, asked: float | None) -> Tolerance:
+async def tolerance_of(vehicle: Vehicle, asked: float | None) -> Tolerance:
     """Return the tolerance of a vehicle that stops at a place.
 
     Raises:
@@ -105,7 +106,17 @@ async def tolerance_of(vehicle: VehicleState, asked: float | None) -> Tolerance:
     return Tolerance(asked, None if default.height is None else asked, default.speed)
 
 
-async def _stopping_radius(vehicle: VehicleState) -> tuple[str, float, bool]:
+async def tolerance_if_waiting(
+    vehicle: Vehicle, asked: float | None, wait: bool, timeout: float | None
+) -> Tolerance:
+    """Return the tolerance of a call; without `wait` nothing is read for it."""
+    if not wait:
+        return default_tolerance(vehicle)
+    async with deadline(timeout, "reading the tolerance of", vehicle.address):
+        return await tolerance_of(vehicle, asked)
+
+
+async def _stopping_radius(vehicle: Vehicle) -> tuple[str, float, bool]:
     """Return the parameter that sets how close a vehicle stops, its metres, and whether it was read."""
     firmware = firmware_of(vehicle)
     radii = []
@@ -129,7 +140,7 @@ class Arrival:
 
     def __init__(
         self,
-        vehicle: VehicleState,
+        vehicle: Vehicle,
         place: Callable[[], tuple[float, float] | None],
         altitude: float | None,
         tolerance: Tolerance,

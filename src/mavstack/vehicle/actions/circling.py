@@ -21,7 +21,7 @@ from mavstack.geodesy import distance, offset
 
 if TYPE_CHECKING:
     from mavstack.vehicle.telemetry.values import Position
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 #: The largest ratio of the distances of a stretch.
 _MAX_RATIO: Final = 1.3
@@ -48,7 +48,7 @@ class _Sample(NamedTuple):
 class CircleTracker:
     """Follows the flight of a vehicle around a place."""
 
-    def __init__(self, vehicle: VehicleState) -> None:
+    def __init__(self, vehicle: Vehicle) -> None:
         self._vehicle = vehicle
         self._center: tuple[float, float] | None = None
         self._last: Position | None = None

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 from mavstack.dialects import common
 
 if TYPE_CHECKING:
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 #: A vehicle that stays armed on the ground for so long has landed, in seconds.
 ARMED_LANDING_TIME: Final = 15.0
@@ -16,7 +16,7 @@ ARMED_LANDING_TIME: Final = 15.0
 class SustainedCondition:
     """A condition that is met after it has held without a break for some seconds."""
 
-    def __init__(self, vehicle: VehicleState, seconds: float) -> None:
+    def __init__(self, vehicle: Vehicle, seconds: float) -> None:
         self._now = vehicle.connection.now
         self._seconds = seconds
         self._since: float | None = None
@@ -35,7 +35,7 @@ class SustainedCondition:
 class Settled:
     """Detects that a value has changed by less than a span for some seconds."""
 
-    def __init__(self, vehicle: VehicleState, seconds: float, span: float) -> None:
+    def __init__(self, vehicle: Vehicle, seconds: float, span: float) -> None:
         self._now = vehicle.connection.now
         self._seconds, self._span = seconds, span
         self._anchor: tuple[float, float] | None = None
@@ -54,7 +54,7 @@ class Settled:
 class LandingDetector:
     """Detects that a vehicle has landed: it is disarmed, or it has been on the ground for a while."""
 
-    def __init__(self, vehicle: VehicleState) -> None:
+    def __init__(self, vehicle: Vehicle) -> None:
         self._vehicle = vehicle
         self._on_ground = SustainedCondition(vehicle, ARMED_LANDING_TIME)
 

@@ -15,17 +15,32 @@ from mavstack.vehicle.geography import Location
 from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 
 async def set_home(
-    vehicle: VehicleState,
-    latitude: float | None,
-    longitude: float | None,
-    altitude: float | None,
-    timeout: float | None,
+    vehicle: Vehicle,
+    latitude: float | None = None,
+    longitude: float | None = None,
+    altitude: float | None = None,
+    *,
+    timeout: float | None = None,
 ) -> None:
-    """Set home to a position, or to the vehicle's position; see `Vehicle.set_home`."""
+    """Set the home position (MAV_CMD_DO_SET_HOME).
+
+    Args:
+        latitude: Degrees; None with `longitude` None: the present position.
+        longitude: Degrees.
+        altitude: Metres above mean sea level; None keeps the altitude of home.
+        timeout: Seconds for the whole call; None: until retries are exhausted.
+
+    Raises:
+        InvalidArgumentError: Only one of latitude and longitude is given.
+        CommandDenied: The vehicle refused.
+        CommandTimeout: The vehicle did not answer.
+        MessageTimeout: `altitude` is None, and the altitude of home is not known.
+        ActionTimeout: The call did not end within `timeout`.
+    """
     component = vehicle.component
     check_numbers(latitude=latitude, longitude=longitude, altitude=altitude)
     if (latitude is None) != (longitude is None):

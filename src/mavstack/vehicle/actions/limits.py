@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.vehicle.geography import Location
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 #: The highest target above home, in metres; below it, a vehicle that does not fly goes as deep.
 MAX_ALTITUDE: Final = 10_000.0
@@ -56,7 +56,7 @@ def check_location(location: Location) -> None:
 
 
 async def check_target(
-    vehicle: VehicleState, location: Location, *, override_limits: bool, timeout: float | None
+    vehicle: Vehicle, location: Location, *, override_limits: bool, timeout: float | None
 ) -> None:
     """Raise unless a location is a plausible target of a vehicle where it is now."""
     check_location(location)
@@ -80,7 +80,7 @@ async def check_target(
 
 
 @contextmanager
-def explain_far_target(vehicle: VehicleState, location: Location) -> Iterator[None]:
+def explain_far_target(vehicle: Vehicle, location: Location) -> Iterator[None]:
     """Add the distance of a far target to a refusal for which the vehicle sent no status text."""
     try:
         yield
@@ -91,7 +91,7 @@ def explain_far_target(vehicle: VehicleState, location: Location) -> Iterator[No
         raise
 
 
-def _distance_to(vehicle: VehicleState, location: Location) -> float | None:
+def _distance_to(vehicle: Vehicle, location: Location) -> float | None:
     position = vehicle.position
     if position is None:
         return None

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from math import inf, pi
+from math import inf, isfinite, pi
 from typing import TYPE_CHECKING, Final
 
+from mavstack.errors import InvalidArgumentError
 from mavstack.geodesy import distance
+from mavstack.services.arguments import check_number
 from mavstack.vehicle.actions.arrival import WING_HEIGHT, default_tolerance
 from mavstack.vehicle.actions.circling import QUARTER, WHOLE, CircleTracker
 from mavstack.vehicle.vehicle_type import flies_on_wing
 
 if TYPE_CHECKING:
     from mavstack.vehicle.geography import Location
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 #: The smallest tolerance of a radius in metres, and the part of the radius: on rotors, and on a wing.
 _HOVER_TOLERANCE: Final = (1.0, 0.1)
@@ -22,10 +24,19 @@ _PROOF: Final = 50.0
 _MIN_PROOF, _MAX_PROOF = 15.0, 60.0
 
 
+def check_radius(radius: float) -> None:
+    """Raise unless a radius in metres is that of a circle; a negative one is flown counter-clockwise."""
+    check_number("radius", radius, finite=False)
+    if not (isfinite(radius) and radius):
+        raise InvalidArgumentError(
+            f"orbit radius must be finite and not 0 (negative: counter-clockwise), got {radius}"
+        )
+
+
 class Orbiting:
     """The arrival on a circle; a negative radius is counter-clockwise."""
 
-    def __init__(self, vehicle: VehicleState, center: Location, radius: float, asked: float | None) -> None:
+    def __init__(self, vehicle: Vehicle, center: Location, radius: float, asked: float | None) -> None:
         self._vehicle, self._center, self._radius = vehicle, center, radius
         self._asked = asked
         self._circle = CircleTracker(vehicle)

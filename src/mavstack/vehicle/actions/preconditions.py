@@ -17,18 +17,18 @@ from mavstack.vehicle.firmware import firmware_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
     #: Returns why a call is not possible now, and what to do; None if it is, or if that is not known.
-    Precondition: TypeAlias = Callable[[VehicleState], str | None]
+    Precondition: TypeAlias = Callable[[Vehicle], str | None]
 
 
-def armed(vehicle: VehicleState) -> str | None:
+def armed(vehicle: Vehicle) -> str | None:
     """Require a vehicle that is armed."""
     return "it is not armed; arm it first" if vehicle.armed is False else None
 
 
-def airborne(vehicle: VehicleState) -> str | None:
+def airborne(vehicle: Vehicle) -> str | None:
     """Require that a vehicle that flies is in the air: on the ground a plane would run at full throttle."""
     grounded = vehicle.vehicle_type.flies and vehicle.in_air is False
     return "it is on the ground; take off first" if grounded else None
@@ -60,7 +60,7 @@ PRECONDITIONS: Final[Mapping[str, tuple[Precondition, ...]]] = MappingProxyType(
 )
 
 
-def check_preconditions(vehicle: VehicleState, call: str, operation: str) -> None:
+def check_preconditions(vehicle: Vehicle, call: str, operation: str) -> None:
     """Raise unless a vehicle can take a call now; nothing is sent.
 
     Args:
@@ -82,7 +82,7 @@ def check_preconditions(vehicle: VehicleState, call: str, operation: str) -> Non
             raise refusal(vehicle, operation, reason)
 
 
-def refusal(vehicle: VehicleState, operation: str, reason: str) -> ActionRefused:
+def refusal(vehicle: Vehicle, operation: str, reason: str) -> ActionRefused:
     """Return the error for an action that was refused before anything was sent."""
     code = common.MavResult.TEMPORARILY_REJECTED
     return ActionRefused(operation, str(vehicle.address), answer=reason, code=code)

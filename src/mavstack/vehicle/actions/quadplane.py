@@ -17,7 +17,7 @@ from mavstack.errors import MavstackError
 from mavstack.vehicle.vehicle_type import QUADPLANE_PARAMETER, VehicleType
 
 if TYPE_CHECKING:
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 #: The rate of EXTENDED_SYS_STATE, in hertz.
 _RATE: Final = 1.0
@@ -25,7 +25,7 @@ _RATE: Final = 1.0
 _DETECTION_TIMEOUT: Final = 3.0
 
 
-async def detect_quadplane(vehicle: VehicleState) -> None:
+async def detect_quadplane(vehicle: Vehicle) -> None:
     """Request the VTOL state of an ArduPilot plane, so that `vehicle_type` is VTOL if it is a quadplane."""
     telemetry = vehicle.telemetry
     if (

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import ardupilotmega, common
 from mavstack.errors import HealthTimeout, MavstackError, RemoteCancelled
+from mavstack.services import DEFAULT_WAIT_TIMEOUT
 from mavstack.services.arguments import check_timeout
 from mavstack.vehicle.actions.arming import enter_waiting_mode
 from mavstack.vehicle.actions.conditions import SustainedCondition
@@ -31,7 +32,7 @@ from mavstack.vehicle.telemetry.problems import recent
 if TYPE_CHECKING:
     from mavstack.dialects import Message
     from mavstack.vehicle.health import Health
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 #: The interval at which the vehicle is commanded to run its checks, in seconds.
 _CHECKS_INTERVAL = 10.0
@@ -62,9 +63,33 @@ _OPERATION = "waiting for the readiness of"
 
 
 async def wait_until_ready(
-    vehicle: VehicleState, mode: str | None, timeout: float | None, *, keep_mode: bool = False
+    vehicle: Vehicle,
+    *,
+    mode: str | None = None,
+    keep_mode: bool = False,
+    timeout: float | None = DEFAULT_WAIT_TIMEOUT,
 ) -> Health:
-    """Wait until a vehicle is ready to arm; see `Vehicle.wait_until_ready`."""
+    """Wait until the vehicle will accept arming.
+
+    A disarmed vehicle leaves a mode in which its firmware does not arm, such as the one that it landed
+    in, as `arm` does. A disarmed PX4 vehicle without radio control leaves a mode that needs sticks for
+    its hold mode.
+    A vehicle that does not report its checks, such as ArduPilot before 4.1, is ready when it has a
+    position and has reported no problem for some seconds.
+
+    Args:
+        mode: The name of the mode to be flown, such as "ALT_HOLD"; None: one that needs a position, as
+            takeoff and all other actions do; a submarine needs one only for a mode that is named here.
+        keep_mode: Change no mode; then a vehicle in such a mode does not get ready.
+        timeout: Seconds to wait; None waits for ever.
+
+    Returns:
+        The health of the ready vehicle; its `ready` is None if the vehicle does not report its checks.
+
+    Raises:
+        HealthTimeout: The vehicle was not ready in time; the text holds its problems.
+        RemoteCancelled: The connection was closed.
+    """
     needs_position = firmware_of(vehicle).needs_position(mode)
     if (health := vehicle.health).ready and (not needs_position or _is_estimated(vehicle)):
         return health
@@ -81,7 +106,7 @@ async def wait_until_ready(
             await asyncio.gather(requests, return_exceptions=True)
 
 
-async def _health_when(vehicle: VehicleState, readiness: _Readiness, timeout: float | None) -> Health:
+async def _health_when(vehicle: Vehicle, readiness: _Readiness, timeout: float | None) -> Health:
     """Return the health once the vehicle is ready."""
     try:
         async with asyncio.timeout(timeout):
@@ -107,7 +132,7 @@ def _unready_text(health: Health) -> str:
 class _Readiness:
     """Tells when a vehicle will accept arming, from all that it reports."""
 
-    def __init__(self, vehicle: VehicleState, mode: str | None, needs_position: bool) -> None:
+    def __init__(self, vehicle: Vehicle, mode: str | None, needs_position: bool) -> None:
         self._vehicle = vehicle
         self._needs_position = needs_position
         self._began = vehicle.connection.now()
@@ -134,13 +159,13 @@ class _Readiness:
         return late if estimated is None else estimated
 
 
-def _is_estimated(vehicle: VehicleState) -> bool | None:
+def _is_estimated(vehicle: Vehicle) -> bool | None:
     """Return whether the horizontal position is estimated, or will be once armed; None if not reported."""
     status = recent(vehicle.telemetry, ardupilotmega.EkfStatusReport)
     return None if status is None else bool(status.flags & _POSITION)
 
 
-def _lacks_radio(vehicle: VehicleState) -> bool:
+def _lacks_radio(vehicle: Vehicle) -> bool:
     """Return whether a vehicle reports that its radio control receiver does not work."""
     status = recent(vehicle.telemetry, common.SysStatus)
     if status is None:
@@ -149,7 +174,7 @@ def _lacks_radio(vehicle: VehicleState) -> bool:
     return bool(wrong & _RADIO)
 
 
-async def _leave_mode(vehicle: VehicleState, changes: Changes) -> None:
+async def _leave_mode(vehicle: Vehicle, changes: Changes) -> None:
     """Let a disarmed vehicle leave a mode in which its firmware does not arm.
 
     Without radio control that may be one that needs sticks, which takes a while to know.
@@ -165,7 +190,7 @@ async def _leave_mode(vehicle: VehicleState, changes: Changes) -> None:
                 await firmware_of(vehicle, changes).leave_stick_mode()
 
 
-async def _request_reports(vehicle: VehicleState, changes: Changes | None) -> None:
+async def _request_reports(vehicle: Vehicle, changes: Changes | None) -> None:
     telemetry = vehicle.telemetry
     async with asyncio.TaskGroup() as group:
         group.create_task(_run_checks(vehicle))
@@ -176,7 +201,7 @@ async def _request_reports(vehicle: VehicleState, changes: Changes | None) -> No
         group.create_task(telemetry.request_home())
 
 
-async def _run_checks(vehicle: VehicleState) -> None:
+async def _run_checks(vehicle: Vehicle) -> None:
     while True:
         with suppress(MavstackError):
             await vehicle.component.command(common.MavCmd.RUN_PREARM_CHECKS)

@@ -23,7 +23,7 @@ from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 MAX_SYSTEM_ID: Final = 255
 #: Seconds to find out which of its parameters a firmware has.
@@ -50,8 +50,29 @@ class Renumbered:
     rebooted: bool
 
 
-async def renumber(vehicle: VehicleState, system: int | None, timeout: float | None) -> Renumbered:
-    """Set the system id, reboot if that is needed, and wait for the first heartbeat with it."""
+async def renumber(
+    vehicle: Vehicle, system: int | None = None, *, timeout: float | None = None
+) -> Renumbered:
+    """Give the vehicle another system id, reboot it if that is needed, and wait until it speaks with it.
+
+    Where several vehicles use its system id, choose one with `choose_sender` first.
+
+    Args:
+        system: The new system id, 1 to 255; None: the lowest one that no component uses.
+        timeout: Seconds for the whole call; None: until retries are exhausted, or it stays away.
+
+    Returns:
+        The new system id, the parameter, and whether the vehicle rebooted.
+
+    Raises:
+        SystemIdConflictError: Several vehicles use its system id, and none was chosen.
+        InvalidArgumentError: The system id is out of range, or a component uses it.
+        InvalidStateError: The vehicle is armed.
+        ActionUnsupported: The firmware's parameter is not known.
+        ParameterDenied: The vehicle refused the parameter.
+        CommandDenied: The vehicle refused to reboot.
+        ActionTimeout: It has no such parameter, or did not speak with the new system id in time.
+    """
     connection = vehicle.connection
     names = SYSTEM_ID_PARAMETERS.get(int(vehicle.autopilot))
     if names is None:
@@ -78,7 +99,7 @@ async def renumber(vehicle: VehicleState, system: int | None, timeout: float | N
     return Renumbered(wanted, name, rebooted)
 
 
-def _checked_id(vehicle: VehicleState, system: int | None) -> int:
+def _checked_id(vehicle: Vehicle, system: int | None) -> int:
     """Return the new id: the given one if no component uses it, else the lowest free one."""
     connection = vehicle.connection
     used = {address.system for address in connection.components} | {connection.address.system}
@@ -92,7 +113,7 @@ def _checked_id(vehicle: VehicleState, system: int | None) -> int:
     return int(system)
 
 
-async def _parameter_of(vehicle: VehicleState, names: tuple[str, ...]) -> str:
+async def _parameter_of(vehicle: Vehicle, names: tuple[str, ...]) -> str:
     """Return the parameter that the firmware has."""
     if len(names) == 1:
         return names[0]
@@ -104,7 +125,7 @@ async def _parameter_of(vehicle: VehicleState, names: tuple[str, ...]) -> str:
     raise ActionTimeout(_OPERATION, str(vehicle.address), answer=answer)
 
 
-async def _speaks(vehicle: VehicleState, system: int, seconds: float) -> bool:
+async def _speaks(vehicle: Vehicle, system: int, seconds: float) -> bool:
     """Return whether a vehicle with the new system id is heard in time."""
     try:
         await vehicle.connection.wait_for_autopilot(system, timeout=seconds)

@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     from typing import Any
 
     from mavstack.vehicle.firmware.changes import Changes
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 
 async def run_action(
-    vehicle: VehicleState,
+    vehicle: Vehicle,
     operation: str,
     request: Coroutine[Any, Any, None],
     goal: Callable[[], ActionGoal],
@@ -41,7 +41,12 @@ async def run_action(
         request.close()  # if it was never awaited
 
 
-def relative_altitude_of(vehicle: VehicleState) -> float | None:
+def relative_altitude_of(vehicle: Vehicle) -> float | None:
     """Return the altitude in metres above home; None if it is not known."""
     position = vehicle.position
     return None if position is None else position.relative_altitude
+
+
+def remaining_timeout(vehicle: Vehicle, timeout: float | None, started: float) -> float | None:
+    """Return the seconds that are left of a timeout; None sets no limit."""
+    return None if timeout is None else max(timeout - (vehicle.connection.now() - started), 0.0)

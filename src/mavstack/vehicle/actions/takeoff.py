@@ -18,7 +18,7 @@ from mavstack.vehicle.firmware import firmware_of
 from mavstack.vehicle.vehicle_type import VehicleType
 
 if TYPE_CHECKING:
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 #: The distance to the altitude of a takeoff within which a vehicle that hovers has reached it, in metres.
 TAKEOFF_TOLERANCE: Final = 0.5
@@ -30,9 +30,30 @@ TAKEOFF_RESTING_TIME: Final = 6.0
 
 
 async def takeoff(
-    vehicle: VehicleState, altitude: float, *, override_limits: bool, wait: bool, timeout: float | None
+    vehicle: Vehicle,
+    altitude: float = 10.0,
+    *,
+    override_limits: bool = False,
+    wait: bool = True,
+    timeout: float | None = None,
 ) -> None:
-    """Take off to an altitude in metres above home."""
+    """Take off to an altitude and stay there; the vehicle must be armed.
+
+    It ends when a vehicle that hovers has settled within half a metre of the altitude.
+
+    Args:
+        altitude: Metres above home.
+        override_limits: Send an altitude above the limit of plausible flights.
+        wait: Wait until the altitude is reached and kept.
+        timeout: Seconds for the whole call; None sets no overall limit.
+
+    Raises:
+        InvalidTypeError: An argument is not a number.
+        InvalidArgumentError: The altitude is not positive, or implausibly high.
+        ActionRefused: The vehicle is not armed, or it flies and its firmware does not take off then
+            (ArduPilot); nothing was sent.
+        RemoteError: An error that all actions share; see `Vehicle`.
+    """
     check_takeoff(altitude, override_limits=override_limits)
     operation = f"takeoff to {altitude:g} m of"
     check_preconditions(vehicle, "takeoff", operation)

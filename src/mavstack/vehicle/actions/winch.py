@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
     from typing import Any
 
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 #: The rate at which WINCH_STATUS is requested, in hertz.
 STATUS_RATE: Final = 4.0
@@ -31,7 +31,7 @@ _FLAG: Final = common.MavWinchStatusFlag
 
 
 async def unwind(
-    vehicle: VehicleState,
+    vehicle: Vehicle,
     number: int,
     request: Coroutine[Any, Any, object],
     length: float,
@@ -60,7 +60,7 @@ async def unwind(
 
 
 async def run(
-    vehicle: VehicleState,
+    vehicle: Vehicle,
     number: int,
     request: Coroutine[Any, Any, object],
     rate: float,
@@ -90,7 +90,7 @@ async def run(
 
 
 async def _run(
-    vehicle: VehicleState,
+    vehicle: Vehicle,
     number: int,
     request: Coroutine[Any, Any, object],
     goal_of: Callable[[common.WinchStatus], ActionGoal | None] | None,
@@ -108,7 +108,7 @@ async def _run(
         request.close()
 
 
-async def _status(vehicle: VehicleState) -> common.WinchStatus | None:
+async def _status(vehicle: Vehicle) -> common.WinchStatus | None:
     """Return the present status; None if the vehicle does not send it."""
     requested = await vehicle.telemetry.ensure(common.WinchStatus, STATUS_RATE)
     age = vehicle.age(common.WinchStatus)

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
     from mavstack.dialects import Message
     from mavstack.vehicle.calibration.conversation import Conversation
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 _Back: TypeAlias = ComponentRebooted | ComponentReturned | ComponentFound
 
@@ -248,31 +248,31 @@ async def _radio(conversation: Conversation) -> None:
     await calibrate_radio(conversation, ignore_sticks)
 
 
-async def _announce_radio_calibration(vehicle: VehicleState) -> None:
+async def _announce_radio_calibration(vehicle: Vehicle) -> None:
     """Announce a radio calibration, so that the firmware ignores the sticks; it answers UNSUPPORTED."""
     with suppress(CommandDenied):
         await vehicle.component.command(_CMD.PREFLIGHT_CALIBRATION, *_ARGUMENTS[CalibrationKind.RADIO])
 
 
-async def _cancel_radio(vehicle: VehicleState) -> None:
+async def _cancel_radio(vehicle: Vehicle) -> None:
     with suppress(CommandDenied):
         await vehicle.component.command(_CMD.PREFLIGHT_CALIBRATION)
 
 
-async def _cancel_compass(vehicle: VehicleState) -> None:
+async def _cancel_compass(vehicle: Vehicle) -> None:
     await vehicle.component.command(_CMD.DO_CANCEL_MAG_CAL)
 
 
-async def _cancel_compass_motor(vehicle: VehicleState) -> None:
+async def _cancel_compass_motor(vehicle: Vehicle) -> None:
     """Send a COMMAND_ACK: any of them ends the calibration, and stops the motors."""
     vehicle.component.send(common.CommandAck(result=common.MavResult.ACCEPTED))
 
 
-async def _cancel_esc(vehicle: VehicleState) -> None:
+async def _cancel_esc(vehicle: Vehicle) -> None:
     await vehicle.params.set(_ESC_PARAMETER, 0)
 
 
-async def _cancel_nothing(vehicle: VehicleState) -> None:
+async def _cancel_nothing(vehicle: Vehicle) -> None:
     """Leave a calibration that ends by itself, or cannot be cancelled."""
     del vehicle
 

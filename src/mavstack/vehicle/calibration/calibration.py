@@ -17,7 +17,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.errors import InvalidArgumentError
-from mavstack.node.read_only import ReadOnly
+from mavstack.node.api_object import ReadOnly
 from mavstack.vehicle.calibration.kinds import CalibrationKind, CalibrationResult
 from mavstack.vehicle.calibration.selection import procedures_of
 from mavstack.vehicle.calibration.session import CalibrationSession
@@ -30,13 +30,13 @@ if TYPE_CHECKING:
 
     from mavstack.vehicle.calibration.kinds import CalibrationStep
     from mavstack.vehicle.calibration.procedure import Procedure
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 
 class Calibration(ReadOnly):
     """The calibrations of a vehicle; `vehicle.calibration`."""
 
-    def __init__(self, vehicle: VehicleState) -> None:
+    def __init__(self, vehicle: Vehicle) -> None:
         self._vehicle = vehicle
 
     @property

@@ -19,7 +19,7 @@ from mavstack.vehicle.calibration.kinds import CalibrationKind
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 #: Seconds for all parameters together.
 REFRESH_TIMEOUT: Final = 5.0
@@ -56,11 +56,11 @@ class ChangedParameters:
         kind: The kind of the calibration.
     """
 
-    def __init__(self, vehicle: VehicleState, kind: CalibrationKind) -> None:
+    def __init__(self, vehicle: Vehicle, kind: CalibrationKind) -> None:
         self._vehicle = vehicle
         self._patterns = CALIBRATED[kind]
         self._announced: set[str] = set()
-        self._listener = vehicle.telemetry.add_listener(common.ParamValue, self._note)
+        self._listener = vehicle.add_listener(common.ParamValue, self._note)
 
     async def refresh(self) -> None:
         """Read those that are known and were not announced; a vehicle that does not answer keeps them."""

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mavstack.node.dispatch import Listener
     from mavstack.vehicle.action_monitor import ActionMonitor
     from mavstack.vehicle.calibration.kinds import CalibrationKind, Pose
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 #: The time in which the vehicle gives no sign of progress after which a calibration fails, in seconds.
 STALL_TIMEOUT = 30.0
@@ -38,7 +38,7 @@ class Conversation:
 
     def __init__(
         self,
-        vehicle: VehicleState,
+        vehicle: Vehicle,
         kind: CalibrationKind,
         monitor: ActionMonitor,
         steps: asyncio.Queue[CalibrationStep | None],
@@ -115,7 +115,7 @@ class Conversation:
 
     def listen(self, message: type[Message], callback: Callable[[Message], None]) -> None:
         """Call a function with each message of a class until the calibration ends."""
-        self._listeners.append(self.vehicle.telemetry.add_listener(message, callback))
+        self._listeners.append(self.vehicle.add_listener(message, callback))
 
     async def wait(
         self,

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from mavstack.vehicle.calibration.conversation import Conversation
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 
 async def _calibrate_accelerometer(conversation: Conversation) -> None:
@@ -35,7 +35,7 @@ async def _calibrate_compass(conversation: Conversation) -> None:
     conversation.running = False
 
 
-async def _cancel(vehicle: VehicleState) -> None:
+async def _cancel(vehicle: Vehicle) -> None:
     raise ActionUnsupported(f"vehicle {vehicle.address} cannot cancel a calibration: it ends by itself")
 
 

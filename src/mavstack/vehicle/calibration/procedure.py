@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from mavstack.vehicle.calibration.conversation import Conversation
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +25,6 @@ class Procedure:
     """
 
     run: Callable[[Conversation], Awaitable[None]]
-    cancel: Callable[[VehicleState], Coroutine[Any, Any, None]]
+    cancel: Callable[[Vehicle], Coroutine[Any, Any, None]]
     needs_confirmation: bool = False
     can_cancel: bool = True

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from mavstack.vehicle.calibration.conversation import Conversation
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 _CMD: Final = common.MavCmd
 PREFIX: Final = "[cal] "
@@ -206,7 +206,7 @@ async def _radio(conversation: Conversation) -> None:
     await calibrate_radio(conversation, ignore_sticks)
 
 
-async def _cancel(vehicle: VehicleState) -> None:
+async def _cancel(vehicle: Vehicle) -> None:
     """Send the request to cancel until a text says that the calibration has ended."""
     async with vehicle.connection.events(StatusText) as texts:
         for _ in range(_CANCELLATIONS):
@@ -221,7 +221,7 @@ async def _cancel(vehicle: VehicleState) -> None:
                 return
 
 
-async def _cancel_radio(vehicle: VehicleState) -> None:
+async def _cancel_radio(vehicle: Vehicle) -> None:
     await vehicle.component.command(_CMD.PREFLIGHT_CALIBRATION)
 
 

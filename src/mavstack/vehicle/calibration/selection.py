@@ -13,10 +13,10 @@ if TYPE_CHECKING:
 
     from mavstack.vehicle.calibration.kinds import CalibrationKind
     from mavstack.vehicle.calibration.procedure import Procedure
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 
-def procedures_of(vehicle: VehicleState) -> Mapping[CalibrationKind, Procedure]:
+def procedures_of(vehicle: Vehicle) -> Mapping[CalibrationKind, Procedure]:
     """Return the procedures that a vehicle has; none for a firmware that is not known."""
     if isinstance(firmware_of(vehicle), MspFirmware):
         return msp.PROCEDURES

@@ -7,7 +7,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import InvalidStateError, MavstackError
-from mavstack.node.read_only import ReadOnly
+from mavstack.node.api_object import ReadOnly
 from mavstack.vehicle.action_monitor import ActionMonitor
 from mavstack.vehicle.actions.preconditions import check_preconditions
 from mavstack.vehicle.calibration.changed_parameters import ChangedParameters
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from mavstack.vehicle.calibration.kinds import CalibrationKind, CalibrationResult, CalibrationStep
     from mavstack.vehicle.calibration.procedure import Procedure
-    from mavstack.vehicle.vehicle_state import VehicleState
+    from mavstack.vehicle.vehicle import Vehicle
 
 #: The time in which the vehicle must answer a cancellation, in seconds.
 CANCEL_TIMEOUT: Final = 5.0
@@ -33,7 +33,7 @@ class CalibrationSession(ReadOnly):
     """
 
     def __init__(
-        self, vehicle: VehicleState, kind: CalibrationKind, procedure: Procedure, timeout: float | None
+        self, vehicle: Vehicle, kind: CalibrationKind, procedure: Procedure, timeout: float | None
     ) -> None:
         self._vehicle = vehicle
         self._kind = kind

@@ -28,7 +28,7 @@ from mavstack.errors import ContactLost, MavstackError, RemoteCancelled, RemoteE
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable
 
-    from mavstack.vehicle.firmware.interface import FirmwareVehicle
+    from mavstack.vehicle.vehicle import Vehicle
 
 #: The time in which the changes of a failed call are reversed, in seconds.
 UNDO_TIMEOUT: Final = 8.0
@@ -53,7 +53,7 @@ class _Reversal:
 class Changes:
     """The changes of one call."""
 
-    def __init__(self, vehicle: FirmwareVehicle) -> None:
+    def __init__(self, vehicle: Vehicle) -> None:
         self._vehicle = vehicle
         self._reversals: list[_Reversal] = []
         #: The parameters that the vehicle reads at the start of the action only, and their values before.

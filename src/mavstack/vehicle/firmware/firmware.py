@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, ClassVar, Final
 from mavstack.dialects import common
 from mavstack.dialects.enums import official_names
 from mavstack.errors import ActionUnsupported, RemoteError
+from mavstack.node.api_object import LoopBound
 from mavstack.vehicle.firmware.changes import Changes
 from mavstack.vehicle.vehicle_type import VehicleType
 
@@ -32,8 +33,8 @@ if TYPE_CHECKING:
     from mavstack.services.heartbeat import ComponentInfo
     from mavstack.services.setpoints import Setpoint
     from mavstack.services.version import AutopilotVersion, FirmwareVersion
-    from mavstack.vehicle.firmware.interface import FirmwareVehicle
     from mavstack.vehicle.geography import Location
+    from mavstack.vehicle.vehicle import Vehicle
 
 CMD: Final = common.MavCmd
 FRAME: Final = common.MavFrame
@@ -64,7 +65,7 @@ class OrbitEntry:
     heading: float | None = None
 
 
-class Firmware:
+class Firmware(LoopBound):
     """The firmware of one vehicle; made by `firmware_of`."""
 
     #: The modes in which each action goes on, in lower case; an action that is missing goes on in any mode.
@@ -122,7 +123,7 @@ class Firmware:
     #: True if the heartbeat of a vehicle says that it is armed while a motor is tested.
     MOTOR_TEST_ARMS: ClassVar[bool] = False
 
-    def __init__(self, vehicle: FirmwareVehicle, changes: Changes | None = None) -> None:
+    def __init__(self, vehicle: Vehicle, changes: Changes | None = None) -> None:
         self.vehicle = vehicle
         #: The changes that the steps of the present call made.
         self.changes = Changes(vehicle) if changes is None else changes

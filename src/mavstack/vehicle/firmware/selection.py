@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from mavstack.vehicle.firmware.changes import Changes
-    from mavstack.vehicle.firmware.interface import FirmwareVehicle
+    from mavstack.vehicle.vehicle import Vehicle
 
 _CLASSES: Final[Mapping[int, type[Firmware]]] = MappingProxyType(
     {common.MavAutopilot.ARDUPILOTMEGA: ArduPilot, common.MavAutopilot.PX4: Px4}
@@ -43,7 +43,7 @@ def firmware_class(autopilot: int | None, identifier: str = "") -> type[Firmware
     return Firmware if autopilot is None else _CLASSES.get(autopilot, Firmware)
 
 
-def firmware_of(vehicle: FirmwareVehicle, changes: Changes | None = None) -> Firmware:
+def firmware_of(vehicle: Vehicle, changes: Changes | None = None) -> Firmware:
     """Return the firmware of a vehicle, by its last heartbeat and its AUTOPILOT_VERSION.
 
     Args:

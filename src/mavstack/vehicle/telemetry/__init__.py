@@ -1,11 +1,9 @@
 """The telemetry of a vehicle: typed messages, the latest of each, and values the same for every firmware."""
 
-from mavstack.vehicle.telemetry.properties import TelemetryProperties
 from mavstack.vehicle.telemetry.rates import Rates
 from mavstack.vehicle.telemetry.stream import MessageStream
 from mavstack.vehicle.telemetry.telemetry import Telemetry
 from mavstack.vehicle.telemetry.value_stream import ValueStream
-from mavstack.vehicle.telemetry.value_streams import TelemetryStreams
 from mavstack.vehicle.telemetry.values import (
     Attitude,
     Battery,
@@ -36,8 +34,6 @@ __all__ = [
     "Rc",
     "StatusText",
     "Telemetry",
-    "TelemetryProperties",
-    "TelemetryStreams",
     "ValueStream",
     "Velocity",
     "VfrHud",

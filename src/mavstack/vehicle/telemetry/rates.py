@@ -21,6 +21,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from mavstack.errors import CommandDenied, MavstackError
+from mavstack.node.api_object import LoopBound
 from mavstack.services.heartbeat import ComponentRebooted, ComponentReturned
 from mavstack.services.message_request import DEFAULT, Interval
 from mavstack.services.message_request.interval import name_of
@@ -69,7 +70,7 @@ class _MessageRate:
         return max(request.rate for request in self.requests)
 
 
-class Rates:
+class Rates(LoopBound):
     """The requested message rates of one component; `age` returns the seconds since a message arrived."""
 
     def __init__(
@@ -79,6 +80,7 @@ class Rates:
         self._component = component
         self._age = age
         self._rates: dict[int, _MessageRate] = {}
+        self._permanent: dict[int, RateRequest] = {}
         self._tasks: set[asyncio.Task[None]] = set()
         self._watching: asyncio.Task[None] | None = None
 
@@ -100,6 +102,15 @@ class Rates:
         if self._watching is None or self._watching.done():
             self._watching = self._begin(self._watch())
         return request
+
+    def set_permanently(self, message: MessageClass, rate: float | None) -> None:
+        """Hold a rate in place of the one that was set for the message before; None: hold none."""
+        number = _id(message)
+        before = self._permanent.pop(number, None)
+        if rate is not None:
+            self._permanent[number] = self.hold(message, rate)
+        if before is not None:
+            self.release(before)
 
     def release(self, request: RateRequest) -> None:
         """Keep a rate no longer. Idempotent."""

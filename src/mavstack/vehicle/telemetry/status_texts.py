@@ -6,6 +6,7 @@ from collections import deque
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
+from mavstack.node.api_object import LoopBound
 from mavstack.services import statustext
 from mavstack.vehicle.telemetry.values import StatusText
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 MAX_TEXTS = 200
 
 
-class StatusTexts:
+class StatusTexts(LoopBound):
     """The last status texts of one system; every STATUSTEXT packet is passed to `receive`."""
 
     def __init__(self, local: Address, now: Callable[[], float]) -> None:

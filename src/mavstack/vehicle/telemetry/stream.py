@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 from mavstack.dialects import Message
 from mavstack.errors import CommandDenied, InvalidArgumentError, MavstackError, RemoteError
-from mavstack.node.read_only import ReadOnly
+from mavstack.node.api_object import ReadOnly
 from mavstack.vehicle.telemetry.periodic import is_answer, is_periodic
 
 if TYPE_CHECKING:

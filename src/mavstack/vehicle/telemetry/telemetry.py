@@ -7,27 +7,20 @@ camera or a gimbal may send an ATTITUDE of its own.
 
 from __future__ import annotations
 
-import asyncio
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 from mavstack.dialects import Message, common
-from mavstack.errors import CommandDenied, CommandTimeout, MavstackError, MessageTimeout, RemoteCancelled
-from mavstack.services import DEFAULT_WAIT_TIMEOUT
-from mavstack.services.message_request.interval import name_of
+from mavstack.errors import CommandDenied, MavstackError, MessageTimeout
+from mavstack.node.api_object import LoopBound
 from mavstack.services.version import AutopilotVersion
-from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import firmware_class
 from mavstack.vehicle.telemetry.rates import Rates
 from mavstack.vehicle.telemetry.status_texts import StatusTexts
-from mavstack.vehicle.telemetry.stream import MessageStream
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from mavstack.node import Node, RemoteComponent
     from mavstack.node.dispatch import Listener
     from mavstack.vehicle.firmware import Firmware
-    from mavstack.vehicle.telemetry.rates import RateRequest
     from mavstack.wire import Packet
 
 AnyMessage = TypeVar("AnyMessage", bound=Message)
@@ -46,7 +39,7 @@ _BATTERIES = (common.MavComponent.BATTERY, common.MavComponent.BATTERY2)
 _ID_BITS = 24
 
 
-class Telemetry:
+class Telemetry(LoopBound):
     """The messages of one vehicle's system, and the rates requested from its autopilot."""
 
     def __init__(self, node: Node, component: RemoteComponent) -> None:
@@ -65,7 +58,6 @@ class Telemetry:
         self.rebooted_at = 0.0
         #: True if HOME_POSITION was requested and the vehicle had none.
         self.home_refused = False
-        self._set_rates: dict[int, RateRequest] = {}
         self._latest: dict[int, tuple[Packet, float]] = {}
         self._batteries: dict[tuple[int, int], common.BatteryStatus] = {}
         self._rc_ports: dict[int, common.RcChannelsRaw] = {}
@@ -165,67 +157,11 @@ class Telemetry:
         """Return the last RC_CHANNELS_RAW of each port; port 0 holds the first eight channels."""
         return dict(self._rc_ports)
 
-    # New messages
-
-    def stream(
-        self, *messages: type[AnyMessage], rate: float | None = None, queue: int = 1000
-    ) -> MessageStream[AnyMessage]:
-        """Return an async iterator of the autopilot's messages of these classes; see `MessageStream`."""
-        subscription = self.component.stream(*messages, queue=queue)
-        return MessageStream(self, messages, subscription, rate)
-
-    async def wait_for_message(
-        self, message: type[AnyMessage], *, timeout: float | None = DEFAULT_WAIT_TIMEOUT
-    ) -> AnyMessage:
-        """Return the next message of a class; see `Vehicle.wait_for_message`."""
-        operation, target = f"waiting for {name_of(message)} from", str(self.component.address)
-        async with self.stream(message) as stream:
-            try:
-                async with asyncio.timeout(timeout):
-                    return await anext(stream)
-            except TimeoutError:
-                raise MessageTimeout(operation, target, answer=f"none arrived in {timeout:g} s") from None
-            except StopAsyncIteration:
-                raise RemoteCancelled(operation, target, answer="the connection was closed") from None
-
-    def add_listener(
-        self,
-        message: type[AnyMessage] | tuple[type[AnyMessage], ...],
-        callback: Callable[[AnyMessage], object],
-        *,
-        component: int | None = None,
-    ) -> Listener:
-        """Call a function with each message of a class; see `Vehicle.add_listener`."""
-        system, autopilot = self.component.address
-        names = ", ".join(map(name_of, message if isinstance(message, tuple) else (message,)))
-
-        def deliver(packet: Packet) -> None:
-            try:
-                callback(packet.message)
-            except Exception as error:  # noqa: BLE001 (a defect of the program must not stop the link)
-                context = {"message": f"the listener for {names} failed", "exception": error}
-                asyncio.get_running_loop().call_exception_handler(context)
-
-        source = autopilot if component is None else component
-        return self.node.add_packet_listener(message, deliver, system=system, component=source)
+    # Requests
 
     async def ensure(self, message: type[Message], rate: float) -> bool:
         """Keep a message at `rate` hertz or more permanently; return False if refused or not answered."""
         return await self.rates.ensure(message, rate)
-
-    async def set_message_rate(
-        self, message: type[Message], rate: float | None, *, timeout: float | None = None
-    ) -> None:
-        """Request a message at a rate permanently; see `Vehicle.set_message_rate`."""
-        key = self._key(message, 0)
-        before = self._set_rates.pop(key, None)
-        if rate is not None:
-            self._set_rates[key] = self.rates.hold(message, rate)
-        if before is not None:
-            self.rates.release(before)
-        operation = f"setting the rate of {name_of(message)} on"
-        async with deadline(timeout, operation, self.component.address, CommandTimeout):
-            await self.rates.ask(message)
 
     async def request_home(self) -> None:
         """Request HOME_POSITION, unless it was received."""

@@ -14,7 +14,7 @@ import asyncio
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 from mavstack.errors import CommandDenied, MessageTimeout, RemoteCancelled
-from mavstack.node.read_only import ReadOnly
+from mavstack.node.api_object import ReadOnly
 from mavstack.vehicle.telemetry.periodic import is_periodic
 from mavstack.vehicle.telemetry.stream import MessageStream
 
