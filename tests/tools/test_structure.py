@@ -21,7 +21,7 @@ STATION_MODULES = sorted(
 )
 TEST_MODULES = sorted((ROOT / "tests").rglob("test_*.py"))
 MAX_MODULE_LINES, MAX_FACADE_LINES, MAX_FUNCTION_LINES = 400, 600, 60
-#: Modules of one class each, which users see of a whole package: its parts, and its calls with their contracts.
+#: Modules of one class each: the parts and calls of a whole package, with their contracts.
 FACADES = {
     "src/mavstack/node/camera.py",
     "src/mavstack/node/component.py",

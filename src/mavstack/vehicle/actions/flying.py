@@ -245,7 +245,16 @@ async def orbit(
     timeout = remaining_timeout(vehicle, timeout, started)
     orbiting = Orbiting(vehicle, center, radius, tolerance)
 
-    goal = ActionGoal(
+    goal = _orbit_goal(vehicle, firmware, orbiting)
+    request = _request_orbit(vehicle, firmware, center, radius, speed)
+    with explain_far_target(vehicle, center):
+        await run_action(
+            vehicle, operation, request, lambda: goal, changes=firmware.changes, wait=wait, timeout=timeout
+        )
+
+
+def _orbit_goal(vehicle: Vehicle, firmware: Firmware, orbiting: Orbiting) -> ActionGoal:
+    return ActionGoal(
         orbiting.reached,
         orbiting.remaining,
         modes=firmware.modes_of("orbit"),
@@ -255,11 +264,6 @@ async def orbit(
         detail=orbiting.detail,
         failure=orbiting.failure,
     )
-    request = _request_orbit(vehicle, firmware, center, radius, speed)
-    with explain_far_target(vehicle, center):
-        await run_action(
-            vehicle, operation, request, lambda: goal, changes=firmware.changes, wait=wait, timeout=timeout
-        )
 
 
 async def _request_orbit(
