@@ -11,8 +11,6 @@ from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.link_options import add_key_option, with_link_options
 from mavstack.cli.common.options import seconds
 from mavstack.cli.common.output import echo, echo_text
-from mavstack.cli.route.control import control, read_token
-from mavstack.cli.route.learn import learn
 from mavstack.cli.route.running import run_router
 from mavstack.links.registry import open_link, resolve_url
 from mavstack.router.config import (
@@ -25,7 +23,6 @@ from mavstack.router.config import (
     toml_text,
 )
 from mavstack.router.guard import check_firewall
-from mavstack.router.mavlink_router_config import read_mavlink_router_config
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -80,9 +77,14 @@ def add_arguments(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Run `mav route`."""
     words = arguments.words
+    # A router starts without the modules of the other uses.
     if words[:1] == ["ctl"]:
+        from mavstack.cli.route.control import control
+
         return control(words[1:], arguments)
     if words[:1] == ["learn"]:
+        from mavstack.cli.route.learn import learn
+
         return learn(words[1:], arguments)
     if words[:1] == ["check"]:
         return _check(words[1:])
@@ -123,6 +125,8 @@ def _config(arguments: Namespace) -> tuple[RouterConfig, Callable[[str], RouterC
     if words:
         return load(words[0]), load
     if arguments.foreign:
+        from mavstack.router.mavlink_router_config import read_mavlink_router_config
+
         converted = read_mavlink_router_config(arguments.foreign)
         for note in converted.notes:
             echo(f"mav route: {note}", error=True)
@@ -141,7 +145,7 @@ def _with_options(config: RouterConfig, arguments: Namespace) -> RouterConfig:
         endpoints.append(
             EndpointConfig(_free_name("recorder", endpoints), record=Recording(arguments.record))
         )
-    token = read_token(arguments.token_file) or config.control_token
+    token = _token(arguments.token_file) or config.control_token
     control = arguments.control or config.control
     try:
         check_control(control, token)
@@ -151,6 +155,14 @@ def _with_options(config: RouterConfig, arguments: Namespace) -> RouterConfig:
     return replace(
         config, endpoints=tuple(endpoints), control=control, control_token=token, duplicate_window=window
     )
+
+
+def _token(path: str | None) -> str:
+    if path is None:
+        return ""
+    from mavstack.cli.route.control import read_token
+
+    return read_token(path)
 
 
 def _free_name(word: str, endpoints: list[EndpointConfig]) -> str:

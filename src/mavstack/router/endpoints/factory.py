@@ -3,20 +3,34 @@
 from __future__ import annotations
 
 import sys
+from importlib import import_module
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, cast
 
 from mavstack.links.registry import open_link
-from mavstack.router.endpoints.carried import CarriedEndpoint
-from mavstack.router.endpoints.native import SerialEndpoint, SocketEndpoint, UdpEndpoint
-from mavstack.router.endpoints.recorder import RecorderEndpoint
-from mavstack.router.endpoints.server import ServerEndpoint
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from mavstack.links.base import Link
     from mavstack.router.attachments import Attachments
     from mavstack.router.config import EndpointConfig
     from mavstack.router.endpoints.base import Endpoint
 
+_SERIAL: Final = "native:SerialEndpoint"
+#: Module and class of the endpoint by the link. Exactly these links: TLS derives from TCP, and an impaired
+#: link wraps another.
+_NATIVE: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "mavstack.links.udp.UdpListener": "native:UdpEndpoint",
+        "mavstack.links.udp_sender.UdpSender": "native:UdpEndpoint",
+        "mavstack.links.tcp.TcpClient": "native:SocketEndpoint",
+        "mavstack.links.unix.UnixClient": "native:SocketEndpoint",
+        "mavstack.links.tcp.TcpServer": "server:ServerEndpoint",
+        "mavstack.links.unix.UnixServer": "server:ServerEndpoint",
+        "mavstack.links.serial.SerialLink": _SERIAL,
+    }
+)
 #: Options of links that Python applies: roles of clients, and the threads of a serial port.
 _CARRIED: Final = frozenset({"role", "roles", "threads"})
 
@@ -32,33 +46,26 @@ def make_endpoint(config: EndpointConfig, attachments: Attachments) -> Endpoint:
         LinkError: The URL is malformed, or a certificate cannot be read.
         MissingExtraError: The scheme needs an optional dependency.
     """
+    # Each kind is imported when a router has one: without a recorder it starts without log files.
     if config.record is not None:
+        from mavstack.router.endpoints.recorder import RecorderEndpoint
+
         return RecorderEndpoint(config, attachments, config.record)
     link = open_link(config.url)
     native = config.high_latency is None and not _CARRIED & link.url.options.keys()
-    return (_native_endpoint(config, attachments, link) if native else None) or CarriedEndpoint(
-        config, attachments, link
-    )
+    if native and (endpoint := _native_endpoint(config, attachments, link)) is not None:
+        return endpoint
+    from mavstack.router.endpoints.carried import CarriedEndpoint
+
+    return CarriedEndpoint(config, attachments, link)
 
 
 def _native_endpoint(config: EndpointConfig, attachments: Attachments, link: Link) -> Endpoint | None:
-    """Return the endpoint of a link whose descriptor the engine can read itself, or None.
-
-    Exactly these classes: TLS derives from TCP, and an impaired link wraps another.
-    """
-    from mavstack.links.serial import SerialLink
-    from mavstack.links.tcp import TcpClient, TcpServer
-    from mavstack.links.udp import UdpListener
-    from mavstack.links.udp_sender import UdpSender
-    from mavstack.links.unix import UnixClient, UnixServer
-
+    """Return the endpoint of a link whose descriptor the engine can read itself, or None."""
     kind = type(link)
-    if kind in (UdpListener, UdpSender):
-        return UdpEndpoint(config, attachments, cast("UdpListener | UdpSender", link))
-    if kind in (TcpClient, UnixClient):
-        return SocketEndpoint(config, attachments, cast("TcpClient | UnixClient", link))
-    if kind in (TcpServer, UnixServer):
-        return ServerEndpoint(config, attachments, cast("TcpServer | UnixServer", link))
-    if kind is SerialLink and sys.platform != "win32":
-        return SerialEndpoint(config, attachments, cast("SerialLink", link))
-    return None
+    place = _NATIVE.get(f"{kind.__module__}.{kind.__qualname__}")
+    if place is None or (place is _SERIAL and sys.platform == "win32"):
+        return None
+    module, name = place.split(":")
+    make = getattr(import_module(f"mavstack.router.endpoints.{module}"), name)
+    return cast("Endpoint", make(config, attachments, link))
