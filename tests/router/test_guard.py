@@ -159,6 +159,34 @@ def test_an_injected_position_is_dropped_reported_and_its_sender_quarantined(set
     assert "HEARTBEAT" in setup.names(setup.vehicle)
 
 
+def test_a_flood_without_the_key_does_not_cut_off_the_link_of_a_signed_pilot(tmp_path):
+    """A radio carries the pilot and whoever sends on its frequency."""
+    key = SigningKey.from_passphrase("of the pilot")
+    key.save(tmp_path / "field.key")
+    text = CONFIG.replace(
+        'url = "tcpin://127.0.0.1:2"',
+        f"""url = "tcpin://127.0.0.1:2"
+[endpoint.ground.signing]
+in = "{tmp_path / "field.key"}"
+""",
+    )
+    with RouterEngine(common) as engine:
+        guard = Guard(engine, config := parse_config(text), lambda endpoint: RuleSet())
+        guard.load_keys(config)
+        guard.open(NOW)
+        ground = engine.add_queue(name="ground", capacity=20_000)
+        guard.add(ground, "ground", Peer("10.0.0.1", 5))
+        guard.configure(ground, config.endpoint("ground"))
+        for second in range(3):
+            guard.handle_timer(NOW + second)
+            junk = Encoder(255, 190).encode(common.Heartbeat(type=6)) + bytes(100)
+            engine.push(ground, junk * 6000)
+            engine.statistics()
+        guard.handle_timer(NOW + 3)
+        assert engine.statistics().endpoints[ground].dropped["unsigned"] > 15_000
+        assert not any(rule.name.endswith("quarantine") for rule in guard.firewall.rules("ground"))
+
+
 def test_what_a_rule_drops_is_reported_once(setup, caplog):
     with caplog.at_level(logging.WARNING, "mavstack.router.firewall"):
         for _ in range(5):

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from mavstack.router.config import EndpointConfig, RouterConfig
     from mavstack.router.engine import RouterEngine
     from mavstack.router.engine_events import RouterEvent
+    from mavstack.router.engine_statistics import EndpointStatistics
     from mavstack.router.firewall.id_store import IdStore
     from mavstack.security import TimestampStore
 
@@ -44,6 +45,8 @@ logger = logging.getLogger("mavstack.router.firewall")
 
 #: System and component id of the router's own status texts: a bridge beside ground stations.
 OWN_ADDRESS: Final = (254, 240)
+#: Causes of dropped packets whose sender did not prove that it has the key.
+SIGNATURE_CAUSES: Final = ("unsigned", "forged", "replayed", "stale", "future", "too_many_streams")
 _NOTHING: Final = RuleSet(default_incoming="drop", default_outgoing="drop")
 
 
@@ -247,8 +250,7 @@ class Guard:
             for number, counters in self._engine.statistics().endpoints.items():
                 link = self._links.get(number)
                 if link is not None:
-                    traffic = Traffic(counters.received, counters.bad_bytes)
-                    self.firewall.measure(link.name, traffic, now)
+                    self.firewall.measure(link.name, _traffic(link, counters), now)
                     for each in counters.peers:
                         of_peer = Traffic(each.accepted, each.bad_bytes)
                         self.firewall.measure(link.name, of_peer, now, peer=Remote(each.host, each.port))
@@ -274,6 +276,7 @@ class Guard:
             listening=link.listening,
             group=config.group,
             credential=link.credential,
+            verifies=_verifies(config),
         )
         if self._assigned_ids() != self._stored_ids:
             self._store_ids()
@@ -353,6 +356,18 @@ class Guard:
 
     def _message(self, number: int) -> str:
         return self._dialect.name_of(number) if number in self._dialect else f"message {number}"
+
+
+def _verifies(config: EndpointConfig | None) -> bool:
+    return config is not None and config.keys is not None and bool(config.keys.incoming)
+
+
+def _traffic(link: _Link, counters: EndpointStatistics) -> Traffic:
+    """Return the traffic of a link; if signatures are verified, that of others who send on it is left out."""
+    if link.listening or not _verifies(link.config):
+        return Traffic(counters.received, counters.bad_bytes)
+    refused = sum(counters.dropped.get(cause, 0) for cause in SIGNATURE_CAUSES)
+    return Traffic(counters.received - refused, 0)
 
 
 def check_firewall(config: RouterConfig) -> None:

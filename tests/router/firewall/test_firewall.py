@@ -238,6 +238,19 @@ def test_a_verified_sender_is_cut_off_by_its_ids():
     assert made.rules("ground")[0].systems == {255}
 
 
+@pytest.mark.parametrize("peer", [PILOT_AT, None])
+def test_an_unsigned_packet_cuts_nobody_off_where_signatures_are_verified(peer):
+    """It can have the address of the pilot, which any program can invent, and the ids of the pilot."""
+    made = Firewall(configured(OPEN))
+    made.open_endpoint("ground", listening=peer is not None, verifies=True)
+    bad = Sender().packet(common.SerialControl(count=200))
+    assert not made.decide("ground", bad, 0.0, peer=peer)
+    assert made.blocked("ground") == []
+    assert not any(rule.name.endswith("quarantine") for rule in made.rules("ground"))
+    assert not made.decide("ground", bad, 0.0, peer=peer, verified=True)
+    assert made.rules("ground")[0].systems == {255}
+
+
 def test_invented_addresses_and_ids_cut_off_nothing_else():
     made = listening()
     for port in range(1, 3000):

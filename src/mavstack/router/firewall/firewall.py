@@ -64,6 +64,7 @@ class _Endpoint:
     buckets: dict[int, TokenBucket] = field(default_factory=dict)
     group: str = ""
     listening: bool = False
+    verifies: bool = False
     #: The time at which each quarantine ends: that of an identity, of the whole link (None), or of a peer.
     quarantine: dict[Quarantined, float] = field(default_factory=dict)
 
@@ -113,6 +114,7 @@ class Firewall:
         listening: bool = False,
         group: str = "",
         credential: str = "",
+        verifies: bool = False,
     ) -> bool:
         """Add an endpoint.
 
@@ -124,6 +126,7 @@ class Firewall:
             listening: It is a UDP socket with any number of peers (see `peer_ranges`).
             group: Name of its group of redundant links; empty: none.
             credential: The verified identity of the peer; it gets a system id of the pool.
+            verifies: Signatures are verified: packets without one cut nobody off.
 
         Returns:
             False if no rule allows this peer anything, or no system id is left for its credential: its
@@ -141,7 +144,13 @@ class Firewall:
         known = self._endpoints.get(name)
         quarantine = self._inherited.pop(name, {}) if known is None else known.quarantine
         self._endpoints[name] = _Endpoint(
-            group or name, credential, rules, group=group, listening=listening, quarantine=quarantine
+            group or name,
+            credential,
+            rules,
+            group=group,
+            listening=listening,
+            verifies=verifies,
+            quarantine=quarantine,
         )
         return True
 
@@ -228,7 +237,8 @@ class Firewall:
         refusal = self._first_refusal(endpoint, origin, self._as_common(packet), now)
         if refusal is None or self.config.dry_run:
             return True
-        if self.config.quarantine:
+        # Where signatures are verified, an unsigned packet can have any address and ids: it is refused alone.
+        if self.config.quarantine and (verified or not endpoint.verifies):
             # Only a proven identity, or the only sender of a link, is punished for what its ids did.
             by_ids = origin.sender.is_authenticated or peer is None
             self._cut_off(name, refusal.source if by_ids else peer, now)
