@@ -8,8 +8,10 @@ import pytest
 
 from tools.attacks.gates import GATES
 from tools.attacks.range import opened
-from tools.attacks.routers import available, with_gates
-from tools.attacks.scenarios import PASSED
+from tools.attacks.routers import available, with_gates, without_firewall, without_signing
+from tools.attacks.scenarios import PASSED, PLAIN, UNSIGNED
+from tools.attacks.station import STATION, opened_station
+from tools.attacks.texts import TEXTS, formulas
 
 pytestmark = [
     pytest.mark.interop,
@@ -25,6 +27,28 @@ def test_no_unauthorised_packet_passes():
             assert field.command_works()
             passed[name] = scenario(field)
     assert passed == dict.fromkeys(PASSED, 0)
+
+
+@pytest.mark.parametrize(
+    ("name", "scenario", "variant"),
+    [(name, each, without_signing) for name, each in UNSIGNED.items()]
+    + [(name, each, without_firewall) for name, each in PLAIN.items()],
+)
+def test_nothing_passes_without_signing(name, scenario, variant):
+    (ours,) = available(["mavstack"])
+    with opened(variant(ours), signed=False) as field:
+        assert field.command_works()
+        assert scenario(field) == 0, name
+
+
+@pytest.mark.parametrize("name", STATION)
+def test_a_station_says_nothing_about_files(name):
+    with opened_station() as field:
+        assert STATION[name](field) == 0
+
+
+def test_texts_in_csv_are_no_formulas():
+    assert formulas(TEXTS["mavstack"]) == 0
 
 
 @pytest.mark.parametrize("name", GATES)

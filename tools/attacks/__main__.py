@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 
 from tools.attacks.gates import GATES
 from tools.attacks.range import opened
-from tools.attacks.routers import RouterProgram, available, with_gates
-from tools.attacks.scenarios import FLOOD, PASSED, flood
+from tools.attacks.routers import RouterProgram, available, with_gates, without_firewall, without_signing
+from tools.attacks.scenarios import FLOOD, PASSED, PLAIN, UNSIGNED, flood
+from tools.attacks.station import DELAYS, STATION, opened_station
+from tools.attacks.texts import FORMULAS_ROW, TEXTS, formulas
 from tools.child_processes import end_children_with_this_process
 
 if TYPE_CHECKING:
@@ -36,6 +38,11 @@ def main() -> int:
     }
     if "mavstack" in results:
         results["mavstack"] |= _run(with_gates(), GATES)
+        with opened_station() as station:
+            attacks = {**DELAYS, **STATION}
+            results["mavstack"] |= {name: scenario(station) for name, scenario in attacks.items()}
+    if not arguments.router:
+        _add_texts(results)
     print(json.dumps(results, indent=2) if arguments.json else _table(results))
     return int(_total(results.get("mavstack", {})) > 0)
 
@@ -51,17 +58,28 @@ def attack(program: RouterProgram, *, with_flood: bool = True) -> dict[str, floa
         Packets that passed, by attack; for the flood milliseconds.
     """
     results = _run(program, PASSED)
+    results |= _run(without_signing(program), UNSIGNED, signed=False)
+    results |= _run(without_firewall(program), PLAIN, signed=False)
     if with_flood:
         with opened(program) as field:
             results |= flood(field)
     return results
 
 
-def _run(program: RouterProgram, attacks: Mapping[str, Callable[[Range], int]]) -> dict[str, float]:
+def _add_texts(results: dict[str, dict[str, float]]) -> None:
+    for name, command in TEXTS.items():
+        count = formulas(command)
+        if count is not None:
+            results.setdefault(name, {})[FORMULAS_ROW] = count
+
+
+def _run(
+    program: RouterProgram, attacks: Mapping[str, Callable[[Range], int]], *, signed: bool = True
+) -> dict[str, float]:
     """Run each attack on a fresh router."""
     results: dict[str, float] = {}
     for name, scenario in attacks.items():
-        with opened(program) as field:
+        with opened(program, signed=signed) as field:
             if not field.command_works():
                 raise SystemExit(f"{program.name}: the pilot's own command does not arrive")
             results[name] = scenario(field)
@@ -69,7 +87,7 @@ def _run(program: RouterProgram, attacks: Mapping[str, Callable[[Range], int]]) 
 
 
 def _total(results: dict[str, float]) -> float:
-    return sum(value for name, value in results.items() if name not in FLOOD)
+    return sum(value for name, value in results.items() if name not in FLOOD and name not in DELAYS)
 
 
 def _table(results: dict[str, dict[str, float]]) -> str:
@@ -81,7 +99,7 @@ def _table(results: dict[str, dict[str, float]]) -> str:
 
 
 def _row(name: str, values: Sequence[float | None]) -> str:
-    unit = " ms" if name in FLOOD else ""
+    unit = " ms" if name in FLOOD or name in DELAYS else ""
     return f"{name:42}" + "".join(f"{'-' if each is None else f'{each:g}{unit}':>16}" for each in values)
 
 

@@ -83,13 +83,14 @@ class Range:
     Args:
         ports: The ports of the router.
         stack: Closes the sockets.
+        signed: The pilot signs.
     """
 
-    def __init__(self, ports: Ports, stack: ExitStack) -> None:
+    def __init__(self, ports: Ports, stack: ExitStack, *, signed: bool = True) -> None:
         self.ports = ports
         self._stack = stack
         self.vehicle = self._keep(Station(ports.vehicle, (1, 1)))
-        self.pilot = self._keep(Station(ports.ground, (255, 190), own_port=ports.pilot, signed=True))
+        self.pilot = self._keep(Station(ports.ground, (255, 190), own_port=ports.pilot, signed=signed))
         for _ in range(3):
             self.vehicle.send(common.Heartbeat(type=2, autopilot=common.MavAutopilot.PX4))
             self.pilot.heartbeat()
@@ -105,6 +106,10 @@ class Range:
     def attacker_of_vehicle(self, source: tuple[int, int]) -> Station:
         """Return another program on the port of the vehicle."""
         return self._keep(Station(self.ports.vehicle, source))
+
+    def attacker_elsewhere(self, source: tuple[int, int]) -> Station:
+        """Return another program on a third endpoint, of routers without a firewall."""
+        return self._keep(Station(self.ports.other, source))
 
     def passed(self, expected: int = 0) -> int:
         """Return the number of packets that reached the vehicle, without those of the router itself.
@@ -171,15 +176,16 @@ class Range:
 
 
 @contextmanager
-def opened(program: RouterProgram) -> Iterator[Range]:
+def opened(program: RouterProgram, *, signed: bool = True) -> Iterator[Range]:
     """Run a router with a vehicle and a pilot.
 
     Args:
         program: The router.
+        signed: The pilot signs.
 
     Yields:
         The range.
     """
     ports = Ports.free()
     with program.running(ports), ExitStack() as stack:
-        yield Range(ports, stack)
+        yield Range(ports, stack, signed=signed)

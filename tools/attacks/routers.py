@@ -56,6 +56,14 @@ Port = {vehicle}
 Mode = Server
 Address = 127.0.0.1
 Port = {ground}
+[UdpEndpoint other]
+Mode = Server
+Address = 127.0.0.1
+Port = {other}
+"""
+_OTHER: Final = """\
+[endpoint.other]
+url = "udpin://127.0.0.1:{other}"
 """
 
 
@@ -70,6 +78,7 @@ class Ports:
         gate: The port of the WebSocket gate.
         sealed: The port of the sealed link.
         tcp: The port of a TCP endpoint.
+        other: The router's port for others, without a firewall.
     """
 
     vehicle: int
@@ -78,6 +87,7 @@ class Ports:
     gate: int = 0
     sealed: int = 0
     tcp: int = 0
+    other: int = 0
 
     @classmethod
     def free(cls) -> Self:
@@ -157,6 +167,16 @@ def with_gates() -> RouterProgram:
     return RouterProgram("mavstack", _ours_with_gates)
 
 
+def without_signing(program: RouterProgram) -> RouterProgram:
+    """Return ours with the firewall of the guide alone; another router as it is."""
+    return RouterProgram("mavstack", _ours_unsigned) if program.name == "mavstack" else program
+
+
+def without_firewall(program: RouterProgram) -> RouterProgram:
+    """Return ours with its endpoints alone; another router as it is."""
+    return RouterProgram("mavstack", _ours_plain) if program.name == "mavstack" else program
+
+
 def _guide() -> str:
     """Return the firewall and the gateway of the how-to guide, for this machine."""
     blocks = _GUIDE.read_text("utf-8").split("```toml\n")[1:]
@@ -172,6 +192,14 @@ def _guide() -> str:
 def _ours(ports: Ports, folder: Path) -> list[str]:
     KEY.save(folder / "field.key")
     return _route(ports, folder, _guide())
+
+
+def _ours_unsigned(ports: Ports, folder: Path) -> list[str]:
+    return _route(ports, folder, _guide().partition("[endpoint.ground.signing]")[0])
+
+
+def _ours_plain(ports: Ports, folder: Path) -> list[str]:
+    return _route(ports, folder, _guide().partition("[firewall]")[0] + _OTHER)
 
 
 def _ours_with_gates(ports: Ports, folder: Path) -> list[str]:
@@ -192,14 +220,15 @@ def _mavproxy(ports: Ports, folder: Path) -> list[str]:
     script = str(beside) if beside.exists() else str(shutil.which("mavproxy.py"))
     return [
         sys.executable, script, f"--master=udpin:127.0.0.1:{ports.vehicle}",
-        f"--out=udpin:127.0.0.1:{ports.ground}", "--daemon", "--non-interactive",
+        f"--out=udpin:127.0.0.1:{ports.ground}", f"--out=udpin:127.0.0.1:{ports.other}",
+        "--daemon", "--non-interactive",
         f"--state-basedir={folder}", "--default-modules=",
     ]  # fmt: skip
 
 
 def _mavlink_router(ports: Ports, folder: Path) -> list[str]:
     config = folder / "main.conf"
-    config.write_text(_MAVLINK_ROUTER.format(vehicle=ports.vehicle, ground=ports.ground))
+    config.write_text(_MAVLINK_ROUTER.format(**asdict(ports)))
     return [_mavlink_routerd(), "-c", str(config)]
 
 

@@ -16,6 +16,7 @@ from tools.attacks.range import ARM
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from mavstack.dialects import Message
     from tools.attacks.range import Range, Station
 
 #: Commands whose acknowledgement is timed.
@@ -176,6 +177,18 @@ def stolen_route(field: Range) -> int:
     return commands
 
 
+def stolen_route_by_any_message(field: Range) -> int:
+    """Name oneself as the vehicle on a third endpoint, not by HEARTBEAT; count the commands that come."""
+    stranger = field.attacker_elsewhere((1, 1))
+    commands = 0
+    for number in range(10):
+        field.vehicle.send(common.Attitude(time_boot_ms=number))
+        stranger.send(common.Attitude(time_boot_ms=number), common.CommandAck(command=ARM))
+        field.pilot.send(common.CommandLong(target_system=1, target_component=1, command=ARM))
+    commands += sum(packet.name == "COMMAND_LONG" for packet in stranger.receive())
+    return commands
+
+
 def reflection(field: Range) -> int:
     """Send two datagrams from a new address; count the bytes that come beyond three times those."""
     victim = field.attacker_of_vehicle((1, 200))
@@ -187,22 +200,47 @@ def reflection(field: Range) -> int:
 
 
 def acting_in_the_pilots_name(field: Range) -> int:
-    """Steer, upload and reconfigure with the pilot's ids from the vehicle's port."""
-    attacker = field.attacker_of_vehicle((255, 190))
+    """Steer, upload and reconfigure with the pilot's ids from the vehicle's port, from a new address each."""
+    for message in acting_messages():
+        field.attacker_of_vehicle((255, 190)).send(message)
+    return field.passed()
+
+
+def beside_the_pilot(field: Range) -> int:
+    """Send the same from other programs on the pilot's port, each time from a new address."""
+    field.pilot.heartbeat()
+    for message in acting_messages():
+        field.attacker((255, 190)).send(message)
+    return field.passed()
+
+
+def malformed_in_the_pilots_name(field: Range) -> int:
+    """Send malformed fields with the pilot's ids without signing; return 1 if the pilot is cut off."""
+    field.attacker((255, 190)).send(common.SerialControl(count=200))
+    sleep(1.5)
+    return int(not field.command_works())
+
+
+def acting_messages() -> list[Message]:
+    """Return a message of each kind that acts upon a vehicle."""
     target = {"target_system": 1, "target_component": 1}
-    attacker.send(
+    return [
+        common.CommandLong(**target, command=ARM, param1=1),
+        common.SetMode(target_system=1, custom_mode=4),
+        common.ParamSet(**target, param_id="FENCE_ENABLE", param_value=0.0),
         common.RcChannelsOverride(**target),
         common.ManualControl(target=1),
         common.SetPositionTargetLocalNed(**target),
-        common.SetAttitudeTarget(target_system=1, target_component=1),
+        common.SetPositionTargetGlobalInt(**target),
+        common.SetAttitudeTarget(**target),
         common.SerialControl(count=1),
+        common.MissionItem(**target),
         common.MissionItemInt(**target),
-        common.ParamExtSet(target_system=1, target_component=1),
+        common.ParamExtSet(**target),
         common.LogErase(**target),
         common.SetHomePosition(target_system=1),
-        common.FileTransferProtocol(target_system=1),
-    )
-    return field.passed()
+        common.FileTransferProtocol(**target),
+    ]
 
 
 #: Attacks that count what passed, by their names in the table.
@@ -221,7 +259,23 @@ PASSED: Final[Mapping[str, Callable[[Range], int]]] = MappingProxyType(
         "quarantine as a weapon: pilot cut off": quarantine_as_a_weapon,
         "stolen route: 30 commands, vehicle's port": stolen_route,
         "reflection: bytes beyond three times": reflection,
-        "acting in the pilot's name, 10 messages": acting_in_the_pilots_name,
+        "acting in the pilot's name, 15 messages": acting_in_the_pilots_name,
+    }
+)
+#: Attacks on ports without signing, where pilot and attackers share a port; of ours by the firewall alone.
+UNSIGNED: Final[Mapping[str, Callable[[Range], int]]] = MappingProxyType(
+    {
+        "unsigned port: acting beside the pilot": beside_the_pilot,
+        "unsigned port: pilot cut off by a stranger": malformed_in_the_pilots_name,
+    }
+)
+#: Attacks on routers that only join links, without firewall and signing: what each router is by itself.
+PLAIN: Final[Mapping[str, Callable[[Range], int]]] = MappingProxyType(
+    {
+        "no firewall: route stolen, third endpoint": stolen_route_by_any_message,
+        "no firewall: route stolen beside the vehicle": stolen_route,
+        "no firewall: bytes beyond three times": reflection,
+        "no firewall: 300 ports, pilots locked out": many_ports,
     }
 )
 

@@ -2,16 +2,19 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import asynccontextmanager
+from typing import Any, cast
 
 import pytest
+from starlette.requests import Request
 
 from mavstack.errors import LinkError
-from mavstack.http.bodies import MAX_BODY
+from mavstack.http.bodies import MAX_BODY, RefusedError
 from mavstack.http.server import serving
 from mavstack.links.scheme_table import builtin_schemes
 from mavstack.router.config import EndpointConfig
 from mavstack.router.control.app import ControlApi
 from mavstack.router.control.client import ControlClient
+from mavstack.security.admission import Proof
 from tests.router.peers import UdpPeer, heartbeat, port, routing, until
 
 URL = "udpin://127.0.0.1:0"
@@ -202,3 +205,14 @@ async def test_metrics():
 async def test_without_metrics_there_is_no_such_page():
     async with controlled(metrics=False) as (_, address):
         assert await exchange(address, "GET /metrics HTTP/1.1\nHost: localhost\n\n") == 404
+
+
+def test_a_client_with_the_token_keeps_its_connection_while_strangers_fill_the_server():
+    api = ControlApi(cast("Any", None), token="secret", metrics=False)
+    scope = {"type": "http", "headers": [(b"authorization", b"Bearer secret")]}
+    api._check(Request(scope))
+    assert Proof.AUTHENTICATED in scope["state"].values()
+    scope = {"type": "http", "headers": [(b"authorization", b"Bearer guessed")]}
+    with pytest.raises(RefusedError):
+        api._check(Request(scope))
+    assert "state" not in scope

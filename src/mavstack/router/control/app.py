@@ -30,6 +30,7 @@ from mavstack.errors import (
 )
 from mavstack.http.bodies import RefusedError, read_json_object
 from mavstack.http.web_origin import is_local_host
+from mavstack.security.admission import Proof
 
 try:
     from msgspec import to_builtins
@@ -37,6 +38,7 @@ try:
     from starlette.responses import JSONResponse, Response
     from starlette.routing import Route
 
+    from mavstack.http.connections import mark_client
     from mavstack.http.openapi import describe
     from mavstack.http.request_fields import read_fields
 except ImportError as error:
@@ -125,6 +127,7 @@ class ControlApi:
             scheme, _, shown = request.headers.get("authorization", "").partition(" ")
             if scheme.lower() != "bearer" or not compare_digest(shown.strip().encode(), self._token.encode()):
                 raise RefusedError(401, "a valid token is needed: Authorization: Bearer …")
+            mark_client(request.scope, Proof.AUTHENTICATED, "token")  # strangers take no connection of it
             return
         if "origin" in request.headers or not is_local_host(request.headers.get("host", "")):
             raise RefusedError(403, "requests of web pages are refused: set control_token")
