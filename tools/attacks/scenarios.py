@@ -232,14 +232,14 @@ def acting_messages() -> list[Message]:
         common.ManualControl(target=1),
         common.SetPositionTargetLocalNed(**target),
         common.SetPositionTargetGlobalInt(**target),
-        common.SetAttitudeTarget(**target),
+        common.SetAttitudeTarget(target_system=1, target_component=1),
         common.SerialControl(count=1),
         common.MissionItem(**target),
         common.MissionItemInt(**target),
-        common.ParamExtSet(**target),
+        common.ParamExtSet(target_system=1, target_component=1),
         common.LogErase(**target),
         common.SetHomePosition(target_system=1),
-        common.FileTransferProtocol(**target),
+        common.FileTransferProtocol(target_system=1, target_component=1),
     ]
 
 

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 from contextlib import contextmanager
+from time import monotonic, sleep
 
 import pytest
 
@@ -18,6 +19,13 @@ LIMIT = 60
 COMMANDS = {
     "sim": ("sim", "--out", "pty://{}/name"),
     "radio": ("radio", "sim", "--near", "{}/name"),
+}
+#: Other commands that open links; they print nothing before the name exists.
+OTHERS = {
+    "route": ("route", "-e", "pty://{}/name", "-e", "udpin://127.0.0.1:0", "--json"),
+    "watch": ("watch", "pty://{}/name", "--json"),
+    "record": ("record", "pty://{}/name", "{}.tlog"),
+    "vehicle": ("vehicle", "info", "--url", "pty://{}/name"),
 }
 
 
@@ -51,6 +59,29 @@ def test_a_signal_removes_the_name(tmp_path, command, number, ignores_sigint):
         assert process.wait(LIMIT) == 128 + number
         assert "Traceback" not in process.stderr.read()
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("command", OTHERS)
+def test_a_closed_terminal_removes_the_name_of_every_link(tmp_path, command):
+    """Before: commands other than simulators were ended at once, and the name stayed."""
+    folder = tmp_path / "links"
+    folder.mkdir()
+    words = [word.format(folder) for word in OTHERS[command]]
+    hangup = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    with subprocess.Popen(
+        [sys.executable, "-m", "mavstack", *words],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        signal.signal(signal.SIGHUP, hangup)
+        end = monotonic() + LIMIT
+        while not (folder / "name").is_symlink() and monotonic() < end:
+            sleep(0.05)
+        process.send_signal(signal.SIGHUP)
+        assert process.wait(LIMIT) == 128 + signal.SIGHUP
+        assert "Traceback" not in process.stderr.read()
+    assert not list(folder.iterdir())
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -10,10 +10,10 @@ hands its work over instead of connecting.
 
 from __future__ import annotations
 
-import asyncio
 import os
 from typing import TYPE_CHECKING, Final
 
+from mavstack.cli.common.ending_signals import run_until_signal
 from mavstack.cli.common.errors import failure_text
 from mavstack.cli.common.exposure import announce_exposure
 from mavstack.cli.common.link_options import add_link_options, with_link_options
@@ -156,4 +156,4 @@ def run_on_connection(
                 announce_exposure(arguments.command, connection.links)
             return await work(connection)
 
-    return asyncio.run(connected())
+    return run_until_signal(connected())

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import asyncio
 from argparse import ArgumentTypeError
 from typing import TYPE_CHECKING, Final
 
+from mavstack.cli.common.ending_signals import run_until_signal
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.link_options import add_link_options
 from mavstack.cli.common.options import (
@@ -77,7 +77,7 @@ def run(arguments: Namespace) -> int:
     for source in sources:
         if source.path is not None:
             raise UsageError(f"{source.text} is a file; mav record records links")
-    asyncio.run(follow_sources(sources, arguments, arguments.seconds, RecordingStatus))
+    run_until_signal(follow_sources(sources, arguments, arguments.seconds, RecordingStatus))
     return 0
 
 

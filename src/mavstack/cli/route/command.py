@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import asyncio
 from dataclasses import replace
 from itertools import count
 from typing import TYPE_CHECKING, Final
 
+from mavstack.cli.common.ending_signals import run_until_signal
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.link_options import add_key_option, with_link_options
 from mavstack.cli.common.options import seconds
@@ -96,7 +96,7 @@ def run(arguments: Namespace) -> int:
         return 0
     if not config.endpoints:
         raise UsageError("there is no endpoint: give two links (-e URL -e URL), or a configuration file")
-    return asyncio.run(run_router(config, arguments, words[0] if words else "", load))
+    return run_until_signal(run_router(config, arguments, words[0] if words else "", load))
 
 
 def _check(words: list[str]) -> int:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
 import sys
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.connection import DEFAULT_URL, add_heartbeat_timeout, connection_urls
+from mavstack.cli.common.ending_signals import run_until_signal
 from mavstack.cli.common.exposure import announce_exposure
 from mavstack.cli.common.link_options import add_link_options
 from mavstack.cli.common.options import system_id
@@ -68,7 +68,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Run the shell."""
-    return asyncio.run(_connect_and_run(arguments))
+    return run_until_signal(_connect_and_run(arguments))
 
 
 async def _connect_and_run(arguments: Namespace) -> int:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
 import sys
 from enum import Enum, auto
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
+from mavstack.cli.common.ending_signals import run_until_signal
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.link_options import add_link_options
 from mavstack.cli.common.options import add_dialect_option, message_ids, seconds, system_id
@@ -116,7 +116,7 @@ def run(arguments: Namespace) -> int:
         return _inspect(sources, arguments, patterns)
     if _is_read(sources, arguments):
         return _read_files(sources, arguments)
-    return asyncio.run(_follow_links(sources, arguments, mode, patterns))
+    return run_until_signal(_follow_links(sources, arguments, mode, patterns))
 
 
 def _mode(arguments: Namespace) -> Mode:
@@ -146,7 +146,7 @@ def _inspect(sources: Sequence[WatchedSource], arguments: Namespace, patterns: F
     _is_read(sources, arguments)
     from mavstack.cli.watch.inspector.running import inspect_sources
 
-    return asyncio.run(inspect_sources(sources, arguments, patterns))
+    return run_until_signal(inspect_sources(sources, arguments, patterns))
 
 
 def _is_read(sources: Sequence[WatchedSource], arguments: Namespace) -> bool:
