@@ -42,7 +42,7 @@ def test_nothing_passes_without_signing(name, scenario, variant):
 
 
 @pytest.mark.parametrize("name", STATION)
-def test_a_station_says_nothing_about_files(name):
+def test_errors_of_a_station_do_not_reveal_files(name):
     with opened_station() as field:
         assert STATION[name](field) == 0
 

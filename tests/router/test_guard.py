@@ -160,7 +160,7 @@ def test_an_injected_position_is_dropped_reported_and_its_sender_quarantined(set
 
 
 def test_a_flood_without_the_key_does_not_cut_off_the_link_of_a_signed_pilot(tmp_path):
-    """A radio carries the pilot and whoever sends on its frequency."""
+    """A radio carries the packets of the pilot and those of other programs."""
     key = SigningKey.from_passphrase("of the pilot")
     key.save(tmp_path / "field.key")
     text = CONFIG.replace(

@@ -207,7 +207,7 @@ async def test_without_metrics_there_is_no_such_page():
         assert await exchange(address, "GET /metrics HTTP/1.1\nHost: localhost\n\n") == 404
 
 
-def test_a_client_with_the_token_keeps_its_connection_while_strangers_fill_the_server():
+def test_a_client_with_the_token_is_authenticated_to_the_server():
     api = ControlApi(cast("Any", None), token="secret", metrics=False)
     scope = {"type": "http", "headers": [(b"authorization", b"Bearer secret")]}
     api._check(Request(scope))

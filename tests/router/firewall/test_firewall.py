@@ -239,7 +239,7 @@ def test_a_verified_sender_is_cut_off_by_its_ids():
 
 
 @pytest.mark.parametrize("peer", [PILOT_AT, None])
-def test_an_unsigned_packet_cuts_nobody_off_where_signatures_are_verified(peer):
+def test_an_unsigned_packet_causes_no_quarantine_where_signatures_are_verified(peer):
     """It can have the address of the pilot, which any program can invent, and the ids of the pilot."""
     made = Firewall(configured(OPEN))
     made.open_endpoint("ground", listening=peer is not None, verifies=True)

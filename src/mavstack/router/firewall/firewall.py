@@ -126,7 +126,7 @@ class Firewall:
             listening: It is a UDP socket with any number of peers (see `peer_ranges`).
             group: Name of its group of redundant links; empty: none.
             credential: The verified identity of the peer; it gets a system id of the pool.
-            verifies: Signatures are verified: packets without one cut nobody off.
+            verifies: Signatures are verified: packets without one cause no quarantine.
 
         Returns:
             False if no rule allows this peer anything, or no system id is left for its credential: its
