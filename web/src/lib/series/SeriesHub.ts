@@ -5,31 +5,32 @@
  * cost one look-up; unknown ones are ignored.
  */
 import { Ring } from '../plot/Ring';
+import { Pace } from './Pace';
 import { type FieldRef, type Sample, formatFieldRef, matchesSource, numberOf } from './fieldRef';
 
 export const DEFAULT_CAPACITY = 6000;
-/** How much the newest interval counts. */
-const SMOOTHING = 0.2;
-/** A value is overdue after so many of its intervals, but not before some seconds. */
-const OVERDUE = 4;
-const MIN_LIMIT = 3000;
-/** The limit of a value that came once. */
-const FIRST_LIMIT = 10_000;
 
 export class Series {
   readonly ref: FieldRef;
   readonly ring: Ring;
   /** The newest value as it came, for texts; null before the first. */
   latest: unknown = null;
-  /** Time of the newest value in ms; null before the first. */
-  time: number | null = null;
-  /** Smoothed time between values in ms; null before the second. */
-  interval: number | null = null;
   users = 0;
+  private readonly pace = new Pace();
 
   constructor(ref: FieldRef, capacity: number) {
     this.ref = ref;
     this.ring = new Ring(capacity);
+  }
+
+  /** Time of the newest value in ms; null before the first. */
+  get time(): number | null {
+    return this.pace.time;
+  }
+
+  /** Smoothed time between values in ms; null before the second. */
+  get interval(): number | null {
+    return this.pace.interval;
   }
 
   get value(): number | null {
@@ -40,28 +41,20 @@ export class Series {
   take(time: number, value: unknown): void {
     const number = numberOf(value, this.ref.index);
     if (number === null && typeof value !== 'string') return;
-    if (this.time !== null && time > this.time) {
-      const elapsed = time - this.time;
-      this.interval = this.interval === null ? elapsed : this.interval + SMOOTHING * (elapsed - this.interval);
-    }
+    this.pace.take(time);
     this.latest = value;
-    this.time = time;
     if (number !== null) this.ring.push(time, number);
   }
 
   /** Returns the age of the value in ms if the next one is overdue by the rate of this field; null: it is not. */
   overdue(now: number): number | null {
-    if (this.time === null) return null;
-    const age = now - this.time;
-    const limit = this.interval === null ? FIRST_LIMIT : Math.max(MIN_LIMIT, OVERDUE * this.interval);
-    return age > limit ? age : null;
+    return this.pace.overdue(now);
   }
 
   clear(): void {
     this.ring.clear();
     this.latest = null;
-    this.time = null;
-    this.interval = null;
+    this.pace.clear();
   }
 }
 

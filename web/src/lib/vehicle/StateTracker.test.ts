@@ -36,6 +36,45 @@ class Station {
 }
 
 describe('StateTracker', () => {
+  it('knows which streams ended while others go on', () => {
+    const scene = new Station();
+    const pass = (seconds: number, ...names: string[]): void => {
+      for (let tenth = 0; tenth < seconds * 10; tenth += 1) {
+        scene.time += 100;
+        for (const name of names) scene.take(name, {});
+        if (tenth % 10 === 0) scene.take('HEARTBEAT', { type: 2, autopilot: 3 });
+      }
+    };
+    pass(3, 'ATTITUDE', 'VFR_HUD', 'GLOBAL_POSITION_INT');
+    expect(scene.state.overdue).toEqual([]);
+    pass(2, 'GLOBAL_POSITION_INT');
+    expect(scene.state.overdue).toEqual([]);
+    pass(2, 'GLOBAL_POSITION_INT');
+    expect(scene.state.overdue).toEqual(['attitude', 'airspeed']);
+    pass(4);
+    expect(scene.state.overdue).toEqual(['attitude', 'position', 'speed', 'airspeed']);
+    pass(1, 'ATTITUDE', 'VFR_HUD');
+    expect(scene.state.overdue).toEqual(['position']);
+    // Without contact all values are old.
+    scene.time += 60_000;
+    expect(scene.state).toMatchObject({ alive: false, overdue: [] });
+  });
+
+  it('gives a slow stream the time of its own rate', () => {
+    const scene = new Station();
+    for (let turn = 0; turn < 4; turn += 1) {
+      scene.time += 10_000;
+      scene.take('BATTERY_STATUS', { voltages: [] });
+      scene.take('HEARTBEAT', { type: 2, autopilot: 3 });
+    }
+    for (let second = 0; second < 41; second += 1) {
+      expect(scene.state.overdue).toEqual([]);
+      scene.time += 1000;
+      scene.take('HEARTBEAT', { type: 2, autopilot: 3 });
+    }
+    expect(scene.state.overdue).toEqual(['battery']);
+  });
+
   it('reads mode, arming, attitude and position in degrees and metres', () => {
     const scene = new Station();
     scene.take('ATTITUDE', { roll: Math.PI / 6, yaw: -Math.PI / 2 });

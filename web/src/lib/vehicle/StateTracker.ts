@@ -4,6 +4,7 @@ import type { DecodedMessage } from '$lib/decoder/Decoder';
 
 import { isInAir } from './inAir';
 import { type Draft, emptyState, number, READERS } from './stateReaders';
+import { StreamWatch } from './streams';
 import type { Conflict, StatusText, VehicleState } from './Vehicle';
 import { modeName } from './vehicleType';
 
@@ -19,6 +20,7 @@ const ALIVE_TIMEOUT = 5000;
 
 export class StateTracker {
   private readonly draft: Draft;
+  private readonly streams = new StreamWatch();
   private readonly sequences = new Map<number, number>();
   private received = 0;
   private lost = 0;
@@ -79,6 +81,7 @@ export class StateTracker {
   /** Returns a copy of the state at a time in ms since 1970. */
   snapshot(now: number): VehicleState {
     this.draft.alive = now - this.heartbeatTime < ALIVE_TIMEOUT;
+    this.draft.overdue = this.draft.alive ? this.streams.overdue(now) : [];
     this.draft.inAir = isInAir(this.draft, now - this.landedTime);
     return { ...this.draft };
   }
@@ -97,6 +100,7 @@ export class StateTracker {
     this.windowCount += 1;
     this.draft.lastHeard = time;
     if (component === this.draft.component) {
+      this.streams.take(message.name, time);
       if (message.name === 'HEARTBEAT') this.heartbeatTime = time;
       if (message.name === 'EXTENDED_SYS_STATE') this.landedTime = time;
     }

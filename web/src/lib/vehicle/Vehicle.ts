@@ -1,5 +1,6 @@
 /** The vehicle as views see it, whatever carries out its actions: the station's API or the protocol in the page. */
 
+import type { Stream } from './streams';
 import type { DecodedMessage } from '$lib/decoder/Decoder';
 
 import type { Capabilities } from './capabilities';
@@ -98,6 +99,8 @@ export interface VehicleState {
   readonly component: number;
   /** Heartbeats arrive. */
   readonly alive: boolean;
+  /** Streams that ended while heartbeats arrive: their values are old. */
+  readonly overdue: readonly Stream[];
   /** Time of the last message in ms since 1970. */
   readonly lastHeard: number;
   readonly type: VehicleType;

@@ -224,6 +224,7 @@ export function emptyState(heartbeat: DecodedMessage): Draft {
     system,
     component,
     alive: true,
+    overdue: [],
     lastHeard: time,
     type: 'unknown',
     mavType: 0,

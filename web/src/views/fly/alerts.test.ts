@@ -11,6 +11,7 @@ const PLACE = { latitude: 47, longitude: 8 };
 const QUIET = {
   system: 1,
   alive: true,
+  overdue: [],
   armed: true,
   inAir: true,
   systemStatus: 4,
@@ -50,6 +51,9 @@ describe('alerts', () => {
     ],
     ['a lost vehicle', { alive: false }, ['Lost!']],
     ['a lost vehicle that stands', { alive: false, armed: false }, ['Lost']],
+    ['an attitude that ended', { overdue: ['attitude'] }, ['Silent!']],
+    ['a battery that ended', { overdue: ['battery'] }, ['Silent']],
+    ['an attitude that ended on the ground', { overdue: ['attitude'], inAir: false }, ['Silent']],
     ['a failsafe', { systemStatus: 5 }, ['Failsafe!']],
     ['no failsafe before the start', { systemStatus: 5, armed: false }, []],
     ['a terminated flight', { systemStatus: 8 }, ['Termination!']],

@@ -5,7 +5,10 @@ import { batteryLevel, estimatorLevel, type Level, vibrationLevel } from '$lib/i
 import { distance } from '$lib/map/geometry';
 import type { Aircraft } from '$lib/map/traffic';
 import { allowsArming, startsByItself, waitingMode } from '$lib/vehicle/link/modes';
+import type { Stream } from '$lib/vehicle/streams';
 import type { StatusText, VehicleState } from '$lib/vehicle/Vehicle';
+
+import { usesAirSpeed } from './reading';
 
 export interface Alert {
   readonly system: number;
@@ -35,6 +38,15 @@ const CHECKS = ['PreArm: ', 'Arm: ', 'Preflight Fail: ', 'Arming denied: '];
 /** Failed checks of one run arrive within this time, and are told again at least this often. */
 const CHECKS_RUN = 3000;
 const CHECKS_LIFETIME = 40_000;
+
+const STREAM_NAMES: Readonly<Record<Stream, TextKey>> = {
+  attitude: 'fly.streamAttitude',
+  position: 'fly.streamPosition',
+  speed: 'fly.streamSpeed',
+  airspeed: 'fly.streamAirspeed',
+  gps: 'fly.streamGps',
+  battery: 'fly.streamBattery',
+};
 
 const isGraver = (one: Alert, other: Alert): number => Number(other.isCritical) - Number(one.isCritical);
 
@@ -83,6 +95,14 @@ const FINDERS: readonly Finder[] = [
   },
   function lost(state) {
     return state.alive ? null : alert(state, state.armed === true, 'fly.alertLost');
+  },
+  function silent(state) {
+    const names = state.overdue
+      .filter((stream) => stream !== 'airspeed' || usesAirSpeed(state))
+      .map((stream) => t(STREAM_NAMES[stream]));
+    if (names.length === 0) return null;
+    const isBlind = isFlying(state) && state.overdue.some((stream) => stream === 'attitude' || stream === 'position');
+    return alert(state, isBlind, 'fly.alertSilent', { streams: names.join(', ') });
   },
   function terminated(state) {
     return state.systemStatus === MavState.FLIGHT_TERMINATION ? alert(state, true, 'fly.alertTermination') : null;

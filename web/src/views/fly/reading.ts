@@ -2,6 +2,7 @@
 import type { FlightReading, FlightUnits } from '$lib/instruments/flight';
 import { bearing, distance, type Place } from '$lib/map/geometry';
 import { convert, type Quantity, unitOf } from '$lib/units/units';
+import type { Stream } from '$lib/vehicle/streams';
 import type { Vehicle, VehicleState } from '$lib/vehicle/Vehicle';
 
 const RADIANS = Math.PI / 180;
@@ -13,23 +14,27 @@ function shown(value: number | null, quantity: Quantity): number | null {
 }
 
 /** Whether the airspeed counts: fixed wings fly by it. */
-function usesAirSpeed(state: VehicleState): boolean {
+export function usesAirSpeed(state: VehicleState): boolean {
   return (state.type === 'plane' || state.type === 'vtol') && state.airSpeed !== null;
 }
 
 /** Returns the values of a flight display. */
 export function flightReading(state: VehicleState | null): FlightReading {
   if (state === null) return { roll: null, pitch: null, heading: null, speed: null, altitude: null, climb: null };
-  const { position, home } = state;
+  const { home, overdue } = state;
+  // A horizon or a speed that stands still looks like a quiet flight.
+  const isOld = (stream: Stream): boolean => overdue.includes(stream);
+  const position = isOld('position') ? null : state.position;
+  const speed = usesAirSpeed(state) ? state.airSpeed : state.groundSpeed;
   return {
-    roll: state.roll,
-    pitch: state.pitch,
-    heading: state.heading,
-    course: course(state),
+    roll: isOld('attitude') ? null : state.roll,
+    pitch: isOld('attitude') ? null : state.pitch,
+    heading: isOld('attitude') ? null : state.heading,
+    course: position === null ? null : course(state),
     home: position !== null && home !== null && distance(position, home) > 3 ? bearing(position, home) : null,
-    speed: shown(usesAirSpeed(state) ? state.airSpeed : state.groundSpeed, 'speed'),
+    speed: isOld(usesAirSpeed(state) ? 'airspeed' : 'speed') ? null : shown(speed, 'speed'),
     altitude: shown(position?.relativeAltitude ?? position?.altitude ?? null, 'altitude'),
-    climb: shown(state.climbRate, 'climb'),
+    climb: isOld('speed') ? null : shown(state.climbRate, 'climb'),
   };
 }
 

@@ -74,6 +74,7 @@ class ParameterSet {
       });
       if (load !== this.loads) return;
       this.parameters = Object.fromEntries(found.map((each) => [each.name, each]));
+      this.forgetRestored();
       await this.loadMetadata(vehicle, load);
     } catch (error) {
       if (load === this.loads) this.problem = textOf(error);
@@ -169,8 +170,19 @@ class ParameterSet {
     const encoding = encodingOf(vehicle.state.firmware) ?? (known.type === 'REAL32' ? 'cast' : null);
     if (encoding === null) return;
     const held = parameterOf(message, encoding);
-    if (Math.fround(held.value) !== Math.fround(known.value))
-      this.parameters = { ...this.parameters, [known.name]: held };
+    if (Math.fround(held.value) === Math.fround(known.value)) return;
+    this.parameters = { ...this.parameters, [known.name]: held };
+    this.forgetRestored();
+  }
+
+  /** Removes the marks of parameters that have their values of before again, such as by another ground station. */
+  private forgetRestored(): void {
+    const { parameters } = this;
+    const changed = Object.entries(this.before).filter(([name, value]) => {
+      const held = parameters[name]?.value;
+      return held === undefined || Math.fround(held) !== Math.fround(value);
+    });
+    if (changed.length < Object.keys(this.before).length) this.before = Object.fromEntries(changed);
   }
 
   requireReboot(vehicle: Vehicle): void {
@@ -187,11 +199,8 @@ class ParameterSet {
     if (vehicle !== this.vehicle) return;
     const before = this.parameters[held.name];
     if (before && !(held.name in this.before)) this.before = { ...this.before, [held.name]: before.value };
-    if (this.before[held.name] === held.value) {
-      const { [held.name]: _, ...others } = this.before;
-      this.before = others;
-    }
     this.parameters = { ...this.parameters, [held.name]: held };
+    this.forgetRestored();
   }
 }
 

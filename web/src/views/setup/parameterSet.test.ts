@@ -96,7 +96,11 @@ describe('the parameters', () => {
     await writing;
     expect([value('RTL_ALT'), parameterSet.before]).toEqual([5, { RTL_ALT: 1 }]);
     announce(1, 'RTL_ALT', 6);
-    expect(value('RTL_ALT')).toBe(6);
+    expect([value('RTL_ALT'), parameterSet.before]).toEqual([6, { RTL_ALT: 1 }]);
+    // Another ground station sets it back: there is nothing to undo any more.
+    announce(1, 'RTL_ALT', 1);
+    expect([value('RTL_ALT'), parameterSet.before]).toEqual([1, {}]);
+    announce(1, 'RTL_ALT', 6);
 
     await shown(parametrised(2, values));
     announce(1, 'RTL_ALT', 7);
