@@ -207,12 +207,12 @@ async def test_without_metrics_there_is_no_such_page():
         assert await exchange(address, "GET /metrics HTTP/1.1\nHost: localhost\n\n") == 404
 
 
-def test_a_client_with_the_token_is_authenticated_to_the_server():
+def test_a_client_with_the_token_is_authenticated_to_the_server(monkeypatch):
+    marked = []
+    monkeypatch.setattr("mavstack.router.control.app.mark_client", lambda *values: marked.append(values))
     api = ControlApi(cast("Any", None), token="secret", metrics=False)
-    scope = {"type": "http", "headers": [(b"authorization", b"Bearer secret")]}
-    api._check(Request(scope))
-    assert Proof.AUTHENTICATED in scope["state"].values()
-    scope = {"type": "http", "headers": [(b"authorization", b"Bearer guessed")]}
+    api._check(Request({"type": "http", "headers": [(b"authorization", b"Bearer secret")]}))
+    assert [proof for proof, _ in marked] == [Proof.AUTHENTICATED]
     with pytest.raises(RefusedError):
-        api._check(Request(scope))
-    assert "state" not in scope
+        api._check(Request({"type": "http", "headers": [(b"authorization", b"Bearer guessed")]}))
+    assert len(marked) == 1

@@ -127,7 +127,7 @@ class ControlApi:
             scheme, _, shown = request.headers.get("authorization", "").partition(" ")
             if scheme.lower() != "bearer" or not compare_digest(shown.strip().encode(), self._token.encode()):
                 raise RefusedError(401, "a valid token is needed: Authorization: Bearer …")
-            mark_client(request.scope, Proof.AUTHENTICATED, "token")  # strangers take no connection of it
+            mark_client(Proof.AUTHENTICATED, "token")  # strangers take no connection of it
             return
         if "origin" in request.headers or not is_local_host(request.headers.get("host", "")):
             raise RefusedError(403, "requests of web pages are refused: set control_token")
