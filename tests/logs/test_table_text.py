@@ -7,6 +7,7 @@ import pytest
 
 from mavstack.errors import InvalidArgumentError
 from mavstack.logs.message_table import MessageTable
+from mavstack.logs.schema import FieldSchema, SchemaSource, TableSchema
 from mavstack.logs.table_text import suggestion
 
 KIND = [("_time", "M8[us]"), ("roll", "f4"), ("q", "f4", (2,)), ("text", "S20"), ("count", "i4")]
@@ -30,6 +31,14 @@ def test_columns_and_a_few_rows_are_shown():
     assert lines[3].split() == ["roll", "float32", "0", "0.333333", "0.666667", "333"]
     assert lines[4].split() == ["q", "float32[2]", *["[0", "0]"] * 4]
     assert lines[6].split() == ["count", "int32", "0", "1", "2", "999"]
+
+
+def test_the_unit_is_that_of_the_values_shown():
+    fields = tuple(FieldSchema(name, np.dtype(KIND)[name].base) for name, *_ in KIND[:-1])
+    count = FieldSchema("count", np.dtype("i4"), unit="s", multiplier=1e-6)
+    schema = TableSchema("T", (*fields, count))
+    lines = str(MessageTable.of(np.asarray(table(1)), SchemaSource(lambda: schema))).splitlines()
+    assert lines[-1].split() == ["count", "int32", "1e-06", "s", "0"]
 
 
 @pytest.mark.parametrize(("rows", "shown"), [(0, 0), (1, 1), (3, 3), (4, 4), (5, 4)])

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import polars
     import pyarrow
 
-    from mavstack.logs.schema import SchemaSource, TableSchema
+    from mavstack.logs.schema import FieldSchema, SchemaSource, TableSchema
 
     Arrays = Literal["columns", "lists"]
 
@@ -55,7 +55,7 @@ class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
             return super().__str__()
         schema = self.schema
         columns = {name: self[name] for name in self.dtype.names}
-        return table_text(schema.name, columns, {name: schema[name].unit or "" for name in columns})
+        return table_text(schema.name, columns, {name: _stored_unit(schema[name]) for name in columns})
 
     def __array_finalize__(self, parent: object) -> None:
         self._source = getattr(parent, "_source", None)
@@ -316,6 +316,11 @@ class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
             names = [self._element_name(field.name, index) for index in range(field.array_length)]
             found |= dict.fromkeys((field.name, *names), texts)
         return found
+
+
+def _stored_unit(field: FieldSchema) -> str:
+    """Return the unit of the values as they are stored, such as `1e-06 s`; empty if it is not known."""
+    return f"{field.multiplier:g} {field.unit}" if field.unit and field.multiplier != 1 else field.unit
 
 
 def _plain_column(value: Any) -> Any:  # noqa: ANN401 (the types of numpy's own method)

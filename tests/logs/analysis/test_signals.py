@@ -64,6 +64,11 @@ def test_a_charge_that_the_vehicle_does_not_know_is_no_value():
     assert read_signal(log, "remaining").values.tolist() == [80.0]
 
 
+def test_a_load_that_no_processor_has_is_no_value():
+    log = MemoryLog({"PM": {"TimeUS": [1, 2, 3], "Load": [470, 25344, 480]}})
+    assert read_signal(log, "cpu_load").values.tolist() == pytest.approx([47.0, 48.0])
+
+
 def test_every_signal_has_a_title_and_a_source():
     assert all(each.title and each.sources for each in SIGNALS.values())
 

@@ -127,6 +127,14 @@ def test_the_report_is_drawn(show, log, size, theme):
     assert ground < 60 if theme == "dark" else ground > 200
 
 
+def test_no_text_of_a_zoomed_chart_is_cut(show, log):
+    page = show(make_report(log).html)
+    for _ in range(4):
+        page.locator("button", has_text="+").first.click()
+        edge = page.evaluate("document.querySelector('figure svg').getBoundingClientRect().right")
+        assert all(right <= edge for boxes in page.evaluate(TEXTS) for _, _, right, _ in boxes)
+
+
 @pytest.mark.parametrize("size", [DESKTOP, PHONE])
 def test_the_texts_of_charts_can_be_read(show, log, size):
     charts = show(make_report(log).html, size).evaluate(TEXTS)

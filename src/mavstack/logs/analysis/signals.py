@@ -85,6 +85,8 @@ _DEGREES: Final = degrees(1.0)
 _UNKNOWN_DOP: Final = 99.0
 #: ArduPilot logs 255 % for a battery whose capacity it does not know.
 _UNKNOWN_PERCENTAGE: Final = 255.0
+#: Old ArduPilot reports a load of 2500 % after a loop that took too long: an unsigned number has wrapped.
+_UNKNOWN_LOAD: Final = 1000.0
 
 
 def _define(
@@ -216,7 +218,7 @@ SIGNALS: Final[Mapping[str, SignalDefinition]] = MappingProxyType(
             ("RAD", "RemNoise")
         ),
         "cpu_load": _define("processor load", "%", ("SYS_STATUS", "load", 1e-1), ("PM", "Load", 1e-1),
-            ("cpuload", "load", 100.0)),
+            ("cpuload", "load", 100.0), unknown_from=_UNKNOWN_LOAD),
         **_motors(),
     }
 )  # fmt: skip

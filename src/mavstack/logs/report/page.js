@@ -77,7 +77,8 @@
       const place = { class: number % 2 ? "y minor" : "y", x: LEFT - 6, y: y(value) + 4 }
       svg.append(element("text", place, shown(value)))
     })
-    ticks(view.left, view.right, 8).forEach((value, number) => {
+    // A text at the right edge would be cut.
+    ticks(view.left, view.right, 8).filter((value) => placeOf(value) < WIDTH - 24).forEach((value, number) => {
       const place = { class: number % 2 ? "x minor" : "x", x: placeOf(value), y: HEIGHT - 6 }
       svg.append(element("text", place, `${shown(value)} s`))
     })
