@@ -59,8 +59,8 @@ nightly: $(VENV)/installed ## Run the long tests, the randomised ones over SEEDS
 	$(BIN)/pytest -n auto --dist loadgroup -m "properties and not interop" --hypothesis-profile thorough --timeout 7200 -o faulthandler_timeout=7260
 	$(BIN)/pytest -n auto --dist loadgroup -m seeds --seeds $(or $(SEEDS),10000) --timeout 7200 -o faulthandler_timeout=7260
 
-check: $(VENV)/installed ## Run the Python tests of the fast tier alone
-	$(BIN)/pytest -n auto --dist loadgroup -m "not nightly and not flight and not interop" --seeds $(or $(SEEDS),30)
+check: $(VENV)/installed ## Run the Python tests of the fast tier alone; TESTS="tests/logs …": those of some folders
+	$(BIN)/pytest -n auto --dist loadgroup -m "not nightly and not flight and not interop" --seeds $(or $(SEEDS),30) $(TESTS)
 
 # Its dependencies are newer too, and what they announce to remove is an error (`filterwarnings`).
 newest: $(VENV)/installed ## Run `check` on the newest Python of this machine, unless that is the one of the environment
