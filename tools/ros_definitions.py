@@ -28,6 +28,7 @@ WANTED: Final = {
     "rcl_interfaces": "DescribeParameters FloatingPointRange GetParameterTypes GetParameters IntegerRange "
     "ListParameters ListParametersResult ParameterDescriptor ParameterEvent Parameter ParameterType "
     "ParameterValue SetParameters SetParametersAtomically SetParametersResult",
+    "rmw_dds_common": "",
     "sensor_msgs": "BatteryState FluidPressure Imu LaserScan MagneticField NavSatFix NavSatStatus Range "
     "Temperature TimeReference",
     "service_msgs": "",

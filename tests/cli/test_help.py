@@ -31,6 +31,7 @@ WITH_VEHICLE = (
     "camera",
     "gimbal",
     "terrain",
+    "bridge",
     "key",
     "msp",
     "radio",

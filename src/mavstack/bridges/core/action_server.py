@@ -62,6 +62,7 @@ class ActionServer:
         now: Returns the Unix time in nanoseconds.
         allowed: The role of the bridge suffices.
         reject: Called with the text of each failure.
+        node: The full name of its node.
     """
 
     def __init__(
@@ -73,6 +74,7 @@ class ActionServer:
         *,
         allowed: bool,
         reject: Callable[[str], None],
+        node: str = "",
     ) -> None:
         self.row = row
         self.name = name
@@ -83,16 +85,20 @@ class ActionServer:
         self._goals: dict[bytes, Goal] = {}
         prefix = f"{name}/_action"
         self.services = (
-            ServiceEndpoint(f"{prefix}/send_goal", f"{row.type}_SendGoal", self._send_goal, reject=reject),
             ServiceEndpoint(
-                f"{prefix}/cancel_goal", "action_msgs/srv/CancelGoal", self._cancel, reject=reject
+                f"{prefix}/send_goal", f"{row.type}_SendGoal", self._send_goal, reject=reject, node=node
             ),
-            ServiceEndpoint(f"{prefix}/get_result", f"{row.type}_GetResult", self._get_result, reject=reject),
+            ServiceEndpoint(
+                f"{prefix}/cancel_goal", "action_msgs/srv/CancelGoal", self._cancel, reject=reject, node=node
+            ),
+            ServiceEndpoint(
+                f"{prefix}/get_result", f"{row.type}_GetResult", self._get_result, reject=reject, node=node
+            ),
         )
         feedback = Publication("feedback", f"{row.type}_FeedbackMessage", (), None, DEFAULT)
         status = Publication("status", "action_msgs/msg/GoalStatusArray", (), None, LATCHED)
-        self.feedback = Topic(feedback, f"{prefix}/feedback")
-        self.status = Topic(status, f"{prefix}/status")
+        self.feedback = Topic(feedback, f"{prefix}/feedback", node=node)
+        self.status = Topic(status, f"{prefix}/status", node=node)
 
     async def close(self) -> None:
         """Cancel all goals; the vehicle is not told to hold."""

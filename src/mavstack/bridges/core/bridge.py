@@ -66,6 +66,7 @@ class Bridge:
         self._role = role
         self._report = report
         self._task: asyncio.Task[None] | None = None
+        self._attaching: set[asyncio.Task[None]] = set()
         #: The vehicles on the buses, by system id.
         self.vehicles: dict[int, VehicleBridge] = {}
 
@@ -79,6 +80,7 @@ class Bridge:
             await sink.open()
         for vehicle in self._connection.vehicles.values():
             self._add(vehicle)
+        await asyncio.gather(*self._attaching)
         self._task = asyncio.get_running_loop().create_task(self._follow())
         return self
 
@@ -88,6 +90,9 @@ class Bridge:
             self._task.cancel()
             await asyncio.gather(self._task, return_exceptions=True)
             self._task = None
+        for task in self._attaching:
+            task.cancel()
+        await asyncio.gather(*self._attaching, return_exceptions=True)
         for vehicle in self.vehicles.values():
             await vehicle.close()
         self.vehicles.clear()
@@ -103,10 +108,15 @@ class Bridge:
             return
         names = self._names_of(vehicle)
         added = self.vehicles[vehicle.system] = VehicleBridge(vehicle, names, self._role)
-        for sink in self._sinks:
-            added.attach(sink)
         added.open()
-        self._report(f"vehicle {vehicle.system} is {names.namespace}")
+        task = asyncio.get_running_loop().create_task(self._attach(added))
+        self._attaching.add(task)
+        task.add_done_callback(self._attaching.discard)
+
+    async def _attach(self, added: VehicleBridge) -> None:
+        for sink in self._sinks:
+            await added.attach(sink)
+        self._report(f"vehicle {added.vehicle.system} is {added.names.namespace}")
 
     def _names_of(self, vehicle: Vehicle) -> VehicleNames:
         if not self._fleet and not self.vehicles:

@@ -51,7 +51,7 @@ class Inlet:
         self.row = row
         #: The full name, such as "/mavros/setpoint_raw/local".
         self.name = name
-        #: The name of the node, relative to the namespace of the vehicle.
+        #: The full name of its node, such as "/mavros/mavstack".
         self.node = ""
         #: The number of samples that were passed to the vehicle.
         self.accepted = 0
@@ -114,7 +114,7 @@ class ServiceEndpoint:
         handle: Answers the fields of a request.
         allowed: The role of the bridge suffices.
         reject: Called with the text of each failure.
-        node: The name of the node, relative to the namespace of the vehicle.
+        node: The full name of its node, such as "/mavros/mavstack".
     """
 
     def __init__(

@@ -37,6 +37,10 @@ class VehicleNames:
         """Return the full name of a row; one that begins with a slash is absolute."""
         return name if name.startswith("/") else f"{self.namespace}/{name}"
 
+    def node(self, name: str = NODE) -> str:
+        """Return the full name of a node, such as "/mavros/mavstack"."""
+        return f"{self.namespace}/{name}"
+
     def frames(self) -> Frames:
         """Return the names of frames, with the prefix for one of several vehicles."""
         return Frames().prefixed(self.prefix.strip("/")) if self.prefix else Frames()

@@ -40,5 +40,7 @@ class BridgeEntry:
 BRIDGES: Final[Registry[BridgeEntry]] = Registry(
     "bridge",
     "mavstack.bridges",
-    {},
+    {
+        "ros2": "mavstack.bridges.ros2.entry:ENTRY",
+    },
 )

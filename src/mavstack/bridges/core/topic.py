@@ -31,7 +31,7 @@ class Topic:
         name: The full name.
         frame: The name of the frame in its header.
         changed: Called when the first receiver is added, and when the last one is removed.
-        node: The name of the node that publishes it.
+        node: The full name of its node, such as "/mavros/mavstack".
     """
 
     def __init__(
@@ -46,7 +46,7 @@ class Topic:
         self.row = row
         #: The full name, such as "/mavros/imu/data".
         self.name = name
-        #: The name of the node, relative to the namespace of the vehicle.
+        #: The full name of its node, such as "/mavros/mavstack".
         self.node = node
         #: The last samples and their times, of a topic that keeps them.
         self.history: deque[tuple[bytes, int]] = deque(maxlen=row.qos.depth)

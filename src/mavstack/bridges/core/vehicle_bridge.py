@@ -75,6 +75,7 @@ class VehicleBridge:
                 time.time_ns,
                 allowed=row.role <= role,
                 reject=self._reject,
+                node=names.node(),
             )
             for row in ACTIONS
         ]
@@ -90,16 +91,19 @@ class VehicleBridge:
             *(topic for action in self.actions for topic in (action.feedback, action.status)),
         ]
 
-    def attach(self, sink: Sink) -> None:
-        """Offer all endpoints to a sink."""
+    async def attach(self, sink: Sink) -> None:
+        """Offer all endpoints to a sink, one in each turn of the event loop: some take milliseconds."""
         sink.add_node(self.names.namespace, NODE)
         sink.add_node(self.names.namespace, PARAMETER_NODE)
         for topic in self.topics:
             sink.add_topic(topic)
-        for inlet in self.inlets:
-            sink.add_inlet(inlet)
+            await asyncio.sleep(0)
         for service in (*self.services, *(each for action in self.actions for each in action.services)):
             sink.add_service(service)
+            await asyncio.sleep(0)
+        for inlet in self.inlets:
+            sink.add_inlet(inlet)
+            await asyncio.sleep(0)
 
     def open(self) -> None:
         """Follow the vehicle."""
@@ -143,19 +147,19 @@ class VehicleBridge:
 
     def _topic(self, row: Publication) -> Topic:
         frame = self.names.frames().name_of(row.frame)
-        return Topic(row, self.names.full(row.name), frame, self._on_changed, NODE)
+        return Topic(row, self.names.full(row.name), frame, self._on_changed, self.names.node())
 
     def _inlet(self, row: Any) -> Inlet:
         send = self.vehicle.connection.send
         inlet = Inlet(row, self.names.full(row.name), self._inbound, send, time.time_ns, reject=self._reject)
-        inlet.node = NODE
+        inlet.node = self.names.node()
         return inlet
 
     def _service(self, row: Service) -> ServiceEndpoint:
         async def handle(request: dict[str, Any]) -> dict[str, Any]:
             return await row.handle(self.vehicle, request, self._context)
 
-        node = PARAMETER_NODE if row.type.startswith("rcl_interfaces/") else NODE
+        node = self.names.node(PARAMETER_NODE if row.type.startswith("rcl_interfaces/") else NODE)
         name, allowed = self.names.full(row.name), row.role <= self.role
         return ServiceEndpoint(name, row.type, handle, allowed=allowed, reject=self._reject, node=node)
 

@@ -1,0 +1,163 @@
+"""ROS 2 over Zenoh, with an independent implementation of rmw_zenoh's wire as the client."""
+
+from __future__ import annotations
+
+import asyncio
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from mavstack.bridges.core.types import codec_of, message_text, type_hash
+from mavstack.bridges.core.types.definitions import definition_text
+from mavstack.bridges.ros2.zenoh_keys import key_of, parse_attachment
+from mavstack.bridges.ros2.zenoh_sink import ZenohSink
+from mavstack.errors import LinkError
+from mavstack.sim.background import BackgroundSimulator
+from tests.bridges.ros2.running import bridged, free_port, until, zenoh_client, zenoh_router
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+pytestmark = [pytest.mark.interop, pytest.mark.filterwarnings("ignore")]
+STATE = "mavros_msgs/msg/State"
+IMU = "sensor_msgs/msg/Imu"
+
+
+@pytest.fixture
+def router() -> Iterator[int]:
+    with zenoh_router() as port:
+        yield port
+
+
+def run(router: int, scenario: Any, **options: Any) -> None:
+    """Run a scenario with a bridge of a simulated copter, which flies in the third of the time."""
+
+    async def bridge() -> None:
+        sink = ZenohSink(0, [f"tcp/127.0.0.1:{router}"])
+        async with bridged(simulator.url, sink) as (connection, opened):
+            await scenario(connection, opened, sink)
+
+    with BackgroundSimulator(**options) as simulator:
+        asyncio.run(bridge())
+
+
+@pytest.mark.smoke
+def test_an_independent_client_reads_topics_and_calls_services(router: int) -> None:
+    sdk = pytest.importorskip("zenoh_ros2_sdk")
+
+    async def scenario(connection: Any, bridge: Any, sink: ZenohSink) -> None:
+        loop = asyncio.get_running_loop()
+        got: list[Any] = []
+        place = {"router_ip": "127.0.0.1", "router_port": router}
+        subscribe = partial(
+            sdk.ROS2Subscriber, msg_definition=message_text(IMU), type_hash=type_hash(IMU), **place
+        )
+        subscriber = await loop.run_in_executor(
+            None, partial(subscribe, topic="/mavros/imu/data", msg_type=IMU, callback=got.append)
+        )
+        await until(lambda: len(got) > 5)
+        assert got[-1].header.frame_id == "base_link"
+        assert got[-1].linear_acceleration.z == pytest.approx(9.8, abs=0.6)
+        request, response = definition_text("mavros_msgs/srv/SetMode").split("---\n")
+        client = await loop.run_in_executor(
+            None,
+            partial(
+                sdk.ROS2ServiceClient,
+                service_name="/mavros/set_mode",
+                srv_type="mavros_msgs/srv/SetMode",
+                request_definition=request,
+                response_definition=response,
+                **place,
+            ),
+        )
+        answer = await loop.run_in_executor(None, partial(client.call, base_mode=0, custom_mode="GUIDED"))
+        assert answer.mode_sent is True
+        topics = dict(
+            await loop.run_in_executor(None, partial(sdk.get_topic_names_and_types, domain_id=0, **place))
+        )
+        assert topics["/mavros/state"] == [STATE]
+        assert topics["/mavros/setpoint_velocity/cmd_vel"] == ["geometry_msgs/msg/TwistStamped"]
+        info = await loop.run_in_executor(
+            None,
+            partial(sdk.get_topic_info, topic_name="/mavros/imu/data", domain_id=0, verbose=True, **place),
+        )
+        assert info.publishers[0].node_name.strip("/") == "mavstack"
+        assert info.publishers[0].type_hash == type_hash(IMU)
+        subscriber.close()
+        client.close()
+
+    run(router, scenario)
+
+
+def test_a_late_subscriber_gets_states(router: int) -> None:
+    zenoh = pytest.importorskip("zenoh")
+
+    async def scenario(connection: Any, bridge: Any, sink: ZenohSink) -> None:
+        await until(lambda: bridge.vehicles[1].mapper.topics["state"].published > 1)
+        got: list[Any] = []
+        session = zenoh_client(router)
+        key = key_of(0, "/mavros/state", STATE)
+        history = zenoh.ext.HistoryConfig(detect_late_publishers=True)
+        late = zenoh.ext.declare_advanced_subscriber(session, key, got.append, history=history)
+        await until(lambda: got)
+        fields = codec_of(STATE).decode_fields(bytes(got[0].payload))
+        assert fields["connected"] is True
+        sequence, stamp, _ = parse_attachment(bytes(got[0].attachment))
+        assert sequence >= 1
+        assert stamp > 1_600_000_000_000_000_000
+        late.undeclare()
+        session.close()
+
+    run(router, scenario)
+
+
+def test_a_topic_costs_nothing_when_its_last_subscriber_leaves(router: int) -> None:
+    async def scenario(connection: Any, bridge: Any, sink: ZenohSink) -> None:
+        topic = bridge.vehicles[1].mapper.topics["imu/data"]
+        session = zenoh_client(router)
+        await asyncio.sleep(1)
+        assert topic.published == 0
+        subscriber = session.declare_subscriber(key_of(0, "/mavros/imu/data", IMU), lambda sample: None)
+        await until(lambda: topic.published > 3)
+        subscriber.undeclare()
+        await until(lambda: not topic.active)
+        session.close()
+
+    run(router, scenario)
+
+
+def test_what_others_send_ends_nothing(router: int) -> None:
+    """Samples and requests of random bytes on all keys of the bridge: counted, and answered by an error."""
+
+    async def scenario(connection: Any, bridge: Any, sink: ZenohSink) -> None:
+        from random import Random
+
+        rng = Random(1)
+        vehicle = bridge.vehicles[1]
+        await until(lambda: not bridge._attaching)
+        session = zenoh_client(router)
+        for inlet in vehicle.inlets:
+            for size in (0, 3, 40):
+                session.put(
+                    key_of(0, inlet.name, inlet.type), rng.randbytes(size), attachment=rng.randbytes(5)
+                )
+        await until(lambda: sum(inlet.refused for inlet in vehicle.inlets) > 100)
+        for service in vehicle.services[:10]:
+            replies = session.get(key_of(0, service.name, service.type), payload=b"\xff" * 7, timeout=5)
+            answers = await asyncio.get_running_loop().run_in_executor(None, list, replies)
+            assert all(answer.ok is None for answer in answers)
+        state = vehicle.mapper.topics["state"]
+        before = state.published
+        await until(lambda: state.published > before)
+        session.close()
+
+    run(router, scenario)
+
+
+def test_no_router() -> None:
+    async def scenario() -> None:
+        with pytest.raises(LinkError, match=r"connecting to the Zenoh router tcp/127.0.0.1:\d+ failed"):
+            await ZenohSink(0, [f"tcp/127.0.0.1:{free_port()}"]).open()
+
+    asyncio.run(scenario())
