@@ -98,7 +98,7 @@ format: $(VENV)/installed ## Put the code into its usual form
 	$(BIN)/ruff check --fix . && $(BIN)/ruff format . && $(RUST) cargo fmt --all
 	@$(BIN)/python backend/mavstack_station.py --install --format
 
-generate: $(VENV)/installed ## Make tables and stubs anew from the definitions
+generate: $(VENV)/installed ## Make tables and stubs from the definitions
 	$(BIN)/python -m mavstack.dialects.generate
 	$(BIN)/python -m mavstack.sync.generate
 

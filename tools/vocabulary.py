@@ -3,9 +3,9 @@
     python -m tools.vocabulary [PATH...]
 
 The list of banned words is `vocabulary.toml` beside this file. Identifiers are checked where they are defined
-(classes, functions, arguments, assigned names), so a library's names do not count. Prose is docstrings and
-comments of Python, Rust and TypeScript, texts in TypeScript, and Markdown outside code blocks. The exit code
-is 1 if anything was found.
+(classes, functions, arguments, assigned names), so a library's names do not count. Prose is docstrings, comments
+and error texts of Python, comments of Rust, comments and texts of TypeScript, comments of Makefiles and TOML, lines
+of YAML, and Markdown outside code blocks, in upper or lower case. The exit code is 1 if anything was found.
 """
 
 from __future__ import annotations
@@ -39,6 +39,7 @@ DEFAULT_PATHS = (
     "docs",
     "web/src",
     "web/scripts",
+    ".github",
 )
 DEFAULT_FILES = (
     "README.md",
@@ -47,8 +48,14 @@ DEFAULT_FILES = (
     "CHANGELOG.md",
     "SECURITY.md",
     "web/README.md",
+    "Makefile",
+    "mkdocs.yml",
+    ".pre-commit-config.yaml",
+    "pyproject.toml",
+    "Cargo.toml",
 )
-SUFFIXES = (".py", ".rs", ".md", ".ts", ".mjs", ".svelte", ".css")
+SUFFIXES = (".py", ".rs", ".md", ".ts", ".mjs", ".svelte", ".css", ".yml", ".yaml", ".toml")
+MAKEFILE = "Makefile"
 #: Files that hold generated or recorded text.
 EXCLUDED = (
     "*/.build/*",
@@ -58,6 +65,7 @@ EXCLUDED = (
     "*/site/*",
     "*/node_modules/*",
     "*/web/src/generated/*",
+    "*/tools/vocabulary.toml",
 )
 _RUST_DEFINITION = re.compile(
     r"\b(?:fn|struct|enum|trait|mod|const|static|type|let(?: mut)?)\s+([A-Za-z_]\w*)"
@@ -66,6 +74,8 @@ _SCRIPT_DEFINITION = re.compile(r"\b(?:class|interface|type|function|const|let)\
 _SCRIPT_COMMENT = re.compile(r"(?://|/\*\*?|^\s*\*|<!--)\s?(.*?)(?:\*/|-->)?$")
 #: Texts of more than one word.
 _SCRIPT_TEXT = re.compile(r"'([^'\n]* [^'\n]*)'|`([^`\n]* [^`\n]*)`")
+#: A comment at the beginning of a line, or behind white space.
+_HASH_COMMENT = re.compile(r"(?:^|\s)#+\s(.*)$")
 _RUST_COMMENT = re.compile(r"//[/!]*\s?(.*)$")
 
 
@@ -98,7 +108,7 @@ class Vocabulary:
 
     def check(self, path: str, text: str) -> list[Finding]:
         """Return the findings in one file, whose kind its name tells."""
-        names, prose = _READERS[Path(path).suffix](text)
+        names, prose = _READERS[Path(path).suffix or Path(path).name](text)
         found = [*self._in_names(path, names), *self._in_prose(path, prose)]
         return sorted(found, key=lambda finding: (finding.line, finding.word))
 
@@ -112,7 +122,7 @@ class Vocabulary:
     def _in_prose(self, path: str, prose: Iterable[tuple[int, str]]) -> Iterator[Finding]:
         for line, text in prose:
             for pattern, replacement in self.prose.items():
-                match = re.search(pattern, text)
+                match = re.search(pattern, text, re.IGNORECASE)
                 if match and not self._is_allowed(pattern, path):
                     yield Finding(path, line, match[0], replacement)
 
@@ -133,6 +143,8 @@ def python_text(text: str) -> tuple[list[tuple[int, str]], list[tuple[int, str]]
     for node in ast.walk(tree):
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
             prose += _docstring(node)
+        elif isinstance(node, ast.Raise):
+            prose += _texts(node)
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         if token.type == tokenize.COMMENT:
             prose.append((token.start[0], token.string.lstrip("#:! ")))
@@ -172,7 +184,21 @@ def markdown_text(text: str) -> tuple[list[tuple[int, str]], list[tuple[int, str
     return [], prose
 
 
+def commented_text(text: str) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
+    """Return no names and the comments of a Makefile or a TOML file."""
+    found = ((number, _HASH_COMMENT.search(line)) for number, line in enumerate(text.splitlines(), 1))
+    return [], [(number, match[1]) for number, match in found if match]
+
+
+def yaml_text(text: str) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
+    """Return no names and the lines of a YAML file: its values are titles and descriptions mostly."""
+    return [], [(number, line.strip(" #-")) for number, line in enumerate(text.splitlines(), 1)]
+
+
 _READERS = {
+    MAKEFILE: commented_text,
+    ".toml": commented_text,
+    **dict.fromkeys((".yml", ".yaml"), yaml_text),
     ".py": python_text,
     ".rs": rust_text,
     ".md": markdown_text,
@@ -202,13 +228,22 @@ def _docstring(
     return [(node.body[0].lineno + number, line.strip()) for number, line in enumerate(text.splitlines())]
 
 
+def _texts(node: ast.AST) -> list[tuple[int, str]]:
+    """Return the texts in an expression, such as the text of an error; gaps stand for its values."""
+    return [
+        (each.lineno, each.value)
+        for each in ast.walk(node)
+        if isinstance(each, ast.Constant) and isinstance(each.value, str)
+    ]
+
+
 def files_below(paths: Iterable[Path]) -> Iterator[Path]:
     """Yield the files to check below these paths, in order."""
     for path in paths:
         found = sorted(path.rglob("*")) if path.is_dir() else [path]
         for file in found:
             name = file.resolve().as_posix()
-            is_source = file.suffix in SUFFIXES and file.is_file()
+            is_source = (file.suffix in SUFFIXES or file.name == MAKEFILE) and file.is_file()
             if is_source and not any(fnmatchcase(name, pattern) for pattern in EXCLUDED):
                 yield file
 

@@ -8,7 +8,7 @@ from tools.vocabulary import Vocabulary, files_below, main, parts_of
 
 VOCABULARY = Vocabulary(
     identifiers={"patience": "timeout", "set_up_signing": "setup_signing"},
-    prose={r"^What\b(?!.*\?$)": "name the noun first", r"\bsoup\b": "random input"},
+    prose={r"^(?-i:What)\b(?!.*\?$)": "name the noun first", r"\bsoup\b": "random input"},
     allowed={"patience": ["src/games/*"]},
 )
 
@@ -50,6 +50,27 @@ def test_docstrings_and_comments_are_checked() -> None:
 
 def test_questions_may_begin_with_what() -> None:
     assert words("a.md", "## What is a link?\n") == []
+
+
+def test_letter_case_counts_only_for_patterns_with_a_mark() -> None:
+    assert words("a.md", "Soup of the day,\nwhat it costs\n") == [(1, "Soup")]
+
+
+def test_error_texts_are_checked() -> None:
+    text = 'def f():\n    name = "soup"\n    raise ValueError(f"a {name} of soup")\n'
+    assert words("a.py", text) == [(3, "soup")]
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("Makefile", "soup: ## Cook soup\n\tcook soup\n"),
+        ("a.toml", "# cold soup\nsoup = 1\n"),
+        ("a.yml", "name: Cook soup\nrun: cook\n"),
+    ],
+)
+def test_files_of_the_project_are_checked(name: str, text: str) -> None:
+    assert words(name, text) == [(1, "soup")]
 
 
 def test_rust_is_checked() -> None:

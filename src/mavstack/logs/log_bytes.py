@@ -97,7 +97,7 @@ class LogBytes:
                 yield self._copy
 
     def release(self) -> None:
-        """Give back the memory of the mapped file; a later access reads it again."""
+        """Release the memory of the mapped file; a later access reads it again."""
         with self._lock:
             for data in (self._map, self._copy):
                 if data is not None:

@@ -1,12 +1,14 @@
 """The interface of every service, client or server: a state machine without sockets, threads or clock.
 
-The driver of a service (the node's engine, or a test in virtual time) calls:
+The driver of a service (the node's engine, or a test in virtual time) calls its methods:
 
-    receive(packet, now)              for each packet to `local` whose id is in `handles`
-    messages_to_send(now, has_room)   after each other call: yields the messages to send, made lazily
-    events()                          returns the events since the last call
-    next_timeout()                    returns when to call `handle_timeout(now)`; None sets no timer
-    clear_cache(now)                  after the remote component rebooted
+    receive(packet, now)             for each packet whose id is in `handles` and that is addressed to `local`
+    messages_to_send(now, has_room)  after each other call: yields the messages to send, made one by one
+    events()                         after each other call: returns the events since the last time
+    next_timeout()                   after each other call: returns when to call `handle_timeout`; None: never
+    handle_timeout(now)              when that time has come
+    handle_refusal(error, now)       if a message was not sent, since several vehicles use its target's id
+    clear_cache(now)                 after the remote component rebooted
 
 `now` is in Unix seconds and never decreases. Small messages (a command, an acknowledgement, a request) go
 through an outbox and are always sent. A long transfer overrides `bulk_messages` and makes each message only

@@ -32,7 +32,7 @@ def is_confirmed(arguments: Namespace, question: str, action: str, *, refused: s
         refused: The outcome if the user does not agree.
 
     Raises:
-        UsageError: Nobody can be asked, and `--yes` is not given.
+        UsageError: No terminal is there to ask, and `--yes` is not given.
     """
     if arguments.yes:
         return True

@@ -68,7 +68,7 @@ export class ReplayTransport extends BaseTransport {
   }
 
   send(_packets: Uint8Array): void {
-    // Nobody receives it: the flight is over.
+    // It has no receiver: the flight is over.
   }
 
   play(): void {
