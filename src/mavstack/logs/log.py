@@ -78,7 +78,7 @@ class Log(LogTimes):
         return self.counts[name] if selection.keeps_all_rows(self.schema(name)) else None
 
     def prepare_windows(self) -> None:
-        """Release the memory that only speeds up the decoding of tables; learn `counts`, `time_span` and `skipped`."""
+        """Release memory that only speeds up decoding; learn `counts`, `time_span` and `skipped`."""
 
     def windows(
         self,
