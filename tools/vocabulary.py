@@ -4,9 +4,9 @@
 
 The list of banned words is `vocabulary.toml` beside this file. Identifiers are checked where they are defined
 (classes, functions, arguments, assigned names), so a library's names do not count. Prose is docstrings,
-comments and error texts of Python, comments of Rust, comments and texts of TypeScript, comments of Makefiles and TOML,
-lines of YAML, and Markdown outside code blocks, in upper or lower case. The exit code is 1 if anything was
-found.
+comments and error texts of Python, comments of Rust, comments and texts of TypeScript, comments of Makefiles
+and TOML, lines of YAML, and Markdown outside code blocks, in upper or lower case. The exit code is 1 if
+anything was found.
 """
 
 from __future__ import annotations
