@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
     from mavstack.services import Address
     from mavstack.sim.motion import Body
+    from mavstack.sim.simulation import Simulation
     from mavstack.sim.vehicle_types import VehicleType
 
 _LOG = logging.getLogger("mavstack.sim")
@@ -58,21 +59,6 @@ class FaultTarget(Protocol):
 
     def switch_transmitter(self, on: bool) -> bool:
         """Switch the pilot's transmitter on or off; returns whether the pilot has lost it."""
-
-
-class FaultSimulation(Protocol):
-    """The simulation that a fault script runs in."""
-
-    #: Called before each step with the simulated seconds since the start.
-    before_step: list[Callable[[float], None]]
-
-    @property
-    def fault_targets(self) -> Sequence[FaultTarget]:
-        """The vehicles."""
-
-    @property
-    def elapsed(self) -> float:
-        """Simulated seconds since the start."""
 
 
 class FaultError(InvalidArgumentError):
@@ -164,7 +150,7 @@ class TimedFault:
             raise FaultError(f"system id {system} is outside 0 to {_MAX_SYSTEMS}")
         return cls(time, system, Fault.parse(rest if colon else text))
 
-    def inject(self, simulation: FaultSimulation) -> None:
+    def inject(self, simulation: Simulation) -> None:
         """Inject the fault now."""
         for vehicle in simulation.fault_targets:
             if self.system in (0, vehicle.address.system):
@@ -189,7 +175,7 @@ class FaultScript:
         self._next = 0
 
     def run_in(
-        self, simulation: FaultSimulation, on_fault: Callable[[TimedFault], None] = lambda timed: None
+        self, simulation: Simulation, on_fault: Callable[[TimedFault], None] = lambda timed: None
     ) -> None:
         """Inject each fault at its time from now on.
 
@@ -205,7 +191,7 @@ class FaultScript:
 
         simulation.before_step.append(act)
 
-    def inject_due(self, simulation: FaultSimulation, elapsed: float) -> list[TimedFault]:
+    def inject_due(self, simulation: Simulation, elapsed: float) -> list[TimedFault]:
         """Inject the faults that are due after `elapsed` seconds, and return them."""
         due = []
         while self._next < len(self.faults) and self.faults[self._next].time <= elapsed:

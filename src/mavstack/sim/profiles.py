@@ -11,7 +11,7 @@ from mavstack.sim.vehicle_types import Firmware
 
 if TYPE_CHECKING:
     from mavstack.services.version import FirmwareVersion
-    from mavstack.sim.autopilot.interfaces import FirmwareProfile
+    from mavstack.sim.autopilot.firmware_profile import FirmwareProfile
     from mavstack.sim.vehicle_types import VehicleType
 
 

@@ -16,7 +16,7 @@ from mavstack.sim.vehicle_types import Firmware, VehicleType
 
 if TYPE_CHECKING:
     from mavstack.services.parameters import Value
-    from mavstack.sim.autopilot.interfaces import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.sim.vehicle_types import Home
 
 #: Time from disarming to the end of a log, in seconds.
@@ -43,7 +43,7 @@ _WITH_AIRSPEED = (VehicleType.PLANE, VehicleType.VTOL)
 class Recorder:
     """Writes the log of one vehicle."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
         self._vehicle = vehicle
         self._logs = vehicle.storage.logs
         self._boots = 0

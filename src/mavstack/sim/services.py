@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     from mavstack.services import Address
     from mavstack.services.mission import MissionItem, Plan
     from mavstack.services.modes import AvailableMode
-    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.port import Port
     from mavstack.sim.signing_keys import SigningKeys
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 
 #: Interval of repeated requests for an item of a plan, in seconds.
@@ -41,7 +41,7 @@ _REQUEST_INTERVALS = {Firmware.ARDUPILOT: 1.0, Firmware.PX4: 0.25}
 class Services:
     """The services on one vehicle's engine."""
 
-    def __init__(self, vehicle: Vehicle, dialect: HasCoreDialect, keys: SigningKeys) -> None:
+    def __init__(self, vehicle: SimulatedVehicle, dialect: HasCoreDialect, keys: SigningKeys) -> None:
         self._vehicle = vehicle
         local, profile = vehicle.address, vehicle.profile
         self.engine = engine = Engine(local, dialect)

@@ -18,8 +18,8 @@ from mavstack.node.signing_states import SigningStates
 if TYPE_CHECKING:
     from mavstack.security import SigningKey
     from mavstack.services.signing_setup import KeySettled, SigningRequest
-    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.port import Port
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 
 class SigningKeys:
@@ -30,7 +30,7 @@ class SigningKeys:
         key: The key that was set up; None if signing was turned off, or never set up.
     """
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
         self.states = SigningStates()
         self.key: SigningKey | None = None
         self._vehicle = vehicle

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from mavstack.dialects import Dialect, common
 from mavstack.services.mission import PlanStore
 from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
-from mavstack.sim.autopilot.state import TICK
+from mavstack.sim.autopilot.ticks import TICK
 from mavstack.sim.faults import Faults
 from mavstack.sim.payloads import SimulatedCamera, SimulatedGimbal
 from mavstack.sim.port import Port
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from mavstack.security import SigningKey
     from mavstack.services import Address, Event, Service
     from mavstack.services.terrain import TerrainMap
-    from mavstack.sim.autopilot.interfaces import FirmwareProfile, Mode
+    from mavstack.sim.autopilot.firmware_profile import FirmwareProfile, Mode
     from mavstack.sim.motion import Body
     from mavstack.sim.parameters import Parameters
     from mavstack.sim.rangefinders import Rangefinder
@@ -103,9 +103,9 @@ class SimulatedVehicle:
         #: Called with the vehicle, "text", "mode", "armed", "camera" or "signing", and a description.
         self.listeners: list[Callable[[SimulatedVehicle, str, str], None]] = []
         self.ports: list[Port] = []
-        self.storage = Storage(self, folder=folder)
+        self.storage: Storage = Storage(self, folder=folder)
         self.recorder = Recorder(self)
-        self.faults = Faults(self)
+        self.faults: Faults = Faults(self)
         self.signing_keys = SigningKeys(self)
         #: True while the links are cut in both directions.
         self.cut_off = False
@@ -128,7 +128,7 @@ class SimulatedVehicle:
         self.engine = self.services.engine
         self.modes, self.commands = self.services.modes, self.services.commands
         self.messages, self.mission = self.services.messages, self.services.mission
-        self.autopilot = SimulatedAutopilot(self, self.profile)
+        self.autopilot: SimulatedAutopilot = SimulatedAutopilot(self, self.profile)
         self.profile.register(self)
         self.profile.provide(self)
         self._attach_payloads()

@@ -22,10 +22,10 @@ from mavstack.services import Address
 from mavstack.services.mission import PlanStore
 from mavstack.services.modes import AvailableMode
 from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
+from mavstack.sim.autopilot.firmware_profile import FirmwareProfile, Mode
 from mavstack.sim.autopilot.flight_parameters import FlightParameters
-from mavstack.sim.autopilot.interfaces import FirmwareProfile, Mode
 from mavstack.sim.autopilot.radio import Sticks
-from mavstack.sim.autopilot.state import TICK
+from mavstack.sim.autopilot.ticks import TICK
 from mavstack.sim.motion import World
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 from tests.waiting import step_until
@@ -34,8 +34,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from mavstack.services import Event
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot as Autopilot
     from mavstack.sim.autopilot.behaviour import Behaviour
-    from mavstack.sim.autopilot.interfaces import Autopilot
 
 START = 1_700_000_000.0
 RATE = 50.0

@@ -17,10 +17,10 @@ from mavstack.sim.vehicle_types import VehicleType
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.parameters import Parameters
 
-Check: TypeAlias = "Callable[[Autopilot], Iterator[str]]"
+Check: TypeAlias = "Callable[[SimulatedAutopilot], Iterator[str]]"
 
 #: Bits of ARMING_CHECK.
 _ALL, _BAROMETER, _COMPASS, _GPS, _PARAMETERS, _RC, _BATTERY, _MISSION = 0, 1, 2, 3, 5, 6, 8, 14
@@ -42,7 +42,7 @@ _REQUIRED_ITEMS: Final = (
 )
 
 
-def prearm_problems(autopilot: Autopilot) -> Iterator[str]:
+def prearm_problems(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Yield problems of the vehicle that do not depend on the pilot, without a prefix."""
     if not autopilot.booted:
         yield "System not initialised"
@@ -50,7 +50,7 @@ def prearm_problems(autopilot: Autopilot) -> Iterator[str]:
     yield from _problems_of(autopilot, _CHECKS)
 
 
-def arming_problems(autopilot: Autopilot) -> Iterator[str]:
+def arming_problems(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Yield everything that prevents arming now: without pre-arm problems, the mode and the throttle."""
     ready = True
     for problem in prearm_problems(autopilot):
@@ -60,7 +60,9 @@ def arming_problems(autopilot: Autopilot) -> Iterator[str]:
         yield from _problems_of(autopilot, _ARM_CHECKS)
 
 
-def _problems_of(autopilot: Autopilot, checks: tuple[tuple[int | None, Check], ...]) -> Iterator[str]:
+def _problems_of(
+    autopilot: SimulatedAutopilot, checks: tuple[tuple[int | None, Check], ...]
+) -> Iterator[str]:
     """Yield the problems of the enabled checks."""
     enabled = int(_number(autopilot.vehicle.parameters, "ARMING_CHECK"))
     for bit, check in checks:
@@ -68,7 +70,7 @@ def _problems_of(autopilot: Autopilot, checks: tuple[tuple[int | None, Check], .
             yield from check(autopilot)
 
 
-def _position(autopilot: Autopilot) -> Iterator[str]:
+def _position(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check the requirements of the mode, regardless of ARMING_CHECK."""
     if not autopilot.body.health.attitude:
         yield "EKF attitude is bad"
@@ -83,19 +85,19 @@ def _position(autopilot: Autopilot) -> Iterator[str]:
         yield "Fence enabled, need position estimate"
 
 
-def _may_arm(autopilot: Autopilot) -> bool:
+def _may_arm(autopilot: SimulatedAutopilot) -> bool:
     """Return whether the mode allows arming."""
     mode, parameters = autopilot.mode, autopilot.vehicle.parameters
     return mode.may_arm or (mode.name == "AUTO" and bool(int(_number(parameters, "AUTO_OPTIONS")) & 1))
 
 
-def _mode(autopilot: Autopilot) -> Iterator[str]:
+def _mode(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check that the mode allows arming; Copter does so when it is armed."""
     if autopilot.vehicle.vehicle_type is VehicleType.COPTER and not _may_arm(autopilot):
         yield f"{autopilot.mode.name} mode not armable"
 
 
-def _mode_before_arming(autopilot: Autopilot) -> Iterator[str]:
+def _mode_before_arming(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check that the mode allows arming; Plane and Rover do so with the pre-arm checks."""
     kind = autopilot.vehicle.vehicle_type
     if kind is VehicleType.COPTER or _may_arm(autopilot):
@@ -103,7 +105,7 @@ def _mode_before_arming(autopilot: Autopilot) -> Iterator[str]:
     yield "Mode not armable" if kind.on_surface else f"{autopilot.mode.name} mode not armable"
 
 
-def _gps(autopilot: Autopilot) -> Iterator[str]:
+def _gps(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check the GPS fix."""
     if not _uses_gps(autopilot):
         return
@@ -117,14 +119,14 @@ def _gps(autopilot: Autopilot) -> Iterator[str]:
         yield "AHRS: waiting for home"
 
 
-def _uses_gps(autopilot: Autopilot) -> bool:
+def _uses_gps(autopilot: SimulatedAutopilot) -> bool:
     """Return whether GPS is required: always on Plane and Rover, by the mode on Copter and Sub."""
     if autopilot.vehicle.vehicle_type in (VehicleType.COPTER, VehicleType.SUB):
         return autopilot.mode.needs_position
     return True
 
 
-def _variances(autopilot: Autopilot) -> Iterator[str]:
+def _variances(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check the test ratios of Copter's filter."""
     limit = _number(autopilot.vehicle.parameters, "FS_EKF_THRESH")
     if (
@@ -143,20 +145,20 @@ def _variances(autopilot: Autopilot) -> Iterator[str]:
     yield from (f"EKF {name} variance" for name, variance in named if variance >= limit)
 
 
-def _barometer(autopilot: Autopilot) -> Iterator[str]:
+def _barometer(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check the barometer."""
     if not autopilot.body.health.vertical:
         yield "Barometer not healthy"
 
 
-def _compass(autopilot: Autopilot) -> Iterator[str]:
+def _compass(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check the compass."""
     enabled = int(_number(autopilot.vehicle.parameters, "COMPASS_ENABLE", 1.0))
     if enabled and not autopilot.body.health.heading:
         yield "Compass 1 not healthy"
 
 
-def _radio(autopilot: Autopilot) -> Iterator[str]:
+def _radio(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check the radio receiver."""
     radio, parameters = autopilot.radio, autopilot.vehicle.parameters
     if autopilot.vehicle.vehicle_type is VehicleType.SUB:
@@ -168,7 +170,7 @@ def _radio(autopilot: Autopilot) -> Iterator[str]:
             yield "Throttle below failsafe" if copter else "Radio failsafe on"
 
 
-def _throttle(autopilot: Autopilot) -> Iterator[str]:
+def _throttle(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check that the throttle is closed."""
     if not autopilot.radio.present or autopilot.vehicle.vehicle_type is VehicleType.SUB:
         return
@@ -177,7 +179,7 @@ def _throttle(autopilot: Autopilot) -> Iterator[str]:
         yield "Throttle too high" if copter else "Throttle (RC3) is not neutral"
 
 
-def _is_throttle_open(autopilot: Autopilot) -> bool:
+def _is_throttle_open(autopilot: SimulatedAutopilot) -> bool:
     """Return whether the throttle is too far from idle or neutral."""
     throttle = autopilot.radio.sticks.throttle
     if autopilot.vehicle.vehicle_type.on_surface:
@@ -185,7 +187,7 @@ def _is_throttle_open(autopilot: Autopilot) -> bool:
     return throttle > _THROTTLE_LOW
 
 
-def _battery(autopilot: Autopilot) -> Iterator[str]:
+def _battery(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check voltage and capacity."""
     battery, parameters = autopilot.body.battery, autopilot.vehicle.parameters
     left = _number(parameters, "BATT_CAPACITY") - battery.consumed
@@ -201,12 +203,12 @@ def _battery(autopilot: Autopilot) -> Iterator[str]:
         yield from (text for name, value, text in limits if 0 < value < _number(parameters, name))
 
 
-def _fence(autopilot: Autopilot) -> Iterator[str]:
+def _fence(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check the geofence."""
     yield from autopilot.fence.problems()
 
 
-def _mission(autopilot: Autopilot) -> Iterator[str]:
+def _mission(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check the items that ARMING_MIS_ITEMS requires."""
     required = int(_number(autopilot.vehicle.parameters, "ARMING_MIS_ITEMS"))
     if not required:
@@ -236,7 +238,7 @@ _ARM_CHECKS: Final[tuple[tuple[int | None, Check], ...]] = ((None, _mode), (_RC,
 class PreArmReporter:
     """Reports the pre-arm problems every 30 s."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self._autopilot = autopilot
         self._due = autopilot.booted_at + DISPLAY_INTERVAL
 

@@ -14,7 +14,7 @@ from mavstack.dialects import ardupilotmega
 from mavstack.sim.autopilot.avoidance import LimitedVelocity, PathStop
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 _MODE = ardupilotmega.CopterMode
 _LIMITED: Final = frozenset({int(_MODE.LOITER), int(_MODE.GUIDED)})
@@ -23,13 +23,13 @@ _PLANNED: Final = frozenset({int(_MODE.AUTO), int(_MODE.GUIDED), int(_MODE.RTL)}
 _PROXIMITY, _PLANNER_MARGIN = 2, 5.0
 
 
-def enable_avoidance(autopilot: Autopilot) -> None:
+def enable_avoidance(autopilot: SimulatedAutopilot) -> None:
     """Let a copter stop before obstacles, as its parameters say."""
     LimitedVelocity(autopilot, partial(_margin, autopilot))
     autopilot.watches.append(PathStop(autopilot, partial(_planner_margin, autopilot)))
 
 
-def _margin(autopilot: Autopilot) -> float | None:
+def _margin(autopilot: SimulatedAutopilot) -> float | None:
     """Return AVOID_MARGIN; None if avoidance is off or the mode does not use it."""
     enabled = int(_number(autopilot, "AVOID_ENABLE", 0)) & _PROXIMITY
     if not enabled or not _senses(autopilot) or autopilot.mode.number not in _LIMITED:
@@ -37,7 +37,7 @@ def _margin(autopilot: Autopilot) -> float | None:
     return max(_number(autopilot, "AVOID_MARGIN", 2.0), 0.0)
 
 
-def _planner_margin(autopilot: Autopilot) -> float | None:
+def _planner_margin(autopilot: SimulatedAutopilot) -> float | None:
     """Return OA_MARGIN_MAX; None if the path planner is off or the mode does not use it."""
     if not _number(autopilot, "OA_TYPE", 0) > 0 or not _senses(autopilot):
         return None
@@ -46,9 +46,9 @@ def _planner_margin(autopilot: Autopilot) -> float | None:
     return _number(autopilot, "OA_MARGIN_MAX", _PLANNER_MARGIN)
 
 
-def _senses(autopilot: Autopilot) -> bool:
+def _senses(autopilot: SimulatedAutopilot) -> bool:
     return _number(autopilot, "PRX1_TYPE", 0) > 0
 
 
-def _number(autopilot: Autopilot, name: str, default: float) -> float:
+def _number(autopilot: SimulatedAutopilot, name: str, default: float) -> float:
     return float(autopilot.vehicle.parameters.get(name, default))

@@ -13,7 +13,7 @@ from mavstack.sim.autopilot.behaviours.steps import fly_to
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
 #: RTL_AUTOLAND: landing sequence at home, or immediately.
@@ -30,7 +30,7 @@ _MIN_YAW_CHANGE: Final = radians(2)
 class ReturnPath:
     """The path flown since arming, without loops, for SMART_RTL; one of the periodic checks."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self._autopilot = autopilot
         self.points: list[Point] = []
         #: True if the path exceeded its maximum length.
@@ -72,7 +72,7 @@ class ReturnPath:
 class RegionOfInterestYaw:
     """Turns the nose of a copter or sub to the region of interest in guided flight."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self._autopilot = autopilot
         self._active = False
 
@@ -93,12 +93,12 @@ class RegionOfInterestYaw:
             autopilot.maneuvers.reissue()
 
 
-def return_path_of(autopilot: Autopilot) -> ReturnPath | None:
+def return_path_of(autopilot: SimulatedAutopilot) -> ReturnPath | None:
     """Return the vehicle's return path; None if its firmware has none."""
     return next((watch for watch in autopilot.watches if isinstance(watch, ReturnPath)), None)
 
 
-def land_by_mission(autopilot: Autopilot, reason: str) -> bool:
+def land_by_mission(autopilot: SimulatedAutopilot, reason: str) -> bool:
     """Fly the mission's landing sequence; return False if there is none."""
     start = autopilot.mission.landing_start()
     if start is None or not autopilot.has_position:
@@ -176,7 +176,7 @@ class PlaneReturn(Behaviour):
 class QuadplaneReturn(ReturnToLaunch):
     """QRTL: home, on the wing while it is far, and down on the lifting motors."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         near = abs(autopilot.flight_parameters.loiter_radius) * 1.5
         far = autopilot.maneuvers.distance(autopilot.home_position) > near
         super().__init__(autopilot, forward=far and autopilot.body.flies_forward)

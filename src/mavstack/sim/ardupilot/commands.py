@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from mavstack.services.command import CommandRequest
-    from mavstack.sim.autopilot.interfaces import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _CMD, _RESULT = ardupilotmega.MavCmd, common.MavResult
 _INFO = common.MavSeverity.INFO
@@ -267,7 +267,7 @@ class ArdupilotSystem(CommandGroup):
         return _RESULT.ACCEPTED
 
 
-def origin_of(vehicle: Vehicle) -> common.GpsGlobalOrigin:
+def origin_of(vehicle: SimulatedVehicle) -> common.GpsGlobalOrigin:
     """Return GPS_GLOBAL_ORIGIN: the origin of the local frame."""
     latitude, longitude, altitude = vehicle.body.frame.to_global(0.0, 0.0, 0.0)
     return common.GpsGlobalOrigin(
@@ -288,7 +288,7 @@ _MOVEMENTS: dict[VehicleType, type[ArdupilotMovement]] = {
 }
 
 
-def command_groups(vehicle: Vehicle) -> Iterator[CommandGroup]:
+def command_groups(vehicle: SimulatedVehicle) -> Iterator[CommandGroup]:
     """Yield all command groups of a vehicle's firmware."""
     yield ArdupilotArming(vehicle)
     yield ArdupilotHome(vehicle)
@@ -299,7 +299,7 @@ def command_groups(vehicle: Vehicle) -> Iterator[CommandGroup]:
     yield _MOVEMENTS[vehicle.vehicle_type](vehicle)
 
 
-def register_commands(vehicle: Vehicle) -> None:
+def register_commands(vehicle: SimulatedVehicle) -> None:
     """Register the commands of a vehicle's firmware."""
     for command in _UNSUPPORTED:
         vehicle.commands.support(command, lambda _: _RESULT.UNSUPPORTED)

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 
 class EmptyMission:
     """One of the autopilot's periodic checks."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self._autopilot = autopilot
 
     def tick(self, now: float) -> None:

@@ -13,7 +13,7 @@ from mavstack.sim.autopilot.external_gps import ExternalGps
 from mavstack.sim.motion import GpsReport
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.state import VehicleState
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 #: The value of GPS1_TYPE for a receiver that speaks MAVLink.
 GPS_TYPE_MAV: Final = 14
@@ -21,7 +21,7 @@ GPS_TYPE_MAV: Final = 14
 GPS_TIMEOUT: Final = 4.0
 
 
-def register_external_gps(vehicle: VehicleState) -> None:
+def register_external_gps(vehicle: SimulatedVehicle) -> None:
     """Select the GPS receiver of this boot by GPS1_TYPE."""
     vehicle.body.replace_gps(None)
     if int(vehicle.parameters.get("GPS1_TYPE", 1)) == GPS_TYPE_MAV:

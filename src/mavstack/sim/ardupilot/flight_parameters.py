@@ -21,7 +21,7 @@ from mavstack.sim.ardupilot.plane_flight_parameters import PlaneFlightParameters
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.interfaces import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _MILLISECOND = 0.001
 #: Bit of GUID_OPTIONS.
@@ -199,7 +199,7 @@ class SubFlightParameters(ArdupilotFlightParameters):
         return min(self.number("SURFACE_DEPTH", CM, default=-0.1), 0.0)
 
 
-def flight_parameters_of(vehicle: Vehicle) -> ArdupilotFlightParameters:
+def flight_parameters_of(vehicle: SimulatedVehicle) -> ArdupilotFlightParameters:
     """Return the flight parameters of a vehicle."""
     parameters = vehicle.parameters
     match vehicle.vehicle_type:

@@ -18,7 +18,7 @@ from mavstack.dialects import common
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 #: Seconds between two checks, and the distance in metres that the vehicle must have moved, by type.
 _RULES: Final = {
@@ -32,7 +32,7 @@ _RULES: Final = {
 class HomeUpdates:
     """Sets home again while the vehicle is disarmed."""
 
-    def __init__(self, autopilot: Autopilot, interval: float, min_distance: float) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, interval: float, min_distance: float) -> None:
         self._autopilot = autopilot
         self._interval, self._min_distance = interval, min_distance
         self._due = autopilot.now + interval
@@ -55,7 +55,7 @@ class HomeUpdates:
         return autopilot.has_position and autopilot.body.sensors.gps_fix >= common.GpsFixType["_3D_FIX"]
 
 
-def watch_home(autopilot: Autopilot, vehicle_type: VehicleType) -> None:
+def watch_home(autopilot: SimulatedAutopilot, vehicle_type: VehicleType) -> None:
     """Let home follow a disarmed vehicle, if its type does that.
 
     Args:

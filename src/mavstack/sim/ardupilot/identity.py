@@ -13,7 +13,8 @@ from mavstack.sim.vehicle_types import VehicleType
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from mavstack.sim.autopilot.interfaces import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
+
 
 VERSION: Final = FirmwareVersion(4, 6, 3)
 #: An invented commit hash, because this is not a build of ArduPilot.
@@ -64,7 +65,7 @@ def firmware_name(vehicle_type: VehicleType) -> str:
     return _FIRMWARES[vehicle_type]
 
 
-def version_of(vehicle: Vehicle) -> AutopilotVersion:
+def version_of(vehicle: SimulatedVehicle) -> AutopilotVersion:
     """Return the content of AUTOPILOT_VERSION."""
     serial = vehicle.serial
     terrain = _CAPABILITY.TERRAIN if vehicle.terrain is not None and is_enabled(vehicle) else 0
@@ -80,7 +81,7 @@ def version_of(vehicle: Vehicle) -> AutopilotVersion:
     )
 
 
-def banner_of(vehicle: Vehicle) -> Iterator[str]:
+def banner_of(vehicle: SimulatedVehicle) -> Iterator[str]:
     """Yield the lines that the firmware sends after start-up and on request."""
     yield f"{firmware_name(vehicle.vehicle_type)} V{vehicle.profile.version} ({GIT_HASH})"
     yield f"Mavstack simulation, board {vehicle.address.system:03d}"

@@ -18,7 +18,7 @@ from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from mavstack.services.mission import MissionItem
-    from mavstack.sim.autopilot.interfaces import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.wire import Packet
 
 _RESULT = common.MavMissionResult
@@ -32,7 +32,7 @@ class ArdupilotMessages(Service):
 
     handles = message_ids(common.ParamRequestList, common.SetHomePosition, common.CommandAck)
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
         super().__init__(vehicle.address)
         self._vehicle = vehicle
         self._banner_at = float("-inf")
@@ -65,7 +65,7 @@ class ArdupilotMessages(Service):
         autopilot.home_locked = True
 
 
-def guided_item(vehicle: Vehicle, item: MissionItem, *, altitude_only: bool) -> int:
+def guided_item(vehicle: SimulatedVehicle, item: MissionItem, *, altitude_only: bool) -> int:
     """Fly to a mission item in GUIDED; return a MAV_MISSION_RESULT."""
     autopilot = vehicle.autopilot
     if autopilot.mode.number != autopilot.profile.guided or not isfinite(item.param7):

@@ -13,7 +13,7 @@ from mavstack.sim.ardupilot.switches import HIGH, LOW, MIDDLE, use_auxiliary_fun
 
 if TYPE_CHECKING:
     from mavstack.sim.ardupilot.failsafes.firmware import ModeFailure
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 #: Pulses in microseconds: limits of the six flight mode positions, and of three-position switches.
 _POSITION_LIMITS: Final = (1230, 1360, 1490, 1620, 1749)
@@ -25,7 +25,7 @@ _OPTIONS: Final = tuple((channel, f"RC{channel}_OPTION") for channel in range(5,
 class ModeSwitch:
     """Reads the switches; one of the autopilot's periodic checks."""
 
-    def __init__(self, autopilot: Autopilot, mode_failure: ModeFailure) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, mode_failure: ModeFailure) -> None:
         self._autopilot = autopilot
         self._mode_failure = mode_failure
         self._parameters = autopilot.vehicle.parameters

@@ -34,19 +34,19 @@ from mavstack.sim.autopilot.behaviours import (
     Stop,
 )
 from mavstack.sim.autopilot.behaviours.mission import Mission
-from mavstack.sim.autopilot.interfaces import Mode
+from mavstack.sim.autopilot.firmware_profile import Mode
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.behaviour import Behaviour
-    from mavstack.sim.autopilot.interfaces import Autopilot
 
 _COPTER, _PLANE = ardupilotmega.CopterMode, ardupilotmega.PlaneMode
 _ROVER, _SUB = ardupilotmega.RoverMode, ardupilotmega.SubMode
 _FLAGS = common.MavModeFlag
-BehaviourFactory: TypeAlias = "Callable[[Autopilot], Behaviour]"
+BehaviourFactory: TypeAlias = "Callable[[SimulatedAutopilot], Behaviour]"
 
 _MANUAL: Final = int(_FLAGS.MANUAL_INPUT_ENABLED)
 _STABILIZED: Final = int(_FLAGS.STABILIZE_ENABLED) | _MANUAL

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 from mavstack.dialects import ardupilotmega, common
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 _INFO: Final = common.MavSeverity.INFO
 _STATUS_INTERVAL: Final = 0.5
@@ -32,7 +32,7 @@ _POWER_CYCLE_TIME: Final = 5.0
 class CompassMotorCalibration:
     """The compass-motor calibration of a copter; one of its autopilot's watches."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self._autopilot = autopilot
         #: Start of the calibration; None if it does not run.
         self.started: float | None = None
@@ -78,7 +78,7 @@ class CompassMotorCalibration:
 class EscCalibration:
     """The calibration of the ESCs at power-up; one of a copter's watches, made at boot."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self._autopilot = autopilot
         vehicle = autopilot.vehicle
         self._reboot_at: float | None = None
@@ -98,6 +98,6 @@ class EscCalibration:
             self._autopilot.tasks.on_next_tick(self._autopilot.vehicle.reboot)
 
 
-def compass_motor_of(autopilot: Autopilot) -> CompassMotorCalibration | None:
+def compass_motor_of(autopilot: SimulatedAutopilot) -> CompassMotorCalibration | None:
     """Return the compass-motor calibration of a vehicle; None if its type has none."""
     return next((watch for watch in autopilot.watches if isinstance(watch, CompassMotorCalibration)), None)

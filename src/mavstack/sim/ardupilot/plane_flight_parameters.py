@@ -16,7 +16,7 @@ from mavstack.sim.ardupilot.base_flight_parameters import (
 )
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.interfaces import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 
 class PlaneFlightParameters(ArdupilotFlightParameters):
@@ -107,7 +107,7 @@ class QuadplaneFlightParameters(PlaneFlightParameters):
 
     limits: ClassVar[Limits] = PlaneFlightParameters.limits
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
         super().__init__(vehicle.parameters)
         self._vehicle = vehicle
 

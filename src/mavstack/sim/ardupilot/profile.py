@@ -29,7 +29,7 @@ from mavstack.sim.ardupilot.simulation_parameters import SimulationParameters
 from mavstack.sim.ardupilot.terrain import register_terrain
 from mavstack.sim.ardupilot.texts import BootTexts, armed_text, disarmed_text
 from mavstack.sim.autopilot.commands.home import home_position
-from mavstack.sim.autopilot.interfaces import FirmwareProfile
+from mavstack.sim.autopilot.firmware_profile import FirmwareProfile
 from mavstack.sim.parameters import served_metadata
 from mavstack.sim.telemetry import publish_ardupilot
 from mavstack.sim.vehicle_types import VehicleType
@@ -41,7 +41,9 @@ if TYPE_CHECKING:
     from mavstack.services.mission import MissionItem
     from mavstack.services.version import FirmwareVersion
     from mavstack.sim.ardupilot.base_flight_parameters import ArdupilotFlightParameters
-    from mavstack.sim.autopilot.interfaces import Autopilot, Mode, Vehicle
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
+    from mavstack.sim.autopilot.firmware_profile import Mode
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _ALTITUDE_ONLY = 3
 #: The first version of ArduRover that reports an altitude above home here; 4.1 has one above the sea there.
@@ -66,11 +68,11 @@ class ArdupilotProfile(FirmwareProfile):
         self.mission, self.return_to_launch = int(roles.mission), int(roles.return_to_launch)
         self.land, self.takeoff_mode = int(roles.land), int(roles.take_off)
 
-    def flight_parameters(self, vehicle: Vehicle) -> ArdupilotFlightParameters:
+    def flight_parameters(self, vehicle: SimulatedVehicle) -> ArdupilotFlightParameters:
         """Return the flight parameters of a vehicle."""
         return flight_parameters_of(vehicle)
 
-    def mav_type(self, vehicle: Vehicle) -> int:
+    def mav_type(self, vehicle: SimulatedVehicle) -> int:
         """Return the MAV_TYPE in HEARTBEAT; a quadplane is FIXED_WING unless Q_MAV_TYPE is set."""
         if self.vehicle_type is not VehicleType.VTOL:
             return super().mav_type(vehicle)
@@ -78,7 +80,7 @@ class ArdupilotProfile(FirmwareProfile):
 
     # At boot
 
-    def register(self, vehicle: Vehicle) -> None:
+    def register(self, vehicle: SimulatedVehicle) -> None:
         """Register commands, periodic checks and the limits of the body at boot."""
         autopilot = vehicle.autopilot
         register_commands(vehicle)
@@ -105,7 +107,7 @@ class ArdupilotProfile(FirmwareProfile):
         if _QUADPLANE_TYPE in vehicle.parameters:
             vehicle.parameters.on_change(_QUADPLANE_TYPE, lambda _: vehicle.services.refresh_type())
 
-    def provide(self, vehicle: Vehicle) -> None:
+    def provide(self, vehicle: SimulatedVehicle) -> None:
         """Publish streams and versions, and the metadata, which a real ArduPilot does not serve."""
         publish_ardupilot(vehicle)
         provide_component_metadata(
@@ -115,36 +117,36 @@ class ArdupilotProfile(FirmwareProfile):
         )
         provide_versions(vehicle.messages, version_of(vehicle))
 
-    def booted(self, vehicle: Vehicle) -> None:
+    def booted(self, vehicle: SimulatedVehicle) -> None:
         """Send the first status text; `BootTexts` sends the others."""
         vehicle.send_statustext("Initialising ArduPilot", common.MavSeverity.INFO)
 
     # Arming
 
-    def prearm_problems(self, autopilot: Autopilot) -> Iterator[str]:
+    def prearm_problems(self, autopilot: SimulatedAutopilot) -> Iterator[str]:
         """Yield pre-arm problems, without mode and throttle."""
         return prearm_problems(autopilot)
 
-    def arming_problems(self, autopilot: Autopilot) -> Iterator[str]:
+    def arming_problems(self, autopilot: SimulatedAutopilot) -> Iterator[str]:
         """Yield problems that prevent arming, with the prefix of an arming attempt."""
         return (f"Arm: {problem}" for problem in arming_problems(autopilot))
 
-    def armed(self, autopilot: Autopilot) -> None:
+    def armed(self, autopilot: SimulatedAutopilot) -> None:
         """Report arming."""
         autopilot.vehicle.send_statustext(armed_text(self.vehicle_type), common.MavSeverity.INFO)
 
-    def disarmed(self, autopilot: Autopilot) -> None:
+    def disarmed(self, autopilot: SimulatedAutopilot) -> None:
         """Report disarming, and reset the mission."""
         autopilot.vehicle.send_statustext(disarmed_text(self.vehicle_type), common.MavSeverity.INFO)
         autopilot.mission.reset()
         autopilot.mission.restore(autopilot.mission.first)
 
-    def armed_state(self, autopilot: Autopilot) -> int:
+    def armed_state(self, autopilot: SimulatedAutopilot) -> int:
         """Return STANDBY for a copter or plane on the ground: they are active in the air only."""
         grounded = self.vehicle_type.flies and autopilot.landed
         return common.MavState.STANDBY if grounded else common.MavState.ACTIVE
 
-    def reports_armed(self, autopilot: Autopilot) -> bool:
+    def reports_armed(self, autopilot: SimulatedAutopilot) -> bool:
         """Return whether the motors may run: also in tests and calibrations, except those of a quadplane."""
         if autopilot.armed or self.vehicle_type is VehicleType.VTOL:
             return autopilot.armed
@@ -154,13 +156,13 @@ class ArdupilotProfile(FirmwareProfile):
 
     # Modes
 
-    def mode_refusal(self, autopilot: Autopilot, mode: Mode) -> str | None:
+    def mode_refusal(self, autopilot: SimulatedAutopilot, mode: Mode) -> str | None:
         """Return why a ground station may not enter a mode now; None if it may."""
         if self._is_blocked(autopilot, mode):
             return f"Mode change to {mode.name} failed: GCS entry disabled (FLTMODE_GCSBLOCK)"
         return self.mode_failure(autopilot, mode)
 
-    def mode_failure(self, autopilot: Autopilot, mode: Mode) -> str | None:
+    def mode_failure(self, autopilot: SimulatedAutopilot, mode: Mode) -> str | None:
         """Return why even the autopilot itself cannot enter a mode now; None if it can."""
         failed = f"Mode change to {mode.name} failed: "
         if mode.number == self.mission:
@@ -178,13 +180,13 @@ class ArdupilotProfile(FirmwareProfile):
             return f"{failed}init failed"
         return None
 
-    def _is_blocked(self, autopilot: Autopilot, mode: Mode) -> bool:
+    def _is_blocked(self, autopilot: SimulatedAutopilot, mode: Mode) -> bool:
         """Return whether FLTMODE_GCSBLOCK blocks a mode."""
         blocked = int(autopilot.vehicle.parameters.get("FLTMODE_GCSBLOCK", 0))
         numbers = BLOCKABLE.get(self.vehicle_type, ())
         return mode.number in numbers and bool(blocked >> numbers.index(mode.number) & 1)
 
-    def take_off(self, autopilot: Autopilot, height: float) -> None:
+    def take_off(self, autopilot: SimulatedAutopilot, height: float) -> None:
         """Arm and take off to a height in metres from any mode; other types hold their position."""
         if self.vehicle_type is VehicleType.PLANE:
             autopilot.vehicle.parameters.set("TKOFF_ALT", height)
@@ -195,23 +197,23 @@ class ArdupilotProfile(FirmwareProfile):
 
     # Ground stations
 
-    def may_steer(self, vehicle: Vehicle, source: Address) -> bool:
+    def may_steer(self, vehicle: SimulatedVehicle, source: Address) -> bool:
         """Return whether a source is the ground station of SYSID_MYGCS."""
         return source.system == int(vehicle.parameters.get("SYSID_MYGCS", 255))
 
-    def is_ground(self, vehicle: Vehicle, source: Address) -> bool:
+    def is_ground(self, vehicle: SimulatedVehicle, source: Address) -> bool:
         """Return whether a source is the ground station of SYSID_MYGCS."""
         return self.may_steer(vehicle, source)
 
     # Broadcasts and guided items
 
-    def home_changed(self, vehicle: Vehicle) -> None:
+    def home_changed(self, vehicle: SimulatedVehicle) -> None:
         """Broadcast HOME_POSITION and GPS_GLOBAL_ORIGIN."""
         message = home_position(vehicle)
         if message is not None:
             vehicle.services.send(message)
             vehicle.services.send(origin_of(vehicle))
 
-    def guided_items(self, vehicle: Vehicle) -> Callable[[MissionItem, int], int]:
+    def guided_items(self, vehicle: SimulatedVehicle) -> Callable[[MissionItem, int], int]:
         """Return the handler of guided mission items: `current` = 2, or 3 for the altitude alone."""
         return lambda item, current: guided_item(vehicle, item, altitude_only=current == _ALTITUDE_ONLY)

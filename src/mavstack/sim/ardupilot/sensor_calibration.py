@@ -16,7 +16,7 @@ from mavstack.dialects import ardupilotmega, common
 
 if TYPE_CHECKING:
     from mavstack.services import Address
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 _POSITIONS: Final = (
     "level",
@@ -44,7 +44,7 @@ _COMPASSES = 0b1
 class Calibrations:
     """Running calibrations; one of the autopilot's periodic checks."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self._autopilot = autopilot
         #: Requested accelerometer position, 1 to 6; 0 for none.
         self.position = 0
@@ -188,7 +188,7 @@ class Calibrations:
         )
 
 
-def calibrations_of(autopilot: Autopilot) -> Calibrations:
+def calibrations_of(autopilot: SimulatedAutopilot) -> Calibrations:
     """Return the calibrations of a vehicle, created on first use."""
     found = next((watch for watch in autopilot.watches if isinstance(watch, Calibrations)), None)
     if found is None:

@@ -23,7 +23,7 @@ from mavstack.sim.motion.battery import CELL_VOLTAGE
 
 if TYPE_CHECKING:
     from mavstack.services.parameters import Value
-    from mavstack.sim.autopilot.interfaces import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _NEW_PREFIX, _OLD_PREFIX = "SIM_GPS1_GLTCH_", "SIM_GPS_GLITCH_"
 
@@ -31,7 +31,7 @@ _NEW_PREFIX, _OLD_PREFIX = "SIM_GPS1_GLTCH_", "SIM_GPS_GLITCH_"
 class SimulationParameters:
     """Applies the SIM_ parameters to one vehicle."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
         self._vehicle = vehicle
         self._parameters = vehicle.parameters
         on_change, inject = self._parameters.on_change, vehicle.faults.inject

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
+
 
 LOW, MIDDLE, HIGH = range(3)
 #: Functions that enter a mode at the high position.
@@ -37,7 +38,7 @@ _MODES: Final[Mapping[int, tuple[str, ...]]] = MappingProxyType(
 _RELAYS: Final[Mapping[int, int]] = MappingProxyType({28: 0, 34: 1, 35: 2, 36: 3, 66: 4, 67: 5})
 
 
-def use_auxiliary_function(autopilot: Autopilot, function: int, position: int) -> bool:
+def use_auxiliary_function(autopilot: SimulatedAutopilot, function: int, position: int) -> bool:
     """Set the switch of a function to a position; return False if the function is unknown."""
     if function in _MODES:
         return position != HIGH or _enter(autopilot, _MODES[function])
@@ -46,7 +47,7 @@ def use_auxiliary_function(autopilot: Autopilot, function: int, position: int) -
     return _use(autopilot, function, position)
 
 
-def _use(autopilot: Autopilot, function: int, position: int) -> bool:
+def _use(autopilot: SimulatedAutopilot, function: int, position: int) -> bool:
     """Execute a function that is no mode and no relay."""
     payload, on = autopilot.payload, position == HIGH
     match function:
@@ -69,7 +70,7 @@ def _use(autopilot: Autopilot, function: int, position: int) -> bool:
     return True
 
 
-def _arm(autopilot: Autopilot, *, on: bool) -> bool:
+def _arm(autopilot: SimulatedAutopilot, *, on: bool) -> bool:
     """Arm or disarm."""
     if not on:
         autopilot.disarm("switch")
@@ -80,7 +81,7 @@ def _arm(autopilot: Autopilot, *, on: bool) -> bool:
     return not problems
 
 
-def _enter(autopilot: Autopilot, names: tuple[str, ...]) -> bool:
+def _enter(autopilot: SimulatedAutopilot, names: tuple[str, ...]) -> bool:
     """Enter the first mode with one of the names."""
     for mode in autopilot.profile.modes:
         if mode.name in names:

@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     from mavstack.services.mission import MissionItem
     from mavstack.services.parameters import Value
     from mavstack.services.terrain import Position, TerrainMap
-    from mavstack.sim.autopilot.interfaces import Autopilot, Vehicle
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _WAYPOINTS: Final = frozenset({common.MavCmd.NAV_WAYPOINT, common.MavCmd.NAV_SPLINE_WAYPOINT})
 #: Distance of the neighbours whose blocks are wanted, as a share of a block.
@@ -39,7 +40,7 @@ _SPACING: Final = "TERRAIN_SPACING"
 _DOWNLOAD_DISABLED: Final = 1
 
 
-def register_terrain(vehicle: Vehicle) -> None:
+def register_terrain(vehicle: SimulatedVehicle) -> None:
     """Answer TERRAIN_CHECK, and request terrain if the vehicle is to."""
     vehicle.engine.add(TerrainCheckServer(vehicle.address, partial(_checked_report, vehicle.autopilot)))
     terrain = vehicle.terrain
@@ -50,7 +51,7 @@ def register_terrain(vehicle: Vehicle) -> None:
         vehicle.engine.add(TerrainClient(vehicle.address, terrain, wanted.positions, vehicle.now))
 
 
-def terrain_problems(autopilot: Autopilot) -> Iterator[str]:
+def terrain_problems(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Yield why the terrain of a mission that counts from it prevents arming."""
     vehicle = autopilot.vehicle
     items = vehicle.plans.get(PlanType.MISSION).items
@@ -62,7 +63,7 @@ def terrain_problems(autopilot: Autopilot) -> Iterator[str]:
         yield "waiting for terrain data"
 
 
-def is_enabled(vehicle: Vehicle) -> bool:
+def is_enabled(vehicle: SimulatedVehicle) -> bool:
     """Return whether the vehicle uses terrain (TERRAIN_ENABLE)."""
     return bool(vehicle.parameters.get("TERRAIN_ENABLE", 0))
 
@@ -70,7 +71,7 @@ def is_enabled(vehicle: Vehicle) -> bool:
 class WantedTerrain:
     """The positions whose terrain a vehicle wants."""
 
-    def __init__(self, autopilot: Autopilot, terrain: TerrainMap) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, terrain: TerrainMap) -> None:
         self._autopilot, self._terrain = autopilot, terrain
         #: The mission and the rally points that `_planned` was computed for, and the spacing.
         self._plans: tuple[object, object, int] = (None, None, 0)
@@ -127,7 +128,7 @@ def _places(items: tuple[MissionItem, ...]) -> Iterator[Position]:
             yield item.param5, (item.param6 + 180.0) % 360.0 - 180.0
 
 
-def _checked_report(autopilot: Autopilot, latitude: float, longitude: float) -> common.TerrainReport:
+def _checked_report(autopilot: SimulatedAutopilot, latitude: float, longitude: float) -> common.TerrainReport:
     """Return the report of a position, whose terrain the vehicle wants from now on."""
     terrain = autopilot.vehicle.terrain
     if terrain is not None:

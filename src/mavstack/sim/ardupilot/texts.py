@@ -10,7 +10,8 @@ from mavstack.sim.vehicle_types import VehicleType
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
+
 
 _INFO = common.MavSeverity.INFO
 _IMUS = 2
@@ -30,7 +31,7 @@ def disarmed_text(vehicle_type: VehicleType) -> str:
 class BootTexts:
     """Reports the sensors after boot; one of the autopilot's periodic checks."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self._autopilot = autopilot
         self._script = self._boot_script()
 

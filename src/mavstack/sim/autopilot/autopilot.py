@@ -27,9 +27,10 @@ if TYPE_CHECKING:
 
     from mavstack.services import Address
     from mavstack.services.modes import AvailableMode
-    from mavstack.sim.autopilot.control import RunningBehaviour
-    from mavstack.sim.autopilot.interfaces import FirmwareProfile, Mode, Vehicle
-    from mavstack.sim.autopilot.state import Watch
+    from mavstack.sim.autopilot.behaviour import Behaviour
+    from mavstack.sim.autopilot.firmware_profile import FirmwareProfile, Mode
+    from mavstack.sim.autopilot.ticks import Watch
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 #: Time from power-on until the sensors are settled and the position is known, in seconds.
 BOOT_TIME = 2.0
@@ -46,7 +47,7 @@ _LANDED = common.MavLandedState
 class SimulatedAutopilot:
     """An autopilot: its state, its mode, and the parts that fly one vehicle."""
 
-    def __init__(self, vehicle: Vehicle, profile: FirmwareProfile) -> None:
+    def __init__(self, vehicle: SimulatedVehicle, profile: FirmwareProfile) -> None:
         self.vehicle = vehicle
         self.body = vehicle.body
         self.profile = profile
@@ -77,7 +78,7 @@ class SimulatedAutopilot:
         self._modes: dict[int, Mode] = {mode.number: mode for mode in profile.modes}
         self.mode: Mode = self._modes[profile.initial]
         self.mode_reason = "initialised"
-        self._behaviour: RunningBehaviour | None = None
+        self._behaviour: Behaviour | None = None
         self._script: Iterator[None] | None = None
         self._at_rest_since: float | None = vehicle.now
         self.landed = True
@@ -87,7 +88,7 @@ class SimulatedAutopilot:
     # State
 
     @property
-    def behaviour(self) -> RunningBehaviour | None:
+    def behaviour(self) -> Behaviour | None:
         """The behaviour of the current mode; None while disarmed."""
         return self._behaviour
 

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.maneuvers import Point
-    from mavstack.sim.autopilot.state import AutopilotState
 
 #: Share of the maximum acceleration that braking before an obstacle uses.
 _BRAKING: Final = 0.35
@@ -30,7 +30,7 @@ _BEYOND: Final = 0.5
 class LimitedVelocity:
     """The limit of demanded velocities; `margin` returns the metres to keep, or None while it is off."""
 
-    def __init__(self, autopilot: AutopilotState, margin: Callable[[], float | None]) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, margin: Callable[[], float | None]) -> None:
         self._autopilot, self._margin = autopilot, margin
         autopilot.body.velocity_filter = self.limit
 
@@ -47,7 +47,7 @@ class LimitedVelocity:
 class PathStop:
     """Stops a flight to a point before an obstacle; runs on each tick."""
 
-    def __init__(self, autopilot: AutopilotState, margin: Callable[[], float | None]) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, margin: Callable[[], float | None]) -> None:
         self._autopilot, self._margin = autopilot, margin
 
     def tick(self, now: float) -> None:
@@ -65,18 +65,18 @@ class PathStop:
             maneuvers.hold(maneuvers.ahead(clearance, course))
 
 
-def _clearance(autopilot: AutopilotState, course: float, margin: float) -> float:
+def _clearance(autopilot: SimulatedAutopilot, course: float, margin: float) -> float:
     truth = autopilot.body.truth
     return autopilot.body.surroundings.clearance_along((truth.north, truth.east, truth.down), course, margin)
 
 
-def _approach_speed(autopilot: AutopilotState, clearance: float) -> float:
+def _approach_speed(autopilot: SimulatedAutopilot, clearance: float) -> float:
     """Return the speed from which the vehicle can stop within a distance."""
     if clearance == inf:
         return inf
     return min(sqrt(_braking(autopilot) * clearance), _GAIN * clearance)
 
 
-def _braking(autopilot: AutopilotState) -> float:
+def _braking(autopilot: SimulatedAutopilot) -> float:
     """Return twice the deceleration in m/s2 with which the vehicle stops."""
     return 2 * _BRAKING * max(autopilot.body.limits.acceleration, 0.1)

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 
 class Behaviour(ABC):
@@ -32,7 +32,7 @@ class Behaviour(ABC):
     #: True if SET_POSITION_TARGET_* and SET_ATTITUDE_TARGET are followed.
     takes_setpoints = False
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self.autopilot = autopilot
 
     @abstractmethod

@@ -15,8 +15,8 @@ from mavstack.sim.autopilot.terrain import ABOVE_GROUND, ground_down
 
 if TYPE_CHECKING:
     from mavstack.services.command import Command
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.maneuvers import Point
-    from mavstack.sim.autopilot.state import AutopilotState
 
 _F = common.MavFrame
 #: Frames by the reference of their altitude.
@@ -31,7 +31,7 @@ _FAR, _HIGH = 2.0e6, 1.0e5
 
 
 def place_of(
-    autopilot: AutopilotState,
+    autopilot: SimulatedAutopilot,
     command: Command,
     *,
     usual: int = _F.GLOBAL_RELATIVE_ALT,
@@ -54,7 +54,7 @@ def place_of(
 
 
 def down_of(
-    autopilot: AutopilotState, altitude: float, frame: int, place: tuple[float, float] | None = None
+    autopilot: SimulatedAutopilot, altitude: float, frame: int, place: tuple[float, float] | None = None
 ) -> float:
     """Return an altitude of a frame as the third local coordinate.
 
@@ -79,12 +79,12 @@ def has_place(command: Command) -> bool:
     return given and bool(command.param5 or command.param6)
 
 
-def _origin(autopilot: AutopilotState) -> tuple[float, float]:
+def _origin(autopilot: SimulatedAutopilot) -> tuple[float, float]:
     latitude, longitude, _ = autopilot.body.frame.to_global(0.0, 0.0, 0.0)
     return latitude, longitude
 
 
-def _horizontal(autopilot: AutopilotState, command: Command) -> tuple[float, float]:
+def _horizontal(autopilot: SimulatedAutopilot, command: Command) -> tuple[float, float]:
     if not has_place(command):
         return autopilot.maneuvers.place[:2]
     if abs(command.param5) > _LATITUDE or abs(command.param6) > _LONGITUDE:

@@ -15,9 +15,9 @@ from mavstack.sim.vehicle_types import VehicleType
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.maneuvers import Point
     from mavstack.sim.autopilot.payload import Payload
-    from mavstack.sim.autopilot.state import AutopilotState
 
 #: Step of the yaw towards a region of interest, in radians.
 _TURN = pi / 90
@@ -38,7 +38,7 @@ class _Choices:
 class Course:
     """The current line of the mission."""
 
-    def __init__(self, autopilot: AutopilotState, payload: Payload) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, payload: Payload) -> None:
         self._autopilot = autopilot
         self._payload = payload
         self._point: Point | None = None

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from mavstack.dialects import Message
-    from mavstack.sim.autopilot.state import VehicleState
+    from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.wire import Packet
 
 _IGNORE = common.GpsInputIgnoreFlags
@@ -42,7 +42,7 @@ class ExternalGps(Service):
 
     def __init__(
         self,
-        vehicle: VehicleState,
+        vehicle: SimulatedVehicle,
         kinds: tuple[type[Message], ...],
         *,
         timeout: float,

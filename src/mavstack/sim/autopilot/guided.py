@@ -19,8 +19,8 @@ from mavstack.sim.autopilot.behaviours.takeoff import Takeoff
 
 if TYPE_CHECKING:
     from mavstack.services.setpoints import Setpoint
-    from mavstack.sim.autopilot.control import RunningBehaviour
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
+    from mavstack.sim.autopilot.behaviour import Behaviour
     from mavstack.sim.autopilot.maneuvers import Point
 
 _F = common.MavFrame
@@ -35,9 +35,9 @@ _FAR, _HIGH, _FAST = 2.0e6, 1.0e5, 100.0
 class GuidedFlight:
     """The active guided command of one vehicle."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self._autopilot = autopilot
-        self.command: RunningBehaviour | None = None
+        self.command: Behaviour | None = None
         self._stream_command: GuidedCommand | None = None
         self._received_at = -inf
         autopilot.vehicle.on_event(SetpointReceived, self._received)

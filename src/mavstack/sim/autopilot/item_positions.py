@@ -16,8 +16,8 @@ from mavstack.sim.autopilot.command_positions import down_of
 
 if TYPE_CHECKING:
     from mavstack.services.mission import MissionItem
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.maneuvers import Point
-    from mavstack.sim.autopilot.state import AutopilotState
 
 _F = common.MavFrame
 LATITUDE, LONGITUDE = 90.0, 180.0
@@ -31,7 +31,7 @@ def has_place(item: MissionItem) -> bool:
     return isfinite(item.param5) and isfinite(item.param6) and bool(item.param5 or item.param6)
 
 
-def place_of(autopilot: AutopilotState, item: MissionItem, *, zero_is_here: bool = False) -> Point:
+def place_of(autopilot: SimulatedAutopilot, item: MissionItem, *, zero_is_here: bool = False) -> Point:
     """Return the position of an item; `zero_is_here`: an altitude of 0 above home means the current one."""
     item = as_global(item)
     here = autopilot.maneuvers.place

@@ -8,15 +8,14 @@ Points are local metres: north, east, down.
 from __future__ import annotations
 
 from math import atan2, copysign, cos, hypot, isfinite, sin
-from typing import TYPE_CHECKING, Protocol, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mavstack.sim.autopilot.flight_parameters import FlightParameters
-    from mavstack.sim.motion import Body
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 Point: TypeAlias = tuple[float, float, float]
 
@@ -29,32 +28,13 @@ _AHEAD = 2000.0
 _BRAKING = 0.6
 
 
-class ManeuverVehicle(Protocol):
-    """The vehicle that maneuvers move."""
-
-    vehicle_type: VehicleType
-
-
-class ManeuverHost(Protocol):
-    """The autopilot whose vehicle the maneuvers move."""
-
-    body: Body
-    flight_parameters: FlightParameters
-    #: The point that the vehicle flies to or circles, in local metres; for telemetry.
-    target: Point | None
-
-    @property
-    def vehicle(self) -> ManeuverVehicle:
-        """The vehicle of the autopilot."""
-
-
 class Maneuvers:
     """Maneuvers of a vehicle that stops at its target: copter, sub, VTOL in hover."""
 
     #: True if the vehicle circles to hold a position.
     circles = False
 
-    def __init__(self, autopilot: ManeuverHost) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self.autopilot = autopilot
         self.body = autopilot.body
         #: The speed chosen by a command or mission item, in m/s; None: the flight parameters.
@@ -198,7 +178,7 @@ class WingManeuvers(Maneuvers):
 
     circles = True
 
-    def __init__(self, autopilot: ManeuverHost) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         super().__init__(autopilot)
         self._start: Point | None = None
 
@@ -293,6 +273,6 @@ _MANEUVERS: dict[VehicleType, type[Maneuvers]] = {
 }
 
 
-def maneuvers_of(autopilot: ManeuverHost) -> Maneuvers:
+def maneuvers_of(autopilot: SimulatedAutopilot) -> Maneuvers:
     """Return the maneuvers of the autopilot's vehicle type."""
     return _MANEUVERS.get(autopilot.vehicle.vehicle_type, Maneuvers)(autopilot)

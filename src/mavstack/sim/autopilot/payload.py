@@ -15,8 +15,8 @@ from mavstack.dialects import common
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.maneuvers import Point
-    from mavstack.sim.autopilot.state import AutopilotState
 
 SERVOS = 16
 RELAYS = 6
@@ -58,7 +58,7 @@ class _Trigger:
 class Payload:
     """The payload of one vehicle; one of its autopilot's watches."""
 
-    def __init__(self, autopilot: AutopilotState) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self._autopilot = autopilot
         #: Commanded PWM by servo number from 1.
         self.servos: dict[int, int] = {}

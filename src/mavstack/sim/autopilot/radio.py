@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from mavstack.services import Address
     from mavstack.services.manual_control import ManualInput
-    from mavstack.sim.autopilot.state import VehicleState
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 CHANNELS = 18
 #: Pulse widths in microseconds.
@@ -44,7 +44,7 @@ class RadioControl:
     """The pilot's input to one vehicle."""
 
     def __init__(
-        self, vehicle: VehicleState, *, transmitter: bool, may_steer: Callable[[Address], bool]
+        self, vehicle: SimulatedVehicle, *, transmitter: bool, may_steer: Callable[[Address], bool]
     ) -> None:
         self._vehicle = vehicle
         self._may_steer = may_steer

@@ -18,8 +18,8 @@ from mavstack.sim.vehicle_types import Firmware
 
 if TYPE_CHECKING:
     from mavstack.services.mission import MissionItem
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.maneuvers import Point
-    from mavstack.sim.autopilot.state import AutopilotState
 
 _RESULT = common.MavMissionResult
 _KILOMETRE = 1000.0
@@ -30,7 +30,7 @@ _TERRAIN = frozenset({common.MavFrame.GLOBAL_TERRAIN_ALT, common.MavFrame.GLOBAL
 class RallyPoints:
     """The rally points of one vehicle."""
 
-    def __init__(self, autopilot: AutopilotState) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self._autopilot = autopilot
         autopilot.vehicle.on_event(PlanReplaced, self._plan_replaced)
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Generator
 
     from mavstack.services.command import CommandRequest
-    from mavstack.sim.autopilot.state import VehicleState
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 #: Minimum interval between two progress reports, in seconds.
 PROGRESS_INTERVAL = 0.5
@@ -27,7 +27,7 @@ Script: TypeAlias = "Generator[int | None, None, common.MavResult]"
 class Tasks:
     """The long commands of one vehicle; one of its autopilot's watches."""
 
-    def __init__(self, vehicle: VehicleState) -> None:
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
         self._vehicle = vehicle
         self._scripts: dict[CommandRequest, Script] = {}
         self._reported_at: dict[CommandRequest, float] = {}

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from mavstack.services.mission import MissionItem
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.maneuvers import Point
-    from mavstack.sim.autopilot.state import AutopilotState
 
 _F = common.MavFrame
 #: Frames whose altitudes count from the terrain.
@@ -28,7 +28,7 @@ _MAX_TILES: Final = 65_535
 _MIN_LINE: Final = 1.0
 
 
-def ground_down(autopilot: AutopilotState, north: float, east: float) -> float:
+def ground_down(autopilot: SimulatedAutopilot, north: float, east: float) -> float:
     """Return the third local coordinate of the terrain at a place; where it is not known, that of home."""
     if autopilot.vehicle.terrain is None:
         return 0.0
@@ -37,7 +37,7 @@ def ground_down(autopilot: AutopilotState, north: float, east: float) -> float:
 
 
 def following(
-    autopilot: AutopilotState, item: MissionItem | None, start: Point, end: Point
+    autopilot: SimulatedAutopilot, item: MissionItem | None, start: Point, end: Point
 ) -> Callable[[], float] | None:
     """Return the function of the height on the way to a mission item above the terrain.
 
@@ -65,7 +65,7 @@ def following(
     return down
 
 
-def knows_terrain(autopilot: AutopilotState) -> bool:
+def knows_terrain(autopilot: SimulatedAutopilot) -> bool:
     """Return whether the vehicle knows the terrain below it and at home."""
     if autopilot.vehicle.terrain is None:
         return True
@@ -74,7 +74,7 @@ def knows_terrain(autopilot: AutopilotState) -> bool:
     return _rise(autopilot, latitude, longitude) is not None
 
 
-def terrain_report(autopilot: AutopilotState, latitude: float, longitude: float) -> common.TerrainReport:
+def terrain_report(autopilot: SimulatedAutopilot, latitude: float, longitude: float) -> common.TerrainReport:
     """Return TERRAIN_REPORT of a position in degrees."""
     terrain, frame, here = autopilot.vehicle.terrain, autopilot.body.frame, autopilot.body.estimate
     place = round(latitude * 1e7), round(longitude * 1e7)
@@ -96,7 +96,7 @@ def terrain_report(autopilot: AutopilotState, latitude: float, longitude: float)
     )
 
 
-def _rise(autopilot: AutopilotState, latitude: float, longitude: float) -> float | None:
+def _rise(autopilot: SimulatedAutopilot, latitude: float, longitude: float) -> float | None:
     """Return the height of the terrain at a position above that at home, in metres; None if not known."""
     terrain = autopilot.vehicle.terrain
     if terrain is None:

@@ -29,7 +29,8 @@ from mavstack.sim.vehicle_types import Home, VehicleType
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mavstack.sim.motion.interfaces import BodyWorld
+    from mavstack.sim.motion.world import World
+
 
 _ROWS = {name: slice(first, first + count) for name, (first, count) in StateArray.ROWS.items()}
 _LIMITS = slice(_ROWS["speed"].start, _ROWS["speed"].start + len(Limits._fields))
@@ -41,7 +42,7 @@ _SPEED_LIMITS = ("speed", "climb", "sink", "airspeed_cruise")
 class Body(BodyReader):
     """One simulated body of a world."""
 
-    def __init__(self, world: BodyWorld, vehicle_type: VehicleType, home: Home, number: int) -> None:
+    def __init__(self, world: World, vehicle_type: VehicleType, home: Home, number: int) -> None:
         super().__init__(world, vehicle_type, home, number)
         self._heading: float | None = None
         self._has_requested_speed = (False, False, False, False)

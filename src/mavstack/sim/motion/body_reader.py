@@ -25,7 +25,7 @@ from mavstack.sim.motion.state import PUBLISHED, StateArray
 from mavstack.sim.vehicle_types import Home, VehicleType
 
 if TYPE_CHECKING:
-    from mavstack.sim.motion.interfaces import BodyWorld
+    from mavstack.sim.motion.world import World
 
 _FIRST = {name: first for name, (first, _) in StateArray.ROWS.items()}
 _ESTIMATE = _FIRST["position_estimate"]
@@ -40,7 +40,7 @@ _LIMITS = slice(_FIRST["speed"], _FIRST["speed"] + len(Limits._fields))
 class BodyReader:
     """Read access to one body of a world."""
 
-    def __init__(self, world: BodyWorld, vehicle_type: VehicleType, home: Home, number: int) -> None:
+    def __init__(self, world: World, vehicle_type: VehicleType, home: Home, number: int) -> None:
         self.vehicle_type = vehicle_type
         self.home = home
         self.number = number

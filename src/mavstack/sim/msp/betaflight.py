@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
     from mavstack.sim.msp.boxes import BoxTable
     from mavstack.sim.msp.cli_settings import SettingTable
+    from mavstack.sim.msp.controller import SimulatedFlightController
     from mavstack.sim.msp.port import MspPort
     from mavstack.sim.msp.settings import SettingFacts
-    from mavstack.sim.msp.system import Host
 
 #: Seconds after a boot in which it does not arm.
 BOOT_GRACE_TIME: Final = 5.0
@@ -45,7 +45,7 @@ class Betaflight(System):
     reasons: ClassVar[Mapping[str, int]] = BETAFLIGHT_REASONS
     boxes: ClassVar[BoxTable] = BETAFLIGHT_BOXES
 
-    def __init__(self, host: Host, eeprom: bytes) -> None:
+    def __init__(self, host: SimulatedFlightController, eeprom: bytes) -> None:
         self._script = Script()
         self._had_signal = False
         self._must_switch_off = False

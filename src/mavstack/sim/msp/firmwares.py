@@ -9,10 +9,11 @@ from mavstack.sim.msp.inav import Inav
 from mavstack.sim.vehicle_types import ControllerFirmware
 
 if TYPE_CHECKING:
-    from mavstack.sim.msp.system import Host, System
+    from mavstack.sim.msp.controller import SimulatedFlightController
+    from mavstack.sim.msp.system import System
 
 
-def start_firmware(firmware: ControllerFirmware, host: Host, eeprom: bytes) -> System:
+def start_firmware(firmware: ControllerFirmware, host: SimulatedFlightController, eeprom: bytes) -> System:
     """Return a firmware that has just booted."""
     kind = Inav if firmware is ControllerFirmware.INAV else Betaflight
     return kind(host, eeprom)

@@ -11,7 +11,8 @@ from mavstack.sim.msp import scripts
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.msp.interfaces import Controller
+    from mavstack.sim.msp.system import System
+
 
 #: Metres from home within which the vehicle lands where it is.
 LANDING_RADIUS: Final = 5.0
@@ -19,7 +20,7 @@ _LANDING_ALTITUDE: Final = 5.0
 _ASCEND, _DESCEND = 7.5, 1.5
 
 
-def rescue(controller: Controller) -> Iterator[None]:
+def rescue(controller: System) -> Iterator[None]:
     """Return home and land."""
     body, settings = controller.body, controller.settings.get(GpsRescue)
     home = controller.home or body.estimate[:2]

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
     from mavstack.sim.msp.boxes import BoxTable
     from mavstack.sim.msp.cli_settings import SettingTable
+    from mavstack.sim.msp.controller import SimulatedFlightController
     from mavstack.sim.msp.port import MspPort
     from mavstack.sim.msp.settings import SettingFacts
-    from mavstack.sim.msp.system import Host
 
 #: Degrees of roll and pitch up to which it arms.
 SMALL_ANGLE: Final = 25.0
@@ -38,7 +38,7 @@ class Inav(System):
     reasons: ClassVar[Mapping[str, int]] = INAV_REASONS
     boxes: ClassVar[BoxTable] = INAV_BOXES
 
-    def __init__(self, host: Host, eeprom: bytes) -> None:
+    def __init__(self, host: SimulatedFlightController, eeprom: bytes) -> None:
         self._navigates = ""
         super().__init__(host, eeprom)
         self._manual = ManualFlight(self.body, self._rates)

@@ -26,8 +26,8 @@ from mavstack.sim.msp.waypoints import ABOVE_SEA, WITHOUT_POSITION, Mission
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from mavstack.sim.msp.interfaces import Controller
     from mavstack.sim.msp.receiver import Sticks
+    from mavstack.sim.msp.system import System
 
 
 #: Numbers of waypoints: the target of the vehicle, and its position; writing the latter sets the target.
@@ -53,7 +53,7 @@ _UNLIMITED: Final = -1
 class InavNavigation:
     """The navigation of one controller."""
 
-    def __init__(self, controller: Controller, mission: Mission) -> None:
+    def __init__(self, controller: System, mission: Mission) -> None:
         self._controller, self._body, self.mission = controller, controller.body, mission
         self.script = scripts.Script()
         self.mode, self.state, self.error = NavMode.NONE, NavState.NONE, NavError.NONE

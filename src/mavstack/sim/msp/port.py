@@ -14,7 +14,7 @@ from mavstack.msp.parser import FrameParser
 from mavstack.sim.msp.command_line import CommandLine
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from mavstack.sim.msp.controller import SimulatedFlightController
 
 #: Seconds from `#` to the command line interface.
 CLI_GUARD: Final = 0.1
@@ -30,20 +30,6 @@ class Device(Protocol):
         """Return what the device has sent up to a time."""
 
 
-class PortHost(Protocol):
-    """The controller, as its ports see it."""
-
-    @property
-    def cli_commands(self) -> Mapping[str, Callable[[str], str]]:
-        """The commands of the command line interface."""
-
-    def answer(self, frame: Frame, port: MspPort) -> bytes | None:
-        """Return the payload of the reply to a request; None refuses it."""
-
-    def cli_entered(self) -> None:
-        """Note that a peer has entered the command line interface."""
-
-
 class MspPort:
     """The connection of a flight controller to one peer.
 
@@ -53,7 +39,7 @@ class MspPort:
         honours_no_reply: The firmware honours the flag `NO_REPLY`.
     """
 
-    def __init__(self, name: str, host: PortHost, *, honours_no_reply: bool) -> None:
+    def __init__(self, name: str, host: SimulatedFlightController, *, honours_no_reply: bool) -> None:
         self.name = name
         self._host, self._honours_no_reply = host, honours_no_reply
         self._output = bytearray()

@@ -11,7 +11,7 @@ from __future__ import annotations
 import struct
 from abc import ABC, abstractmethod
 from math import degrees, hypot
-from typing import TYPE_CHECKING, ClassVar, Final, Protocol
+from typing import TYPE_CHECKING, ClassVar, Final
 
 from mavstack.errors import InvalidArgumentError, MspDecodeError
 from mavstack.msp.messages.rc import RxMap
@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 
     from mavstack.msp.firmware_info import FirmwareInfo
     from mavstack.msp.messages.base import MspMessage
-    from mavstack.sim.motion import Body
     from mavstack.sim.msp.boxes import BoxTable
     from mavstack.sim.msp.cli_settings import SettingTable
+    from mavstack.sim.msp.controller import SimulatedFlightController
     from mavstack.sim.msp.port import MspPort
     from mavstack.sim.msp.waypoints import Mission
 
@@ -41,23 +41,6 @@ _MOTORS: Final = 4
 
 class RefusedError(Exception):
     """A request is answered by an error frame."""
-
-
-class Host(Protocol):
-    """The controller in which the firmware runs."""
-
-    body: Body
-    now: float
-    booted_at: float
-
-    def announce(self, kind: str, text: str) -> None:
-        """Tell the listeners of an event."""
-
-    def request_reboot(self) -> None:
-        """Restart at the next step."""
-
-    def write_eeprom(self, content: bytes) -> None:
-        """Keep the settings over a reboot."""
 
 
 class System(ABC):
@@ -75,7 +58,7 @@ class System(ABC):
     #: The boxes of the firmware.
     boxes: ClassVar[BoxTable]
 
-    def __init__(self, host: Host, eeprom: bytes) -> None:
+    def __init__(self, host: SimulatedFlightController, eeprom: bytes) -> None:
         self.host, self.body = host, host.body
         self.now = self.booted_at = host.now
         self.receiver = Receiver()

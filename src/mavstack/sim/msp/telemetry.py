@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from mavstack.msp.messages.base import MspMessage
-    from mavstack.sim.msp.interfaces import Controller
+    from mavstack.sim.msp.system import System
 
 #: Counts of 1 g and of 1 gauss.
 _COUNTS_PER_G: Final = {"BTFL": 2048.0, "INAV": 512.0}
@@ -43,13 +43,13 @@ _MOTORS, _OUTPUTS = 4, 8
 _SEA_LEVEL_TEMPERATURE: Final = 25
 
 
-def attitude(controller: Controller) -> Attitude:
+def attitude(controller: System) -> Attitude:
     """Return MSP_ATTITUDE."""
     estimate = controller.body.estimate
     return Attitude(degrees(estimate.roll), -degrees(estimate.pitch), round(degrees(estimate.yaw)) % 360)
 
 
-def quaternion(controller: Controller) -> AttitudeQuaternion:
+def quaternion(controller: System) -> AttitudeQuaternion:
     """Return MSP_ATTITUDE_QUATERNION, in axes forward, left and up."""
     roll, pitch, yaw = (angle / 2 for angle in controller.body.estimate[9:12])
     w = cos(roll) * cos(pitch) * cos(yaw) + sin(roll) * sin(pitch) * sin(yaw)
@@ -59,13 +59,13 @@ def quaternion(controller: Controller) -> AttitudeQuaternion:
     return AttitudeQuaternion(w, x, -y, -z)
 
 
-def altitude(controller: Controller) -> Altitude:
+def altitude(controller: System) -> Altitude:
     """Return MSP_ALTITUDE."""
     climb = -controller.body.estimate.velocity_down
     return Altitude(controller.altitude, climb, controller.altitude if controller.is_inav else None)
 
 
-def raw_imu(controller: Controller) -> RawImu:
+def raw_imu(controller: System) -> RawImu:
     """Return MSP_RAW_IMU."""
     sensors = controller.body.sensors
     scale = _COUNTS_PER_G["INAV" if controller.is_inav else "BTFL"] / _GRAVITY
@@ -87,7 +87,7 @@ def _counts(*values: float) -> tuple[int, ...]:
     return tuple(round(min(max(value, -32768), 32767)) for value in values)
 
 
-def raw_gps(controller: Controller) -> RawGps:
+def raw_gps(controller: System) -> RawGps:
     """Return MSP_RAW_GPS."""
     sensors = controller.body.sensors
     north, east = sensors.gps_velocity_north, sensors.gps_velocity_east
@@ -104,7 +104,7 @@ def raw_gps(controller: Controller) -> RawGps:
     )
 
 
-def comp_gps(controller: Controller) -> CompGps:
+def comp_gps(controller: System) -> CompGps:
     """Return MSP_COMP_GPS."""
     if controller.home is None or not controller.has_fix:
         return CompGps(0, 0, 0)
@@ -117,7 +117,7 @@ def comp_gps(controller: Controller) -> CompGps:
     )
 
 
-def alert(controller: Controller) -> BatteryAlert:
+def alert(controller: System) -> BatteryAlert:
     """Return the state of the battery."""
     battery = controller.body.battery
     cell = battery.voltage / battery.cells
@@ -126,7 +126,7 @@ def alert(controller: Controller) -> BatteryAlert:
     return BatteryAlert.WARNING if cell < WARNING_VOLTAGE else BatteryAlert.OK
 
 
-def analog(controller: Controller) -> Analog:
+def analog(controller: System) -> Analog:
     """Return MSP_ANALOG."""
     battery = controller.body.battery
     return Analog(
@@ -138,12 +138,12 @@ def analog(controller: Controller) -> Analog:
     )
 
 
-def rssi(controller: Controller) -> int:
+def rssi(controller: System) -> int:
     """Return the strength of the RC signal, 0 to 1023."""
     return _MAX_RSSI if controller.receiver.has_signal(controller.now) else 0
 
 
-def inav_analog(controller: Controller) -> InavAnalog:
+def inav_analog(controller: System) -> InavAnalog:
     """Return MSP2_INAV_ANALOG."""
     battery = controller.body.battery
     left = max(battery.capacity - battery.consumed, 0.0)
@@ -160,7 +160,7 @@ def inav_analog(controller: Controller) -> InavAnalog:
     )
 
 
-def battery_state(controller: Controller) -> BatteryState:
+def battery_state(controller: System) -> BatteryState:
     """Return MSP_BATTERY_STATE."""
     battery = controller.body.battery
     return BatteryState(
@@ -174,30 +174,30 @@ def battery_state(controller: Controller) -> BatteryState:
     )
 
 
-def voltage_meters(controller: Controller) -> VoltageMeters:
+def voltage_meters(controller: System) -> VoltageMeters:
     """Return MSP_VOLTAGE_METERS: the battery's meter (10)."""
     return VoltageMeters((VoltageMeter(10, min(controller.body.battery.voltage, 25.5)),))
 
 
-def current_meters(controller: Controller) -> CurrentMeters:
+def current_meters(controller: System) -> CurrentMeters:
     """Return MSP_CURRENT_METERS: the battery's meter (10)."""
     battery = controller.body.battery
     return CurrentMeters((CurrentMeter(10, round(battery.consumed), min(battery.current, 65.0)),))
 
 
-def pulses(controller: Controller) -> tuple[int, ...]:
+def pulses(controller: System) -> tuple[int, ...]:
     """Return the pulse widths of four motors in microseconds: of a motor test, or of the flight."""
     if not controller.arming.armed:
         return tuple(controller.motor_test)
     return controller.body.servos[:_MOTORS]
 
 
-def motor(controller: Controller) -> Motor:
+def motor(controller: System) -> Motor:
     """Return MSP_MOTOR."""
     return Motor((*pulses(controller), *[0] * (_OUTPUTS - _MOTORS)))
 
 
-def motor_telemetry(controller: Controller) -> MotorTelemetry:
+def motor_telemetry(controller: System) -> MotorTelemetry:
     """Return MSP_MOTOR_TELEMETRY."""
     battery = controller.body.battery
     shares = [max(pulse - 1000, 0) / 1000 for pulse in pulses(controller)]
@@ -217,14 +217,14 @@ def motor_telemetry(controller: Controller) -> MotorTelemetry:
     )
 
 
-def rc(controller: Controller) -> Rc:
+def rc(controller: System) -> Rc:
     """Return MSP_RC."""
     receiver = controller.receiver
     return Rc(tuple(receiver.channels[: receiver.count]))
 
 
 #: Producers of both firmwares; those of one alone are in its module.
-COMMON: Final[Sequence[tuple[type[MspMessage], Callable[[Controller], MspMessage]]]] = (
+COMMON: Final[Sequence[tuple[type[MspMessage], Callable[[System], MspMessage]]]] = (
     (Attitude, attitude),
     (Altitude, altitude),
     (RawImu, raw_imu),

@@ -37,8 +37,8 @@ from mavstack.sim.payloads.definition import TEXT, VERSION, simulated_definition
 
 if TYPE_CHECKING:
     from mavstack.services.camera import SettingValue
-    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.payloads.gimbal import SimulatedGimbal
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 CAMERA_COMPONENT = int(common.MavComponent.CAMERA)
 #: MiB of the storage, of an image (JPEG, raw), and of a second of video (3840 x 2160, 1920 x 1080).
@@ -63,7 +63,7 @@ _CAPABILITIES = int(
 class _Device(CameraDevice):
     """The hardware of the camera: its storage, its lens, its place."""
 
-    def __init__(self, vehicle: Vehicle, gimbal: SimulatedGimbal | None) -> None:
+    def __init__(self, vehicle: SimulatedVehicle, gimbal: SimulatedGimbal | None) -> None:
         super().__init__(
             CameraInformation(
                 "Mavstack",
@@ -187,7 +187,7 @@ class SimulatedCamera:
         gimbal: The gimbal that carries the camera; None: fixed to the vehicle.
     """
 
-    def __init__(self, vehicle: Vehicle, gimbal: SimulatedGimbal | None = None) -> None:
+    def __init__(self, vehicle: SimulatedVehicle, gimbal: SimulatedGimbal | None = None) -> None:
         self._vehicle = vehicle
         self.address = address = Address(vehicle.address.system, CAMERA_COMPONENT)
         self.device = _Device(vehicle, gimbal)

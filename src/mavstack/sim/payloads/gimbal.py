@@ -22,8 +22,8 @@ from mavstack.sim.vehicle_types import Firmware
 
 if TYPE_CHECKING:
     from mavstack.services.gimbal import GimbalAttitude, GimbalValue
-    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.autopilot.payload import Gimbal
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 #: Degrees per second.
 MAX_RATE = 90.0
@@ -32,7 +32,7 @@ MAX_RATE = 90.0
 class SimulatedGimbal:
     """The gimbal of a simulated vehicle; `attach` adds its manager to the autopilot."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
         self._vehicle = vehicle
         self._motion = GimbalMotion(
             GimbalInformation(1, vendor="Mavstack", model="Simulated gimbal"), max_rate=MAX_RATE

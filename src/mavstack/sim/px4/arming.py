@@ -21,10 +21,11 @@ from mavstack.sim.vehicle_types import VehicleType
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from mavstack.sim.autopilot.interfaces import Autopilot, Vehicle
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.px4.state import Px4State
+    from mavstack.sim.vehicle import SimulatedVehicle
 
-Check: TypeAlias = "Callable[[Autopilot], Iterator[str]]"
+Check: TypeAlias = "Callable[[SimulatedAutopilot], Iterator[str]]"
 
 DISARMING_DENIED: Final = "Disarming denied: not landed"
 _CRITICAL = common.MavSeverity.CRITICAL
@@ -36,7 +37,7 @@ _IN_AIRPLANE_MODE: Final = 0.5
 _DENY = 0
 
 
-def preflight_problems(autopilot: Autopilot) -> Iterator[str]:
+def preflight_problems(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Yield all problems that prevent arming in the present mode."""
     if not autopilot.booted:
         yield "Preflight Fail: ekf2 missing data"
@@ -45,7 +46,7 @@ def preflight_problems(autopilot: Autopilot) -> Iterator[str]:
         yield from check(autopilot)
 
 
-def _system(autopilot: Autopilot) -> Iterator[str]:
+def _system(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check termination, VTOL state and configuration."""
     if autopilot.terminated:
         yield "Preflight Fail: Flight termination active"
@@ -59,7 +60,7 @@ def _system(autopilot: Autopilot) -> Iterator[str]:
         yield "Preflight Fail: Vehicle is in safety configuration"
 
 
-def _estimate(autopilot: Autopilot) -> Iterator[str]:
+def _estimate(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check the health of the estimate."""
     health = autopilot.body.health
     if not health.attitude:
@@ -74,13 +75,13 @@ def _estimate(autopilot: Autopilot) -> Iterator[str]:
         yield "Preflight Fail: horizontal velocity unstable"
 
 
-def _compass(autopilot: Autopilot) -> Iterator[str]:
+def _compass(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check the compass."""
     if int(autopilot.vehicle.parameters["SYS_HAS_MAG"]) and autopilot.body.health.compass_variance > _GATE:
         yield "Preflight Fail: Compass 0 fault"
 
 
-def _gps(autopilot: Autopilot) -> Iterator[str]:
+def _gps(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check GPS and home, if COM_ARM_WO_GPS requires them."""
     parameters = autopilot.vehicle.parameters
     if int(parameters["SYS_HAS_GPS"]) and int(parameters["COM_ARM_WO_GPS"]) == _DENY:
@@ -92,7 +93,7 @@ def _gps(autopilot: Autopilot) -> Iterator[str]:
             yield "Preflight Fail: Home position required"
 
 
-def _battery(autopilot: Autopilot) -> Iterator[str]:
+def _battery(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check the remaining charge."""
     left, parameters = autopilot.body.battery.remaining, autopilot.vehicle.parameters
     if left <= float(parameters["BAT_EMERGEN_THR"]):
@@ -103,7 +104,7 @@ def _battery(autopilot: Autopilot) -> Iterator[str]:
         yield "Low battery"
 
 
-def _mode(autopilot: Autopilot) -> Iterator[str]:
+def _mode(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check the requirements of the mode."""
     mode = autopilot.mode
     if not mode.may_arm:
@@ -120,23 +121,23 @@ def _mode(autopilot: Autopilot) -> Iterator[str]:
         yield "Preflight Fail: No offboard signal"
 
 
-def _has_mission(autopilot: Autopilot) -> bool:
+def _has_mission(autopilot: SimulatedAutopilot) -> bool:
     """Return whether there is a valid mission."""
     return autopilot.mission.valid()
 
 
-def _mission(autopilot: Autopilot) -> Iterator[str]:
+def _mission(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check the mission, if COM_ARM_MIS_REQ requires one."""
     if int(autopilot.vehicle.parameters["COM_ARM_MIS_REQ"]) and not _has_mission(autopilot):
         yield "Preflight Fail: No valid mission available"
 
 
-def _fence(autopilot: Autopilot) -> Iterator[str]:
+def _fence(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check the geofence."""
     yield from autopilot.fence.problems()
 
 
-def _ground_station(autopilot: Autopilot) -> Iterator[str]:
+def _ground_station(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check the ground station link, if NAV_DLL_ACT is set."""
     if int(autopilot.vehicle.parameters["NAV_DLL_ACT"]) > 0:
         stations = autopilot.vehicle.services.discovery.components.values()
@@ -160,7 +161,7 @@ _CHECKS: Final[tuple[Check, ...]] = (
 class PreflightReporter:
     """Reports problems that prevent arming, when they arise while disarmed."""
 
-    def __init__(self, autopilot: Autopilot, state: Px4State) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, state: Px4State) -> None:
         self._autopilot, self._state = autopilot, state
         self._reported: frozenset[str] = frozenset()
         self._due = autopilot.booted_at
@@ -192,7 +193,7 @@ _MODE_PROBLEMS: Final = frozenset(
 )
 
 
-def arm(vehicle: Vehicle, state: Px4State, reason: str, *, force: bool = False) -> bool:
+def arm(vehicle: SimulatedVehicle, state: Px4State, reason: str, *, force: bool = False) -> bool:
     """Arm, or report why not; return whether the vehicle is armed."""
     if state.calibrating:
         vehicle.send_statustext("Arming denied: calibrating", _CRITICAL)
@@ -206,7 +207,7 @@ def arm(vehicle: Vehicle, state: Px4State, reason: str, *, force: bool = False) 
     return not problems
 
 
-def disarm(vehicle: Vehicle, state: Px4State, reason: str, *, force: bool = False) -> bool:
+def disarm(vehicle: SimulatedVehicle, state: Px4State, reason: str, *, force: bool = False) -> bool:
     """Disarm, in the air only if forced, or report why not; return whether the vehicle is disarmed."""
     autopilot = vehicle.autopilot
     if autopilot.armed and not force and vehicle.vehicle_type.flies and not autopilot.landed:
@@ -221,7 +222,7 @@ def disarm(vehicle: Vehicle, state: Px4State, reason: str, *, force: bool = Fals
 class LandDetector:
     """Detects take-off and landing of an aircraft, reports them, and disarms after landing."""
 
-    def __init__(self, autopilot: Autopilot, state: Px4State) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, state: Px4State) -> None:
         self._autopilot, self._state = autopilot, state
         self._parameters = autopilot.vehicle.parameters
         self._was_landed = True

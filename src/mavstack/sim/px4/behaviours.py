@@ -16,7 +16,7 @@ from mavstack.sim.autopilot.behaviours.steps import ClimbControl, transition, wa
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.maneuvers import Point
     from mavstack.sim.px4.state import OrbitRequest, Px4State
 
@@ -72,7 +72,7 @@ class Terminated(Behaviour):
 class Px4Takeoff(Takeoff):
     """Climb straight up, or like a wing; `forward` continues a VTOL's flight on its wing."""
 
-    def __init__(self, autopilot: Autopilot, state: Px4State, *, forward: bool = False) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, state: Px4State, *, forward: bool = False) -> None:
         super().__init__(autopilot, forward=forward)
         self._state = state
 
@@ -120,7 +120,7 @@ class Px4Return(ReturnToLaunch):
         self.autopilot.vehicle.send_statustext(text)
 
 
-def orbit_behaviour(autopilot: Autopilot, request: OrbitRequest | None) -> Behaviour:
+def orbit_behaviour(autopilot: SimulatedAutopilot, request: OrbitRequest | None) -> Behaviour:
     """Return the behaviour of Orbit; without a request, a circle around a point ahead."""
     if request is None:
         return Circle(autopilot)

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.services.command import Command, CommandRequest
-    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.autopilot.tasks import Script
     from mavstack.sim.px4.state import Px4State
+    from mavstack.sim.vehicle import SimulatedVehicle
 
     Steps = Iterator[None]
 
@@ -59,7 +59,7 @@ def requested_calibration(command: Command) -> str:
 class Px4CalibrationCommands(CommandGroup):
     """PREFLIGHT_CALIBRATION."""
 
-    def __init__(self, vehicle: Vehicle, state: Px4State) -> None:
+    def __init__(self, vehicle: SimulatedVehicle, state: Px4State) -> None:
         super().__init__(vehicle)
         self._state = state
 

@@ -34,8 +34,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.services.command import CommandRequest
-    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.px4.state import Px4State
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _CMD, _RESULT = common.MavCmd, common.MavResult
 _CRITICAL = common.MavSeverity.CRITICAL
@@ -50,7 +50,7 @@ class Px4Arming(ArmingCommands):
 
     refusal = _RESULT.TEMPORARILY_REJECTED
 
-    def __init__(self, vehicle: Vehicle, state: Px4State) -> None:
+    def __init__(self, vehicle: SimulatedVehicle, state: Px4State) -> None:
         super().__init__(vehicle)
         self._state = state
 
@@ -162,7 +162,7 @@ class Px4Home(HomeCommands):
 class Px4Mission(MissionCommands):
     """MISSION_START, which arms, and DO_LAND_START."""
 
-    def __init__(self, vehicle: Vehicle, state: Px4State) -> None:
+    def __init__(self, vehicle: SimulatedVehicle, state: Px4State) -> None:
         super().__init__(vehicle)
         self._state = state
 
@@ -200,7 +200,7 @@ class Px4Mission(MissionCommands):
         return _RESULT.ACCEPTED
 
 
-def command_groups(vehicle: Vehicle, state: Px4State) -> Iterator[CommandGroup]:
+def command_groups(vehicle: SimulatedVehicle, state: Px4State) -> Iterator[CommandGroup]:
     """Yield all command groups of a vehicle."""
     yield Px4Arming(vehicle, state)
     yield ModeCommands(vehicle)
@@ -212,7 +212,7 @@ def command_groups(vehicle: Vehicle, state: Px4State) -> Iterator[CommandGroup]:
     yield FailureCommands(vehicle)
 
 
-def register_commands(vehicle: Vehicle, state: Px4State) -> None:
+def register_commands(vehicle: SimulatedVehicle, state: Px4State) -> None:
     """Register all commands of a vehicle."""
     for group in command_groups(vehicle, state):
         register_handlers(vehicle, group.handlers())

@@ -10,8 +10,8 @@ from mavstack.services.events import EventSender
 from mavstack.sim.event_metadata import EVENTS, MODE_NUMBERS, REASONS, UNKNOWN_MODE
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.event_metadata import SimulatedEvent
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _PATTERNS: Final = tuple((event, re.compile(event.status_text)) for event in EVENTS)
 
@@ -22,12 +22,12 @@ class EventReporter:
     def __init__(self) -> None:
         self._sender: EventSender | None = None
 
-    def start(self, vehicle: Vehicle) -> None:
+    def start(self, vehicle: SimulatedVehicle) -> None:
         """Begin a new series of events at boot, and listen to the vehicle."""
         self._sender = vehicle.engine.add(EventSender(vehicle.address, vehicle.now))
         vehicle.add_listener(self.on_event)
 
-    def on_event(self, vehicle: Vehicle, kind: str, text: str) -> None:
+    def on_event(self, vehicle: SimulatedVehicle, kind: str, text: str) -> None:
         """Send the event of a status text, if it has one."""
         if kind != "text" or self._sender is None:
             return
@@ -53,7 +53,7 @@ def find_event(text: str) -> tuple[SimulatedEvent, dict[str, str]] | None:
     return None
 
 
-def _arguments(vehicle: Vehicle, groups: dict[str, str]) -> bytes:
+def _arguments(vehicle: SimulatedVehicle, groups: dict[str, str]) -> bytes:
     """Return the arguments that the groups of a status text give."""
     if "reason" in groups:
         return bytes([REASONS.get(groups["reason"], 0)])

@@ -13,14 +13,14 @@ from mavstack.dialects import common
 from mavstack.sim.autopilot.external_gps import ExternalGps
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.state import VehicleState
+    from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.wire import Packet
 
 #: Silence after which the vehicle's own receiver counts again, in seconds.
 GPS_TIMEOUT: Final = 2.0
 
 
-def register_external_gps(vehicle: VehicleState) -> None:
+def register_external_gps(vehicle: SimulatedVehicle) -> None:
     """Take HIL_GPS while MAV_USEHILGPS is set."""
 
     def accepts(packet: Packet) -> bool:

@@ -27,7 +27,8 @@ from mavstack.sim.px4.failsafe_actions import (
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
+
 
 _INFO: Final = common.MavSeverity.INFO
 #: COM_RC_IN_MODE: manual control disabled.
@@ -49,7 +50,7 @@ _LINK_CHECK_INTERVAL: Final = 0.5
 class FailsafeChecks:
     """The checks of one vehicle."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self._autopilot = autopilot
         self._parameters = autopilot.vehicle.parameters
         self._manual_control_lost = True

@@ -27,7 +27,7 @@ from mavstack.sim.px4.failsafe_actions import (
 from mavstack.sim.px4.failsafe_checks import FailsafeChecks
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 _CRITICAL, _WARNING = common.MavSeverity.CRITICAL, common.MavSeverity.WARNING
 _EMERGENCY: Final = common.MavSeverity.EMERGENCY
@@ -50,7 +50,7 @@ _OFFBOARD_FALLBACKS: Final = (modes.RETURN, modes.LAND, modes.DESCEND, modes.HOL
 class Px4Failsafes:
     """The failsafes of one vehicle; one of the autopilot's periodic checks."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self._autopilot = autopilot
         self._checks = FailsafeChecks(autopilot)
         #: Requested actions by condition.
@@ -228,7 +228,7 @@ _CONDITIONS: Final = frozenset(
 )
 
 
-def setpoints_lost(autopilot: Autopilot) -> None:
+def setpoints_lost(autopilot: SimulatedAutopilot) -> None:
     """Execute COM_OBL_RC_ACT after the setpoints of Offboard stopped."""
     autopilot.vehicle.send_statustext("Failsafe activated", _CRITICAL)
     autopilot.failsafes.add("offboard")
@@ -241,7 +241,7 @@ def setpoints_lost(autopilot: Autopilot) -> None:
         _enter_first(autopilot, _OFFBOARD_ACTIONS.get(action, modes.POSITION))
 
 
-def _enter_first(autopilot: Autopilot, preferred: int) -> None:
+def _enter_first(autopilot: SimulatedAutopilot, preferred: int) -> None:
     """Enter the first mode that is possible."""
     for number in (preferred, *_OFFBOARD_FALLBACKS):
         mode = autopilot.find_mode(number)

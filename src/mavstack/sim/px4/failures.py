@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from mavstack.services.command import CommandRequest
-    from mavstack.sim.autopilot.interfaces import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _CMD, _RESULT = common.MavCmd, common.MavResult
 _UNIT, _TYPE = common.FailureUnit, common.FailureType
@@ -89,7 +89,7 @@ class FailureCommands(CommandGroup):
         return _RESULT.ACCEPTED
 
 
-def faults_for(vehicle: Vehicle, unit: int, kind: int, instance: int) -> tuple[str, ...]:
+def faults_for(vehicle: SimulatedVehicle, unit: int, kind: int, instance: int) -> tuple[str, ...]:
     """Return the faults that simulate a failure; empty if unsupported."""
     if unit in _MOTOR_UNITS and kind in _MOTOR_STATES:
         motors = AIRFRAMES[vehicle.vehicle_type].motors
@@ -100,7 +100,7 @@ def faults_for(vehicle: Vehicle, unit: int, kind: int, instance: int) -> tuple[s
     return _FAULT_COMMANDS.get((unit, kind), ())
 
 
-def inject(vehicle: Vehicle, unit: int, kind: int, instance: int) -> None:
+def inject(vehicle: SimulatedVehicle, unit: int, kind: int, instance: int) -> None:
     """Inject a failure and report it; a link is cut only after the report was sent."""
     name = next(name for name, number in UNITS.items() if number == unit)
     word = next(word for word, number in TYPES.items() if number == kind)
@@ -114,7 +114,7 @@ def inject(vehicle: Vehicle, unit: int, kind: int, instance: int) -> None:
         _inject_all(vehicle, faults)
 
 
-def _inject_all(vehicle: Vehicle, faults: tuple[str, ...]) -> None:
+def _inject_all(vehicle: SimulatedVehicle, faults: tuple[str, ...]) -> None:
     """Inject faults."""
     for fault in faults:
         vehicle.faults.inject(fault)

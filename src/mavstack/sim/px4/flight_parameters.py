@@ -16,9 +16,9 @@ from mavstack.sim.autopilot.flight_parameters import FlightParameters
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.motion import Body
     from mavstack.sim.parameters import Parameters
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _F = common.MavFrame
 _DEGREE: Final = radians(1.0)
@@ -342,7 +342,7 @@ class SubmarineFlightParameters(Px4FlightParameters):
         return max(super().acceptance_radius / 10, _MIN_RADIUS)
 
 
-def flight_parameters_of(vehicle: Vehicle) -> Px4FlightParameters:
+def flight_parameters_of(vehicle: SimulatedVehicle) -> Px4FlightParameters:
     """Return the flight parameters of a vehicle."""
     parameters = vehicle.parameters
     match vehicle.vehicle_type:

@@ -8,7 +8,7 @@ from mavstack.dialects import common
 from mavstack.services.version import AutopilotVersion, FirmwareVersion
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.interfaces import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 VERSION: Final = FirmwareVersion(1, 16, 0)
 OPERATING_SYSTEM: Final = FirmwareVersion(6, 6, 0)
@@ -34,7 +34,7 @@ CAPABILITIES: Final = int(
 )
 
 
-def version_of(vehicle: Vehicle) -> AutopilotVersion:
+def version_of(vehicle: SimulatedVehicle) -> AutopilotVersion:
     """Return the content of AUTOPILOT_VERSION."""
     serial = vehicle.serial
     commit = bytes.fromhex(GIT_HASH)[::-1]

@@ -23,7 +23,9 @@ from mavstack.sim.px4.modes import (
 )
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.interfaces import Autopilot, Mode, Vehicle
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
+    from mavstack.sim.autopilot.firmware_profile import Mode
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _FLAGS = common.MavModeFlag
 #: Main modes with sub modes.
@@ -37,12 +39,12 @@ def unavailable_text(name: str) -> str:
     return f"Switching to {name} is currently not available"
 
 
-def mode_refusal_of(autopilot: Autopilot, mode: Mode) -> str | None:
+def mode_refusal_of(autopilot: SimulatedAutopilot, mode: Mode) -> str | None:
     """Return why a mode may not be entered now; None if it may."""
     return None if _may_enter(autopilot, mode) else unavailable_text(mode.name)
 
 
-def choose_mode(vehicle: Vehicle, number: int) -> str | None:
+def choose_mode(vehicle: SimulatedVehicle, number: int) -> str | None:
     """Enter a mode on request; return the text of a refusal, or None."""
     autopilot = vehicle.autopilot
     if number == LAND and autopilot.armed and not autopilot.has_position:
@@ -74,7 +76,7 @@ def mode_of_flags(flags: int) -> int | None:
     return STABILIZED if flags & _FLAGS.STABILIZE_ENABLED else MANUAL
 
 
-def _may_enter(autopilot: Autopilot, mode: Mode) -> bool:
+def _may_enter(autopilot: SimulatedAutopilot, mode: Mode) -> bool:
     """Return whether a mode may be entered now."""
     if autopilot.terminated or autopilot.mode.number == TERMINATION:
         return mode.number == TERMINATION

@@ -25,18 +25,18 @@ from mavstack.sim.autopilot.behaviours import (
     Stabilize,
 )
 from mavstack.sim.autopilot.behaviours.mission import Mission
-from mavstack.sim.autopilot.interfaces import Mode
+from mavstack.sim.autopilot.firmware_profile import Mode
 from mavstack.sim.px4.behaviours import Descend, Px4Return, Px4Takeoff, Terminated, orbit_behaviour
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.behaviour import Behaviour
-    from mavstack.sim.autopilot.interfaces import Autopilot
     from mavstack.sim.px4.state import Px4State
 
-BehaviourFactory: TypeAlias = "Callable[[Autopilot], Behaviour]"
+BehaviourFactory: TypeAlias = "Callable[[SimulatedAutopilot], Behaviour]"
 
 _STANDARD, _PROPERTY, _FLAGS = common.MavStandardMode, common.MavModeProperty, common.MavModeFlag
 _T = VehicleType

@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from mavstack.services.command import Command, CommandRequest
-    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.autopilot.maneuvers import Point
     from mavstack.sim.px4.state import Px4State
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _CMD, _RESULT = common.MavCmd, common.MavResult
 _CRITICAL = common.MavSeverity.CRITICAL
@@ -49,7 +49,7 @@ _HOVERING_MODES: Final = frozenset({TAKEOFF, LAND, RETURN, ORBIT})
 class Px4Movement(MovementCommands):
     """Flight commands with PX4's answers and status texts."""
 
-    def __init__(self, vehicle: Vehicle, state: Px4State) -> None:
+    def __init__(self, vehicle: SimulatedVehicle, state: Px4State) -> None:
         super().__init__(vehicle)
         self._state = state
 
@@ -215,7 +215,7 @@ class Px4Movement(MovementCommands):
         return _RESULT.ACCEPTED if changed else _RESULT.TEMPORARILY_REJECTED
 
 
-def start_transition(vehicle: Vehicle, forward: bool) -> bool:
+def start_transition(vehicle: SimulatedVehicle, forward: bool) -> bool:
     """Start a VTOL's transition in the air; return whether it is allowed."""
     autopilot = vehicle.autopilot
     denied = forward and autopilot.mode.number in _HOVERING_MODES

@@ -11,7 +11,7 @@ from mavstack.services.modes import ModeChanged
 from mavstack.services.statustext import EVENT_MARK
 from mavstack.services.version import provide_versions
 from mavstack.sim.autopilot.avoidance import LimitedVelocity
-from mavstack.sim.autopilot.interfaces import FirmwareProfile
+from mavstack.sim.autopilot.firmware_profile import FirmwareProfile
 from mavstack.sim.parameters import served_metadata
 from mavstack.sim.px4 import modes
 from mavstack.sim.px4.arming import LandDetector, PreflightReporter, preflight_problems
@@ -31,7 +31,9 @@ from mavstack.sim.vehicle_types import VehicleType
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.interfaces import Autopilot, Mode, Vehicle
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
+    from mavstack.sim.autopilot.firmware_profile import Mode
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 #: PX4's names of the shared autopilot's reasons of disarming.
 _REASONS = {"commanded": BY_COMMAND, "landed": BY_LANDING, "mission end": BY_LANDING}
@@ -56,27 +58,27 @@ class Px4Profile(FirmwareProfile):
         self.event_reporter = EventReporter()
         self.land = modes.LAND if vehicle_type.flies else modes.HOLD
 
-    def flight_parameters(self, vehicle: Vehicle) -> Px4FlightParameters:
+    def flight_parameters(self, vehicle: SimulatedVehicle) -> Px4FlightParameters:
         """Return the flight parameters; the limits of the body follow them until the next boot."""
         flight_parameters = flight_parameters_of(vehicle)
         flight_parameters.apply_limits(vehicle.body)
         return flight_parameters
 
-    def arming_problems(self, autopilot: Autopilot) -> Iterator[str]:
+    def arming_problems(self, autopilot: SimulatedAutopilot) -> Iterator[str]:
         """Yield problems that prevent arming, as PX4 reports them."""
         return preflight_problems(autopilot)
 
-    def mode_refusal(self, autopilot: Autopilot, mode: Mode) -> str | None:
+    def mode_refusal(self, autopilot: SimulatedAutopilot, mode: Mode) -> str | None:
         """Return why a mode may not be entered now; None if it may."""
         return mode_refusal_of(autopilot, mode)
 
-    def resting_state(self, autopilot: Autopilot) -> int:
+    def resting_state(self, autopilot: SimulatedAutopilot) -> int:
         """Return the MAV_STATE while disarmed: STANDBY only if nothing prevents arming."""
         if self.state.calibrating:
             return common.MavState.CALIBRATING
         return common.MavState.STANDBY if self.state.healthy else common.MavState.UNINIT
 
-    def register(self, vehicle: Vehicle) -> None:
+    def register(self, vehicle: SimulatedVehicle) -> None:
         """Register commands and periodic checks of a new boot."""
         self.state.reset(self.hold)
         autopilot = vehicle.autopilot
@@ -93,7 +95,7 @@ class Px4Profile(FirmwareProfile):
         self.event_reporter.start(vehicle)
         Console(vehicle, self.state, self.message_log)
 
-    def provide(self, vehicle: Vehicle) -> None:
+    def provide(self, vehicle: SimulatedVehicle) -> None:
         """Publish PX4's streams, the versions and the metadata."""
         publish_px4(vehicle)
         provide_component_metadata(
@@ -109,13 +111,13 @@ class Px4Profile(FirmwareProfile):
         """Return a status text with a tab at its end if an event is sent beside it."""
         return text if find_event(text) is None else f"{text}{EVENT_MARK}"
 
-    def armed(self, autopilot: Autopilot) -> None:
+    def armed(self, autopilot: SimulatedAutopilot) -> None:
         """Report by whom the vehicle was armed."""
         autopilot.vehicle.send_statustext(f"Armed by {self.state.arming_reason}")
         self.state.has_flown = False  # it may be armed again before the next periodic check
         self.state.arming_reason = BY_COMMAND
 
-    def disarmed(self, autopilot: Autopilot) -> None:
+    def disarmed(self, autopilot: SimulatedAutopilot) -> None:
         """Report by whom the vehicle was disarmed, and restore the mode from before take-off."""
         reason = self.state.disarming_reason or _REASONS.get(autopilot.disarm_reason, BY_FAILSAFE)
         self.state.disarming_reason = None
@@ -128,11 +130,11 @@ class Px4Profile(FirmwareProfile):
         if autopilot.mode.number != self.state.mode_after_disarming:
             autopilot.enter(self.state.mode_after_disarming, "disarmed")
 
-    def setpoints_lost(self, autopilot: Autopilot) -> None:
+    def setpoints_lost(self, autopilot: SimulatedAutopilot) -> None:
         """Execute COM_OBL_RC_ACT."""
         setpoints_lost(autopilot)
 
-    def take_off(self, autopilot: Autopilot, height: float) -> None:
+    def take_off(self, autopilot: SimulatedAutopilot, height: float) -> None:
         """Take off to a height above the ground in metres, armed or not."""
         if self.vehicle_type.flies:
             self.state.takeoff_altitude = (
@@ -141,7 +143,7 @@ class Px4Profile(FirmwareProfile):
             autopilot.enter(modes.TAKEOFF, "commanded", commanded=True)
         autopilot.arm()
 
-    def _mode_changed(self, vehicle: Vehicle, event: ModeChanged) -> None:
+    def _mode_changed(self, vehicle: SimulatedVehicle, event: ModeChanged) -> None:
         """Store the mode to restore after disarming: one that allows arming and is no take-off."""
         number = event.mode.custom_mode
         if number == vehicle.modes.intended.custom_mode:

@@ -11,7 +11,7 @@ from mavstack.sim.autopilot.commands import number, whole
 
 if TYPE_CHECKING:
     from mavstack.services.command import Command
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
 _YAW = common.OrbitYawBehaviour
@@ -36,7 +36,7 @@ class OrbitRequest:
     yaw_behaviour: int
 
     @classmethod
-    def read(cls, autopilot: Autopilot, command: Command, centre: Point) -> OrbitRequest:
+    def read(cls, autopilot: SimulatedAutopilot, command: Command, centre: Point) -> OrbitRequest:
         """Read DO_ORBIT; defaults replace what the command leaves out."""
         radius, speed = command.param1, abs(number(command.param2))
         if not isfinite(radius) or abs(radius) < _MIN_RADIUS:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from errno import EINVAL
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.errors import LocalProtocolError
@@ -20,13 +20,10 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Sequence
 
-    from mavstack.services import Address, Service
-    from mavstack.services.mission import MissionServer, Plan
+    from mavstack.services.mission import Plan
     from mavstack.services.parameters import Parameter
-    from mavstack.sim.motion import Body
-    from mavstack.sim.parameters import Parameters
     from mavstack.sim.storage.flight_logs import FlightLogs
-    from mavstack.sim.vehicle_types import Home, VehicleType
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 #: Versions of the firmwares, and the hash of their source.
 ARDUPILOT_VERSION, PX4_VERSION = (4, 6, 0), (1, 16, 0)
@@ -41,53 +38,6 @@ _NAMES = {
 }
 
 
-class ModeNumber(Protocol):
-    """A flight mode by its number."""
-
-    @property
-    def number(self) -> int:
-        """HEARTBEAT's `custom_mode`."""
-
-
-class StorageAutopilot(Protocol):
-    """The autopilot of a vehicle, as far as a log's start needs it."""
-
-    @property
-    def home(self) -> Home | None:
-        """The home position; None until it is known."""
-
-    @property
-    def mode(self) -> ModeNumber:
-        """The current mode."""
-
-
-class StorageVehicle(Protocol):
-    """The vehicle that owns the storage."""
-
-    body: Body
-    vehicle_type: VehicleType
-    firmware: Firmware
-    address: Address
-    parameters: Parameters
-    #: Simulated Unix time of the last boot.
-    booted_at: float
-
-    @property
-    def uptime(self) -> float:
-        """Seconds since the last boot."""
-
-    @property
-    def mission(self) -> MissionServer:
-        """The server of the mission protocol."""
-
-    @property
-    def autopilot(self) -> StorageAutopilot:
-        """The autopilot that flies the vehicle."""
-
-    def touch(self, service: Service) -> None:
-        """Schedule a service whose method was called."""
-
-
 class Storage:
     """The files (`files`, for FtpServer) and the logs (`logs`, for LogServer) of one vehicle.
 
@@ -99,7 +49,7 @@ class Storage:
 
     def __init__(
         self,
-        vehicle: StorageVehicle,
+        vehicle: SimulatedVehicle,
         *,
         folder: str | os.PathLike[str] | None = None,
         capacity: int = DEFAULT_LOG_CAPACITY,

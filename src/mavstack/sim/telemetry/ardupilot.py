@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
     from mavstack.services.message_request.server import Producer
     from mavstack.services.parameters import Value
-    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.telemetry.producers import MessageType
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _GROUP = dialect.MavDataStream
 _ALL, _WINGED = frozenset(VehicleType), frozenset({VehicleType.PLANE, VehicleType.VTOL})
@@ -83,7 +83,7 @@ DEFAULT_RATE = 4.0
 _PREFIXES = ("SR0_", "MAV1_")
 
 
-def publish_ardupilot(vehicle: Vehicle) -> None:
+def publish_ardupilot(vehicle: SimulatedVehicle) -> None:
     """Publish ArduPilot's streams on a vehicle's message server."""
     producers = {
         message_type: produce
@@ -103,7 +103,7 @@ def publish_ardupilot(vehicle: Vehicle) -> None:
     vehicle.messages.data_streams = data_streams
 
 
-def _rate(vehicle: Vehicle, ending: str) -> tuple[float, str | None]:
+def _rate(vehicle: SimulatedVehicle, ending: str) -> tuple[float, str | None]:
     """Return a group's rate in hertz, and the name of the parameter that sets it."""
     for prefix in _PREFIXES:
         if prefix + ending in vehicle.parameters:
@@ -111,7 +111,9 @@ def _rate(vehicle: Vehicle, ending: str) -> tuple[float, str | None]:
     return DEFAULT_RATE, None
 
 
-def _rate_setter(vehicle: Vehicle, message_types: tuple[MessageType, ...]) -> Callable[[Value], None]:
+def _rate_setter(
+    vehicle: SimulatedVehicle, message_types: tuple[MessageType, ...]
+) -> Callable[[Value], None]:
     """Return the callback that applies a parameter's new rate to messages."""
 
     def set_rate(rate: Value) -> None:

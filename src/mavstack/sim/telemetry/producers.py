@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from mavstack.dialects import Message
     from mavstack.services.message_request.server import Producer
-    from mavstack.sim.autopilot.interfaces import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 MessageType: TypeAlias = "type[Message]"
 Rates: TypeAlias = "Mapping[MessageType, float]"
@@ -32,7 +32,7 @@ _GOLDEN = 0.6180339887498949
 class Producers:
     """Message producers of one boot, by subject."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
         self.view = view = VehicleView(vehicle)
         self.motion = MotionMessages(view)
         self.sensors = SensorMessages(view)
@@ -41,7 +41,7 @@ class Producers:
         self.control = ControlMessages(view)
 
 
-def publish_all(vehicle: Vehicle, producers: Mapping[MessageType, Producer], rates: Rates) -> None:
+def publish_all(vehicle: SimulatedVehicle, producers: Mapping[MessageType, Producer], rates: Rates) -> None:
     """Publish each producer at its rate in hertz; messages without a rate are sent on request only."""
     first = vehicle.now + START_SPREAD * (vehicle.address.system * _GOLDEN % 1.0)
     for message_type, produce in producers.items():
@@ -51,7 +51,7 @@ def publish_all(vehicle: Vehicle, producers: Mapping[MessageType, Producer], rat
     vehicle.touch(vehicle.messages)
 
 
-def change_rates(vehicle: Vehicle, rates: Rates) -> None:
+def change_rates(vehicle: SimulatedVehicle, rates: Rates) -> None:
     """Change the rates (hertz) of messages from now on."""
     for message_type, rate in rates.items():
         vehicle.messages.set_interval(message_type, interval_of(rate), vehicle.now)

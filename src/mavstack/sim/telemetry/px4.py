@@ -27,8 +27,8 @@ from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from mavstack.services.message_request.server import Producer
-    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.telemetry.producers import MessageType
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 
 class LinkMode(StrEnum):
@@ -101,7 +101,7 @@ _MODES = {0: LinkMode.SHARED, 2: LinkMode.ONBOARD, 7: LinkMode.MINIMAL}
 _MODE = "MAV_0_MODE"
 
 
-def publish_px4(vehicle: Vehicle, link: LinkMode | str | None = None) -> None:
+def publish_px4(vehicle: SimulatedVehicle, link: LinkMode | str | None = None) -> None:
     """Publish PX4's streams on a vehicle's message server.
 
     Args:
@@ -114,12 +114,12 @@ def publish_px4(vehicle: Vehicle, link: LinkMode | str | None = None) -> None:
     publish_all(vehicle, px4_producers(Producers(vehicle)), link_rates(vehicle, LinkMode(link)))
 
 
-def set_link_mode(vehicle: Vehicle, link: LinkMode | str) -> None:
+def set_link_mode(vehicle: SimulatedVehicle, link: LinkMode | str) -> None:
     """Send at the rates of another MAVLink mode until the next boot."""
     change_rates(vehicle, link_rates(vehicle, LinkMode(link)))
 
 
-def link_rates(vehicle: Vehicle, link: LinkMode) -> dict[MessageType, float]:
+def link_rates(vehicle: SimulatedVehicle, link: LinkMode) -> dict[MessageType, float]:
     """Return the rates (hertz) of a MAVLink mode."""
     shared = link is LinkMode.SHARED
     column = _COLUMNS.index(LinkMode.GROUND if shared else link)

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.motion import Body, EstimateHealth, SensorReadings
+    from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.sim.vehicle_types import Home
 
 #: Seconds for which the result of the arming checks is cached.
@@ -33,7 +33,7 @@ class GlobalPosition(NamedTuple):
 class VehicleView:
     """One vehicle as telemetry sees it."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
         self.vehicle = vehicle
         self.autopilot = vehicle.autopilot
         self.body: Body = vehicle.body

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from mavstack.sim.ardupilot.failsafes.firmware import ModeFailure
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 _MODE: Final = ardupilotmega.CopterMode
 #: Actions, numbered as in BATT_FS_LOW_ACT.
@@ -44,7 +44,7 @@ class CopterFailsafes(FirmwareFailsafes):
 
     battery_priorities = (TERMINATE, LAND, RTL, SMART_RTL_OR_LAND, SMART_RTL, NONE)
 
-    def __init__(self, autopilot: Autopilot, mode_failure: ModeFailure) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, mode_failure: ModeFailure) -> None:
         super().__init__(autopilot, mode_failure)
         self._battery_lands = False
         self.add(

@@ -15,7 +15,7 @@ from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from mavstack.sim.ardupilot.failsafes.firmware import FirmwareFailsafes, ModeFailure
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 _ESTIMATE_CHECKED: Final = frozenset(
     {VehicleType.COPTER, VehicleType.VTOL, VehicleType.ROVER, VehicleType.BOAT}
@@ -25,7 +25,7 @@ _ESTIMATE_CHECKED: Final = frozenset(
 class ArdupilotFailsafes:
     """Registers the failsafes of an autopilot; `mode_failure` returns why a mode cannot be entered."""
 
-    def __init__(self, autopilot: Autopilot, mode_failure: ModeFailure) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, mode_failure: ModeFailure) -> None:
         vehicle_type = autopilot.vehicle.vehicle_type
         self.firmware = _firmware_of(vehicle_type)(autopilot, mode_failure)
         self.battery = BatteryFailsafes(self.firmware)

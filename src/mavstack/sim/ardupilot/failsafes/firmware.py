@@ -10,10 +10,11 @@ from mavstack.sim.autopilot.failsafes import Failsafe, ground_silence, nothing, 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mavstack.sim.autopilot.interfaces import Autopilot, Mode
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
+    from mavstack.sim.autopilot.firmware_profile import Mode
 
 #: Returns the firmware's text why a mode cannot be entered; None if it can.
-ModeFailure: TypeAlias = "Callable[[Autopilot, Mode], str | None]"
+ModeFailure: TypeAlias = "Callable[[SimulatedAutopilot, Mode], str | None]"
 WARNING: Final = common.MavSeverity.WARNING
 CRITICAL: Final = common.MavSeverity.CRITICAL
 
@@ -24,7 +25,7 @@ class FirmwareFailsafes:
     #: Battery actions in descending urgency; actions not listed are least urgent.
     battery_priorities: tuple[int, ...] = ()
 
-    def __init__(self, autopilot: Autopilot, mode_failure: ModeFailure) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, mode_failure: ModeFailure) -> None:
         self.autopilot = autopilot
         self._mode_failure = mode_failure
         self.parameters = autopilot.vehicle.parameters

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from mavstack.sim.ardupilot.failsafes.firmware import ModeFailure
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 _MODE: Final = ardupilotmega.PlaneMode
 _INFO: Final = common.MavSeverity.INFO
@@ -51,7 +51,7 @@ class PlaneFailsafes(FirmwareFailsafes):
 
     battery_priorities = (_TERMINATE, 5, _LOITER_QLAND, _QLAND, _LAND, _RTL, _AUTOLAND, 0)
 
-    def __init__(self, autopilot: Autopilot, mode_failure: ModeFailure) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, mode_failure: ModeFailure) -> None:
         super().__init__(autopilot, mode_failure)
         #: The mode before the short failsafe, and the mode that it entered.
         self._before: tuple[int, int] | None = None

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from mavstack.sim.ardupilot.failsafes.firmware import ModeFailure
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 _MODE: Final = ardupilotmega.RoverMode
 _TERMINATE: Final = 5
@@ -42,7 +42,7 @@ class RoverFailsafes(FirmwareFailsafes):
 
     battery_priorities = (_TERMINATE, 2, 1, 4, 3, 0)
 
-    def __init__(self, autopilot: Autopilot, mode_failure: ModeFailure) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, mode_failure: ModeFailure) -> None:
         super().__init__(autopilot, mode_failure)
         self._lost: list[str] = []
         self._since = autopilot.now

@@ -10,7 +10,7 @@ from mavstack.sim.autopilot.failsafes import ground_silence
 
 if TYPE_CHECKING:
     from mavstack.sim.ardupilot.failsafes.firmware import ModeFailure
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 _MODE: Final = ardupilotmega.SubMode
 #: FS_GCS_ENABLE; FS_PILOT_INPUT, FS_EKF_ACTION and the battery's actions have the first three, too.
@@ -26,7 +26,7 @@ class SubFailsafes(FirmwareFailsafes):
 
     battery_priorities = (_BATTERY_DISARM, _BATTERY_SURFACE, _WARN, 0)
 
-    def __init__(self, autopilot: Autopilot, mode_failure: ModeFailure) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, mode_failure: ModeFailure) -> None:
         super().__init__(autopilot, mode_failure)
         self._warned_at = float("-inf")
         self.add(

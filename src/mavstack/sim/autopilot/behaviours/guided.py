@@ -17,8 +17,8 @@ from mavstack.sim.autopilot.behaviours.takeoff import Takeoff
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.control import RunningBehaviour
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
+
 
 _ENDED = object()
 
@@ -28,7 +28,7 @@ class Guided(Behaviour):
 
     takes_setpoints = True
 
-    def __init__(self, autopilot: Autopilot, *, forward: bool | None = None) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, *, forward: bool | None = None) -> None:
         super().__init__(autopilot)
         self._forward = forward
         autopilot.guided.clear()
@@ -45,17 +45,17 @@ class Guided(Behaviour):
             else:
                 yield from self._follow(command)
 
-    def _must_stay(self, command: RunningBehaviour) -> bool:
+    def _must_stay(self, command: Behaviour) -> bool:
         """Return whether the vehicle is on the ground and the command is no takeoff."""
         autopilot = self.autopilot
         if not (autopilot.landed and autopilot.vehicle.vehicle_type.flies) or isinstance(command, Takeoff):
             return False
         return not self._may_lift_off(command)
 
-    def _may_lift_off(self, command: RunningBehaviour) -> bool:
+    def _may_lift_off(self, command: Behaviour) -> bool:
         return False
 
-    def _rest(self, command: RunningBehaviour | None) -> Iterator[None]:
+    def _rest(self, command: Behaviour | None) -> Iterator[None]:
         """Stay until there is another command."""
         autopilot = self.autopilot
         if autopilot.landed and autopilot.vehicle.vehicle_type.flies:
@@ -74,7 +74,7 @@ class Guided(Behaviour):
     def _touched_down(self) -> bool:
         return self.autopilot.landed and self.autopilot.vehicle.vehicle_type.flies
 
-    def _follow(self, command: RunningBehaviour) -> Iterator[None]:
+    def _follow(self, command: Behaviour) -> Iterator[None]:
         """Run a command until there is another one, or the vehicle has come down."""
         guided, body = self.autopilot.guided, self.autopilot.body
         if not isinstance(command, Takeoff):
@@ -102,7 +102,7 @@ class Hold(Guided):
 class Offboard(Guided):
     """Follow the stream of setpoints."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         super().__init__(autopilot)
         autopilot.guided.follow_stream()
 
@@ -118,5 +118,5 @@ class Offboard(Guided):
         while True:
             yield
 
-    def _may_lift_off(self, command: RunningBehaviour) -> bool:
+    def _may_lift_off(self, command: Behaviour) -> bool:
         return isinstance(command, GuidedCommand) and command.lifts_off

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.sim.autopilot.behaviour import Behaviour
 from mavstack.sim.autopilot.behaviours.steps import ClimbControl, transition
-from mavstack.sim.autopilot.state import TICK
+from mavstack.sim.autopilot.ticks import TICK
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from typing import Self
 
     from mavstack.services.setpoints import AttitudeSetpoint
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
 Axes: TypeAlias = "tuple[float | None, float | None, float | None]"
@@ -39,7 +39,7 @@ _NO_CLIMB = 0.5
 class GuidedCommand(Behaviour):
     """One guided command."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         super().__init__(autopilot)
         self._renewed_at = autopilot.now
 
@@ -70,7 +70,7 @@ class GoTo(GuidedCommand):
 
     def __init__(
         self,
-        autopilot: Autopilot,
+        autopilot: SimulatedAutopilot,
         point: Point,
         *,
         speed: float | None = None,
@@ -158,7 +158,7 @@ class Motion(GuidedCommand):
 
     def __init__(
         self,
-        autopilot: Autopilot,
+        autopilot: SimulatedAutopilot,
         position: Axes,
         velocity: Axes,
         acceleration: Axes,
@@ -234,7 +234,7 @@ class Motion(GuidedCommand):
 class Attitude(GuidedCommand):
     """An attitude or rates with a thrust, from SET_ATTITUDE_TARGET."""
 
-    def __init__(self, autopilot: Autopilot, setpoint: AttitudeSetpoint) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, setpoint: AttitudeSetpoint) -> None:
         super().__init__(autopilot)
         self._setpoint = setpoint
         self._angles = None if setpoint.attitude is None else euler(setpoint.attitude)

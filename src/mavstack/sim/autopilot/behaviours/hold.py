@@ -10,13 +10,13 @@ from mavstack.sim.autopilot.behaviours.steps import idle_on_ground, transition
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 
 class Brake(Behaviour):
     """Stop and stay, ignoring commands; a wing circles."""
 
-    def __init__(self, autopilot: Autopilot, *, forward: bool | None = None) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, *, forward: bool | None = None) -> None:
         super().__init__(autopilot)
         self._forward = forward
 

@@ -23,7 +23,7 @@ from mavstack.sim.vehicle_types import VehicleType
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
 #: Depth of a descent's target below the ground, in metres, so that the ground comes first.
@@ -51,7 +51,7 @@ class Land(Behaviour):
 
     def __init__(
         self,
-        autopilot: Autopilot,
+        autopilot: SimulatedAutopilot,
         point: Point | None = None,
         *,
         course: float | None = None,
@@ -143,7 +143,12 @@ class WingLanding:
     """The landing of a wing."""
 
     def __init__(
-        self, autopilot: Autopilot, point: Point | None, course: float | None, *, direct: bool = False
+        self,
+        autopilot: SimulatedAutopilot,
+        point: Point | None,
+        course: float | None,
+        *,
+        direct: bool = False,
     ) -> None:
         self._autopilot = autopilot
         self._handling, self._body = autopilot.maneuvers, autopilot.body

@@ -22,7 +22,7 @@ from mavstack.sim.vehicle_types import VehicleType
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.radio import Sticks
 
 #: Deflection within which a stick counts as centred.
@@ -51,7 +51,7 @@ class StickControl(Behaviour):
     #: Throttle at which an aircraft leaves the ground.
     lifts_off_at = _IDLE
 
-    def __init__(self, autopilot: Autopilot, *, forward: bool | None = None) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, *, forward: bool | None = None) -> None:
         super().__init__(autopilot)
         self.body, self.flight_parameters = autopilot.body, autopilot.flight_parameters
         self._forward = forward
@@ -207,7 +207,7 @@ class AltitudeHold(StickControl):
 class PositionHold(AltitudeHold):
     """The sticks set the ground speed; centred sticks hold the position."""
 
-    def __init__(self, autopilot: Autopilot, *, forward: bool | None = None) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, *, forward: bool | None = None) -> None:
         super().__init__(autopilot, forward=forward)
         self._holds = False
 

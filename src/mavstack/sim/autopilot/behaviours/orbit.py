@@ -13,7 +13,7 @@ from mavstack.sim.autopilot.behaviours.steps import idle_on_ground, transition
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
 _YAW = common.OrbitYawBehaviour
@@ -26,7 +26,7 @@ class Orbit(Behaviour):
 
     def __init__(
         self,
-        autopilot: Autopilot,
+        autopilot: SimulatedAutopilot,
         centre: Point,
         radius: float,
         *,
@@ -81,7 +81,7 @@ class Orbit(Behaviour):
 class Circle(Behaviour):
     """Circle a point one radius ahead, or the current position, as a wing always does."""
 
-    def __init__(self, autopilot: Autopilot, *, forward: bool | None = None) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, *, forward: bool | None = None) -> None:
         super().__init__(autopilot)
         self._forward = forward
 

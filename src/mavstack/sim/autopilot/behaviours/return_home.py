@@ -19,14 +19,16 @@ from mavstack.sim.vehicle_types import VehicleType
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
 
 class ReturnToLaunch(Behaviour):
     """Return home; `forward` makes a VTOL fly or hover, `lands` False omits the landing."""
 
-    def __init__(self, autopilot: Autopilot, *, forward: bool | None = None, lands: bool = True) -> None:
+    def __init__(
+        self, autopilot: SimulatedAutopilot, *, forward: bool | None = None, lands: bool = True
+    ) -> None:
         super().__init__(autopilot)
         self._forward = forward
         self._lands = lands

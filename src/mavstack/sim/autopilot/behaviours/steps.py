@@ -10,7 +10,7 @@ from mavstack.sim.vehicle_types import VehicleType
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
 #: Maximum time to wait for a transition, in seconds.
@@ -21,14 +21,14 @@ _CLIMB_GAIN, _CLIMB_LEARNING = 0.1, 0.01
 _HOVER = 0.5
 
 
-def wait(autopilot: Autopilot, seconds: float) -> Iterator[None]:
+def wait(autopilot: SimulatedAutopilot, seconds: float) -> Iterator[None]:
     """Wait for some seconds."""
     end = autopilot.now + seconds
     while autopilot.now < end:
         yield
 
 
-def idle_on_ground(autopilot: Autopilot) -> Iterator[None]:
+def idle_on_ground(autopilot: SimulatedAutopilot) -> Iterator[None]:
     """Idle while an aircraft is on the ground."""
     if autopilot.vehicle.vehicle_type.flies and autopilot.landed:
         autopilot.body.idle()
@@ -36,7 +36,7 @@ def idle_on_ground(autopilot: Autopilot) -> Iterator[None]:
             yield
 
 
-def transition(autopilot: Autopilot, forward: bool | None) -> Iterator[None]:
+def transition(autopilot: SimulatedAutopilot, forward: bool | None) -> Iterator[None]:
     """Make a VTOL fly forward or hover; None keeps its flight mode. No effect on other types."""
     body = autopilot.body
     if autopilot.vehicle.vehicle_type is not VehicleType.VTOL:
@@ -56,20 +56,20 @@ def transition(autopilot: Autopilot, forward: bool | None) -> Iterator[None]:
         yield
 
 
-def transition_complete(autopilot: Autopilot, forward: bool) -> bool:
+def transition_complete(autopilot: SimulatedAutopilot, forward: bool) -> bool:
     """Return whether a transition is complete."""
     done = autopilot.body.transition
     return done >= _ON_THE_WING if forward else done <= 1 - _ON_THE_WING
 
 
-def fly_to(autopilot: Autopilot, point: Point, *, radius: float | None = None) -> Iterator[None]:
+def fly_to(autopilot: SimulatedAutopilot, point: Point, *, radius: float | None = None) -> Iterator[None]:
     """Go to a point and wait until it is reached; a wing may be at another altitude."""
     autopilot.maneuvers.go_to(point)
     while not autopilot.maneuvers.has_reached(point, radius):
         yield
 
 
-def change_altitude(autopilot: Autopilot, point: Point) -> Iterator[None]:
+def change_altitude(autopilot: SimulatedAutopilot, point: Point) -> Iterator[None]:
     """Climb or descend at a point: vertically, or in circles."""
     autopilot.maneuvers.hold(point)
     while not autopilot.maneuvers.is_at_altitude(point[2]):
@@ -79,7 +79,7 @@ def change_altitude(autopilot: Autopilot, point: Point) -> Iterator[None]:
 class ClimbControl:
     """Thrust for a climb rate of a hovering vehicle, for demands without a climb rate."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self._body = autopilot.body
         self._hover = _HOVER
 

@@ -12,7 +12,8 @@ from mavstack.sim.vehicle_types import VehicleType
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
+
 
 #: Pitch of a wing's takeoff, and the height in metres up to which it keeps its course.
 _PITCH = radians(13)
@@ -30,7 +31,7 @@ class Takeoff(Behaviour):
 
     def __init__(
         self,
-        autopilot: Autopilot,
+        autopilot: SimulatedAutopilot,
         altitude: float | None = None,
         *,
         down: float | None = None,

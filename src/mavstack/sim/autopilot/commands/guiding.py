@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
 
 def guide_to(
-    autopilot: Autopilot,
+    autopilot: SimulatedAutopilot,
     point: Point,
     *,
     speed: float | None = None,
@@ -21,7 +21,7 @@ def guide_to(
     autopilot.guided.go_to(point, speed=speed, radius=radius, yaw=yaw)
 
 
-def apply_choices(autopilot: Autopilot) -> None:
+def apply_choices(autopilot: SimulatedAutopilot) -> None:
     """Apply the chosen speed and yaw to the flight in progress."""
     if autopilot.mission.flying:
         autopilot.mission.keep_course()

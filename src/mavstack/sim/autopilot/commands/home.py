@@ -11,7 +11,7 @@ from mavstack.sim.autopilot.refusal import CommandRefusedError
 
 if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest
-    from mavstack.sim.autopilot.interfaces import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _CMD, _RESULT = common.MavCmd, common.MavResult
 
@@ -69,7 +69,7 @@ class HomeCommands(CommandGroup):
         return number(self.autopilot.body.estimate.yaw)
 
 
-def home_position(vehicle: Vehicle) -> common.HomePosition | None:
+def home_position(vehicle: SimulatedVehicle) -> common.HomePosition | None:
     """Return HOME_POSITION; None if there is no home yet."""
     autopilot = vehicle.autopilot
     if autopilot.home is None:

@@ -22,8 +22,9 @@ from mavstack.sim.autopilot.refusal import CommandRefusedError
 if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest
     from mavstack.services.command.server import Handler
-    from mavstack.sim.autopilot.interfaces import Autopilot, Vehicle
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.tasks import Script
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 #: The result of a handler; None: a long command has begun.
 Outcome: TypeAlias = "common.MavResult | None"
@@ -35,11 +36,11 @@ _LARGEST = 1 << 32
 class CommandGroup(ABC):
     """Some commands of one vehicle."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
         self.vehicle = vehicle
 
     @property
-    def autopilot(self) -> Autopilot:
+    def autopilot(self) -> SimulatedAutopilot:
         """The vehicle's autopilot."""
         return self.vehicle.autopilot
 
@@ -59,13 +60,13 @@ class CommandGroup(ABC):
         return common.MavResult.ACCEPTED if entered else common.MavResult.FAILED
 
 
-def register_handlers(vehicle: Vehicle, handlers: Handlers) -> None:
+def register_handlers(vehicle: SimulatedVehicle, handlers: Handlers) -> None:
     """Register the handlers of commands."""
     for command, handler in handlers.items():
         vehicle.commands.support(command, _guarded(vehicle, handler))
 
 
-def waiting(vehicle: Vehicle, seconds: float) -> Script:
+def waiting(vehicle: SimulatedVehicle, seconds: float) -> Script:
     """Return a script that waits for some seconds and reports its progress in percent."""
     begun = vehicle.autopilot.now
     while (passed := vehicle.autopilot.now - begun) < seconds:
@@ -96,7 +97,7 @@ def number(value: float, default: float = 0.0) -> float:
     return value if isfinite(value) else default
 
 
-def _guarded(vehicle: Vehicle, handler: Callable[[CommandRequest], Outcome]) -> Handler:
+def _guarded(vehicle: SimulatedVehicle, handler: Callable[[CommandRequest], Outcome]) -> Handler:
     def carry_out(request: CommandRequest) -> Outcome:
         try:
             return handler(request)

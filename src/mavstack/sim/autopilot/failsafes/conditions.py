@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 
-def ground_silence(autopilot: Autopilot) -> float | None:
+def ground_silence(autopilot: SimulatedAutopilot) -> float | None:
     """Return seconds since the last heartbeat of a ground station; None if there was none since the boot."""
     vehicle = autopilot.vehicle
     heard = [
@@ -21,7 +21,7 @@ def ground_silence(autopilot: Autopilot) -> float | None:
     return autopilot.now - max(heard) if heard else None
 
 
-def radio_lost(autopilot: Autopilot) -> bool:
+def radio_lost(autopilot: SimulatedAutopilot) -> bool:
     """Return whether the pilot's input was lost."""
     radio = autopilot.radio
     return radio.was_present and not radio.present

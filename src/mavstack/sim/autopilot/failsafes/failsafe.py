@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 
 def nothing() -> None:
@@ -23,7 +23,7 @@ class Failsafe:
 
     def __init__(
         self,
-        autopilot: Autopilot,
+        autopilot: SimulatedAutopilot,
         name: str,
         is_wrong: Callable[[], bool],
         delay: Callable[[], float],

@@ -19,8 +19,8 @@ from mavstack.sim.vehicle_types import VehicleType
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from mavstack.sim.autopilot.control import FenceControl
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
+    from mavstack.sim.autopilot.fence import FenceWatch
     from mavstack.sim.autopilot.maneuvers import Point
 
 _NAMES: Final[Mapping[Breach, str]] = {
@@ -59,11 +59,11 @@ _NOTICE = common.MavSeverity.NOTICE
 class ArdupilotFenceRules(FenceRules):
     """The fence rules of Copter, Plane, Rover and Sub."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         super().__init__(autopilot)
         self._enable: float | None = None
 
-    def limits(self, watch: FenceControl) -> FenceLimits:
+    def limits(self, watch: FenceWatch) -> FenceLimits:
         self._apply_switch(watch)
         on = self.number("FENCE_ENABLE") > 0 if watch.switched is None else watch.switched
         if not on:
@@ -81,13 +81,13 @@ class ArdupilotFenceRules(FenceRules):
             union=bool(int(self.number("FENCE_OPTIONS")) & _UNION_OPTION),
         )
 
-    def _apply_switch(self, watch: FenceControl) -> None:
+    def _apply_switch(self, watch: FenceWatch) -> None:
         """Let a newly set FENCE_ENABLE override an earlier command."""
         before, self._enable = self._enable, self.number("FENCE_ENABLE")
         if before is not None and before != self._enable:
             watch.reset_switch()
 
-    def breached(self, watch: FenceControl, new: Breach) -> None:
+    def breached(self, watch: FenceWatch, new: Breach) -> None:
         autopilot = self.autopilot
         if not autopilot.landed or not self.vehicle.vehicle_type.flies:
             self.vehicle.send_statustext(f"{names_of(new)} breached", _NOTICE)
@@ -101,17 +101,17 @@ class ArdupilotFenceRules(FenceRules):
         else:
             self._act(watch, action)
 
-    def worsened(self, watch: FenceControl) -> None:
+    def worsened(self, watch: FenceWatch) -> None:
         self.breached(watch, watch.breaches)
 
-    def cleared(self, watch: FenceControl) -> None:
+    def cleared(self, watch: FenceWatch) -> None:
         self.vehicle.send_statustext("Fence breach cleared", _NOTICE)
 
-    def replaced(self, watch: FenceControl) -> None:
+    def replaced(self, watch: FenceWatch) -> None:
         if watch.fence.shapes:
             self.vehicle.send_statustext("Fence received")
 
-    def problems(self, watch: FenceControl) -> Iterator[str]:
+    def problems(self, watch: FenceWatch) -> Iterator[str]:
         if not watch.enabled:
             return
         if watch.breaches:
@@ -122,7 +122,7 @@ class ArdupilotFenceRules(FenceRules):
         if limits.watched & Breach.HIGH and limits.highest < 0:
             yield "Invalid FENCE_ALT_MAX value"
 
-    def _act(self, watch: FenceControl, action: int) -> None:
+    def _act(self, watch: FenceWatch, action: int) -> None:
         kind = VehicleType.ROVER if self.vehicle.vehicle_type.on_surface else self.vehicle.vehicle_type
         names = _ACTIONS[kind].get(action, ())
         if self._enter(names) and action in _PLANE_GUIDED and kind in {VehicleType.PLANE, VehicleType.VTOL}:
@@ -139,7 +139,7 @@ class ArdupilotFenceRules(FenceRules):
                 return True
         return False
 
-    def return_point(self, watch: FenceControl) -> Point:
+    def return_point(self, watch: FenceWatch) -> Point:
         """Return a plane's target: a rally point (FENCE_RET_RALLY), the return point, the middle, or home."""
         autopilot = self.autopilot
         rally = autopilot.rally.nearest() if self.number("FENCE_RET_RALLY") else None
@@ -157,7 +157,7 @@ class ArdupilotFenceRules(FenceRules):
         norths, easts = zip(*middle.corners, strict=True)
         return sum(norths) / len(norths), sum(easts) / len(easts), down
 
-    def _return_altitude(self, watch: FenceControl) -> float:
+    def _return_altitude(self, watch: FenceWatch) -> float:
         wanted = self.number("FENCE_RET_ALT")
         if wanted > 0:
             return wanted

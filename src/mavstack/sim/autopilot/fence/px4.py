@@ -17,7 +17,8 @@ from mavstack.sim.autopilot.fence_limits import Breach, FenceLimits
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from mavstack.sim.autopilot.control import FenceControl
+    from mavstack.sim.autopilot.fence import FenceWatch
+
 
 _CRITICAL = common.MavSeverity.CRITICAL
 
@@ -43,7 +44,7 @@ _TEXTS: Final[Mapping[Breach, str]] = {
 class Px4FenceRules(FenceRules):
     """The fence rules of PX4."""
 
-    def limits(self, watch: FenceControl) -> FenceLimits:
+    def limits(self, watch: FenceWatch) -> FenceLimits:
         action = int(self.number("GF_ACTION", GeofenceAction.HOLD))
         if action == GeofenceAction.NONE or watch.switched is False:
             return FenceLimits()
@@ -58,7 +59,7 @@ class Px4FenceRules(FenceRules):
             union=True,
         )
 
-    def breached(self, watch: FenceControl, new: Breach) -> None:
+    def breached(self, watch: FenceWatch, new: Breach) -> None:
         for bit, text in _TEXTS.items():
             if new & bit:
                 self.vehicle.send_statustext(text, _CRITICAL)
@@ -75,12 +76,12 @@ class Px4FenceRules(FenceRules):
             case GeofenceAction.TERMINATE:
                 autopilot.terminate()
 
-    def problems(self, watch: FenceControl) -> Iterator[str]:
+    def problems(self, watch: FenceWatch) -> Iterator[str]:
         for bit, text in _TEXTS.items():
             if watch.breaches & bit:
                 yield text
 
-    def replaced(self, watch: FenceControl) -> None:
+    def replaced(self, watch: FenceWatch) -> None:
         autopilot = self.autopilot
         if not watch.fence.shapes or not autopilot.has_position:
             return

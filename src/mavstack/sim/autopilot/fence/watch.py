@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.services.mission import MissionItem
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 WORSENED_DISTANCE = 20.0
 _KINDS = common.FenceBreach
@@ -31,7 +31,7 @@ OFF, ON, FLOOR_OFF = 0, 1, 2
 class FenceWatch:
     """The fence of one vehicle; one of its autopilot's watches."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self.autopilot = autopilot
         self.rules = fence_rules_of(autopilot)
         self.breaches = Breach.NONE

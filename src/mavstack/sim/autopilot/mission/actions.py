@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.services.mission import MissionItem
-    from mavstack.sim.autopilot.mission.interfaces import Step
+    from mavstack.sim.autopilot.mission.rules import Step
 
 _ROI = common.MavRoi
 _SPEED = common.SpeedType

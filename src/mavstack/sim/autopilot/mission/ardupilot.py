@@ -12,14 +12,15 @@ from mavstack.dialects import ardupilotmega, common
 from mavstack.services.frames import GLOBAL_FRAMES
 from mavstack.sim.autopilot.item_checks import check_numbers, check_position
 from mavstack.sim.autopilot.item_positions import as_global
-from mavstack.sim.autopilot.mission.interfaces import MissionRules
+from mavstack.sim.autopilot.mission.rules import MissionRules
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from mavstack.services.mission import MissionItem
-    from mavstack.sim.autopilot.mission.interfaces import Mission, Step
+    from mavstack.sim.autopilot.mission.rules import Step
+    from mavstack.sim.autopilot.mission.runner import MissionRunner
 
 _CMD = ardupilotmega.MavCmd
 _RESULT = common.MavMissionResult
@@ -173,7 +174,7 @@ class ArdupilotMissionRules(MissionRules):
     def may_replace(self, *, flying: bool, empty: bool) -> int:
         return _RESULT.ERROR if flying and empty else _RESULT.ACCEPTED
 
-    def replaced(self, mission: Mission, was: int) -> None:
+    def replaced(self, mission: MissionRunner, was: int) -> None:
         if mission.items:
             mission.send_statustext("Flight plan received")
         mission.restore(was)
@@ -190,7 +191,7 @@ class ArdupilotMissionRules(MissionRules):
     def navigates(self, item: MissionItem) -> bool:
         return item.command <= _LAST_NAVIGATION or item.command == _CMD.NAV_SET_YAW_SPEED
 
-    def refusal(self, mission: Mission) -> str | None:
+    def refusal(self, mission: MissionRunner) -> str | None:
         autopilot, kind = self.autopilot, self.vehicle.vehicle_type
         if kind in _WINGS or not (autopilot.armed or kind.on_surface):
             return None
@@ -243,7 +244,7 @@ class ArdupilotMissionRules(MissionRules):
     def passes_by(self) -> bool:
         return self.vehicle.vehicle_type in _WINGS
 
-    def finish(self, mission: Mission) -> Iterator[None]:
+    def finish(self, mission: MissionRunner) -> Iterator[None]:
         kind, autopilot = self.vehicle.vehicle_type, self.autopilot
         if self.grounded and kind in {VehicleType.COPTER, VehicleType.VTOL}:
             mission.later(lambda: autopilot.disarm("mission end"))
@@ -260,7 +261,7 @@ class ArdupilotMissionRules(MissionRules):
             yield
 
 
-def _takes_off(mission: Mission) -> bool:
+def _takes_off(mission: MissionRunner) -> bool:
     """Return whether the next NAV item, except delays, is a takeoff."""
     begin = 0 if mission.rules.restarts else mission.sequence
     commands = (mission.items[seq].command for seq in mission.route.upcoming(begin))

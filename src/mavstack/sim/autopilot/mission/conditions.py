@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.mission.interfaces import Step
+    from mavstack.sim.autopilot.mission.rules import Step
 
 _HEADING_REACHED = radians(5)
 #: Time after which a heading that is not reached is given up, in seconds.

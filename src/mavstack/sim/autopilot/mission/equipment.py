@@ -11,7 +11,7 @@ from mavstack.sim.autopilot.payload import Gimbal
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.mission.interfaces import Step
+    from mavstack.sim.autopilot.mission.rules import Step
 
 _MIDDLE, _TRAVEL = 1500, 500
 _ACTUATORS = 6

@@ -5,9 +5,9 @@ ArduPilot runs the DO and CONDITION items of a leg beside its NAV item, PX4 befo
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
-from mavstack.sim.autopilot.mission.interfaces import Mission, Step
+from mavstack.sim.autopilot.mission.rules import Step
 from mavstack.sim.autopilot.mission.scripts import script_of
 
 if TYPE_CHECKING:
@@ -15,27 +15,13 @@ if TYPE_CHECKING:
 
     from mavstack.services.mission import MissionItem
     from mavstack.sim.autopilot.mission.route import Leg
+    from mavstack.sim.autopilot.mission.runner import MissionRunner
 
 #: Returned by `next` at the end of a script.
 ENDED = object()
 
 
-class LegHost(Mission, Protocol):
-    """The mission whose leg is flown."""
-
-    flown: MissionItem | None
-
-    def set_current(self, seq: int) -> None:
-        """Make an item the current one, if the mission has it."""
-
-    def report_reached(self, seq: int) -> None:
-        """Send MISSION_ITEM_REACHED."""
-
-    def until_interrupted(self, script: Iterator[None]) -> Iterator[None]:
-        """Run a script until the mission is interrupted; a pause suspends it."""
-
-
-def fly_leg(host: LegHost, leg: Leg) -> Iterator[None]:
+def fly_leg(host: MissionRunner, leg: Leg) -> Iterator[None]:
     """Run the items of a leg until the NAV item is complete or the mission is interrupted."""
     items = host.items
     actions = _act(host, leg)
@@ -57,7 +43,7 @@ def _fly_with_actions(navigation: Iterator[None], actions: Iterator[None]) -> It
         yield
 
 
-def _act(host: LegHost, leg: Leg) -> Iterator[None]:
+def _act(host: MissionRunner, leg: Leg) -> Iterator[None]:
     items = host.items
     for seq in leg.actions:
         yield from _perform(host, seq, items[seq])
@@ -65,7 +51,7 @@ def _act(host: LegHost, leg: Leg) -> Iterator[None]:
             yield
 
 
-def _perform(host: LegHost, seq: int, item: MissionItem) -> Iterator[None]:
+def _perform(host: MissionRunner, seq: int, item: MissionItem) -> Iterator[None]:
     step = Step(host, seq, item)
     if host.rules.navigates(item) or not host.rules.actions_meanwhile:
         host.set_current(seq)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.sim.autopilot.maneuvers import Point
-    from mavstack.sim.autopilot.mission.interfaces import Step
+    from mavstack.sim.autopilot.mission.rules import Step
 
 _MAX_TURNS = 255.0
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from mavstack.sim.autopilot.behaviour import Behaviour
     from mavstack.sim.autopilot.maneuvers import Point
-    from mavstack.sim.autopilot.mission.interfaces import Step
+    from mavstack.sim.autopilot.mission.rules import Step
 
 #: Minimum climb of a takeoff, in metres.
 _MIN_CLIMB = 1.0

@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.sim.autopilot.item_checks import check_numbers, check_position
 from mavstack.sim.autopilot.item_positions import place_of
-from mavstack.sim.autopilot.mission.interfaces import MissionRules
+from mavstack.sim.autopilot.mission.rules import MissionRules
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.services.mission import MissionItem
-    from mavstack.sim.autopilot.mission.interfaces import Mission, Step
+    from mavstack.sim.autopilot.mission.rules import Step
+    from mavstack.sim.autopilot.mission.runner import MissionRunner
 
 _CMD = common.MavCmd
 _F = common.MavFrame
@@ -129,7 +130,7 @@ class Px4MissionRules(MissionRules):
             return result
         return check_position(item, highest=_HIGHEST, may_be_left_out=True)
 
-    def replaced(self, mission: Mission, was: int) -> None:
+    def replaced(self, mission: MissionRunner, was: int) -> None:
         self._reached = None
         problem = self.problem(mission)
         if problem is not None:
@@ -137,7 +138,7 @@ class Px4MissionRules(MissionRules):
         if mission.flying:
             mission.begin_at(mission.sequence)
 
-    def problem(self, mission: Mission) -> str | None:
+    def problem(self, mission: MissionRunner) -> str | None:
         """Return why the uploaded mission cannot be flown; None if it can, or if there is none."""
         moved = False
         for seq, item in enumerate(mission.items):
@@ -159,12 +160,12 @@ class Px4MissionRules(MissionRules):
     def navigates(self, item: MissionItem) -> bool:
         return item.command in PLACED and item.command not in _REGIONS | {_CMD.DO_SET_ROI_LOCATION}
 
-    def refusal(self, mission: Mission) -> str | None:
+    def refusal(self, mission: MissionRunner) -> str | None:
         if self.autopilot.armed and (not mission.exists or self.problem(mission) is not None):
             return "Switching to mode 'Mission' is currently not possible"
         return None
 
-    def began(self, mission: Mission) -> None:
+    def began(self, mission: MissionRunner) -> None:
         if mission.exists and self.problem(mission) is None:
             mission.send_statustext("Executing Mission")
 
@@ -172,7 +173,7 @@ class Px4MissionRules(MissionRules):
         if step.item.command in _TAKEOFFS and self.grounded:
             step.mission.send_statustext(f"Climb to {self._height(step.item):.1f} meters above home")
 
-    def reported(self, mission: Mission, seq: int) -> None:
+    def reported(self, mission: MissionRunner, seq: int) -> None:
         self._reached = report = object()
 
         def repeat_report() -> None:
@@ -201,7 +202,7 @@ class Px4MissionRules(MissionRules):
     def yaw_counts(self) -> bool:
         return True
 
-    def finish(self, mission: Mission) -> Iterator[None]:
+    def finish(self, mission: MissionRunner) -> Iterator[None]:
         """End the mission; on the ground the mode stays, and the vehicle is disarmed."""
         autopilot, where = self.autopilot, "landed" if self.grounded else "loitering"
         if not mission.exists:

@@ -16,9 +16,9 @@ from mavstack.services.mission import CurrentItemSet, Plan, PlanReplaced, PlanTy
 from mavstack.sim.autopilot.course import Course
 from mavstack.sim.autopilot.mission.factory import rules_of
 from mavstack.sim.autopilot.mission.guided_limits import GuidedLimits
-from mavstack.sim.autopilot.mission.interfaces import Step
 from mavstack.sim.autopilot.mission.leg_flight import ENDED, fly_leg
 from mavstack.sim.autopilot.mission.route import Leg, Route
+from mavstack.sim.autopilot.mission.rules import Step
 from mavstack.sim.autopilot.mission.validation import validate_item, validate_plan
 from mavstack.sim.autopilot.terrain import following
 
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
     from mavstack.services import Address
     from mavstack.services.mission import MissionItem, MissionServer
-    from mavstack.sim.autopilot.control import RunningBehaviour
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
+    from mavstack.sim.autopilot.behaviour import Behaviour
     from mavstack.sim.autopilot.maneuvers import Point
 
 _STATE = common.MissionState
@@ -42,12 +42,12 @@ _MAX_LEGS = 10
 class MissionRunner:
     """The mission of one vehicle; one of its autopilot's watches."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self.autopilot = autopilot
         self.rules = rules_of(autopilot)
         self.course = Course(autopilot, autopilot.payload)
         #: The behaviour that the current item runs, such as a takeoff.
-        self.part: RunningBehaviour | None = None
+        self.part: Behaviour | None = None
         self.guided_limits = GuidedLimits()
         #: True if a VTOL was commanded to hover on its way.
         self.hovers = False

@@ -13,7 +13,7 @@ from mavstack.sim.autopilot.mission import actions, conditions, equipment, loite
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from mavstack.sim.autopilot.mission.interfaces import Script
+    from mavstack.sim.autopilot.mission.rules import Script
 
 _CMD = ardupilotmega.MavCmd
 

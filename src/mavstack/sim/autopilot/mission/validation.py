@@ -11,7 +11,7 @@ from mavstack.sim.autopilot.rally import check_rally_item
 
 if TYPE_CHECKING:
     from mavstack.services.mission import MissionItem, Plan
-    from mavstack.sim.autopilot.mission.interfaces import MissionRules
+    from mavstack.sim.autopilot.mission.rules import MissionRules
 
 
 def validate_item(rules: MissionRules, kind: int, item: MissionItem) -> int:

@@ -13,9 +13,9 @@ from mavstack.services.serial_control import ShellInput, ShellOpened
 from mavstack.sim.px4.shell.programs import PROGRAMS, ShellContext
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.px4.shell.message_log import MessageLog
     from mavstack.sim.px4.state import Px4State
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 PROMPT: Final = "nsh> "
 _MAX_LINE: Final = 256
@@ -27,7 +27,7 @@ _SEQUENCE_END: Final = range(0x40, 0x7F)
 class Console:
     """The shell of one vehicle."""
 
-    def __init__(self, vehicle: Vehicle, state: Px4State, message_log: MessageLog) -> None:
+    def __init__(self, vehicle: SimulatedVehicle, state: Px4State, message_log: MessageLog) -> None:
         self._vehicle = vehicle
         self._context = ShellContext(vehicle, state, message_log)
         self._line = ""

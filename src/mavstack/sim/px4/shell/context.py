@@ -6,15 +6,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.px4.shell.message_log import MessageLog
     from mavstack.sim.px4.state import Px4State
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 
 @dataclass(frozen=True, slots=True)
 class ShellContext:
     """One vehicle as seen by its shell."""
 
-    vehicle: Vehicle
+    vehicle: SimulatedVehicle
     state: Px4State
     message_log: MessageLog

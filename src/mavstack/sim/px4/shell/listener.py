@@ -10,8 +10,8 @@ from mavstack.sim.telemetry.view import quaternion
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.px4.shell.context import ShellContext
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 Fields: TypeAlias = "Mapping[str, object]"
 _ARMED, _DISARMED = 2, 1
@@ -38,7 +38,7 @@ def _text(value: object) -> str:
     return str(value)
 
 
-def _vehicle_status(vehicle: Vehicle) -> Fields:
+def _vehicle_status(vehicle: SimulatedVehicle) -> Fields:
     autopilot = vehicle.autopilot
     return {
         "arming_state": _ARMED if autopilot.armed else _DISARMED,
@@ -51,7 +51,7 @@ def _vehicle_status(vehicle: Vehicle) -> Fields:
     }
 
 
-def _battery_status(vehicle: Vehicle) -> Fields:
+def _battery_status(vehicle: SimulatedVehicle) -> Fields:
     battery = vehicle.body.battery
     return {
         "voltage_v": battery.voltage,
@@ -64,7 +64,7 @@ def _battery_status(vehicle: Vehicle) -> Fields:
     }
 
 
-def _local_position(vehicle: Vehicle) -> Fields:
+def _local_position(vehicle: SimulatedVehicle) -> Fields:
     here, frame = vehicle.body.estimate, vehicle.body.frame
     return {
         "x": here.north,
@@ -81,23 +81,23 @@ def _local_position(vehicle: Vehicle) -> Fields:
     }
 
 
-def _global_position(vehicle: Vehicle) -> Fields:
+def _global_position(vehicle: SimulatedVehicle) -> Fields:
     here = vehicle.body.estimate
     latitude, longitude, altitude = vehicle.body.frame.to_global(here.north, here.east, here.down)
     return {"lat": latitude, "lon": longitude, "alt": altitude}
 
 
-def _attitude(vehicle: Vehicle) -> Fields:
+def _attitude(vehicle: SimulatedVehicle) -> Fields:
     here = vehicle.body.estimate
     return {"q": quaternion(here.roll, here.pitch, here.yaw)}
 
 
-def _angular_velocity(vehicle: Vehicle) -> Fields:
+def _angular_velocity(vehicle: SimulatedVehicle) -> Fields:
     here = vehicle.body.estimate
     return {"xyz": (here.roll_rate, here.pitch_rate, here.yaw_rate)}
 
 
-def _gps(vehicle: Vehicle) -> Fields:
+def _gps(vehicle: SimulatedVehicle) -> Fields:
     sensors = vehicle.body.sensors
     return {
         "latitude_deg": sensors.gps_latitude,
@@ -110,7 +110,7 @@ def _gps(vehicle: Vehicle) -> Fields:
     }
 
 
-def _sensor_combined(vehicle: Vehicle) -> Fields:
+def _sensor_combined(vehicle: SimulatedVehicle) -> Fields:
     sensors = vehicle.body.sensors
     return {
         "gyro_rad": (sensors.gyro_x, sensors.gyro_y, sensors.gyro_z),
@@ -118,18 +118,18 @@ def _sensor_combined(vehicle: Vehicle) -> Fields:
     }
 
 
-def _land_detected(vehicle: Vehicle) -> Fields:
+def _land_detected(vehicle: SimulatedVehicle) -> Fields:
     return {"landed": vehicle.autopilot.landed, "ground_contact": vehicle.body.on_ground}
 
 
-def _home(vehicle: Vehicle) -> Fields:
+def _home(vehicle: SimulatedVehicle) -> Fields:
     home = vehicle.autopilot.home
     if home is None:
         return {"valid_hpos": False}
     return {"lat": home.latitude, "lon": home.longitude, "alt": home.altitude, "valid_hpos": True}
 
 
-_TOPICS: Final[Mapping[str, Callable[[Vehicle], Fields]]] = MappingProxyType(
+_TOPICS: Final[Mapping[str, Callable[[SimulatedVehicle], Fields]]] = MappingProxyType(
     {
         "battery_status": _battery_status,
         "home_position": _home,

@@ -6,7 +6,7 @@ from collections import deque
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.interfaces import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _MAX_LINES: Final = 200
 
@@ -17,12 +17,12 @@ class MessageLog:
     def __init__(self) -> None:
         self.lines: deque[str] = deque(maxlen=_MAX_LINES)
 
-    def start(self, vehicle: Vehicle) -> None:
+    def start(self, vehicle: SimulatedVehicle) -> None:
         """Clear the log at boot, and listen to the vehicle."""
         self.lines.clear()
         vehicle.add_listener(self.on_event)
 
-    def on_event(self, vehicle: Vehicle, event: str, text: str) -> None:
+    def on_event(self, vehicle: SimulatedVehicle, event: str, text: str) -> None:
         """Append a status text of the vehicle."""
         if event == "text":
             self.lines.append(f"[{vehicle.uptime:10.3f}] INFO  [commander] {text}")

@@ -15,69 +15,33 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import isfinite, isnan, radians
-from typing import TYPE_CHECKING, Protocol, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import common
-from mavstack.sim.autopilot.control import MissionControl
 from mavstack.sim.autopilot.item_positions import has_place, place_of
 
 if TYPE_CHECKING:
-    from mavstack.services.mission import MissionItem, MissionServer
-    from mavstack.sim.autopilot.control import RunningBehaviour
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.services.mission import MissionItem
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
+    from mavstack.sim.autopilot.behaviour import Behaviour
     from mavstack.sim.autopilot.maneuvers import Maneuvers, Point
-    from mavstack.sim.autopilot.mission.guided_limits import GuidedLimits
-    from mavstack.sim.autopilot.mission.route import Route
+    from mavstack.sim.autopilot.mission.runner import MissionRunner
 
 _RESULT = common.MavMissionResult
 #: Params of an item are clipped to this magnitude.
 MAX_NUMBER = 1.0e6
 
 
-class Mission(MissionControl, Protocol):
-    """The mission in progress."""
-
-    guided_limits: GuidedLimits
-
-    @property
-    def autopilot(self) -> Autopilot:
-        """The autopilot that flies the mission."""
-
-    @property
-    def rules(self) -> MissionRules:
-        """The rules of the firmware."""
-
-    @property
-    def server(self) -> MissionServer:
-        """The server of the mission protocol."""
-
-    @property
-    def route(self) -> Route:
-        """The order of the items."""
-
-    def later(self, act: Callable[[], object], *, after: float = 0.0) -> None:
-        """Call `act` before the next tick, or after some seconds."""
-
-    def hand_over(self, seq: int) -> bool:
-        """Complete an item that continues outside the mission; returns whether it was the last one."""
-
-    def send_statustext(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
-        """Send a STATUSTEXT."""
-
-    def set_course(self, point: Point, *, start: Point | None = None, yaw: float | None = None) -> None:
-        """Fly a line to a point."""
-
-
 @dataclass(frozen=True, slots=True)
 class Step:
     """One item in progress: the argument of its script."""
 
-    mission: Mission
+    mission: MissionRunner
     seq: int
     item: MissionItem
 
     @property
-    def autopilot(self) -> Autopilot:
+    def autopilot(self) -> SimulatedAutopilot:
         """The autopilot that flies the mission."""
         return self.mission.autopilot
 
@@ -141,7 +105,7 @@ class Step:
         down = self.mission.course.followed_down
         return point if down is None else (*point[:2], down)
 
-    def behave(self, behaviour: RunningBehaviour) -> Iterator[None]:
+    def behave(self, behaviour: Behaviour) -> Iterator[None]:
         """Run the behaviour of a mode as a part of the mission."""
         self.mission.course.clear()
         self.mission.part = behaviour
@@ -166,7 +130,7 @@ class MissionRules(ABC):
     #: True if a VTOL flies waypoints in forward flight unless commanded to hover.
     waypoints_fly_forward: bool
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self.autopilot = autopilot
         self.vehicle = autopilot.vehicle
 
@@ -190,14 +154,14 @@ class MissionRules(ABC):
         """Validate a replacement of the mission: MAV_MISSION_RESULT."""
         return _RESULT.ACCEPTED
 
-    def replaced(self, mission: Mission, was: int) -> None:  # noqa: B027 (optional)
+    def replaced(self, mission: MissionRunner, was: int) -> None:  # noqa: B027 (optional)
         """React to a replaced mission; `was` is the current item before."""
 
-    def problem(self, mission: Mission) -> str | None:
+    def problem(self, mission: MissionRunner) -> str | None:
         """Return why the mission cannot be flown at all; None if it can, or if there is none."""
         return None
 
-    def valid(self, mission: Mission) -> bool:
+    def valid(self, mission: MissionRunner) -> bool:
         """Return whether there is a mission that can be flown."""
         return mission.exists and self.problem(mission) is None
 
@@ -208,10 +172,10 @@ class MissionRules(ABC):
         """Return whether an item ends a leg."""
 
     @abstractmethod
-    def refusal(self, mission: Mission) -> str | None:
+    def refusal(self, mission: MissionRunner) -> str | None:
         """Return why the mission cannot be flown now; None if it can."""
 
-    def began(self, mission: Mission) -> None:  # noqa: B027 (optional)
+    def began(self, mission: MissionRunner) -> None:  # noqa: B027 (optional)
         """Send the firmware's texts at the start of the mission."""
 
     def started(self, step: Step) -> None:  # noqa: B027 (optional)
@@ -227,7 +191,7 @@ class MissionRules(ABC):
         """Return whether MISSION_ITEM_REACHED is sent at the end of an item."""
         return True
 
-    def reported(self, mission: Mission, seq: int) -> None:  # noqa: B027 (optional)
+    def reported(self, mission: MissionRunner, seq: int) -> None:  # noqa: B027 (optional)
         """React to a MISSION_ITEM_REACHED that was sent."""
 
     def go_home(self, step: Step) -> Iterator[None]:
@@ -270,5 +234,5 @@ class MissionRules(ABC):
         return True
 
     @abstractmethod
-    def finish(self, mission: Mission) -> Iterator[None]:
+    def finish(self, mission: MissionRunner) -> Iterator[None]:
         """Run after the last item."""
