@@ -9,19 +9,10 @@ from mavstack.dialects.names import class_name, to_identifier
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
-    from typing import Any, Protocol
+    from typing import Any
 
-    from mavstack._core import MessageLayout
-    from mavstack.dialects.message import MessageDialect
+    from mavstack.dialects.dialect import Dialect
     from mavstack.dialects.tables import MessageRow, Table
-
-    class ClassDialect(MessageDialect, Protocol):
-        """The part of a dialect that the creation of message classes uses."""
-
-        def __contains__(self, key: object) -> bool: ...
-        def layout(self, row: MessageRow) -> MessageLayout:
-            """Return the layout of a message for the core."""
-
 
 #: Names that fields may not have, because they are attributes of all messages.
 _RESERVED_NAMES = frozenset(dir(Message))
@@ -41,7 +32,7 @@ def attribute_names(row: MessageRow) -> list[str]:
 
 
 def make_class(
-    dialect: ClassDialect, row: MessageRow, parents: Sequence[type[Message]], table: Table
+    dialect: Dialect, row: MessageRow, parents: Sequence[type[Message]], table: Table
 ) -> type[Message]:
     """Create the class of a message in `dialect`; `table` is that of the file that defines the message."""
     attributes = attribute_names(row)
@@ -106,7 +97,7 @@ def _constant(value: object) -> property:
     return property(lambda _message: value)
 
 
-def official_bases(row: MessageRow, dialects: Iterable[ClassDialect]) -> list[type[Message]]:
+def official_bases(row: MessageRow, dialects: Iterable[Dialect]) -> list[type[Message]]:
     """Return the official class with the same id, name and layout except extensions, as a list."""
     for dialect in dialects:
         if row[1] in dialect and row[0] in dialect:

@@ -16,21 +16,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
     from typing import Any, Protocol, TypeAlias
 
+    from mavstack.dialects.dialect import Dialect
     from mavstack.dialects.model import EnumDefinition
-
-    class EnumDialect(Protocol):
-        """The part of a dialect that its enum classes use."""
-
-        @property
-        def module_name(self) -> str:
-            """The `__module__` of the classes."""
-
-        @property
-        def enums(self) -> Mapping[str, EnumClass]:
-            """The enum classes by name."""
-
-        def enum_definition(self, name: str) -> EnumDefinition:
-            """Return the definition of an enum."""
 
     class EnumFiles(Protocol):
         """The part of a dialect that its mapping of enums uses."""
@@ -161,7 +148,7 @@ def reserved_names(bitmask: bool) -> Iterable[str]:
 
 
 def make_enum(
-    dialect: EnumDialect, official: str, name: str, members: dict[str, int], *, bitmask: bool
+    dialect: Dialect, official: str, name: str, members: dict[str, int], *, bitmask: bool
 ) -> EnumClass:
     """Create the class of an enum of `dialect`; `members` are values by Python name."""
     base: Any = MavFlag if bitmask else MavEnum
@@ -170,9 +157,9 @@ def make_enum(
     return enum_class  # type: ignore[no-any-return]
 
 
-def source_of(enum: EnumClass) -> tuple[EnumDialect, str]:
+def source_of(enum: EnumClass) -> tuple[Dialect, str]:
     """Return the dialect of an enum class, and the name of the enum."""
-    source: tuple[EnumDialect, str] = enum.__dict__["__mavlink_source__"]
+    source: tuple[Dialect, str] = enum.__dict__["__mavlink_source__"]
     return source
 
 
@@ -210,7 +197,7 @@ def _make_reader(enum: EnumClass) -> EnumReader:
     return members, combination
 
 
-def restore_member(dialect: EnumDialect, official: str, value: int) -> int:
+def restore_member(dialect: Dialect, official: str, value: int) -> int:
     """Restore a pickled member, as a plain integer if the dialect has no such member."""
     enum = dialect.enums[official]
     members, fallback = enum_reader(enum)

@@ -20,22 +20,11 @@ from mavstack.errors import FieldNameError, FieldTypeError
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from typing import Any, ClassVar, Literal, Protocol, Self, TypeAlias
+    from typing import Any, ClassVar, Literal, Self, TypeAlias
 
-    from mavstack.dialects.enums import EnumDialect
+    from mavstack.dialects.dialect import Dialect
     from mavstack.dialects.model import MessageDefinition
     from mavstack.dialects.tables import MessageRow
-
-    class MessageDialect(EnumDialect, Protocol):
-        """The part of a dialect that its message classes use."""
-
-        def __getitem__(self, key: str | int) -> type[Message]: ...
-        def enum_values(self, name: str) -> dict[str, int]:
-            """Return the values of an enum by entry name."""
-
-        def message_definition(self, number: int) -> MessageDefinition:
-            """Return the definition of a message."""
-
 
 #: The form of enum values: members, integers, or names of the definition.
 EnumForm: TypeAlias = 'Literal["member", "value", "name"]'
@@ -70,7 +59,7 @@ class Message(MessageBase):
     if TYPE_CHECKING:
         __match_args__: ClassVar[tuple[str, ...]]
         #: The dialect of the class, and the row of its table with the layout.
-        __mavlink_dialect__: ClassVar[MessageDialect]
+        __mavlink_dialect__: ClassVar[Dialect]
         __mavlink_row__: ClassVar[MessageRow]
 
     @classmethod
@@ -227,7 +216,7 @@ class Message(MessageBase):
         return type(self).from_payload, (self.to_payload(),), getattr(self, "__dict__", None)
 
 
-def restore_message(dialect: MessageDialect, name: str, payload: bytes) -> Message:
+def restore_message(dialect: Dialect, name: str, payload: bytes) -> Message:
     """Restore a pickled message."""
     return dialect[name].from_payload(payload)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from mavstack.router.config import RouterConfig
 from mavstack.router.filters import rules_of
@@ -12,22 +12,11 @@ from mavstack.router.guard import Guard
 if TYPE_CHECKING:
     from mavstack.dialects import Dialect
     from mavstack.router.config import EndpointConfig
+    from mavstack.router.endpoints.base import Endpoint
     from mavstack.router.engine import RouterEngine
     from mavstack.router.firewall import Peer
 
 _log = logging.getLogger("mavstack.router")
-
-
-class Owner(Protocol):
-    """An endpoint that owns links of the engine."""
-
-    config: EndpointConfig
-
-    def link_closed(self, number: int, reason: str) -> None:
-        """Take note that the engine closed a link."""
-
-    def readable(self, number: int) -> None:
-        """Take the packets that wait for a link."""
 
 
 class Attachments:
@@ -43,12 +32,12 @@ class Attachments:
         self.engine = engine
         self.dialect = dialect
         self.guard = guard or Guard(engine, RouterConfig(), rules_of)
-        self._owners: dict[int, Owner] = {}
+        self._owners: dict[int, Endpoint] = {}
 
     def attach(
         self,
         number: int,
-        owner: Owner,
+        owner: Endpoint,
         name: str = "",
         *,
         peer: Peer | None = None,
@@ -88,10 +77,10 @@ class Attachments:
         self.guard.remove(number)
         self.engine.remove(number)
 
-    def owner(self, number: int) -> Owner | None:
+    def owner(self, number: int) -> Endpoint | None:
         """Return the endpoint of a link."""
         return self._owners.get(number)
 
-    def report_bug(self, owner: Owner, error: BaseException) -> None:
+    def report_bug(self, owner: Endpoint, error: BaseException) -> None:
         """Log an error that ended a task of an endpoint."""
         _log.error("endpoint %s ended: internal error", owner.config.name, exc_info=error)

@@ -6,14 +6,14 @@ it the current item is the one after the last that was reached.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.vehicle.actions.conditions import LandingDetector, SustainedCondition
 
 if TYPE_CHECKING:
-    from mavstack.services.mission import MissionProgress
     from mavstack.vehicle.firmware import Firmware
+    from mavstack.vehicle.mission import Mission
     from mavstack.vehicle.vehicle import Vehicle
 
 _STATE: Final = common.MissionState
@@ -25,25 +25,6 @@ STANDING_SPEED: Final = 0.3
 STANDING_TIME: Final = 4.0
 
 
-class FlownMission(Protocol):
-    """The mission that is flown; `mission.Mission` is the implementation."""
-
-    @property
-    def progress(self) -> MissionProgress | None:
-        """The last progress that the vehicle reported."""
-        ...
-
-    @property
-    def last_seq(self) -> int:
-        """The sequence number of the last item."""
-        ...
-
-    @property
-    def landing_seq(self) -> int:
-        """The sequence number of the landing or return at its end, if there is one; else the last item's."""
-        ...
-
-
 class MissionCompletion:
     """Detects that a mission has ended and that the action of its last item is complete.
 
@@ -51,7 +32,7 @@ class MissionCompletion:
     the end belongs to them only at the end, since before that it is a pause.
     """
 
-    def __init__(self, vehicle: Vehicle, firmware: Firmware, mission: FlownMission) -> None:
+    def __init__(self, vehicle: Vehicle, firmware: Firmware, mission: Mission) -> None:
         self._vehicle = vehicle
         self._firmware = firmware
         self._mission = mission

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from mavstack.errors import MspDenied, MspSettingError
 from mavstack.msp.requests import Priority
@@ -21,32 +21,13 @@ from mavstack.msp.settings import Settings
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mavstack.msp.firmware_info import FirmwareInfo
+    from mavstack.bridges.msp.flight_controller import FlightController
     from mavstack.msp.messages.base import MspMessage
     from mavstack.msp.messages.layout import TableMessage
     from mavstack.msp.settings import SettingDefinition, Value
 
 
 M = TypeVar("M", bound="MspMessage")
-
-
-class Controller(Protocol):
-    """The part of `FlightController` that reads and writes settings."""
-
-    info: FirmwareInfo
-
-    @property
-    def name(self) -> str:
-        """The URL in error texts."""
-
-    async def get(self, kind: type[M], *, priority: Priority = ...) -> M:
-        """Request a message."""
-
-    async def send(self, message: MspMessage) -> None:
-        """Send a message, and wait until the firmware has accepted it."""
-
-    async def save(self) -> None:
-        """Write all settings to the memory that survives a restart."""
 
 
 class ControllerSettings:
@@ -56,7 +37,7 @@ class ControllerSettings:
         controller: The flight controller.
     """
 
-    def __init__(self, controller: Controller) -> None:
+    def __init__(self, controller: FlightController) -> None:
         self._controller = controller
         self._settings: Settings | None = None
         self._changing = asyncio.Lock()

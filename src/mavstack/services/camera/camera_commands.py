@@ -12,19 +12,10 @@ from mavstack.services.camera.media import TrackedTarget
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
-    from typing import Protocol
 
     from mavstack.services.camera.managed import ManagedCamera
+    from mavstack.services.camera.server import CameraServer
     from mavstack.services.command import CommandRequest, CommandServer
-
-    class Cameras(Protocol):
-        """The server, as its commands see it."""
-
-        def selected(self, device_id: float) -> list[ManagedCamera]: ...
-        def enter_mode(self, camera: ManagedCamera, mode: int, now: float) -> None: ...
-        def report_settings(self, camera: ManagedCamera, now: float) -> None: ...
-        def report_capture(self, camera: ManagedCamera, now: float) -> None: ...
-        def report_storages(self, camera: ManagedCamera, now: float) -> None: ...
 
     Do: TypeAlias = "Callable[[ManagedCamera, CommandRequest], common.MavResult]"
 
@@ -37,7 +28,7 @@ MAX_ID = 255
 class CameraCommands:
     """The handlers of the camera commands; each selects its cameras and checks their abilities."""
 
-    def __init__(self, cameras: Cameras) -> None:
+    def __init__(self, cameras: CameraServer) -> None:
         self._cameras = cameras
 
     def register(self, commands: CommandServer) -> None:

@@ -34,7 +34,8 @@ from mavstack.services.parameters.value import (
 
 if TYPE_CHECKING:
     from mavstack.dialects import Message
-    from mavstack.services.parameters.cache import ParameterCache, ReceivedParameter, Snapshot
+    from mavstack.services.parameters.cache import ReceivedParameter, Snapshot
+    from mavstack.services.parameters.client import ParameterClient
     from mavstack.services.timing import RoundTrip
     from mavstack.wire import Packet
 
@@ -51,9 +52,9 @@ class ParameterOperation(RetryingRequest[Result]):
     handles = message_ids(common.Statustext)
 
     @property
-    def parameters(self) -> ParameterCache:
+    def parameters(self) -> ParameterClient:
         """The client that runs the operation."""
-        return cast("ParameterCache", self.client)
+        return cast("ParameterClient", self.client)
 
     @property
     def round_trip(self) -> RoundTrip:
@@ -236,9 +237,9 @@ class DownloadParameters(Listing["dict[str, Parameter]"]):
             self._hashes |= set() if known.hash is None else {known.hash}
 
     @property
-    def parameters(self) -> ParameterCache:
+    def parameters(self) -> ParameterClient:
         """The client that runs the operation."""
-        return cast("ParameterCache", self.client)
+        return cast("ParameterClient", self.client)
 
     def list_request(self) -> Message:
         target = self.target

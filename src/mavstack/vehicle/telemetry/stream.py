@@ -16,7 +16,7 @@ goes on with the others, and `denied` holds the refusals.
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 from mavstack.dialects import Message
 from mavstack.errors import CommandDenied, InvalidArgumentError, MavstackError, RemoteError
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Any, Self
 
-    from mavstack.node import Node, RemoteComponent
     from mavstack.node.subscription import Subscription
-    from mavstack.vehicle.telemetry.rates import RateRequest, Rates
+    from mavstack.vehicle.telemetry.rates import RateRequest
+    from mavstack.vehicle.telemetry.telemetry import Telemetry
 
 AnyMessage = TypeVar("AnyMessage", bound=Message)
 
@@ -41,29 +41,6 @@ REQUEST_DELAY = 1.5
 REFUSAL_DELAY = 4.0
 
 
-class StreamSource(Protocol):
-    """The telemetry that a stream reads from; `telemetry.Telemetry` is the implementation."""
-
-    @property
-    def node(self) -> Node:
-        """The node that receives the messages."""
-        ...
-
-    @property
-    def component(self) -> RemoteComponent:
-        """The autopilot."""
-        ...
-
-    @property
-    def rates(self) -> Rates:
-        """The message rates that are requested from the autopilot."""
-        ...
-
-    def received_at(self, message: type[Message]) -> float | None:
-        """Return the time of the last message of a class, in Unix seconds; None if none arrived."""
-        ...
-
-
 class MessageStream(ReadOnly, Generic[AnyMessage]):
     """An async iterator of one vehicle's messages; made by `Vehicle.stream`.
 
@@ -73,7 +50,7 @@ class MessageStream(ReadOnly, Generic[AnyMessage]):
 
     def __init__(
         self,
-        source: StreamSource,
+        source: Telemetry,
         messages: tuple[type[AnyMessage], ...],
         subscription: Subscription[AnyMessage],
         rate: float | None,
@@ -143,7 +120,7 @@ class _StreamRequest:
 
     def __init__(
         self,
-        source: StreamSource,
+        source: Telemetry,
         messages: tuple[type[Message], ...],
         rate: float | None,
         subscription: Subscription[Any],
