@@ -6,47 +6,109 @@ the methods named `read_…`, which take the log or a view of it. Everything els
 
 from __future__ import annotations
 
+import re
 from abc import abstractmethod
+from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
-from mavstack.errors import LogError
-from mavstack.logs.log_times import LogTimes
+import numpy as np
+
+from mavstack.errors import InvalidArgumentError, LogError, UnknownMessageError
+from mavstack.logs.message_table import MessageTable
 from mavstack.logs.records import merged_rows
 from mavstack.logs.select import Selection, parse_moment
-from mavstack.logs.time_base import TimeBase
+from mavstack.logs.table_text import suggestion
+from mavstack.logs.time_base import CLOCKS, TimeBase, unix_seconds
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Sequence
+    from pathlib import Path
+    from typing import Self
 
-    import numpy as np
     from numpy.typing import NDArray
 
     from mavstack.logs.damage import LogDamage
-    from mavstack.logs.message_table import MessageTable
     from mavstack.logs.records import LogRecord, LogText, ParameterChange
     from mavstack.logs.schema import TableSchema
     from mavstack.logs.select import Moment
-    from mavstack.logs.time_base import Clock
+    from mavstack.logs.time_base import Clock, ClockChoice
     from mavstack.logs.vehicles import LogVehicle
 
 #: Bytes of a file that `windows` decodes at a time.
 DEFAULT_WINDOW: Final = 32 << 20
+_INSTANCE: Final = re.compile(r"(?P<name>.+)\[(?P<instance>\d+)\]")
 
 
-class Log(LogTimes):
+class Log(Mapping[str, MessageTable]):
     """A log as a mapping from names to tables: `log["ATTITUDE"]["roll"]` is a column.
 
     The names are those of MAVLink messages, of ULog topics, or of DataFlash record types. `log["GPS[1]"]` is
     the table of one instance. A table is decoded on first access and kept until `clear_cache`.
+
+    Attributes:
+        path: Path of the file.
+        format: Name of the format: "tlog", "raw", "dataflash" …
+        size: Size of the file in bytes.
     """
 
-    # what a format implements besides `counts`, `schema`, `decode_tables`; `log` is the log or a view of it
+    format: str = ""
+
+    def __init__(self, path: Path, size: int) -> None:
+        self.path = path
+        self.size = size
+        self._tables: dict[str, MessageTable] = {}
+
+    # what a format implements; `log` is the log or a view of it
+
+    @property
+    @abstractmethod
+    def counts(self) -> Mapping[str, int]:
+        """Number of rows by table name."""
+
+    @abstractmethod
+    def schema(self, name: str) -> TableSchema:
+        """Return the meaning of the columns of a table, without decoding the table.
+
+        Args:
+            name: Name of the table.
+
+        Returns:
+            Units, multipliers, enums and descriptions of all columns.
+
+        Raises:
+            UnknownMessageError: The log has no table of that name.
+        """
+
+    @abstractmethod
+    def decode_tables(self, names: Sequence[str]) -> Mapping[str, MessageTable]:
+        """Decode tables that the log has, in one pass."""
 
     @property
     @abstractmethod
     def skipped(self) -> LogDamage:
         """Counts of everything in the file that is in no table."""
+
+    @property
+    def time_span(self) -> tuple[float, float] | None:
+        """Earliest and latest time in seconds on the log's own time base, or None without times."""
+        return None
+
+    def boot_times(self, name: str, table: MessageTable) -> NDArray[np.float64] | None:
+        """Return the time since boot in seconds of each row of (a part of) a table.
+
+        Args:
+            name: Name of the table.
+            table: The rows.
+
+        Returns:
+            The times, NaN where not known; None if the table has none.
+        """
+        return None
+
+    def utc_times(self, name: str, table: MessageTable) -> NDArray[np.float64] | None:
+        """Return the UTC in seconds since 1970 of each row of (a part of) a table; see `boot_times`."""
+        return None if self.clock == "boot" else unix_seconds(table["_time"])
 
     def read_time_base(self, log: Log) -> TimeBase:
         """Return the clock of a view of this log."""
@@ -79,6 +141,79 @@ class Log(LogTimes):
 
     def prepare_windows(self) -> None:
         """Release memory that only speeds up decoding; learn `counts`, `time_span` and `skipped`."""
+
+    # the mapping
+
+    def __getitem__(self, name: str) -> MessageTable:
+        if name not in self._tables:
+            if name not in self.counts and (found := _INSTANCE.fullmatch(name)):
+                return self._instance(found["name"], int(found["instance"]))
+            self.load(name)
+        return self._tables[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.counts)
+
+    def __len__(self) -> int:
+        return len(self.counts)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.counts
+
+    def _instance(self, name: str, instance: int) -> MessageTable:
+        table = self[name]
+        field = table.schema.instance_field
+        if not field:
+            raise UnknownMessageError(f"{self.path}: {name} has no instances")
+        selected = table.where(table[field] == instance)
+        if not len(selected):
+            known = ", ".join(map(str, np.unique(table[field]).tolist()))
+            raise UnknownMessageError(f"{self.path} contains no {name}[{instance}]; instances: {known}")
+        return selected
+
+    def _require(self, names: Sequence[str]) -> list[str]:
+        """Return the names without duplicates, or all names without any; raises if the log lacks one."""
+        for name in names:
+            if name not in self.counts:
+                close = suggestion(name, self)
+                raise UnknownMessageError(
+                    f"{self.path} contains no {name}{close}; it contains {', '.join(self)}"
+                )
+        return list(dict.fromkeys(names or self))
+
+    def load(self, *names: str) -> None:
+        """Decode several tables in one pass, which is faster than one after the other.
+
+        Args:
+            names: The names; without names all tables are decoded.
+
+        Raises:
+            UnknownMessageError: The log has no table of that name.
+            LogError: The file was truncated or rewritten since it was opened.
+        """
+        missing = [name for name in self._require(names) if name not in self._tables]
+        self._tables.update(self.decode_tables(missing))
+
+    def clear_cache(self, name: str | None = None) -> None:
+        """Drop decoded tables, which are decoded again on the next access.
+
+        Args:
+            name: The name; None for all tables.
+        """
+        if name is None:
+            self._tables.clear()
+        else:
+            self._tables.pop(name, None)
+
+    def close(self) -> None:
+        """Release the decoded tables and other resources; a later access takes them again. Idempotent."""
+        self.clear_cache()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
 
     def windows(
         self,
@@ -160,6 +295,72 @@ class Log(LogTimes):
     def time_base(self) -> TimeBase:
         """The best clock of the log, and its offset to the time since boot."""
         return self.read_time_base(self)
+
+    @property
+    def clock(self) -> Clock:
+        """The kind of the time base: "utc", "received" or "boot"."""
+        return self.time_base.kind
+
+    @property
+    def start(self) -> np.datetime64 | None:
+        """Earliest time in UTC, or None if it is not known."""
+        return self._utc(0)
+
+    @property
+    def end(self) -> np.datetime64 | None:
+        """Latest time in UTC, or None if it is not known."""
+        return self._utc(1)
+
+    def _utc(self, index: int) -> np.datetime64 | None:
+        span = self.time_span
+        if span is None or self.clock == "boot":
+            return None
+        microseconds = round(span[index] * 1e6)
+        # A damaged record may have any time.
+        return np.datetime64(microseconds, "us") if abs(microseconds) < 1 << 63 else None
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the earliest to the latest recorded time; 0 without times."""
+        first, last = self.time_span or (0.0, 0.0)
+        return last - first
+
+    def times(self, name: str, base: ClockChoice = "auto") -> NDArray[np.float64]:
+        """Return the time of each row of a table in seconds.
+
+        Args:
+            name: Name of the table.
+            base: "utc", "received": seconds since 1970; "boot": since boot; "auto": those of `time_base`.
+
+        Returns:
+            The times; NaN where the time is not known.
+
+        Raises:
+            UnknownMessageError: The log has no table of that name.
+            InvalidArgumentError: `base` is none of these.
+            LogError: The log does not hold that clock for the table.
+        """
+        return self.times_of(name, self[name], base)
+
+    def times_of(self, name: str, table: MessageTable, base: ClockChoice = "auto") -> NDArray[np.float64]:
+        """Return the time of each row of (a part of) a table in seconds; see `times`."""
+        if base not in CLOCKS:
+            raise InvalidArgumentError(f"base must be one of {', '.join(CLOCKS)}, got {base!r}")
+        wanted = self.clock if base == "auto" else base
+        times = None
+        if wanted == "boot":
+            times = self.boot_times(name, table)
+        elif wanted == "utc":
+            times = self.utc_times(name, table)
+        elif self.clock == "received":
+            times = unix_seconds(table["_time"])
+        if times is None:
+            raise LogError(f"{self.path}: the {wanted} time of {name} is not known")
+        return times
+
+    def seconds_from_start(self, name: str, table: MessageTable) -> NDArray[np.float64]:
+        """Return the times of rows in seconds from the beginning of the log."""
+        return self.times_of(name, table, "auto") - (self.time_span or (0.0,))[0]
 
     # the vehicle
 
