@@ -245,6 +245,13 @@ def test_a_parameter_and_a_sensor_are_set_up(server: StationServer, browser: Any
 def test_plan_and_set_up_fit_a_phone(server: StationServer, browser: Any) -> None:
     with station_page(browser, server.url, PHONE, "light") as shown:
         shown.page.goto(f"{server.url}#/plan")
+        tools = shown.page.get_by_role("toolbar").get_by_role("button")
+        tools.first.wait_for(timeout=PATIENT)
+        boxes = [tools.nth(index).bounding_box() for index in range(tools.count())]
+        # All are on the screen, and as large as a finger.
+        assert len(boxes) == 11
+        assert all(box["x"] >= 0 and box["x"] + box["width"] <= PHONE[0] for box in boxes)
+        assert all(min(box["width"], box["height"]) >= 40 for box in boxes)
         for tab in ("Fence", "Rally", "Checks", "Mission"):
             shown.page.get_by_role("tab", name=tab).click()
             assert shown.page.evaluate("document.documentElement.scrollWidth") == PHONE[0]
