@@ -51,6 +51,7 @@ STOPPED = {
         "state.a ??= []; for (;;) state.a.push(new Uint8Array(1e9).fill(1));",
         "buffers was stopped",
     ),
+    "state": ("(state.a ??= []).push(new Array(1e5).fill(1.5)); return {};", "keeps too much in state"),
     "throws": ("return { get a() { throw 'a reason' } }", "a reason"),
 }
 #: Attempts in the worker of scripts without the guard around them: the browser alone must refuse them. URLs

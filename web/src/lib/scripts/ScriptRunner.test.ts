@@ -20,7 +20,7 @@ class ContextWorker implements ScriptWorker {
   /** Runs the program of the first message, as the worker does. */
   private start(program: string): void {
     const scope = Object.create({ fetch: () => 'inherited', importScripts: () => 'loaded' }) as Record<string, unknown>;
-    scope.postMessage = (answer: ScriptAnswer) => this.onmessage?.({ data: JSON.parse(JSON.stringify(answer)) });
+    scope.postMessage = (answer: ScriptAnswer) => this.onmessage?.({ data: structuredClone(answer) });
     scope.addEventListener = (_: string, listener: ContextWorker['listener']) => (this.listener = listener);
     for (const name of ['fetch', 'XMLHttpRequest', 'WebSocket', 'setTimeout', 'indexedDB']) scope[name] = () => name;
     runInNewContext(program, scope);
@@ -58,6 +58,53 @@ describe('scripts', () => {
       { sum: 1, twice: 2, time: 1 },
       { sum: 3, twice: 4, time: 2 },
     ]);
+  });
+
+  it('keep data in their state, and not too much of it', () => {
+    expect(compute('state.f = () => 1; return {}')).toContain(
+      'state may hold numbers, texts, arrays and plain objects',
+    );
+    expect(compute('state.m = new Map(); return {}')).toContain('plain objects only');
+    expect(compute('state.n = 1n << 10_000n; return {}')).toContain('plain objects only');
+    for (const much of ['"x".repeat(1e6)', 'Array(1e6)', 'new Float64Array(1e6)', '[[["x".repeat(1e5)]]]'])
+      expect(compute(`state.a = ${much}; return {}`)).toBe('the script keeps too much in state');
+    expect(compute('state.a = state; return {}')).toBe('the script keeps too much in state');
+    // Methods that the script replaces, and getters that tell lies, are no way around.
+    const lies = 'const a = new Float64Array(1e6); Object.defineProperty(a, "length", { value: 1 });';
+    expect(compute(`${lies} state.a = a; Array.isArray = () => false; return {}`)).toBe(
+      'the script keeps too much in state',
+    );
+    const proxy = 'state.a = new Proxy({}, { ownKeys: () => ["b"], get: () => "x".repeat(1e6),';
+    expect(
+      compute(`${proxy} getOwnPropertyDescriptor: () => ({ enumerable: true, configurable: true }) }); return {}`),
+    ).toBe('the script keeps too much in state');
+  });
+
+  it('go on in a new worker with their state, and nothing else', () => {
+    const workers: ContextWorker[] = [];
+    const results: unknown[] = [];
+    const problems: string[] = [];
+    const now = vi.spyOn(performance, 'now').mockImplementation(() => (time += 200));
+    let time = 0;
+    const runner = new ScriptRunner(
+      `state.list ??= new Float32Array([7]); state.text ??= { a: ['x'] }; state.count = (state.count ?? 0) + 1;
+       globalThis.left = (globalThis.left ?? 0) + 1;
+       return { count: state.count, left: globalThis.left, list: state.list[0], text: state.text.a[0] === 'x' ? 1 : 0 };`,
+      (found) => results.push(...found),
+      (problem) => problems.push(problem),
+      () => {
+        const worker = new ContextWorker();
+        workers.push(worker);
+        return worker;
+      },
+    );
+    for (let call = 0; call < 5; call += 1) runner.call({ values: {}, time: call });
+    now.mockRestore();
+    expect(problems).toEqual([]);
+    expect(results.map((each) => (each as { count: number }).count)).toEqual([1, 2, 3, 4, 5]);
+    expect(results.map((each) => (each as { left: number }).left)).toEqual([1, 2, 3, 4, 1]);
+    expect(results.at(-1)).toMatchObject({ list: 7, text: 1 });
+    expect(workers.map(({ terminated }) => terminated)).toEqual([true, false]);
   });
 
   it('return finite numbers only', () => {

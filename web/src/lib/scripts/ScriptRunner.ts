@@ -3,6 +3,9 @@
  *
  * One batch is under way at a time; calls that come meanwhile wait, and the oldest of them are dropped. A script
  * that does not answer in time is stopped: its worker is terminated, and the reason is told once.
+ *
+ * A script could also fill the memory of the page little by little. So a worker computes for as long as one batch may
+ * take and is then replaced: a copy of the state, of limited size, is all that the next worker gets.
  */
 import {
   type ScriptAnswer,
@@ -37,23 +40,40 @@ export class ScriptRunner {
   private waiting: ScriptCall[] = [];
   private underWay: readonly ScriptCall[] | null = null;
   private sent = 0;
+  /** Milliseconds that the worker has computed. */
+  private busy = 0;
+  private sentAt = 0;
+  /** The state for a new worker. */
+  private state: unknown;
   private hasStarted = false;
   private timer: ReturnType<typeof setTimeout> | null = null;
 
   constructor(
-    script: string,
+    private readonly script: string,
     private readonly onResults: Results,
     private readonly onProblem: (problem: string) => void = () => {},
-    makeWorker: () => ScriptWorker = startWorker,
+    private readonly makeWorker: () => ScriptWorker = startWorker,
     private readonly timeLimit = TIME_LIMIT,
   ) {
     this.problem = problemOf(script);
-    if (this.problem !== null) return;
-    this.worker = makeWorker();
+    if (this.problem === null) this.start();
+  }
+
+  private start(): void {
+    [this.hasStarted, this.busy] = [false, 0];
+    this.worker = this.makeWorker();
     this.worker.onmessage = ({ data }) => this.take(data);
     this.worker.onerror = (event) => this.fail(event.message ?? 'the script cannot run');
-    this.worker.postMessage({ program: workerProgram(script) });
+    this.worker.postMessage({ program: workerProgram(this.script) });
     this.limit(START_TIME_LIMIT);
+  }
+
+  /** Goes on in a new worker, which has nothing of the old one but the state. */
+  private replace(state: unknown): void {
+    if (this.timer !== null) clearTimeout(this.timer);
+    this.worker?.terminate();
+    this.state = state;
+    this.start();
   }
 
   /** Calls the script; the results come later. */
@@ -78,7 +98,12 @@ export class ScriptRunner {
     this.waiting = [];
     this.sent++;
     this.limit(this.timeLimit);
-    this.worker.postMessage({ id: this.sent, calls: this.underWay });
+    this.sentAt = performance.now();
+    // The first state shows whether the script keeps what a copy can hold.
+    const givesState = this.sent === 1 || this.busy >= this.timeLimit;
+    const state = this.state === undefined ? {} : { state: this.state };
+    this.state = undefined;
+    this.worker.postMessage({ id: this.sent, calls: this.underWay, givesState, ...state });
   }
 
   private limit(time: number): void {
@@ -95,6 +120,8 @@ export class ScriptRunner {
     if (this.timer !== null) clearTimeout(this.timer);
     const calls = this.underWay;
     this.underWay = null;
+    const isUsedUp = this.busy >= this.timeLimit;
+    this.busy += performance.now() - this.sentAt;
     if (answer.error !== undefined) {
       this.fail(answer.error);
       return;
@@ -104,7 +131,9 @@ export class ScriptRunner {
       calls.map((_, index) => fieldsOf(results[index])),
       calls,
     );
-    this.send();
+    // The results may have ended the script.
+    if (isUsedUp && this.worker !== null) this.replace(answer.state);
+    else this.send();
   }
 
   private fail(problem: string): void {

@@ -14,6 +14,10 @@
 export interface ScriptRequest {
   readonly id: number;
   readonly calls: readonly { readonly values: Readonly<Record<string, number | null>>; readonly time: number }[];
+  /** The state of the worker before, for the first request to the next one. */
+  readonly state?: unknown;
+  /** Whether the answer holds the state, for the next worker. */
+  readonly givesState?: boolean;
 }
 
 /** The first message to the worker: the program that it runs. */
@@ -27,6 +31,8 @@ export interface ScriptAnswer {
   readonly id: number;
   /** Objects of finite numbers. */
   readonly results?: unknown;
+  /** A copy of the state, of limited size. */
+  readonly state?: unknown;
   readonly error?: string;
 }
 
@@ -100,6 +106,9 @@ const MAX_NAME_LENGTH = 32;
 const FIELD_NAME = /^[A-Za-z]\w*$/;
 const MAX_SCRIPT = 20_000;
 const MAX_ERROR = 300;
+/** Numbers, keys and characters that the state may have. */
+export const MAX_STATE = 100_000;
+const MAX_STATE_DEPTH = 50;
 
 /** Returns why a script cannot run, null if it can be tried. */
 export function problemOf(script: string): string | null {
@@ -131,7 +140,7 @@ export function workerProgram(script: string): string {
 function guard(): string {
   return `(function (scope) {
 "use strict";
-const { getOwnPropertyNames, getPrototypeOf, defineProperty, keys } = ({}).constructor;
+const { getOwnPropertyNames, getOwnPropertyDescriptor, getPrototypeOf, defineProperty, keys } = ({}).constructor;
 const isFiniteNumber = (0).constructor.isFinite;
 const { apply } = scope.Reflect, cut = ("").slice;
 const kept = ${JSON.stringify(KEPT)};
@@ -156,17 +165,54 @@ const numbers = (result) => {
   }
   return found;
 };
+const isArray = [].constructor.isArray, plain = ({}).__proto__;
+const typed = { __proto__: null };
+for (const name of ${JSON.stringify(KEPT.filter((name) => name.endsWith('Array') && name !== 'Array'))})
+  typed[name] = scope[name];
+const views = getPrototypeOf(getPrototypeOf(new scope.Uint8Array(0)));
+const tagOf = getOwnPropertyDescriptor(views, scope.Symbol.toStringTag).get;
+const lengthOf = getOwnPropertyDescriptor(views, "length").get;
+let room = 0;
+const take = (count) => {
+  room -= count;
+  if (!(room >= 0)) throw "the script keeps too much in state";
+};
+const copy = (value, depth) => {
+  take(typeof value === "string" ? value.length + 1 : 1);
+  if (value === null || typeof value === "undefined" || typeof value === "boolean") return value;
+  if (typeof value === "string" || typeof value === "number") return value;
+  const tag = typeof value === "object" ? apply(tagOf, value, []) : undefined;
+  const isList = tag !== undefined || isArray(value);
+  if (typeof value !== "object" || !(isList || getPrototypeOf(value) === plain))
+    throw "state may hold numbers, texts, arrays and plain objects only";
+  if (depth > ${MAX_STATE_DEPTH}) throw "the script keeps too much in state";
+  const length = tag !== undefined ? apply(lengthOf, value, []) : isList ? value.length : 0;
+  take(length);
+  const found = tag !== undefined ? new typed[tag](length) : isList ? [] : {};
+  const names = isList ? [] : keys(value);
+  const count = isList ? length : names.length;
+  for (let at = 0; at < count; at++) {
+    const name = isList ? at : names[at];
+    if (!isList) take(name.length);
+    const kept = tag !== undefined ? value[at] : copy(value[name], depth + 1);
+    if (tag !== undefined) found[at] = kept;
+    else defineProperty(found, name, { value: kept, writable: true, enumerable: true, configurable: true });
+  }
+  return found;
+};
 defineProperty(scope, "__run__", { configurable: true, value: (compute) => {
   delete scope.__run__;
-  const state = {};
+  let state = {};
   listen("message", ({ data }) => {
     try {
       const results = [];
+      if (data.state !== undefined) state = data.state;
       for (let at = 0; at < data.calls.length; at++) {
         const { values, time } = data.calls[at];
         results[at] = numbers(compute(values, state, time));
       }
-      post({ id: data.id, results });
+      room = ${MAX_STATE};
+      post(data.givesState ? { id: data.id, results, state: copy(state, 0) } : { id: data.id, results });
     }
     catch (error) { post({ id: data.id, error: apply(cut, \`\${error}\`, [0, ${MAX_ERROR}]) }); }
   });
