@@ -4,7 +4,7 @@ PYTHON ?= python3
 # A named interpreter has its own environment: .venv-3.13.
 VENV ?= .venv$(if $(filter command line,$(origin PYTHON)),-$(shell $(PYTHON) -c "import sys; print('%d.%d' % sys.version_info[:2])"))
 BIN := $(VENV)/bin
-SOURCES := $(shell find rust/core rust/logs rust/router rust/python -name '*.rs' -o -name Cargo.toml) Cargo.toml pyproject.toml
+SOURCES := $(shell find rust/core rust/logs rust/router rust/swarm rust/python -name '*.rs' -o -name Cargo.toml) Cargo.toml pyproject.toml
 
 # A toolchain of the system, or one in .tools (MAVSTACK_NO_DOWNLOAD=1: none is downloaded).
 RUST := $(PYTHON) backend/mavstack_rust.py
@@ -83,7 +83,7 @@ lint-rust: | rust
 	$(RUST) cargo clippy --quiet --all-targets --profile checks --locked -- -D warnings
 
 rust-tests: lint-rust
-	env -u MAKEFLAGS -u MFLAGS $(RUST) cargo test --quiet --profile checks --locked -p mavstack-core -p mavstack-logs -p mavstack-router
+	env -u MAKEFLAGS -u MFLAGS $(RUST) cargo test --quiet --profile checks --locked -p mavstack-core -p mavstack-logs -p mavstack-router -p mavstack-swarm
 
 docs: $(VENV)/installed ## Build the documentation site in site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet

@@ -35,6 +35,7 @@ from mavstack.vehicle import (
     Vehicle,
     VehiclePlan,
 )
+from mavstack.vehicle.swarm import Swarm
 
 PARTS = (
     EventListener,
@@ -56,6 +57,7 @@ PARTS = (
     Calibration,
     CalibrationSession,
     RegionOfInterest,
+    Swarm,
 )
 CLASSES = (Node, Connection, RemoteComponent, Vehicle, Group, MessageStream, ValueStream, *PARTS)
 #: Coroutines that raise no error of Mavstack.

@@ -37,6 +37,7 @@ def path_of(kind: type) -> str:
 
 SECTIONS = (
     Section("Connections and vehicles", ("mavstack.vehicle",)),
+    Section("Swarms", ("mavstack.vehicle.swarm",)),
     Section("Telemetry values", ("mavstack.vehicle.telemetry.values",)),
     Section("Nodes and remote components", ("mavstack.node",)),
     Section(
@@ -90,6 +91,21 @@ SECTIONS = (
             "mavstack.services.gimbal:GimbalMotion",
             "mavstack.services.version:AutopilotVersion",
             "mavstack.services.version:ProtocolVersion",
+        ),
+    ),
+    Section(
+        "Planning of swarms",
+        classes=(
+            "mavstack.swarm.formations:Formation",
+            "mavstack.swarm.separation:Margins",
+            "mavstack.swarm.transitions:Limits",
+            "mavstack.swarm.transitions:Transition",
+            "mavstack.swarm.avoidance:Avoidance",
+            "mavstack.swarm.guard:GuardLimits",
+            "mavstack.swarm.search.areas:Area",
+            "mavstack.swarm.search.division:Searcher",
+            "mavstack.swarm.search.camera:Camera",
+            "mavstack.swarm.search.missions:MissionOptions",
         ),
     ),
     Section("Plan files", ("mavstack.files.plans",)),

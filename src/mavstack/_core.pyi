@@ -20,6 +20,17 @@ class HasCoreDialect(Protocol):
 #: The compiler that built the core, and whose it is: "rustc 1.95.0 (59807616e 2026-04-14) of the system".
 TOOLCHAIN: str
 
+def avoiding_velocities(
+    positions: Buffer,
+    velocities: Buffer,
+    preferred: Buffer,
+    *,
+    distance: float,
+    horizon: float,
+    speed: float,
+    neighbours: int,
+    separation_time: float,
+) -> bytes: ...
 def crc16(data: Buffer, crc: int = 0xFFFF) -> int:
     """Calculate the CRC-16/MCRF4XX of `data`, the checksum of MAVLink packets.
 

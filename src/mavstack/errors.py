@@ -2,9 +2,7 @@
 
 Bad input from the wire never raises; it is counted. Errors are raised for a wrong definition, a link that
 cannot be opened, misuse by the calling program (`LocalProtocolError`), and a remote component that refuses,
-contradicts the protocol or does not answer (`RemoteError`). Misuse also derives from the built-in exception
-that a Python programmer expects (`TypeError`, `ValueError`, `KeyError`, `RuntimeError`), so that both
-`except` clauses work.
+contradicts the protocol or does not answer (`RemoteError`). Misuse also derives from the expected built-in.
 """
 
 from __future__ import annotations
@@ -353,10 +351,19 @@ class MissionWarning(UserWarning):
     """A mission that was uploaded, but is probably not what was intended (a warning, not an error)."""
 
 
+class SwarmStopped(MavstackError):
+    """A swarm was stopped, and its members stand; `systems` are the vehicles that caused it."""
+
+    def __init__(self, reason: str, systems: tuple[int, ...] = ()) -> None:
+        self.systems = systems
+        super().__init__(reason, systems)
+
+    def __str__(self) -> str:
+        return f"the swarm was stopped: {self.args[0]}"
+
+
 class GroupError(MavstackError):
     """An operation failed on some vehicles of a group.
-
-    The text names, for each reason, the system ids of the vehicles that failed for it.
 
     Attributes:
         operation: The operation as a gerund: "arming".

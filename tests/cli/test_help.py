@@ -23,6 +23,7 @@ WITH_VEHICLE = (
     "route",
     "data",
     "vehicle",
+    "swarm",
     "rate",
     "param",
     "mission",

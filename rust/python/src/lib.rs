@@ -28,6 +28,7 @@ mod router_statistics;
 mod signing;
 mod statistics;
 mod steps;
+mod swarm;
 mod ulog;
 mod values;
 
@@ -74,5 +75,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(class::new_message_class, module)?)?;
     module.add_function(wrap_pyfunction!(encode::encode, module)?)?;
     module.add_function(wrap_pyfunction!(index::looks_timestamped, module)?)?;
+    module.add_function(wrap_pyfunction!(swarm::avoiding_velocities, module)?)?;
     Ok(())
 }

@@ -78,6 +78,7 @@ from mavstack.services.terrain import TerrainState
 from mavstack.services.timesync import TimesyncClient
 from mavstack.services.version import AutopilotVersion
 from mavstack.services.version import ProtocolVersion
+from mavstack.swarm.formations import Formation
 from mavstack.vehicle.actions.renumber import Renumbered
 from mavstack.vehicle.calibration.kinds import CalibrationKind
 from mavstack.vehicle.calibration.kinds import CalibrationResult
@@ -85,6 +86,7 @@ from mavstack.vehicle.calibration.kinds import CalibrationStep
 from mavstack.vehicle.capabilities import Capabilities
 from mavstack.vehicle.connection import NodeOptions
 from mavstack.vehicle.health import Health
+from mavstack.vehicle.swarm.controller import SwarmOptions
 from mavstack.vehicle.telemetry import values
 from mavstack.vehicle.telemetry.values import HomePosition
 from mavstack.vehicle.telemetry.values import Position
@@ -99,7 +101,7 @@ from typing import Self
 from typing import TypeVar
 from typing import Unpack
 
-__all__ = ['Actuators', 'Calibration', 'CalibrationSession', 'Camera', 'CameraSettings', 'CommandHandlers', 'Connection', 'ControlStream', 'EventListener', 'EventStream', 'ExtendedParams', 'Ftp', 'Gimbal', 'Group', 'GuidedSession', 'Listener', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'Recording', 'RegionOfInterest', 'RemoteComponent', 'Results', 'Shell', 'Subscription', 'Terrain', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
+__all__ = ['Actuators', 'Calibration', 'CalibrationSession', 'Camera', 'CameraSettings', 'CommandHandlers', 'Connection', 'ControlStream', 'EventListener', 'EventStream', 'ExtendedParams', 'Ftp', 'Gimbal', 'Group', 'GuidedSession', 'Listener', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'Recording', 'RegionOfInterest', 'RemoteComponent', 'Results', 'Shell', 'Subscription', 'Swarm', 'Terrain', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
 AnyEvent = TypeVar('AnyEvent')
 AnyHandler = TypeVar('AnyHandler', bound='Callable[..., Any]')
 AnyMessage = TypeVar('AnyMessage', bound=Message)
@@ -914,6 +916,20 @@ class Connection(Node):
 
         Returns:
             The group.
+
+        Raises:
+            InvalidArgumentError: No vehicle with one of the system ids was found.
+        """
+
+    def swarm(self, *systems: int, options: SwarmOptions | None=None) -> Swarm:
+        """Return a swarm of vehicles, which fly as one inside of its `async with` block.
+
+        Args:
+            *systems: The system ids of the vehicles, the leader first; none: all vehicles that were found.
+            options: How they fly; None: the defaults.
+
+        Returns:
+            The swarm. Entering it raises the errors of `Vehicle.guided`.
 
         Raises:
             InvalidArgumentError: No vehicle with one of the system ids was found.
@@ -3157,6 +3173,106 @@ class Subscription(Generic[Item]):
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         ...
+
+class Swarm:
+    """Vehicles that fly as one; made by `Connection.swarm`.
+
+    Args:
+        vehicles: The vehicles, the leader first.
+        options: How they fly; None: the defaults.
+    """
+
+    def __enter__(self) -> Self:
+        ...
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        ...
+
+    @property
+    def vehicles(self) -> tuple[Vehicle, ...]:
+        """The vehicles that follow the swarm's setpoints now, the leader first."""
+
+    @property
+    def smallest_separation(self) -> float:
+        """The smallest distance of two vehicles so far in metres, heights divided by `VERTICAL_FACTOR`."""
+
+    def formation(self, formation: str | Formation, *, spacing: float | None=None, course: float | None=None, **options: Any) -> None:
+        """Fly into a formation, around the leader where it is.
+
+        Args:
+            formation: The name of a shape, or a formation.
+            spacing: Metres between neighbours; None: the planned distance times the root of two, so that
+                any members can exchange their slots.
+            course: Direction of the formation in degrees; None: the one that it has.
+            **options: `angle`, `rotation`, `layers`, `layer_spacing`, `text`, `points` of `Formation`.
+
+        Raises:
+            InvalidArgumentError: No transition keeps the planned distance; no vehicle was moved.
+            SwarmStopped: The guard or `stop` ended the flight.
+        """
+
+    def move(self, north: float=0.0, east: float=0.0, up: float=0.0) -> None:
+        """Move the whole swarm, each member by the same way.
+
+        Args:
+            north: Metres.
+            east: Metres.
+            up: Metres.
+
+        Raises:
+            SwarmStopped: The guard or `stop` ended the flight.
+        """
+
+    def goto(self, latitude: float, longitude: float, altitude: float | None=None) -> None:
+        """Move the whole swarm so that its leader arrives at a place.
+
+        Args:
+            latitude: Degrees.
+            longitude: Degrees.
+            altitude: Metres above the leader's home; None: the one that it has.
+
+        Raises:
+            SwarmStopped: The guard or `stop` ended the flight.
+        """
+
+    def rotate(self, degrees: float) -> None:
+        """Turn the whole formation around its leader.
+
+        Args:
+            degrees: Clockwise if positive.
+
+        Raises:
+            SwarmStopped: The guard or `stop` ended the flight.
+        """
+
+    def follow(self, leader: Vehicle, formation: str | Formation='wedge', *, spacing: float | None=None, duration: float | None=None, **options: Any) -> None:
+        """Follow a vehicle that is not a member, which another program flies.
+
+        Args:
+            leader: The vehicle; slot 0 of the formation is its own.
+            formation: The name of a shape, or a formation.
+            spacing: Metres between neighbours; None: as in `formation`.
+            duration: Seconds; None: until the task is cancelled.
+            **options: Those of `Formation`.
+
+        Raises:
+            ContactLost: No position of the leader arrives.
+            SwarmStopped: The guard or `stop` ended the flight.
+        """
+
+    def land(self) -> None:
+        """Land all members where they are, and end the swarm's setpoints.
+
+        Raises:
+            GroupError: A vehicle did not land.
+        """
+
+    def stop(self, reason: str='stopped by the program') -> None:
+        """Let all members stay where they are; the call that waits ends in `SwarmStopped`.
+
+        Args:
+            reason: The reason, a sentence.
+        """
 
 class Terrain:
     """The terrain that a vehicle has from ground stations (TERRAIN_CHECK, TERRAIN_REPORT)."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import mavstack.vehicle  # noqa: F401 (defines the classes of the API)
+import mavstack.vehicle.swarm  # noqa: F401 (defines the classes of the API, as does mavstack.vehicle)
 from mavstack.node.api_object import api_classes
 
 if TYPE_CHECKING:

@@ -44,6 +44,8 @@ if TYPE_CHECKING:
     from mavstack.security import SigningKey, TimestampStore
     from mavstack.services import Address, Operation, Service
     from mavstack.services.heartbeat import ComponentInfo
+    from mavstack.vehicle.swarm import Swarm
+    from mavstack.vehicle.swarm.controller import SwarmOptions
 
 logger = logging.getLogger("mavstack.vehicle")
 _WARNINGS = (SystemIdConflict, VehicleLost, VehicleRebooted)
@@ -147,6 +149,23 @@ class Connection(Node, ReadOnly):
             known = ", ".join(map(str, self.vehicles)) or "none"
             raise InvalidArgumentError(f"no vehicle with system id {unknown[0]} was found; known: {known}")
         return Group(self.vehicles[system] for system in systems or self.vehicles)
+
+    def swarm(self, *systems: int, options: SwarmOptions | None = None) -> Swarm:
+        """Return a swarm of vehicles, which fly as one inside of its `async with` block.
+
+        Args:
+            *systems: The system ids of the vehicles, the leader first; none: all vehicles that were found.
+            options: How they fly; None: the defaults.
+
+        Returns:
+            The swarm. Entering it raises the errors of `Vehicle.guided`.
+
+        Raises:
+            InvalidArgumentError: No vehicle with one of the system ids was found.
+        """
+        from mavstack.vehicle.swarm import Swarm
+
+        return Swarm(self.group(*systems), options)
 
     def _alive_vehicles(self) -> list[Vehicle]:
         return [vehicle for vehicle in self.vehicles.values() if vehicle.alive]

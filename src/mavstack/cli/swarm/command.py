@@ -1,0 +1,310 @@
+"""`mav swarm`: several vehicles that fly as one.
+
+An action takes all vehicles that are heard, or those of `--systems`, and says which. It returns when the
+swarm has arrived, and lets each vehicle hold then. `mav swarm stop` works from any terminal: it sets the
+mode in which a vehicle holds, which ends the setpoints of every other program.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Final
+
+from mavstack.cli.common.actions import Actions
+from mavstack.cli.common.connection import add_vehicle_action, run_on_connection
+from mavstack.cli.common.errors import UsageError
+from mavstack.cli.common.options import finite_number, system_id
+from mavstack.cli.common.output import echo, echo_json
+from mavstack.cli.common.selection import selected_vehicles
+from mavstack.swarm.formations import FORMATIONS, Formation
+from mavstack.vehicle.swarm import Swarm, SwarmOptions
+from mavstack.vehicle.swarm.launch import take_off
+
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+    from collections.abc import Awaitable, Callable
+
+    from mavstack.vehicle import Connection, Group, Vehicle
+
+EXAMPLES: Final = """\
+examples:
+  mav swarm takeoff 20 --layer-spacing 10                 # arm, and climb to 20, 30, 40 m …
+  mav swarm formation wedge --spacing 12
+  mav swarm formation text --text HELLO --spacing 10 --lead 1
+  mav swarm move 100 0 5                                  # north, east, up in metres
+  mav swarm goto 47.3985 8.5460 30
+  mav swarm rotate 90
+  mav swarm follow 7 column --spacing 10 --for 60
+  mav swarm land --systems 1,3-5
+  mav swarm stop
+  mav swarm list                                          # the formations
+"""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the actions."""
+    actions = Actions(parser, "swarm", EXAMPLES)
+    action = _add(actions, "takeoff", "arm, and take off to one height or to layers", takeoff)
+    action.add_argument(
+        "altitude",
+        nargs="?",
+        type=finite_number,
+        default=10.0,
+        metavar="ALTITUDE",
+        help="metres above home (default: 10)",
+    )
+    action.add_argument(
+        "--layer-spacing",
+        type=finite_number,
+        default=0.0,
+        metavar="M",
+        help="metres by which each vehicle is higher than the one before (default: 0)",
+    )
+    action = _add(actions, "formation", "fly into a formation around the leader", formation)
+    _add_formation(action)
+    action.add_argument(
+        "--course", type=finite_number, metavar="DEGREES", help="direction of the formation (default: north)"
+    )
+    action = _add(actions, "move", "move all vehicles by the same way", move)
+    for name, text in (("north", "metres north"), ("east", "metres east"), ("up", "metres up (default: 0)")):
+        action.add_argument(
+            name, type=finite_number, nargs="?" if name == "up" else None, default=0.0, help=text
+        )
+    action = _add(actions, "goto", "move all vehicles so that the leader arrives at a place", goto)
+    for name, text in (
+        ("latitude", "degrees"),
+        ("longitude", "degrees"),
+        ("altitude", "metres above the leader's home"),
+    ):
+        action.add_argument(name, type=finite_number, nargs="?" if name == "altitude" else None, help=text)
+    action = _add(actions, "rotate", "turn the formation around the leader", rotate)
+    action.add_argument("degrees", type=finite_number, help="degrees, clockwise if positive")
+    action = _add(actions, "follow", "follow a vehicle that another program flies", follow)
+    action.add_argument("leader", type=system_id, metavar="ID", help="system id of the vehicle to follow")
+    _add_formation(action, default="wedge")
+    action.add_argument(
+        "--for", dest="seconds", type=finite_number, metavar="SECONDS", help="end after this time"
+    )
+    _add(actions, "land", "land all vehicles where they are", land)
+    _add(actions, "stop", "let all vehicles hold where they are", stop)
+    action = actions.add("list", "list the formations", show)
+    action.add_argument("--json", action="store_true", help="print JSON")
+
+
+def _add(actions: Actions, name: str, summary: str, run_action: Callable[[Namespace], int]) -> ArgumentParser:
+    action = add_vehicle_action(actions, name, summary, run_action, fleet=True, changes=True)
+    action.add_argument(
+        "--lead", type=system_id, metavar="ID", help="system id of the leader (default: the lowest)"
+    )
+    return action
+
+
+def _add_formation(action: ArgumentParser, default: str | None = None) -> None:
+    add = action.add_argument
+    add(
+        "shape",
+        nargs="?" if default else None,
+        default=default,
+        choices=tuple(FORMATIONS),
+        metavar="SHAPE",
+        help=f"one of {', '.join(FORMATIONS)}",
+    )
+    add(
+        "--spacing",
+        type=finite_number,
+        metavar="M",
+        help="metres between neighbours (default: what errors of positions need)",
+    )
+    add(
+        "--angle",
+        type=finite_number,
+        default=45.0,
+        metavar="DEGREES",
+        help="angle of a wedge's or echelon's arms to the course (default: 45)",
+    )
+    add(
+        "--rotation",
+        type=finite_number,
+        default=0.0,
+        metavar="DEGREES",
+        help="turn the whole shape clockwise (default: 0)",
+    )
+    add("--layers", type=int, default=1, metavar="N", help="number of height layers (default: 1)")
+    add(
+        "--layer-spacing",
+        type=finite_number,
+        default=0.0,
+        metavar="M",
+        help="metres between layers (default: 0)",
+    )
+    add("--text", default="", metavar="TEXT", help="the text of the shape text")
+
+
+def run(arguments: Namespace) -> int:
+    """Run the chosen action."""
+    code: int = arguments.run_action(arguments)
+    return code
+
+
+def show(arguments: Namespace) -> int:
+    """Run `mav swarm list`."""
+    if arguments.json:
+        echo_json(dict(FORMATIONS))
+    else:
+        echo(*(f"{name:<10} {text}" for name, text in FORMATIONS.items()))
+    return 0
+
+
+def takeoff(arguments: Namespace) -> int:
+    """Run `mav swarm takeoff`."""
+
+    async def work(group: Group) -> str:
+        (await take_off(group, arguments.altitude, layer_spacing=arguments.layer_spacing)).check()
+        return "in the air"
+
+    return _run_on_group(arguments, work)
+
+
+def formation(arguments: Namespace) -> int:
+    """Run `mav swarm formation`."""
+
+    async def work(swarm: Swarm) -> str:
+        await swarm.formation(_shape(arguments), course=arguments.course)
+        return f"in formation {arguments.shape}"
+
+    return _run_on_swarm(arguments, work)
+
+
+def move(arguments: Namespace) -> int:
+    """Run `mav swarm move`."""
+
+    async def work(swarm: Swarm) -> str:
+        await swarm.move(arguments.north, arguments.east, arguments.up)
+        return "arrived"
+
+    return _run_on_swarm(arguments, work)
+
+
+def goto(arguments: Namespace) -> int:
+    """Run `mav swarm goto`."""
+
+    async def work(swarm: Swarm) -> str:
+        await swarm.goto(arguments.latitude, arguments.longitude, arguments.altitude)
+        return "arrived"
+
+    return _run_on_swarm(arguments, work)
+
+
+def rotate(arguments: Namespace) -> int:
+    """Run `mav swarm rotate`."""
+
+    async def work(swarm: Swarm) -> str:
+        await swarm.rotate(arguments.degrees)
+        return "turned"
+
+    return _run_on_swarm(arguments, work)
+
+
+def follow(arguments: Namespace) -> int:
+    """Run `mav swarm follow`."""
+
+    async def run_follow(connection: Connection) -> int:
+        leader = await connection.wait_for_vehicle(arguments.leader, timeout=arguments.timeout)
+        vehicles = [each for each in await _vehicles(connection, arguments) if each is not leader]
+        _announce(arguments, vehicles)
+        async with Swarm(vehicles, SwarmOptions()) as swarm:
+            await swarm.follow(leader, _shape(arguments), duration=arguments.seconds)
+        _report(arguments, vehicles, "following ended", None)
+        return 0
+
+    return run_on_connection(arguments, run_follow)
+
+
+def land(arguments: Namespace) -> int:
+    """Run `mav swarm land`."""
+
+    async def work(group: Group) -> str:
+        (await group.land()).check()
+        return "landed"
+
+    return _run_on_group(arguments, work)
+
+
+def stop(arguments: Namespace) -> int:
+    """Run `mav swarm stop`."""
+
+    async def work(group: Group) -> str:
+        (await group.hold()).check()
+        return "stopped"
+
+    return _run_on_group(arguments, work)
+
+
+def _shape(arguments: Namespace) -> Formation:
+    """Return the formation of the arguments; without `--spacing`, with the one that any transition needs."""
+    planned = SwarmOptions().margins.planned_distance
+    return Formation(
+        arguments.shape,
+        spacing=float(math.ceil(planned * math.sqrt(2.0)))
+        if arguments.spacing is None
+        else arguments.spacing,
+        angle=arguments.angle,
+        rotation=arguments.rotation,
+        layers=arguments.layers,
+        layer_spacing=arguments.layer_spacing,
+        text=arguments.text,
+    )
+
+
+def _run_on_swarm(arguments: Namespace, work: Callable[[Swarm], Awaitable[str]]) -> int:
+    async def run_swarm(connection: Connection) -> int:
+        vehicles = await _vehicles(connection, arguments)
+        _announce(arguments, vehicles)
+        async with Swarm(vehicles, SwarmOptions()) as swarm:
+            text = await work(swarm)
+            separation = swarm.smallest_separation
+        _report(arguments, vehicles, text, separation)
+        return 0
+
+    return run_on_connection(arguments, run_swarm)
+
+
+def _run_on_group(arguments: Namespace, work: Callable[[Group], Awaitable[str]]) -> int:
+    from mavstack.vehicle import Group
+
+    async def run_group(connection: Connection) -> int:
+        vehicles = await _vehicles(connection, arguments)
+        _announce(arguments, vehicles)
+        _report(arguments, vehicles, await work(Group(vehicles)), None)
+        return 0
+
+    return run_on_connection(arguments, run_group)
+
+
+async def _vehicles(connection: Connection, arguments: Namespace) -> list[Vehicle]:
+    """Return the vehicles of the swarm, the leader first."""
+    if arguments.system is None and arguments.systems is None:
+        arguments.all = True
+    found = sorted(await selected_vehicles(connection, arguments), key=lambda vehicle: vehicle.system)
+    leads = [vehicle for vehicle in found if vehicle.system == arguments.lead]
+    if arguments.lead is not None and not leads:
+        known = ", ".join(str(vehicle.system) for vehicle in found)
+        raise UsageError(f"--lead {arguments.lead} is not one of the vehicles {known}")
+    return leads + [vehicle for vehicle in found if vehicle not in leads]
+
+
+def _announce(arguments: Namespace, vehicles: list[Vehicle]) -> None:
+    if not arguments.json:
+        names = ", ".join(str(vehicle.system) for vehicle in vehicles)
+        echo(f"swarm of {names}; {vehicles[0].system} leads")
+
+
+def _report(arguments: Namespace, vehicles: list[Vehicle], text: str, separation: float | None) -> None:
+    known = separation is not None and math.isfinite(separation)
+    if arguments.json:
+        outcome = {"action": arguments.action, "ok": True, "text": text}
+        outcome["systems"] = [vehicle.system for vehicle in vehicles]
+        outcome["smallest_separation_m"] = round(separation, 2) if known and separation is not None else None
+        echo_json(outcome)
+        return
+    echo(f"{text}; the smallest separation was {separation:.1f} m" if known else text)

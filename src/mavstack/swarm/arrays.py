@@ -1,0 +1,13 @@
+"""The types of arrays in this package."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+#: Numbers; of positions and velocities an array of shape (n, 3): metres north, east and up.
+Points: TypeAlias = npt.NDArray[np.float64]
+#: Whole numbers, such as the slot of each vehicle.
+Indices: TypeAlias = npt.NDArray[np.int64]

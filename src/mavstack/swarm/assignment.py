@@ -1,0 +1,127 @@
+"""Which vehicle takes which slot, and which task.
+
+Slots are assigned so that the sum of the squared distances is smallest. That choice has a second use:
+straight lines of equal duration between starts and goals do not cross in time then (Turpin et al. 2014,
+CAPT), see `transitions`. Squared distances also prefer two short ways to a long and a short one, so that
+the last vehicle arrives early.
+
+Tasks are assigned by an auction (CBBA's first phase with one bidder at a time, which suffices where one
+program knows all bids): the task that adds least to the work of some vehicle goes to it next. For travel
+costs the result is at most twice the optimum of the largest share in practice; tests compare it with the
+optimum.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mavstack.errors import InvalidArgumentError, MissingExtraError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from mavstack.swarm.arrays import Indices, Points
+
+
+def assign_slots(starts: Points, slots: Points) -> Indices:
+    """Return the slot of each vehicle.
+
+    Args:
+        starts: Positions of the vehicles in metres, an array of shape (n, 3).
+        slots: Positions of at least n slots.
+
+    Returns:
+        The index of the slot of each vehicle.
+
+    Raises:
+        InvalidArgumentError: There are fewer slots than vehicles.
+        MissingExtraError: scipy is not installed.
+    """
+    if len(slots) < len(starts):
+        raise InvalidArgumentError(
+            f"there must be a slot for each vehicle, got {len(slots)} for {len(starts)}"
+        )
+    return optimal_assignment(squared_distances(starts, slots))
+
+
+def optimal_assignment(costs: Points) -> Indices:
+    """Return the column of each row with the smallest sum of costs.
+
+    Args:
+        costs: An array with a row for each vehicle and at least as many columns.
+
+    Raises:
+        MissingExtraError: scipy is not installed.
+    """
+    try:
+        from scipy.optimize import linear_sum_assignment
+    except ImportError as error:
+        raise MissingExtraError("swarms need scipy", "swarm") from error
+    _, columns = linear_sum_assignment(costs)
+    chosen: Indices = np.asarray(columns, dtype=np.int64)
+    return chosen
+
+
+def squared_distances(starts: Points, goals: Points) -> Points:
+    """Return the squared distance of each start and goal, an array of shape (starts, goals)."""
+    centre = np.mean(starts, axis=0) if len(starts) else 0.0
+    begin, end = np.asarray(starts, dtype=float) - centre, np.asarray(goals, dtype=float) - centre
+    squares = (begin * begin).sum(axis=1)[:, None] + (end * end).sum(axis=1)[None] - 2.0 * (begin @ end.T)
+    nonnegative: Points = np.maximum(squares, 0.0)
+    return nonnegative
+
+
+def auction_tasks(starts: Points, tasks: Points, speeds: Sequence[float] | None = None) -> list[list[int]]:
+    """Divide tasks among vehicles so that the last one ends early.
+
+    Args:
+        starts: Positions of the vehicles in metres, an array of shape (n, 3).
+        tasks: Positions of the tasks, an array of shape (m, 3).
+        speeds: Speed of each vehicle in m/s; None: all are equally fast.
+
+    Returns:
+        The indices of the tasks of each vehicle, in the order in which it visits them.
+
+    Raises:
+        InvalidArgumentError: There is no vehicle, or a speed is not positive.
+    """
+    pace = np.ones(len(starts)) if speeds is None else np.asarray(speeds, dtype=float)
+    if not len(starts) or len(pace) != len(starts) or not (pace > 0.0).all():
+        raise InvalidArgumentError("each vehicle must have a speed above 0 m/s")
+    routes: list[list[int]] = [[] for _ in starts]
+    lengths = np.zeros(len(starts))
+    open_tasks = list(range(len(tasks)))
+    while open_tasks:
+        bids = [
+            _best_bid(np.asarray(starts), np.asarray(tasks), routes, lengths, pace, task)
+            for task in open_tasks
+        ]
+        task_index = min(range(len(bids)), key=lambda index: bids[index][0])
+        _, vehicle, position, added = bids[task_index]
+        routes[vehicle].insert(position, open_tasks.pop(task_index))
+        lengths[vehicle] += added
+    return routes
+
+
+def _best_bid(
+    starts: Points, tasks: Points, routes: list[list[int]], lengths: Points, pace: Points, task: int
+) -> tuple[float, int, int, float]:
+    """Return the earliest end for a task: time, vehicle, place in its route, metres added."""
+    best = (float("inf"), 0, 0, 0.0)
+    for vehicle, route in enumerate(routes):
+        position, added = _insertion(np.vstack((starts[vehicle], tasks[route])), tasks[task])
+        end = (lengths[vehicle] + added) / pace[vehicle]
+        if end < best[0]:
+            best = (float(end), vehicle, position, added)
+    return best
+
+
+def _insertion(stops: Points, place: Points) -> tuple[int, float]:
+    """Return where in a route a place adds least, and the metres that it adds."""
+    to_place = np.linalg.norm(stops - place, axis=1)
+    legs = np.linalg.norm(stops[1:] - stops[:-1], axis=1)
+    added = np.append(to_place[:-1] + to_place[1:] - legs, to_place[-1])
+    best = int(added.argmin())
+    return best, float(added[best])

@@ -1,0 +1,125 @@
+"""Separation: distances in which height counts less than ground, since a multicopter blows downwards.
+
+The air below a multicopter disturbs another one several metres lower, so the region that a vehicle claims
+is an ellipsoid: its half axis along the vertical is `VERTICAL_FACTOR` times that across. All distances of
+this package are measured in the space in which that ellipsoid is a sphere: heights are divided by the factor.
+
+How large the region is follows from what may go wrong at the same time. Two vehicles that are planned
+`distance` apart are really apart by at least
+
+    distance - 2 · (position error + tracking error + latency · speed difference / 2)
+
+`Margins.planned_distance` solves that for `distance`. The position error is `SIGMAS` standard deviations of
+the position estimate, since the smallest of many distances is measured, not the usual one.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from mavstack.errors import InvalidArgumentError
+
+if TYPE_CHECKING:
+    from mavstack.swarm.arrays import Indices, Points
+
+#: Vertical distance that separates two multicopters as well as one metre of ground distance, in metres.
+VERTICAL_FACTOR: Final = 2.0
+#: Standard deviations of a position that count as its largest error.
+SIGMAS: Final = 4.0
+
+
+@dataclass(frozen=True, slots=True)
+class Margins:
+    """Errors against which a planned distance protects.
+
+    Attributes:
+        minimum: Metres below which two vehicles must never come.
+        position: Standard deviation of a vehicle's own position in metres.
+        tracking: Metres between a setpoint and the vehicle's estimate of its position, in wind and in turns.
+        latency: Seconds between a setpoint and its effect.
+        speed: Largest speed in m/s.
+    """
+
+    minimum: float = 2.0
+    position: float = 0.5
+    tracking: float = 0.5
+    latency: float = 0.2
+    speed: float = 5.0
+
+    def __post_init__(self) -> None:
+        for name in self.__slots__:
+            value: float = getattr(self, name)
+            if not (np.isfinite(value) and value >= 0.0):
+                raise InvalidArgumentError(f"{name} must be finite and at least 0, got {value:g}")
+
+    @property
+    def planned_distance(self) -> float:
+        """Metres that a plan has to keep between two vehicles."""
+        # Both positions are wrong independently, so their difference by the root of two of one error.
+        position: float = SIGMAS * self.position * math.sqrt(2.0)
+        return self.minimum + position + 2.0 * self.tracking + self.latency * self.speed
+
+
+def scaled(points: Points, vertical_factor: float = VERTICAL_FACTOR) -> Points:
+    """Return positions in the space in which the region of a vehicle is a sphere."""
+    space: Points = np.asarray(points, dtype=float) / (1.0, 1.0, vertical_factor)
+    return space
+
+
+def distances(points: Points) -> Points:
+    """Return the scaled distance of each pair of vehicles, infinite of a vehicle and itself.
+
+    Args:
+        points: Positions in metres, an array of shape (n, 3).
+
+    Returns:
+        An array of shape (n, n) in metres of ground distance.
+    """
+    space = scaled(points)
+    between: Points = np.linalg.norm(space[:, None] - space[None], axis=2)
+    np.fill_diagonal(between, np.inf)
+    return between
+
+
+def nearest_pair(points: Points) -> tuple[float, int, int]:
+    """Return the smallest scaled distance of two vehicles in metres, and their indices.
+
+    With fewer than two vehicles the distance is infinite.
+    """
+    if len(points) < 2:
+        return float("inf"), 0, 0
+    between = distances(points)
+    first, second = np.unravel_index(int(between.argmin()), between.shape)
+    return float(between[first, second]), int(first), int(second)
+
+
+def closest_approaches(starts: Points, ends: Points) -> Points:
+    """Return the smallest scaled distance of each pair on straight lines that all fly in the same time.
+
+    Args:
+        starts: Positions at the start, an array of shape (n, 3).
+        ends: Positions at the end.
+
+    Returns:
+        An array of shape (n, n) in metres, infinite of a vehicle and itself.
+    """
+    begin, finish = scaled(starts), scaled(ends)
+    apart = begin[:, None] - begin[None]
+    change = (finish[:, None] - finish[None]) - apart
+    length = np.einsum("ijk,ijk->ij", change, change)
+    along = -np.einsum("ijk,ijk->ij", apart, change)
+    when = np.clip(np.divide(along, length, out=np.zeros_like(along), where=length > 0.0), 0.0, 1.0)
+    nearest: Points = np.linalg.norm(apart + when[:, :, None] * change, axis=2)
+    np.fill_diagonal(nearest, np.inf)
+    return nearest
+
+
+def pairs_below(between: Points, limit: float) -> Indices:
+    """Return the pairs whose distance is below a limit, the nearest first: an array of shape (m, 2)."""
+    first, second = np.nonzero(np.triu(between < limit, 1))
+    order = np.argsort(between[first, second], kind="stable")
+    return np.column_stack((first, second))[order]

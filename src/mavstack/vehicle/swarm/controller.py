@@ -1,0 +1,216 @@
+"""The control loop of a swarm: ten times a second from positions to setpoints, with the guard beside it.
+
+The loop takes one course at a time. Each step it reads the members' states, updates the roster, lets the
+guard judge them, and sends a setpoint to each member that is present. If the guard finds a breach, the
+members stand where they are, and the call that waits for the course ends in `SwarmStopped`. A vehicle that
+leaves its mode, since a pilot or `mav swarm stop` took it, leaves the swarm and is not called back.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from mavstack.errors import SwarmStopped
+from mavstack.swarm.avoidance import Avoidance
+from mavstack.swarm.courses import Standing
+from mavstack.swarm.guard import Breach, Guard, GuardLimits
+from mavstack.swarm.roster import Roster
+from mavstack.swarm.separation import Margins
+from mavstack.swarm.steering import steer_members
+from mavstack.swarm.transitions import Limits
+from mavstack.vehicle.swarm.member import RATE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from mavstack.swarm.arrays import Points
+    from mavstack.swarm.courses import Course
+    from mavstack.vehicle.swarm.member import Member
+
+logger = logging.getLogger("mavstack.vehicle")
+_STEP: Final = 1.0 / RATE
+#: Speed in m/s below which a member has arrived.
+_SETTLED_SPEED: Final = 0.5
+#: Metres between a member and its slot at which a course has ended.
+ARRIVAL_DISTANCE: Final = 1.0
+#: Seconds after a course in which its members have to arrive.
+ARRIVAL_TIMEOUT: Final = 20.0
+
+
+@dataclass(frozen=True, slots=True)
+class SwarmOptions:
+    """How a swarm flies.
+
+    Attributes:
+        margins: Errors against which plans protect; they give the planned distance.
+        limits: Speeds and accelerations.
+        guard: Limits that stop the swarm.
+        avoid: True: members avoid each other in flight too.
+        close_gaps: True: the slot of a lost member is taken by the next one at the next formation.
+    """
+
+    margins: Margins = field(default_factory=Margins)
+    limits: Limits = field(default_factory=Limits)
+    guard: GuardLimits = field(default_factory=GuardLimits)
+    avoid: bool = True
+    close_gaps: bool = True
+
+
+class SwarmController:
+    """Runs courses.
+
+    Args:
+        members: The members, the leader first.
+        options: How the swarm flies.
+        now: The clock in seconds.
+    """
+
+    def __init__(self, members: Sequence[Member], options: SwarmOptions, now: Callable[[], float]) -> None:
+        self.members = tuple(members)
+        self.options = options
+        self.guard = Guard(options.guard)
+        self.roster = Roster(
+            (each.vehicle.system for each in members),
+            timeout=options.guard.link_age,
+            close_gaps=options.close_gaps,
+        )
+        self._now = now
+        self._stopped: SwarmStopped | None = None
+        self._progress = asyncio.Event()
+        planned = options.margins.planned_distance
+        self._avoidance = Avoidance(
+            # Below the planned distance, so that a course that keeps its distance is flown as planned.
+            distance=(options.margins.minimum + planned) / 2.0,
+            speed=options.limits.speed,
+            acceleration=options.limits.acceleration,
+            step=_STEP,
+        )
+        self.stand()
+
+    @property
+    def active(self) -> list[Member]:
+        """The members that follow setpoints and whose positions arrive, in order."""
+        present = set(self.roster.present)
+        return [each for each in self.members if each.is_following and each.vehicle.system in present]
+
+    def places(self) -> Points:
+        """Return the positions of the active members, in metres north, east, up."""
+        return np.array([each.state()[0] for each in self.active]).reshape(-1, 3)
+
+    async def run(self) -> None:
+        """Run until the task is cancelled."""
+        while True:
+            self._step()
+            self._progress.set()
+            self._progress.clear()
+            await asyncio.sleep(_STEP)
+
+    def stand(self) -> None:
+        """Let all members stay where they are."""
+        self._begin(Standing(self.places()), tuple(self.active))
+
+    def stop(self, reason: str, systems: Sequence[int] = ()) -> None:
+        """Let all members stay where they are, and end the call that waits.
+
+        Args:
+            reason: The reason, a sentence.
+            systems: System ids of the vehicles that caused it.
+        """
+        self._stopped = SwarmStopped(reason, tuple(systems))
+        logger.warning("%s", self._stopped)
+        self.stand()
+
+    async def fly(self, course: Course, members: Sequence[Member], *, until: float | None = None) -> None:
+        """Fly a course to its end.
+
+        Args:
+            course: The course, with a row for each of `members`.
+            members: The members that fly it.
+            until: Seconds after which a course without an end is left.
+
+        Raises:
+            SwarmStopped: The guard or `stop` ended it, or all members were lost, or one did not arrive.
+        """
+        self._stopped = None
+        self._begin(course, tuple(members))
+        duration = course.duration if until is None else min(until, course.duration)
+        while self._now() - self._begun < duration or not self._arrived(duration):
+            await self._wait_for_step()
+            if self._stopped is not None:
+                raise self._stopped
+            if self._now() - self._begun > duration + ARRIVAL_TIMEOUT:
+                late = [each.vehicle.system for each in self._late()]
+                self.stop("members did not arrive at their slots", late)
+
+    async def _wait_for_step(self) -> None:
+        await self._progress.wait()
+
+    def _begin(self, course: Course, members: tuple[Member, ...]) -> None:
+        self._course, self._flying, self._begun = course, members, self._now()
+
+    def _arrived(self, duration: float) -> bool:
+        endless = math.isinf(self._course.duration) and duration < math.inf
+        return endless or not self._late()
+
+    def _late(self) -> list[Member]:
+        places, _ = self._course.state(self._now() - self._begun)
+        active = set(self.active)
+        found = []
+        for member, place in zip(self._flying, places, strict=True):
+            position, velocity = member.state()
+            far = float(np.linalg.norm(position - place)) > ARRIVAL_DISTANCE
+            if member in active and (far or float(np.linalg.norm(velocity)) > _SETTLED_SPEED):
+                found.append(member)
+        return found
+
+    def _step(self) -> None:
+        self._update_roster()
+        states = [each.state() for each in self.members]
+        positions = np.array([position for position, _ in states])
+        velocities = np.array([velocity for _, velocity in states])
+        self._check_guard(positions)
+        places, motion = self._course.state(self._now() - self._begun)
+        active = [index for index, each in enumerate(self._flying) if each in set(self.active)]
+        if not active:
+            if self._stopped is None:
+                self._stopped = SwarmStopped("no member follows setpoints any more", ())
+            return
+        rows = [self.members.index(self._flying[index]) for index in active]
+        self._send(active, positions[rows], velocities[rows], (places[active], motion[active]))
+
+    def _send(
+        self, active: list[int], positions: Points, velocities: Points, course: tuple[Points, Points]
+    ) -> None:
+        places, motion = course
+        if self.options.avoid and np.isfinite(positions).all():
+            steering = steer_members(positions, velocities, course, self._avoidance)
+            places, motion = steering.places, steering.velocities
+        for index, place, velocity in zip(active, places, motion, strict=True):
+            self._flying[index].follow(place, velocity)
+
+    def _update_roster(self) -> None:
+        now = self._now()
+        seen = {each.vehicle.system: now - each.age for each in self.members}
+        change = self.roster.update(seen, now)
+        for system in change.lost:
+            logger.warning("vehicle %d was lost by its swarm: no position arrives", system)
+        for member in self.members:
+            if member.error is not None and member.vehicle.system in self.roster.present:
+                self.roster.remove(member.vehicle.system)
+                logger.warning("vehicle %d left its swarm: %s", member.vehicle.system, member.error)
+        if change.leader is not None:
+            logger.warning("vehicle %d leads the swarm now", change.leader)
+
+    def _check_guard(self, positions: Points) -> None:
+        for finding in self.guard.check(positions, [each.age for each in self.members]):
+            if finding.breach is Breach.LINK:  # the roster's business
+                continue
+            systems = [self.members[index].vehicle.system for index in finding.members]
+            names = " and ".join(f"vehicle {system}" for system in systems)
+            self.stop(f"{finding.breach} of {names}: {finding.text}", systems)

@@ -1,0 +1,36 @@
+"""The takeoff of a swarm: to one height where the starts are apart, else to layers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mavstack.services.arguments import check_numbers
+
+if TYPE_CHECKING:
+    from mavstack.vehicle.group import Group, Results
+    from mavstack.vehicle.vehicle import Vehicle
+
+
+async def take_off(
+    group: Group, altitude: float, *, layer_spacing: float = 0.0, timeout: float | None = None
+) -> Results[None]:
+    """Arm all vehicles of a group and let them take off.
+
+    Args:
+        group: The vehicles; the first one has the lowest layer.
+        altitude: Metres above home of the lowest layer.
+        layer_spacing: Metres by which each vehicle is higher than the one before.
+        timeout: Seconds for each call; None sets no overall limit.
+
+    Returns:
+        The outcome of each vehicle; its errors are those of `Vehicle.arm` and `Vehicle.takeoff`.
+    """
+    check_numbers(altitude=altitude, layer_spacing=layer_spacing)
+    heights = {vehicle: altitude + index * layer_spacing for index, vehicle in enumerate(group)}
+
+    async def launch(vehicle: Vehicle) -> None:
+        if not vehicle.armed:
+            await vehicle.arm(timeout=timeout)
+        await vehicle.takeoff(heights[vehicle], timeout=timeout)
+
+    return await group.each(launch, name="takeoff")

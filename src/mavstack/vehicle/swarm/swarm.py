@@ -1,0 +1,302 @@
+"""A swarm: vehicles that fly in formation, move together, and stop together.
+
+    async with connection.swarm(1, 2, 3) as swarm:          # armed and in the air
+        await swarm.formation("wedge", spacing=8)
+        await swarm.move(north=100)
+        await swarm.rotate(90)
+
+Inside of the block the vehicles follow setpoints; at its end each holds where it is. A call returns when
+every member has arrived. A call that is refused, since the slots are too near to each other, changes
+nothing. PX4 and ArduPilot, copters and rovers can be mixed; wings cannot stand in a slot and are refused
+(`ActionUnsupported`).
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mavstack.dialects import common
+from mavstack.errors import ContactLost, GroupError, InvalidArgumentError
+from mavstack.geodesy import LocalFrame
+from mavstack.node.api_object import ReadOnly
+from mavstack.services.arguments import check_numbers
+from mavstack.swarm.courses import Following, Turn
+from mavstack.swarm.formations import Formation, rotate_to_course
+from mavstack.swarm.leader import LeaderFrame, turn_rate_for
+from mavstack.swarm.transitions import Transition, plan_transition, straight_transition
+from mavstack.vehicle.swarm.controller import SwarmController, SwarmOptions
+from mavstack.vehicle.swarm.member import RATE, Member
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from types import TracebackType
+    from typing import Self
+
+    from mavstack.swarm.arrays import Points
+    from mavstack.vehicle.vehicle import Vehicle
+
+
+class Swarm(ReadOnly):
+    """Vehicles that fly as one; made by `Connection.swarm`.
+
+    Args:
+        vehicles: The vehicles, the leader first.
+        options: How they fly; None: the defaults.
+    """
+
+    def __init__(self, vehicles: Iterable[Vehicle], options: SwarmOptions | None = None) -> None:
+        self._vehicles = tuple(vehicles)
+        if not self._vehicles:
+            raise InvalidArgumentError("a swarm must have at least one vehicle")
+        self._options = options or SwarmOptions()
+        self._controller: SwarmController | None = None
+        self._loop: asyncio.Task[None] | None = None
+        self._course = 0.0
+        self._origin: LocalFrame | None = None
+
+    async def __aenter__(self) -> Self:
+        await self._call("requesting positions of", self._request_positions)
+        members = [Member(vehicle, self._frame()) for vehicle in self._vehicles]
+        try:
+            await asyncio.gather(*(member.enter() for member in members))
+        except BaseException:
+            await _leave(members)
+            raise
+        controller = SwarmController(members, self._options, self._vehicles[0].connection.now)
+        self._controller = controller
+        self._loop = asyncio.create_task(controller.run())
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        controller, self._controller = self._running, None
+        if self._loop is not None:
+            self._loop.cancel()
+            with suppress(asyncio.CancelledError):
+                await self._loop
+        await _leave(controller.members)
+
+    @property
+    def vehicles(self) -> tuple[Vehicle, ...]:
+        """The vehicles that follow the swarm's setpoints now, the leader first."""
+        return tuple(member.vehicle for member in self._running.active)
+
+    @property
+    def smallest_separation(self) -> float:
+        """The smallest distance of two vehicles so far in metres, heights divided by `VERTICAL_FACTOR`."""
+        return self._running.guard.smallest_separation
+
+    async def formation(
+        self,
+        formation: str | Formation,
+        *,
+        spacing: float | None = None,
+        course: float | None = None,
+        **options: Any,  # noqa: ANN401 (those of Formation)
+    ) -> None:
+        """Fly into a formation, around the leader where it is.
+
+        Args:
+            formation: The name of a shape, or a formation.
+            spacing: Metres between neighbours; None: the planned distance times the root of two, so that
+                any members can exchange their slots.
+            course: Direction of the formation in degrees; None: the one that it has.
+            **options: `angle`, `rotation`, `layers`, `layer_spacing`, `text`, `points` of `Formation`.
+
+        Raises:
+            InvalidArgumentError: No transition keeps the planned distance; no vehicle was moved.
+            SwarmStopped: The guard or `stop` ended the flight.
+        """
+        members = self._running.active
+        shape = self._shape(formation, spacing, options)
+        self._course = self._course if course is None else course
+        starts = self._running.places()
+        slots = starts[0] + rotate_to_course(shape.offsets(len(members)), self._course)
+        await self._running.fly(self._plan(starts, slots), members)
+
+    async def move(self, north: float = 0.0, east: float = 0.0, up: float = 0.0) -> None:
+        """Move the whole swarm, each member by the same way.
+
+        Args:
+            north: Metres.
+            east: Metres.
+            up: Metres.
+
+        Raises:
+            SwarmStopped: The guard or `stop` ended the flight.
+        """
+        check_numbers(north=north, east=east, up=up)
+        members, starts = self._running.active, self._running.places()
+        await self._running.fly(self._straight(starts, starts + np.array((north, east, up))), members)
+
+    async def goto(self, latitude: float, longitude: float, altitude: float | None = None) -> None:
+        """Move the whole swarm so that its leader arrives at a place.
+
+        Args:
+            latitude: Degrees.
+            longitude: Degrees.
+            altitude: Metres above the leader's home; None: the one that it has.
+
+        Raises:
+            SwarmStopped: The guard or `stop` ended the flight.
+        """
+        check_numbers(latitude=latitude, longitude=longitude, altitude=altitude)
+        leader = self._running.active[0]
+        here, _ = leader.state()
+        north, east, _ = self._frame().to_local(latitude, longitude, 0.0)
+        position = leader.vehicle.position
+        now = None if position is None else position.relative_altitude
+        climb = 0.0 if altitude is None or now is None else altitude - now
+        await self.move(north - float(here[0]), east - float(here[1]), climb)
+
+    async def rotate(self, degrees: float) -> None:
+        """Turn the whole formation around its leader.
+
+        Args:
+            degrees: Clockwise if positive.
+
+        Raises:
+            SwarmStopped: The guard or `stop` ended the flight.
+        """
+        check_numbers(degrees=degrees)
+        members, places = self._running.active, self._running.places()
+        centre = (float(places[0, 0]), float(places[0, 1]))
+        self._course = (self._course + degrees) % 360.0
+        await self._running.fly(Turn(places, centre, degrees, self._options.limits), members)
+
+    async def follow(
+        self,
+        leader: Vehicle,
+        formation: str | Formation = "wedge",
+        *,
+        spacing: float | None = None,
+        duration: float | None = None,
+        **options: Any,  # noqa: ANN401 (those of Formation)
+    ) -> None:
+        """Follow a vehicle that is not a member, which another program flies.
+
+        Args:
+            leader: The vehicle; slot 0 of the formation is its own.
+            formation: The name of a shape, or a formation.
+            spacing: Metres between neighbours; None: as in `formation`.
+            duration: Seconds; None: until the task is cancelled.
+            **options: Those of `Formation`.
+
+        Raises:
+            ContactLost: No position of the leader arrives.
+            SwarmStopped: The guard or `stop` ended the flight.
+        """
+        if leader in self._vehicles:
+            raise InvalidArgumentError(
+                f"vehicle {leader.system} is a member, and cannot be followed by the swarm"
+            )
+        await leader.set_message_rate(common.GlobalPositionInt, RATE)
+        target, members = Member(leader, self._frame()), self._running.active
+        offsets = self._shape(formation, spacing, options).offsets(len(members) + 1)[1:]
+        speed = self._options.limits.speed
+        frame = LeaderFrame(self._course, turn_rate_for(offsets, speed / 2.0, speed))
+        now = leader.connection.now
+        measure = asyncio.create_task(_measure(target, frame, self._options.guard.link_age))
+        try:
+            await asyncio.sleep(0)
+            slots, _ = frame.slots(offsets, now())
+            await self._running.fly(self._plan(self._running.places(), slots), members)
+            course = Following(frame, offsets, now())
+            flight = asyncio.create_task(self._running.fly(course, members, until=duration))
+            done, _ = await asyncio.wait((measure, flight), return_when=asyncio.FIRST_COMPLETED)
+            flight.cancel()
+            for each in done:
+                each.result()
+        finally:
+            measure.cancel()
+            self._running.stand()
+
+    async def land(self) -> None:
+        """Land all members where they are, and end the swarm's setpoints.
+
+        Raises:
+            GroupError: A vehicle did not land.
+        """
+        await self._call("landing", lambda vehicle: vehicle.land())
+
+    def stop(self, reason: str = "stopped by the program") -> None:
+        """Let all members stay where they are; the call that waits ends in `SwarmStopped`.
+
+        Args:
+            reason: The reason, a sentence.
+        """
+        self._running.stop(reason)
+
+    @property
+    def _running(self) -> SwarmController:
+        if self._controller is None:
+            raise InvalidArgumentError("the swarm is not running: use `async with`")
+        return self._controller
+
+    def _shape(self, formation: str | Formation, spacing: float | None, options: dict[str, Any]) -> Formation:
+        if isinstance(formation, Formation):
+            return formation
+        planned = self._options.margins.planned_distance
+        return Formation(
+            formation, spacing=math.ceil(planned * math.sqrt(2.0)) if spacing is None else spacing, **options
+        )
+
+    def _straight(self, starts: Points, ends: Points) -> Transition:
+        return straight_transition(starts, ends, self._options.limits)
+
+    def _plan(self, starts: Points, slots: Points) -> Transition:
+        margins = self._options.margins
+        return plan_transition(
+            starts,
+            slots,
+            margins.planned_distance,
+            limits=self._options.limits,
+            closest_start=margins.minimum,
+        )
+
+    def _frame(self) -> LocalFrame:
+        """Return the frame of the swarm: its origin is on the ground below the leader's home."""
+        if self._origin is None:
+            leader = self._vehicles[0]
+            home = leader.latest(common.GlobalPositionInt)
+            if home is None:
+                raise ContactLost("flying in a swarm with", str(leader.address), answer="no position arrived")
+            altitude = (home.alt - home.relative_alt) / 1e3
+            self._origin = LocalFrame(home.lat / 1e7, home.lon / 1e7, altitude)
+        return self._origin
+
+    async def _request_positions(self, vehicle: Vehicle) -> None:
+        await vehicle.set_message_rate(common.GlobalPositionInt, RATE)
+        await vehicle.wait_for_message(common.GlobalPositionInt)
+
+    async def _call(self, name: str, work: Any) -> None:  # noqa: ANN401
+        from mavstack.vehicle.group import Group
+
+        results = await Group(self._vehicles).each(work, name=name)
+        results.check()
+
+
+async def _leave(members: Iterable[Member]) -> None:
+    """Let all members hold; what one refuses keeps no other from it."""
+    outcomes = await asyncio.gather(*(member.leave() for member in members), return_exceptions=True)
+    errors = {
+        each.vehicle.system: error
+        for each, error in zip(members, outcomes, strict=False)
+        if isinstance(error, Exception)
+    }
+    if errors:
+        raise GroupError("holding after the swarm", errors, len(outcomes))
+
+
+async def _measure(target: Member, frame: LeaderFrame, link_age: float) -> None:
+    while target.age <= link_age:
+        position, velocity = target.state()
+        frame.update(position, velocity, target.vehicle.connection.now())
+        await asyncio.sleep(1.0 / RATE)
+    raise ContactLost("following", str(target.vehicle.address), answer="no position arrives")

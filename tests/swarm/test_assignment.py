@@ -1,0 +1,52 @@
+"""Assignment of slots and tasks, beside brute force."""
+
+from __future__ import annotations
+
+from itertools import permutations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mavstack.errors import InvalidArgumentError
+from mavstack.swarm.assignment import assign_slots, auction_tasks, squared_distances
+
+
+@given(st.integers(0, 10**6), st.integers(1, 6))
+def test_no_other_assignment_has_a_smaller_sum_of_squared_distances(seed, count):
+    random = np.random.default_rng(seed)
+    starts, slots = random.uniform(-100, 100, (2, count, 3))
+    chosen = assign_slots(starts, slots)
+    costs = ((starts[:, None] - slots[None]) ** 2).sum(axis=2)
+    best = min(
+        sum(costs[index, slot] for index, slot in enumerate(order)) for order in permutations(range(count))
+    )
+    assert sorted(chosen) == list(range(count))
+    assert costs[np.arange(count), chosen].sum() == pytest.approx(best)
+
+
+def test_there_may_be_more_slots_but_not_fewer():
+    assert assign_slots(np.zeros((1, 3)), np.array([[9.0, 0, 0], [1.0, 0, 0]])).tolist() == [1]
+    with pytest.raises(InvalidArgumentError, match="a slot for each vehicle, got 1 for 2"):
+        assign_slots(np.zeros((2, 3)), np.zeros((1, 3)))
+
+
+def test_squared_distances_far_from_the_origin_are_exact():
+    places = np.array([[1e6, 2e6, 0.0], [1e6 + 3.0, 2e6 + 4.0, 0.0]])
+    assert squared_distances(places, places).tolist() == [[0.0, 25.0], [25.0, 0.0]]
+
+
+@given(st.integers(0, 10**6), st.integers(1, 5), st.integers(0, 12))
+def test_each_task_has_one_vehicle(seed, vehicles, tasks):
+    random = np.random.default_rng(seed)
+    routes = auction_tasks(random.uniform(0, 100, (vehicles, 3)), random.uniform(0, 100, (tasks, 3)))
+    assert sorted(task for route in routes for task in route) == list(range(tasks))
+
+
+def test_a_fast_vehicle_takes_more_tasks():
+    tasks = np.array([[float(10 * index), 0.0, 0.0] for index in range(1, 13)])
+    slow, fast = auction_tasks(np.zeros((2, 3)), tasks, [1.0, 5.0])
+    assert len(fast) > 2 * len(slow)
+    with pytest.raises(InvalidArgumentError, match="a speed above 0 m/s"):
+        auction_tasks(np.zeros((2, 3)), tasks, [1.0, 0.0])

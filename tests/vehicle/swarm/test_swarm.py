@@ -1,0 +1,134 @@
+"""Swarms of simulated vehicles in virtual time."""
+
+from __future__ import annotations
+
+import asyncio
+
+import numpy as np
+import pytest
+
+from mavstack.errors import ActionRefused, InvalidArgumentError, SwarmStopped
+from mavstack.sim.vehicle_types import VehicleType
+from mavstack.swarm.guard import GuardLimits
+from mavstack.swarm.separation import Margins
+from mavstack.vehicle.swarm import SwarmOptions
+from mavstack.vehicle.swarm.launch import take_off
+from tests.vehicle.world import ARDUPILOT, PX4, fly
+
+COPTERS = [(VehicleType.COPTER, ARDUPILOT), (VehicleType.COPTER, PX4), (VehicleType.COPTER, ARDUPILOT)]
+
+
+async def launch(world, count=3):
+    """Let vehicles take off to layers."""
+    group = await world.node.wait_for_vehicles(count)
+    (await take_off(group, 10.0, layer_spacing=10.0)).check()
+    return list(group)
+
+
+def places(vehicles):
+    return np.array(
+        [
+            (each.local_position.north, each.local_position.east, each.position.relative_altitude)
+            for each in vehicles
+        ]
+    )
+
+
+@pytest.mark.flight
+def test_a_mixed_swarm_flies_a_wedge_moves_and_turns():
+    async def scenario(world, _vehicle):
+        vehicles = await launch(world)
+        async with world.node.swarm() as swarm:
+            assert swarm.vehicles == tuple(vehicles)
+            await swarm.formation("wedge", spacing=10)
+            before = places(vehicles)
+            assert before[:, 2] == pytest.approx([10.0] * 3, abs=0.5)
+            await swarm.move(north=40)
+            assert places(vehicles) - before == pytest.approx(np.array([[40.0, 0.0, 0.0]] * 3), abs=1.0)
+            await swarm.rotate(90)
+            turned = places(vehicles)
+            assert turned[1:, 1] == pytest.approx([turned[0, 1] - 7.07] * 2, abs=1.0)
+            assert swarm.smallest_separation > 4.0
+        await asyncio.sleep(2)
+        assert {each.mode.lower() for each in vehicles} <= {"brake", "loiter", "hold", "guided"}
+
+    fly(COPTERS, scenario)
+
+
+def test_members_on_the_ground_are_refused_and_nothing_is_moved():
+    async def scenario(world, vehicle):
+        with pytest.raises(ActionRefused, match="not armed"):
+            async with world.node.swarm(1):
+                pass
+        assert not vehicle.armed
+        with pytest.raises(InvalidArgumentError, match="use `async with`"):
+            await world.node.swarm(1).move(north=1)
+
+    fly(COPTERS[0], scenario)
+
+
+@pytest.mark.flight
+def test_slots_that_are_too_near_are_refused_and_the_guard_stops_a_swarm():
+    async def scenario(world, _vehicle):
+        vehicles = await launch(world, 2)
+        options = SwarmOptions(Margins(), guard=GuardLimits(highest=35.0))
+        async with world.node.swarm(options=options) as swarm:
+            before = places(vehicles)
+            with pytest.raises(InvalidArgumentError, match="goals must be at least"):
+                await swarm.formation("line", spacing=2.0)
+            assert places(vehicles) == pytest.approx(before, abs=0.5)
+            with pytest.raises(
+                SwarmStopped, match=r"height of vehicle 2: 3\d\.\d m above the origin"
+            ) as stopped:
+                await swarm.move(up=40.0)
+            assert stopped.value.systems == (2,)
+
+    fly(COPTERS[:2], scenario)
+
+
+@pytest.mark.flight
+def test_a_vehicle_that_a_pilot_takes_leaves_the_swarm():
+    async def scenario(world, _vehicle):
+        vehicles = await launch(world)
+        async with world.node.swarm() as swarm:
+            await swarm.formation("line", spacing=12)
+            await vehicles[1].land(wait=False)
+            await swarm.move(north=20)
+            assert [each.system for each in swarm.vehicles] == [1, 3]
+
+    fly(COPTERS, scenario)
+
+
+@pytest.mark.flight
+def test_a_swarm_follows_a_vehicle_that_another_program_flies():
+    async def scenario(world, _vehicle):
+        vehicles = await launch(world)
+        leader = vehicles[2]
+        async with world.node.swarm(1, 2) as swarm:
+            following = asyncio.create_task(swarm.follow(leader, "column", spacing=12, duration=40.0))
+            await asyncio.sleep(20)
+            await leader.move(north=40)
+            await following
+            apart = places(vehicles)
+            assert np.linalg.norm(apart[:2] - apart[2], axis=1) == pytest.approx([12.0, 24.0], abs=3.0)
+            with pytest.raises(InvalidArgumentError, match="is a member"):
+                await swarm.follow(vehicles[0])
+
+    fly(COPTERS, scenario)
+
+
+@pytest.mark.flight
+def test_stop_ends_the_call_that_waits():
+    async def scenario(world, _vehicle):
+        vehicles = await launch(world, 2)
+        async with world.node.swarm() as swarm:
+            moving = asyncio.create_task(swarm.move(north=500))
+            await asyncio.sleep(10)
+            swarm.stop("a person walked in")
+            with pytest.raises(SwarmStopped, match="a person walked in"):
+                await moving
+            await asyncio.sleep(5)
+            assert all(abs(each.velocity.north) < 0.3 for each in vehicles)
+            assert places(vehicles)[:, 0].max() < 100.0
+
+    fly(COPTERS[:2], scenario)
