@@ -88,7 +88,8 @@ describe('scripts', () => {
     const runner = new ScriptRunner(
       `state.list ??= new Float32Array([7]); state.text ??= { a: ['x'] }; state.count = (state.count ?? 0) + 1;
        globalThis.left = (globalThis.left ?? 0) + 1;
-       return { count: state.count, left: globalThis.left, list: state.list[0], text: state.text.a[0] === 'x' ? 1 : 0 };`,
+       const text = state.text.a[0] === 'x' ? 1 : 0;
+       return { count: state.count, left: globalThis.left, list: state.list[0], text };`,
       (found) => results.push(...found),
       (problem) => problems.push(problem),
       () => {
