@@ -12,6 +12,7 @@ from mavstack.security.observer_requests import LIST_INTERVAL, MAX_BURST
 from mavstack.security.roles import Role
 from mavstack.server.access import Access
 from mavstack.server.client_shares import MAX_OBSERVED_STREAMS, MAX_STREAMS_PER_SESSION
+from mavstack.server.json_values import to_json
 from mavstack.vehicle import Connection
 from mavstack.wire import Encoder
 from tests.server.stations import COPTER, Ground, serve
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
 PASSWORDS = {Role.OBSERVE: "watching only", Role.OPERATE: "may fly it"}
 LIST = Encoder(200, 190).encode(common.ParamRequestList(target_system=1, target_component=1))
+MISSION = "/api/vehicles/1/mission"
 DISARM, STREAM = "/api/vehicles/1/disarm", "/api/vehicles/1/messages/ATTITUDE/stream"
 #: The longest time in seconds from a request to the end of its disarm.
 MAX_DELAY = 0.1
@@ -155,5 +157,30 @@ def test_websockets_of_one_session_have_a_share_and_end_with_it() -> None:
         await ground.api.delete("/api/session", headers=headers)
         await ground.wait_until(lambda: not len(ground.station.shares))
         assert not ground.station.packets.clients
+
+    run(scenario)
+
+
+def test_results_for_many_observers_are_written_one_in_a_turn(monkeypatch) -> None:
+    """Before: all observers that waited for one plan got its JSON in one turn of the event loop."""
+    written = 0
+
+    def counted(answer: object) -> object:
+        nonlocal written
+        written += 1
+        return to_json(answer)
+
+    async def scenario(ground: Ground) -> None:
+        headers, _ = await session(ground)
+        monkeypatch.setattr("mavstack.server.dispatch.to_json", counted)
+        reads = [asyncio.create_task(ground.api.get(MISSION, headers=headers)) for _ in range(40)]
+        largest = 0
+        while not all(read.done() for read in reads):
+            before = written
+            await asyncio.sleep(0)
+            largest = max(largest, written - before)
+        assert {read.result().status for read in reads} == {200}
+        assert written == 40
+        assert largest == 1
 
     run(scenario)

@@ -5,9 +5,10 @@ from starlette.datastructures import Headers
 
 from mavstack.errors import InvalidArgumentError
 from mavstack.http.bodies import RefusedError
+from mavstack.http.request_lane import RequestHead
 from mavstack.security.roles import Role
 from mavstack.security.tickets import make_ticket
-from mavstack.server.access import MAX_FAILURES, SESSION_LIFETIME, Access
+from mavstack.server.access import COOKIE, MAX_FAILURES, SESSION_LIFETIME, Access
 
 PASSWORDS = {Role.OBSERVE: "watching only", Role.OPERATE: "may fly it"}
 
@@ -143,3 +144,25 @@ def test_clients_with_the_ticket_key_make_their_own_tickets() -> None:
 def test_unsafe_settings_are_refused(options, text) -> None:
     with pytest.raises(InvalidArgumentError, match=text):
         Access(**options)
+
+
+@pytest.mark.parametrize(
+    ("role", "method", "comes_first"),
+    [
+        (Role.OPERATE, "GET", True),
+        (Role.OPERATE, "POST", True),
+        (Role.OBSERVE, "POST", False),
+        (None, "POST", False),
+    ],
+)
+def test_requests_of_sessions_that_may_act_come_first(role, method, comes_first) -> None:
+    access = Access(passwords=PASSWORDS, local=False)
+    token = "none" if role is None else access.log_in("10.0.0.1", password=PASSWORDS[role]).session
+    shown = [(f"bearer {token}", ""), ("", f"a=b; {COOKIE}={token}"), ("", f'{COOKIE}="{token}"; a=b')]
+    for authorization, cookie in shown:
+        assert access.comes_first(RequestHead(method, authorization, cookie)) is comes_first
+
+
+def test_without_passwords_requests_that_change_something_come_first() -> None:
+    assert Access().comes_first(RequestHead("POST", "", ""))
+    assert not Access().comes_first(RequestHead("GET", "", ""))

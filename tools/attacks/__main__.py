@@ -10,7 +10,7 @@ from tools.attacks.gates import GATES
 from tools.attacks.range import opened
 from tools.attacks.routers import RouterProgram, available, with_gates, without_firewall, without_signing
 from tools.attacks.scenarios import FLOOD, PASSED, PLAIN, UNSIGNED, flood
-from tools.attacks.station import DELAYS, STATION, opened_station
+from tools.attacks.station import DELAYS, PROCESSOR_TIME, STATION, delays, opened_station
 from tools.attacks.texts import FORMULAS_ROW, TEXTS, formulas
 from tools.child_processes import end_children_with_this_process
 
@@ -39,8 +39,8 @@ def main() -> int:
     if "mavstack" in results:
         results["mavstack"] |= _run(with_gates(), GATES)
         with opened_station() as station:
-            attacks = {**DELAYS, **STATION}
-            results["mavstack"] |= {name: scenario(station) for name, scenario in attacks.items()}
+            results["mavstack"] |= delays(station)
+            results["mavstack"] |= {name: scenario(station) for name, scenario in STATION.items()}
     if not arguments.router:
         _add_texts(results)
     print(json.dumps(results, indent=2) if arguments.json else _table(results))
@@ -87,20 +87,25 @@ def _run(
 
 
 def _total(results: dict[str, float]) -> float:
-    return sum(value for name, value in results.items() if name not in FLOOD and name not in DELAYS)
+    return sum(value for name, value in results.items() if not _is_time(name))
+
+
+def _is_time(name: str) -> bool:
+    """Return whether a figure is in milliseconds."""
+    return name in FLOOD or name in DELAYS or name.endswith(PROCESSOR_TIME)
 
 
 def _table(results: dict[str, dict[str, float]]) -> str:
     names = list(dict.fromkeys(name for values in results.values() for name in values))
-    lines = [f"{'packets that passed':42}" + "".join(f"{router:>16}" for router in results)]
+    lines = [f"{'packets that passed':60}" + "".join(f"{router:>16}" for router in results)]
     lines += [_row(name, [values.get(name) for values in results.values()]) for name in names]
     lines.append(_row("unauthorised packets that passed", [_total(each) for each in results.values()]))
     return "\n".join(lines)
 
 
 def _row(name: str, values: Sequence[float | None]) -> str:
-    unit = " ms" if name in FLOOD or name in DELAYS else ""
-    return f"{name:42}" + "".join(f"{'-' if each is None else f'{each:g}{unit}':>16}" for each in values)
+    unit = " ms" if _is_time(name) else ""
+    return f"{name:60}" + "".join(f"{'-' if each is None else f'{each:g}{unit}':>16}" for each in values)
 
 
 if __name__ == "__main__":

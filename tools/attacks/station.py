@@ -1,7 +1,8 @@
 """Attacks on a ground station (`mav web`) by its observers and by strangers, with a simulated vehicle.
 
 The delays are those of a pilot's disarm, the worst of several, from the request to the vehicle's answer. They
-are times of this machine: look at them beside the delay without an attack.
+are times of this machine: look at them beside the delay without an attack, and beside the processor time that
+the station used meanwhile, which other programs of the machine hardly change.
 """
 
 from __future__ import annotations
@@ -81,9 +82,14 @@ class StationRange:
 
     Args:
         port: The port of the station.
+        process: The id of its process.
     """
 
-    def __init__(self, port: int) -> None:
+    def __init__(self, port: int, process: int) -> None:
+        self._process = process
+        #: The most processor time in milliseconds that the station used for one disarm and all that ran
+        #: before it: on a machine without other work this is the delay.
+        self.processor_time = 0.0
         self.stranger = Client(port)
         self.pilot, self.observer = self.log_in("operate"), self.log_in("observe")
         self._wait_for_vehicle()
@@ -97,13 +103,20 @@ class StationRange:
 
     def disarm_delay(self) -> float:
         """Return the worst delay of the pilot's disarm in milliseconds."""
+        self.processor_time = 0.0
         return max(self._disarm() for _ in range(_DISARMS))
 
     def _disarm(self) -> float:
-        began = monotonic()
+        began, used = monotonic(), self._used()
         with suppress(OSError, HTTPException):
             self.pilot.ask("POST", "/api/vehicles/1/disarm", {})
+        self.processor_time = max(self.processor_time, round(self._used() - used, 1))
         return round((monotonic() - began) * 1000, 1)
+
+    def _used(self) -> float:
+        """Return the processor time of the station so far in milliseconds; 0 where it is not known."""
+        threads = Path(f"/proc/{self._process}/task").glob("*/schedstat")
+        return sum(int(each.read_text().split()[0]) for each in threads) / 1e6
 
     def _wait_for_vehicle(self) -> None:
         end = monotonic() + _START_TIMEOUT
@@ -220,10 +233,23 @@ DELAYS: Final[Mapping[str, Callable[[StationRange], float]]] = MappingProxyType(
         "10 readers of plans: upload of 50 items": upload_beside_readers,
     }
 )
+#: The end of the names of figures of processor time.
+PROCESSOR_TIME: Final = ", processor time"
 #: Attacks that count what passed.
 STATION: Final[Mapping[str, Callable[[StationRange], float]]] = MappingProxyType(
     {"files that exist, by errors of a station": files_by_errors}
 )
+
+
+def delays(field: StationRange) -> dict[str, float]:
+    """Run the attacks on the delay of a disarm; return delays, and the station's processor time for each."""
+    results: dict[str, float] = {}
+    for name, scenario in DELAYS.items():
+        field.processor_time = 0.0
+        results[name] = scenario(field)
+        if field.processor_time:
+            results[name + PROCESSOR_TIME] = field.processor_time
+    return results
 
 
 @contextmanager
@@ -245,7 +271,7 @@ def opened_station() -> Iterator[StationRange]:
         options = ("--no-browser", "--port", "0", "--json", "--folder", folder, "--password", str(passwords))
         process = stack.enter_context(_running("web", f"unix://{link}", *options))
         address = json.loads(process.stdout.readline()) if process.stdout is not None else {}
-        yield StationRange(int(address["port"]))
+        yield StationRange(int(address["port"]), process.pid)
 
 
 @contextmanager

@@ -4,6 +4,9 @@ A full server closes a connection for each new one (see `mavstack.security.admis
 request has not arrived completely, then one that is unused between two requests or reads its answer slowly,
 never one of a client with a session that may act. The application identifies clients by `mark_client`.
 
+A request whose head has arrived waits for its turn (see `mavstack.http.request_lane`), except a request
+that comes first. Until then its bytes cost neither the server nor the application any work.
+
 A `Connection` is between the transport and the protocol of the server, whatever that is: it sees when bytes
 arrive. Around the application, `Connections.tracking` sees requests and answers. A request finds its
 connection by a context variable, since the server starts the application while the connection passes bytes.
@@ -12,10 +15,12 @@ connection by a context variable, since the server starts the application while 
 from __future__ import annotations
 
 import asyncio
+from collections import Counter, deque
 from contextvars import ContextVar
 from time import monotonic
 from typing import TYPE_CHECKING, Final
 
+from mavstack.http.request_lane import RequestLane, has_whole_head, read_head
 from mavstack.security.admission import Admission, Place, Proof
 
 if TYPE_CHECKING:
@@ -23,10 +28,16 @@ if TYPE_CHECKING:
 
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+    from mavstack.http.request_lane import ComesFirst
+
 #: Open connections; the bound leaves descriptors to the links of the program.
 MAX_CONNECTIONS: Final = 512
 #: Seconds for the head of a request, and between two parts of its body.
 HEAD_TIMEOUT: Final = 20.0
+#: Seconds for which the order in which silent connections leave a full server is valid.
+ORDER_LIFETIME: Final = 0.5
+#: Seconds for which further newcomers of an address are refused without a comparison of all connections.
+REFUSAL_LIFETIME: Final = 0.02
 _current: Final[ContextVar[Connection]] = ContextVar("mavstack_http_connection")
 
 
@@ -44,25 +55,72 @@ def mark_client(proof: Proof, holder: str) -> None:
 
 
 class Connections:
-    """The connections of one server."""
+    """The connections of one server.
 
-    def __init__(self) -> None:
+    Args:
+        comes_first: Decides which requests wait for no others; None: all wait for their turn.
+    """
+
+    def __init__(self, comes_first: ComesFirst | None = None) -> None:
+        self.lane = RequestLane()
+        self._comes_first = comes_first
         self._admission = Admission(MAX_CONNECTIONS, min_stay=0)
         self._open: set[Connection] = set()
+        #: Silent connections in the order in which they leave, found for an earlier newcomer.
+        self._next_leaving: deque[Connection] = deque()
+        self._next_found_at = 0.0
+        self._refused = ("", 0.0)
 
     def admit(self, connection: Connection) -> bool:
         """Take a connection, or refuse it; another one may be closed for it."""
+        if len(self._open) >= MAX_CONNECTIONS and not self._make_room(connection.host):
+            return False
+        self._open.add(connection)
+        return True
+
+    def begin(self, head: bytearray, begin: Callable[[], None]) -> None:
+        """Call a function when the request with some head may begin: at once, or in its turn."""
+        if self._comes_first is not None and self._comes_first(read_head(head)):
+            begin()
+        else:
+            self.lane.enter(begin)
+
+    def _make_room(self, host: str) -> bool:
+        """Return whether there is a place for a newcomer; another connection may be closed for it.
+
+        The places of all connections are compared once for many newcomers of a burst.
+        """
+        now = monotonic()
+        if self._refused[0] == host and now - self._refused[1] <= REFUSAL_LIFETIME:
+            return False
+        if now - self._next_found_at <= ORDER_LIFETIME:
+            while self._next_leaving:
+                leaving = self._next_leaving.popleft()
+                if leaving in self._open and leaving.is_silent:
+                    self._close(leaving)
+                    return True
         # Those that became WebSockets report no end.
         self._open = {each for each in self._open if not each.is_closing}
-        admitted, leaving = self._admission.admit(
-            connection.host, [each.place() for each in self._open], monotonic()
-        )
-        if leaving is not None:
-            leaving.abort()
-            self._open.discard(leaving)
-        if admitted:
-            self._open.add(connection)
+        places = [each.place() for each in self._open]
+        admitted, chosen = self._admission.admit(host, places, now)
+        if chosen is not None:
+            self._close(chosen)
+        if not admitted:
+            self._refused = host, now
+        self._find_next(places, chosen, now)
         return admitted
+
+    def _find_next(self, places: list[Place[Connection]], chosen: Connection | None, now: float) -> None:
+        self._next_found_at = now
+        silent = [each for each in places if each.proof is Proof.SILENT and each.owner is not chosen]
+        shares = Counter(each.holder for each in places)
+        silent.sort(key=lambda each: (-shares[each.holder], each.used_at))
+        largest = [each.owner for each in silent if shares[each.holder] == shares[silent[0].holder]]
+        self._next_leaving = deque(largest[: MAX_CONNECTIONS // 8])
+
+    def _close(self, connection: Connection) -> None:
+        connection.abort()
+        self._open.discard(connection)
 
     def remove(self, connection: Connection) -> None:
         """Remove a connection that is closed. Idempotent."""
@@ -105,6 +163,10 @@ class Connection(asyncio.Protocol):
         self._awaits_head = True
         self._awaits_body = False
         self._has_next_head = False  # a part of it at least arrived during an answer
+        self._head = bytearray()  # a request that has not arrived completely, or waits for its turn
+        self._is_waiting = False
+        self._has_begun = False  # the protocol has the head of a request, the application maybe not yet
+        self._server_has_part = False  # the protocol has a part of a request that followed another one
         self._is_websocket = False
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
@@ -121,11 +183,42 @@ class Connection(asyncio.Protocol):
     def data_received(self, data: bytes) -> None:
         """Take bytes of a request."""
         self._used_at = monotonic()
-        if not self._answering:
-            self._awaits_head = not self._is_websocket
-        elif not self._awaits_body:
+        if self._answering and not self._awaits_body:
             self._has_next_head = True
+        if self._server_has_part and not self._answering:
+            self._awaits_head = True
+            self._watch_request()
+        if self._has_begun or self._answering or self._server_has_part:
+            self._pass_on(data)
+        else:
+            self._collect_head(data)
+
+    def _collect_head(self, data: bytes) -> None:
+        """Keep the bytes of a request until its head is complete and its turn has come."""
+        looked = len(self._head)
+        self._head += data
+        if not looked:
+            self._head = self._head.lstrip(b"\r\n")
+        if self._is_waiting:
+            return
+        self._awaits_head = not has_whole_head(self._head, looked)
         self._watch_request()
+        if not self._awaits_head and self._transport is not None:
+            self._is_waiting = True
+            self._transport.pause_reading()
+            self._connections.begin(self._head, self._begin_request)
+
+    def _begin_request(self) -> None:
+        """Hand the request over to the server."""
+        self._is_waiting = False
+        if self._transport is None or self.is_closing:
+            return
+        data, self._head = bytes(self._head), bytearray()
+        self._has_begun = True
+        self._transport.resume_reading()
+        self._pass_on(data)
+
+    def _pass_on(self, data: bytes) -> None:
         token = _current.set(self)
         try:
             self._protocol.data_received(data)
@@ -167,9 +260,13 @@ class Connection(asyncio.Protocol):
 
     async def answer(self, app: ASGIApp, scope: Scope, receive: Receive, send: Send) -> None:
         """Run the application for a request whose head has arrived."""
+        has_turn, self._has_begun = self._has_begun, False
         self._answering += 1
+        self._server_has_part = False
         self._awaits_head, self._awaits_body = False, _has_body(scope)
         self._watch_request()
+        if not has_turn and self.proof is not Proof.AUTHENTICATED:  # it followed the end of another request
+            await self._connections.lane.turn()
         is_complete = False
 
         async def receive_part() -> Message:
@@ -195,8 +292,14 @@ class Connection(asyncio.Protocol):
     def _end_answer(self) -> None:
         self._answering -= 1
         self._awaits_body = False
-        self._awaits_head, self._has_next_head = self._has_next_head, False
+        self._awaits_head = self._server_has_part = self._has_next_head
+        self._has_next_head = False
         self._watch_request()
+
+    @property
+    def is_silent(self) -> bool:
+        """True while the connection is open and waits for the rest of a request."""
+        return self._awaits_request and not self.is_closing
 
     @property
     def _awaits_request(self) -> bool:

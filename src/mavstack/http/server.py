@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from starlette.applications import Starlette
     from starlette.types import ASGIApp, Receive, Scope, Send
 
+    from mavstack.http.request_lane import ComesFirst
+
 logger = logging.getLogger("mavstack.http")
 
 
@@ -50,6 +52,7 @@ async def serving(
     tls: Certificate | None = None,
     websockets: bool = False,
     proxy: str = "",
+    comes_first: ComesFirst | None = None,
 ) -> AsyncIterator[tuple[str, int]]:
     """Serve an application while the block runs.
 
@@ -61,6 +64,7 @@ async def serving(
         websockets: Serve WebSockets too.
         proxy: The address of a proxy in front, whose headers X-Forwarded-For and X-Forwarded-Proto name the
             client; empty: none, and these headers are not believed.
+        comes_first: Decides by their heads which requests wait for no others; None: all wait for their turn.
 
     Yields:
         Host and port on which it listens.
@@ -78,7 +82,11 @@ async def serving(
         raise LinkError(
             f"cannot serve {name} with TLS: {files} is not a certificate with its key ({_reason(error)})"
         ) from None
-    server = uvicorn.Server(_config(app, context, handshakes, websockets=websockets, proxy=proxy))
+    connections = Connections(comes_first)
+    config = _config(connections.tracking(app), websockets=websockets, proxy=proxy)
+    connect = connection_factory(config.http_protocol_class, connections)
+    config.http_protocol_class = _with_tls(connect, context, handshakes)  # type: ignore[assignment]
+    server = uvicorn.Server(config)
     server.lifespan = server.config.lifespan_class(server.config)
     await server.startup([sock])
     task = asyncio.create_task(server.main_loop())
@@ -101,17 +109,9 @@ def _tls_context(tls: Certificate) -> ssl.SSLContext:
     return context
 
 
-def _config(
-    app: Starlette,
-    context: ssl.SSLContext | None,
-    handshakes: Handshakes,
-    *,
-    websockets: bool,
-    proxy: str,
-) -> uvicorn.Config:
-    connections = Connections()
+def _config(app: ASGIApp, *, websockets: bool, proxy: str) -> uvicorn.Config:
     config = uvicorn.Config(
-        _logged(connections.tracking(app)),
+        _logged(app),
         log_config=None,
         log_level=logging.CRITICAL,  # faulty clients could fill its log; `_logged` reports faults of ours
         access_log=False,
@@ -129,8 +129,6 @@ def _config(
         timeout_graceful_shutdown=1,
     )
     config.load()
-    connect = connection_factory(config.http_protocol_class, connections)
-    config.http_protocol_class = _with_tls(connect, context, handshakes)  # type: ignore[assignment]
     return config
 
 

@@ -12,6 +12,7 @@ of one use each; a client with the ticket key makes its own. What a session open
 
 from __future__ import annotations
 
+import re
 import secrets
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -41,7 +42,10 @@ if TYPE_CHECKING:
     from starlette.datastructures import Headers
     from starlette.requests import Request
 
+    from mavstack.http.request_lane import RequestHead
+
 COOKIE: Final = "mavstack_session"
+_COOKIE: Final = re.compile(rf"(?:^|;\s*){COOKIE}=\"?([^;\"\s]*)")
 #: Seconds after which a session that is not used ends.
 SESSION_LIFETIME: Final = 12 * 3600.0
 #: Sessions of each role; a further one ends the one that was used longest ago.
@@ -146,6 +150,17 @@ class Access:
         self.check_page(request.headers)
         self._check_site(request.headers)
         return self._client(request.headers, request.cookies.get(COOKIE, ""))
+
+    def comes_first(self, head: RequestHead) -> bool:
+        """Return whether a request waits for no others: its session may act.
+
+        Without a password and a ticket key all clients may act; requests that change something come first.
+        """
+        if self.is_open:
+            return head.method not in ("GET", "HEAD")
+        cookie = _COOKIE.search(head.cookie)
+        role = self.role_of(_token(head.authorization, "" if cookie is None else cookie[1]))
+        return role is not None and role > Role.OBSERVE
 
     def check_websocket(self, headers: Headers, cookies: Mapping[str, str]) -> Client:
         """Return the client of a WebSocket by its ticket or its session, and use up the ticket.
@@ -257,8 +272,7 @@ class Access:
     def _client(self, headers: Headers, cookie: str) -> Client:
         if self.is_open:
             return Client(Role.ADMINISTER)
-        scheme, _, shown = headers.get("authorization", "").partition(" ")
-        token = shown.strip() if scheme.lower() == "bearer" else cookie
+        token = _token(headers.get("authorization", ""), cookie)
         role = self.role_of(token)
         if role is None:
             raise RefusedError(401, "a session is needed: POST /api/session with a password or a ticket")
@@ -310,6 +324,12 @@ class Access:
             raise InvalidArgumentError(f"a password needs {MIN_PASSWORD} characters or more")
         if len(set(self._passwords.values())) < len(self._passwords):
             raise InvalidArgumentError("each role needs a password of its own")
+
+
+def _token(authorization: str, cookie: str) -> str:
+    """Return the token of a session, of the header or else of the cookie."""
+    scheme, _, shown = authorization.partition(" ")
+    return shown.strip() if scheme.lower() == "bearer" else cookie
 
 
 def _network_of(address: str) -> str:

@@ -17,6 +17,7 @@ from mavstack.http.bodies import RefusedError, read_bytes, read_json_object
 from mavstack.http.connections import mark_client
 from mavstack.http.request_fields import read_fields, read_query
 from mavstack.http.routes import NoFields
+from mavstack.security.roles import Role
 from mavstack.server.api.events import EventStream
 from mavstack.server.api_route import AnyRoute, Call
 from mavstack.server.json_values import to_json
@@ -80,7 +81,10 @@ async def _answer(route: AnyRoute, station: Station, access: Access, request: Re
     if not getattr(query, "wait", True):
         return _start_task(route, call)
     with _giving_way(route, call):
-        response = _response(route, await route.handler(call))
+        answer = await route.handler(call)
+    if client.role is Role.OBSERVE:
+        await station.answer_lane.turn()
+    response = _response(route, answer)
     if isinstance(response, EventStream):
         place = ExitStack()
         place.enter_context(station.shares.place(client))

@@ -97,6 +97,8 @@ class Station:
         #: The requests of all clients that observe.
         self.observers = ObserverRequests()
         self.observer_lane = ObserverLane()
+        #: The answers to clients that observe.
+        self.answer_lane = ObserverLane(width=1)
         self.reads = SharedReads(self.connection.now)
         #: The WebSockets and streams of all clients.
         self.shares = ClientShares()

@@ -33,7 +33,13 @@ async def station_served(link: Link, port: int) -> AsyncIterator[str]:
     from mavstack.vehicle import Connection
 
     async with Station(Connection(link), network_only=True) as station:
-        app = make_app(station, Access())
-        listening = serving(app, f"127.0.0.1:{port}", name="the ground station", websockets=True)
+        access = Access()
+        listening = serving(
+            make_app(station, access),
+            f"127.0.0.1:{port}",
+            name="the ground station",
+            websockets=True,
+            comes_first=access.comes_first,
+        )
         async with listening as (host, used_port):
             yield f"http://{host}:{used_port}/"

@@ -114,6 +114,7 @@ async def _serve(arguments: Namespace) -> int:
             tls=tls,
             websockets=True,
             proxy=arguments.proxy,
+            comes_first=access.comes_first,
         )
         async with listening as (_, port):
             _announce(arguments, port, secure=tls is not None)
