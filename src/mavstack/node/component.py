@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from mavstack.node.host import NodeHost
     from mavstack.node.subscription import Subscription
     from mavstack.security import SigningKey
-    from mavstack.services import Address
+    from mavstack.services import Address, Service
     from mavstack.services.command import CommandResult
     from mavstack.services.events import DecodedEvent, EventDefinition
     from mavstack.services.heartbeat import ComponentInfo
@@ -70,7 +70,12 @@ _MAX_ATTACHED, _MAX_COMPONENT = 6, 255
 
 
 def _part(
-    kind: type[Made], doc: str, *arguments: int, clear_cache: Callable[[Made], object] | None = None
+    kind: type[Made],
+    doc: str,
+    *arguments: int,
+    clear_cache: Callable[[Made], object] | None = None,
+    server: Callable[[Address], Service] | None = None,
+    offered: bool = False,
 ) -> Part[Made]:
     """Declare a part that is made from the clients of a component, and from further arguments."""
 
@@ -78,7 +83,7 @@ def _part(
         made: Callable[..., Made] = kind
         return made(component._clients, *arguments)  # noqa: SLF001 (a part of this class)
 
-    return Part(kind, doc, make, clear_cache=clear_cache)
+    return Part(kind, doc, make, clear_cache=clear_cache, server=server, offered=offered)
 
 
 class RemoteComponent(ReadOnly):
@@ -98,7 +103,9 @@ class RemoteComponent(ReadOnly):
     logs = _part(Logs, "The component's logs.")
     camera = _part(Camera, "The component as a camera (camera protocol v2).")
     gimbal = _part(Gimbal, "All gimbals that the component manages, as one (gimbal protocol v2).")
-    terrain = _part(Terrain, "The terrain that the component, a vehicle, has from ground stations.")
+    terrain = _part(
+        Terrain, "The terrain that the component, a vehicle, has from ground stations.", offered=True
+    )
     _event_metadata = _part(EventMetadata, "The words of its events.", clear_cache=EventMetadata.clear_cache)
 
     def __init__(self, host: NodeHost, address: Address) -> None:

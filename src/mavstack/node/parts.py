@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from typing import Self
 
+    from mavstack.services import Address, Service
+
 Made = TypeVar("Made")
 
 
@@ -27,6 +29,10 @@ class Part(Generic[Made]):
         doc: The docstring of the attribute.
         make: Makes the part for an object; None: the class is called with the object.
         clear_cache: Discards the state that the part cached before a reboot; None: it caches none.
+        server: Makes the other side of the service for an address; simulated vehicles run it. None: it needs
+            more than an address.
+        offered: True if the console and the station offer the calls of the part by themselves; see
+            `part_calls`.
     """
 
     def __init__(
@@ -36,8 +42,12 @@ class Part(Generic[Made]):
         make: Callable[[Any], Made] | None = None,
         *,
         clear_cache: Callable[[Made], object] | None = None,
+        server: Callable[[Address], Service] | None = None,
+        offered: bool = False,
     ) -> None:
         self.kind = kind
+        self.server = server
+        self.offered = offered
         self.__doc__ = doc
         self.name = ""
         self._make: Callable[[Any], Made] = kind if make is None else make

@@ -29,6 +29,8 @@ _PATH_PARTS: Final[dict[str, dict[str, Any]]] = {
         "schema": _TEXT,
         "example": "APM/notes.txt",
     },
+    "part": {"description": "The name of a service.", "schema": _TEXT, "example": "terrain"},
+    "call": {"description": "The name of a call of the service.", "schema": _TEXT, "example": "check"},
     "log": {"description": "The name of a recording or a log.", "schema": _TEXT, "example": "flight.tlog"},
 }
 _WEBSOCKETS: Final = (

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mavstack.node.component import RemoteComponent
 from mavstack.node.engine import Engine
+from mavstack.node.parts import parts_of
 from mavstack.services.command import CommandServer
 from mavstack.services.ftp import FtpServer
 from mavstack.services.heartbeat import Discovery, HeartbeatSender
@@ -23,10 +25,12 @@ from mavstack.services.timesync import TimesyncServer
 from mavstack.sim.vehicle_types import Firmware
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from mavstack._core import HasCoreDialect
     from mavstack.dialects import Message
     from mavstack.node.channel_state import ChannelState
-    from mavstack.services import Address
+    from mavstack.services import Address, Service
     from mavstack.services.mission import MissionItem, Plan
     from mavstack.services.modes import AvailableMode
     from mavstack.sim.port import Port
@@ -88,8 +92,10 @@ class Services:
             FtpServer(local, vehicle.storage.files, is_authenticated=engine.routes.is_verified)
         )
         self.logs = engine.add(LogServer(local, vehicle.storage.logs))
-        for service in (PingServer(local), TimesyncServer(local)):
-            engine.add(service)
+        servers: list[Callable[[Address], Service]] = [PingServer, TimesyncServer]
+        servers += [part.server for part in parts_of(RemoteComponent) if part.server is not None]
+        for make in servers:
+            engine.add(make(local))
         self.signing_setup = engine.add(SigningSetupServer(local, may_set=keys.refusal, as_autopilot=True))
         vehicle.on_event(KeySettled, keys.settled)
         vehicle.on_event(ModeChanged, self._mode_changed)
