@@ -44,7 +44,7 @@ def service(tmp_path, monkeypatch):
     gc.collect()  # the classes of the API are those that exist
 
 
-def test_the_service_needs_at_most_six_files():
+def test_the_service_needs_max_six_files():
     assert len(FILES) == 3  # besides a test and a page
 
 

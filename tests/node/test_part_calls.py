@@ -15,14 +15,14 @@ class Box:
         self.owner = owner
 
     async def put(self, count: int, weight: float = 1.0, *, hard: bool = False, timeout: float | None = None):
-        """Put things in.
+        """Put boxes in.
 
         More about it.
         """
         return count, weight, hard
 
-    async def send(self, *things: str) -> None: ...
-    async def pack(self, thing: Box) -> None: ...
+    async def send(self, *names: str) -> None: ...
+    async def pack(self, other: Box) -> None: ...
     def weigh(self) -> float: ...
 
 
@@ -33,7 +33,7 @@ class Shelf:
 
 def test_calls_with_plain_arguments_are_offered():
     (call,) = offered_calls(Shelf)
-    assert (call.usage, call.summary) == ("box put COUNT [WEIGHT] [HARD]", "Put things in.")
+    assert (call.usage, call.summary) == ("box put COUNT [WEIGHT] [HARD]", "Put boxes in.")
     assert find_call(Shelf, "box", "put") == call
     assert find_call(Shelf, "hidden", "put") is None
     assert find_call(RemoteComponent, "terrain", "check").usage == "terrain check LATITUDE LONGITUDE"
