@@ -39,6 +39,7 @@ from mavstack.server.api import (
     plans,
     recordings,
     router,
+    simulators,
     station,
     vehicles,
 )
@@ -99,6 +100,7 @@ ROUTES: Final[tuple[AnyRoute, ...]] = (
     *station.ROUTES,
     *recordings.ROUTES,
     *router.ROUTES,
+    *simulators.ROUTES,
     *generator.ROUTES,
 )
 

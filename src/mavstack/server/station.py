@@ -29,6 +29,7 @@ from mavstack.server.recordings import Recordings
 from mavstack.server.shared_reads import SharedReads
 from mavstack.server.sources import Sources
 from mavstack.server.tasks import Tasks
+from mavstack.server.worlds import Worlds
 from mavstack.vehicle import Connection, VehicleFound, VehicleRebooted
 from mavstack.vehicle.firmware.ardupilot import ArduPilot
 from mavstack.vehicle.firmware.msp import MspFirmware
@@ -76,6 +77,7 @@ class Station:
         network_only: Clients may open links of the network and serial ports only.
         telemetry: Request telemetry from each vehicle.
         router: The client of a router that runs beside the station; None: there is none.
+        programs: Firmware programs by name, which administrators may start in simulated worlds.
     """
 
     def __init__(
@@ -86,9 +88,11 @@ class Station:
         network_only: bool = False,
         telemetry: bool = True,
         router: ControlClient | None = None,
+        programs: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         self.connection = Connection() if connection is None else connection
         self.sources = Sources(self.connection, network_only=network_only)
+        self.worlds = Worlds(self.sources, programs)
         self.packets = PacketHub(self.connection)
         self.recordings = Recordings(self.connection, folder)
         self.calibrations = Calibrations()
@@ -123,6 +127,7 @@ class Station:
             self.packets.open()
             steps.push_async_callback(self.recordings.close)
             steps.push_async_callback(self.sources.close_rows)
+            steps.push_async_callback(self.worlds.close)
             steps.push_async_callback(self.tasks.close)
             if self._requests_telemetry:
                 follower = asyncio.get_running_loop().create_task(self._follow_vehicles())

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle_types import Home
     from mavstack.simulators.outputs import Outputs
     from mavstack.simulators.physics import Physics
-    from mavstack.simulators.sensors import Sensors
+    from mavstack.simulators.sensors import SensorSource
 
 #: The first number of a datagram, and the number of outputs.
 _MAGICS: Final = {18458: 16, 29569: 32}
@@ -92,7 +92,7 @@ class JsonInterface:
         physics: Physics,
         outputs: Outputs,
         home: Home,
-        sensors: Sensors,
+        sensors: SensorSource,
         on_restart: Callable[[], None] = lambda: None,
     ) -> None:
         self._physics, self._outputs, self._home, self._sensors = physics, outputs, home, sensors

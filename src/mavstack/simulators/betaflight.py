@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from mavstack.sim.vehicle_types import Home
     from mavstack.simulators.rotation import Quaternion
-    from mavstack.simulators.sensors import Fix, Readings, Sensors
+    from mavstack.simulators.sensors import Fix, Readings, SensorSource
     from mavstack.simulators.state import State
 
 _FDM: Final = struct.Struct("<18d")
@@ -64,7 +64,7 @@ class BetaflightInterface:
     """
 
     def __init__(
-        self, sensors: Sensors, home: Home, *, bridge: str = "gazebo", motors: str = "betaflight"
+        self, sensors: SensorSource, home: Home, *, bridge: str = "gazebo", motors: str = "betaflight"
     ) -> None:
         if bridge not in BRIDGES:
             raise InvalidArgumentError(f"there is no bridge {bridge!r}: {', '.join(BRIDGES)}")

@@ -17,7 +17,7 @@ from mavstack.wire import Encoder, Parser
 
 if TYPE_CHECKING:
     from mavstack.dialects import Dialect
-    from mavstack.simulators.sensors import Sensors
+    from mavstack.simulators.sensors import SensorSource
     from mavstack.simulators.state import State
 
 _SCALED: Final = common.RcChannelsScaled.__mavlink_row__[0]
@@ -37,7 +37,7 @@ class HilStateInterface:
         answers: Packets of outputs that were received.
     """
 
-    def __init__(self, dialect: Dialect, sensors: Sensors) -> None:
+    def __init__(self, dialect: Dialect, sensors: SensorSource) -> None:
         self._sensors = sensors
         self._parser = Parser(dialect)
         self._encoder = Encoder(system=_SYSTEM, component=_COMPONENT)

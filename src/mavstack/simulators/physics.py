@@ -126,6 +126,12 @@ PHYSICS: Final[Mapping[str, PhysicsEntry]] = MappingProxyType(
         "mujoco": PhysicsEntry(
             _adapter("mujoco", "MujocoPhysics"), Outputs.MOTORS, "a model of MuJoCo, MJCF", "mujoco:quad.xml"
         ),
+        "log": PhysicsEntry(
+            _adapter("log", "LogPhysics"),
+            Outputs.MOTORS,
+            "the sensors of a recorded flight",
+            "log:flight.ulg",
+        ),
         "rotorpy": PhysicsEntry(
             _adapter("rotorpy", "RotorpyPhysics"),
             Outputs.MOTORS,

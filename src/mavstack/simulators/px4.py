@@ -25,7 +25,7 @@ from mavstack.wire import Encoder, Parser
 
 if TYPE_CHECKING:
     from mavstack.dialects import Dialect, Message
-    from mavstack.simulators.sensors import Fix, Flow, Readings, Sensors
+    from mavstack.simulators.sensors import Fix, Flow, Readings, SensorSource
     from mavstack.simulators.state import State
 
 #: Length of a step in microseconds.
@@ -76,7 +76,7 @@ class Px4Interface:
         extra_answers: HIL_ACTUATOR_CONTROLS that no step waited for.
     """
 
-    def __init__(self, dialect: Dialect, sensors: Sensors) -> None:
+    def __init__(self, dialect: Dialect, sensors: SensorSource) -> None:
         self._sensors = sensors
         self._parser = Parser(dialect)
         self._encoder = Encoder(system=_SYSTEM, component=_COMPONENT)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from random import Random
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING, Final, Protocol, cast
 
 from mavstack.errors import InvalidArgumentError
 from mavstack.geodesy import LocalFrame
@@ -100,6 +100,24 @@ class Readings:
     distance: float | None = None
     flow: Flow | None = None
     battery: tuple[float, float] = BATTERY
+
+
+class SensorSource(Protocol):
+    """Sensors of a body: simulated or recorded ones."""
+
+    #: The faults that are present or planned.
+    faults: Faults
+    #: The air.
+    atmosphere: Atmosphere
+
+    def reset(self) -> None:
+        """Begin again."""
+
+    def sample(self, state: State, time: float) -> Readings:
+        """Return the samples that are due at a time in seconds."""
+
+    def true_place(self, state: State) -> tuple[float, float, float]:
+        """Return latitude, longitude (degrees) and altitude (metres above mean sea level) without errors."""
 
 
 class Sensors:

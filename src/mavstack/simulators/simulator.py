@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from mavstack.sim.vehicle_types import Home
     from mavstack.simulators.sensor_model import SensorModels
+    from mavstack.simulators.sensors import SensorSource
     from mavstack.simulators.state import State
 
 #: Logger of all simulators.
@@ -70,7 +71,7 @@ class Simulator(ABC):
         self._physics, self._outputs = load_physics(physics)
         self.home, self._report = home, on_connect
         recorded = getattr(self._physics, "sensors", None)
-        self.sensors: Sensors = (
+        self.sensors: SensorSource = (
             recorded(home) if recorded else Sensors(home, seed, models=models, equipment=equipment)
         )
         self.pace = Pace(speed, self._resumed)

@@ -13,6 +13,7 @@ from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.options import seconds
 from mavstack.cli.common.output import align_columns, echo, echo_json
 from mavstack.cli.sim.arguments import home
+from mavstack.cli.simulator.foreign import add_vehicle_arguments
 from mavstack.cli.simulator.running import fly_firmware, fly_hardware
 from mavstack.sim.vehicle_types import DEFAULT_HOME
 from mavstack.simulators.ardupilot_simulator import ARDUPILOT_PORT
@@ -40,6 +41,7 @@ examples:
   mav simulator ardupilot --fault gps-lost --fault imu-biased
   mav simulator betaflight --binary obj/main/betaflight_SITL.elf
   mav simulator hardware /dev/ttyACM0,921600            # a board with PX4 and SYS_HITL 1
+  mav simulator vehicle px4 --to tcpout://127.0.0.1:4560  # a vehicle of Mavstack in another simulator
   mav simulator list                                    # the kinds of physics, and the faults
 """
 
@@ -83,6 +85,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     action.add_argument("link", metavar="URL", help="link to the board, such as /dev/ttyACM0,921600")
     action.add_argument("--firmware", choices=("px4", "ardupilot"), default="px4", help="default: px4")
     _add_world(action, "copter")
+    add_vehicle_arguments(actions)
     action = actions.add("list", "list the kinds of physics and the faults", show)
     action.add_argument("--json", action="store_true", help="print JSON")
 

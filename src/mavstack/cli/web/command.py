@@ -54,6 +54,13 @@ def add_arguments(parser: ArgumentParser) -> None:
     add("--host", default="127.0.0.1", metavar="ADDRESS", help="address to listen on (default: 127.0.0.1)")
     add("--no-browser", action="store_true", help="do not open the browser")
     add("--folder", default="recordings", metavar="DIRECTORY", help="recordings (default: ./recordings)")
+    add(
+        "--program",
+        action="append",
+        default=[],
+        metavar="NAME=PATH",
+        help="a firmware program that administrators may start in simulated worlds; may be repeated",
+    )
     add("--router", metavar="HOST:PORT", help="show the router of Mavstack whose control API is there")
     add("--router-token", metavar="FILE", help="file with the token of that router")
     add("--json", action="store_true", help="print the address as one JSON object")
@@ -97,7 +104,11 @@ async def _serve(arguments: Namespace) -> int:
     links = [url for url in arguments.urls if not is_row_url(url)]
     connection = Connection(*with_link_options(links, arguments))
     station = Station(
-        connection, folder=arguments.folder, network_only=access.is_open, router=_router(arguments)
+        connection,
+        folder=arguments.folder,
+        network_only=access.is_open,
+        router=_router(arguments),
+        programs=dict(map(_program, arguments.program)),
     )
     certificate = arguments.certificate
     tls = Certificate(certificate, arguments.certificate_key) if certificate else None
@@ -120,6 +131,13 @@ async def _serve(arguments: Namespace) -> int:
             _announce(arguments, port, secure=tls is not None)
             await connection.serve_forever()
     return 0
+
+
+def _program(text: str) -> tuple[str, str]:
+    name, separator, path = text.partition("=")
+    if not (name and separator and path):
+        raise UsageError(f"--program {text!r} is not NAME=PATH")
+    return name, path
 
 
 def _access(arguments: Namespace) -> Access:

@@ -13,6 +13,8 @@ guidance to position while all bodies are at rest.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mavstack.errors import InvalidArgumentError
@@ -41,6 +43,9 @@ from mavstack.sim.motion.sensors import Sensors, magnetic_field
 from mavstack.sim.motion.state import StateArray
 from mavstack.sim.motion.wind import WindModel
 from mavstack.sim.vehicle_types import Home, VehicleType
+
+if TYPE_CHECKING:
+    from mavstack.sim.motion.external import ExternalMotion
 
 ORDER = (
     VehicleType.PLANE,
@@ -72,6 +77,8 @@ class World:
         self.step_length = 1.0 / rate
         self.tick = 0
         self.bodies: list[Body] = []
+        #: Motions of bodies that other programs compute.
+        self.external: list[ExternalMotion] = []
         self._obstacles: list[tuple[Obstacle, LocalFrame]] = []
         self._noise = Noise(seed, self.step_length)
         self.sensors = Sensors(self._noise)
@@ -184,6 +191,8 @@ class World:
         self.wind.update(state)
         if not (self._at_rest and self.wind.is_calm) or rest.has_demand(state):
             self._move(step)
+        for motion in self.external:
+            motion.apply()
         battery.discharge(state, step)
         estimate.update_gps(state, self.tick, self._gps_period)
         estimate.update(state, step)
@@ -247,6 +256,7 @@ class World:
     def _drive(self, step: float) -> None:
         """Run bodies on the surface."""
         turn, throttle = surface.control(self._surface, step)
+        self._surface.yaw_rate_setpoint[:] = turn
         rovers = self._rovers.count
         for part, grip, rows in (
             (self._rovers, surface.WHEEL_DRAG, slice(0, rovers)),

@@ -1,0 +1,87 @@
+"""Real firmware in our worlds; the environment names the programs."""
+
+from __future__ import annotations
+
+import os
+import time
+
+import pytest
+
+from mavstack import sync
+from tests.simulators.firmwares import free_port
+from tests.simulators.quadrotor import QUADROTOR
+
+pytestmark = [pytest.mark.interop, pytest.mark.timeout(300)]
+
+
+def program(variable):
+    """Return the program that the environment names, or skip."""
+    path = os.environ.get(variable)
+    if not path:
+        pytest.skip(f"{variable} names no program")
+    return path
+
+
+def out():
+    return (f"tcpin://127.0.0.1:{free_port()}",)
+
+
+def fly(vehicle):
+    """Take off, fly a square, and land."""
+    vehicle.wait_until_ready()
+    vehicle.arm()
+    vehicle.takeoff(8)
+    start = vehicle.position
+    for north, east in ((0.0002, 0.0), (0.0002, 0.0003), (0.0, 0.0003), (0.0, 0.0)):
+        vehicle.goto(start.latitude + north, start.longitude + east)
+    vehicle.land()
+
+
+@pytest.mark.parametrize("physics", ["copter", "rotorpy:px4_sihsim_quadx", "mujoco"])
+def test_px4_takes_off_flies_a_square_and_lands(firmware, tmp_path, physics):
+    binary = program("MAVSTACK_PX4")
+    if physics == "mujoco":
+        (tmp_path / "quad.xml").write_text(QUADROTOR)
+        physics = f"mujoco:{tmp_path / 'quad.xml'}"
+    flight = firmware("px4", binary, physics=physics, speed=0.0)
+    with sync.connect(flight.url) as connection:
+        fly(connection.wait_for_vehicle(timeout=60))
+    assert flight.simulator.interface.extra_answers == 0
+
+
+def test_arduplane_takes_off_on_jsbsim(firmware):
+    slow = {"ARSPD_FBW_MIN": 28, "ARSPD_FBW_MAX": 50, "TRIM_ARSPD_CM": 3600, "TKOFF_ROTATE_SPD": 30}
+    flight = firmware(
+        "ardupilot",
+        program("MAVSTACK_ARDUPLANE"),
+        vehicle="plane",
+        physics="jsbsim:c172x",
+        speed=0.0,
+        out=out(),
+        parameters={**slow, "TKOFF_ALT": 50, "TKOFF_LVL_ALT": 15, "THR_MAX": 100},
+    )
+    with sync.connect(flight.url) as connection:
+        vehicle = connection.wait_for_vehicle(timeout=60)
+        vehicle.wait_until_ready()
+        vehicle.set_mode("TAKEOFF")
+        vehicle.arm(allow_flight=True)
+        end = time.monotonic() + 150
+        while flight.simulator.state.position[2] > -30.0:
+            assert time.monotonic() < end, flight.simulator.state
+            time.sleep(0.2)
+    assert flight.simulator.interface.invalid == 0
+
+
+def test_ardurover_drives_our_body(firmware):
+    flight = firmware(
+        "ardupilot", program("MAVSTACK_ARDUROVER"), vehicle="rover", speed=0.0, instance=3, out=out()
+    )
+    with sync.connect(flight.url) as connection:
+        vehicle = connection.wait_for_vehicle(timeout=60)
+        vehicle.wait_until_ready()
+        vehicle.arm()
+        home = vehicle.position
+        vehicle.goto(home.latitude + 0.0003, home.longitude + 0.0002)
+        north, east, _ = flight.simulator.state.position
+        assert (north, east) == pytest.approx((33.4, 15.1), abs=5.0)
+    assert flight.events == ["ArduPilot is connected"]
