@@ -86,7 +86,7 @@ class StationWorld:
             except MavstackError as error:
                 self._error = str(error)
                 return
-            except Exception:
+            except Exception:  # noqa: BLE001 (of the physics)
                 _log.exception("the world %s failed", self.id)
                 self._error = "the physics failed; the log of the station has the reason"
                 return

@@ -110,6 +110,7 @@ class ArduPilotSimulator(Simulator):
     async def _close(self) -> None:
         if self._transport is not None:
             self._transport.close()
+            await asyncio.sleep(0)  # then its port is free
 
     def _start(self) -> None:
         self._resumed()

@@ -120,6 +120,7 @@ class BetaflightSimulator(Simulator):
     async def _close(self) -> None:
         if self._transport is not None:
             self._transport.close()
+            await asyncio.sleep(0)  # then its port is free
 
     def _start(self) -> None:
         self._begin(self._step)

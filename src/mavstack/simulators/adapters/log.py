@@ -1,7 +1,7 @@
 """Recorded flights: `log:FILE` of a .ulg or a .BIN, whose sensors real firmware gets once more.
 
-The samples are those that the vehicle recorded, each at its time from the beginning of the log; the outputs of
-the firmware move nothing. A log has fewer samples than the sensors made: the last one holds until the next.
+The samples are those that the vehicle recorded, each at its time from the beginning of the log; the outputs
+of the firmware move nothing. A log has fewer samples than the sensors made: the last one holds until the next.
 ArduPilot takes attitude and position instead of magnetometer, barometer and GPS, so it gets the estimate of
 the log.
 """

@@ -1,8 +1,8 @@
 """Inner loops: from the demand of the control laws to the outputs of a foreign body.
 
-Nothing is known of that body but its kind, so the gains are moderate: about half of those with which PX4 flies
-its own vehicles, for simulators that make steps of 10 ms and motors that take 50 ms. The share of the thrust
-that hovers is learned in flight.
+Nothing is known of that body but its kind, so the gains are moderate: about half of those with which PX4
+flies its own vehicles, for simulators that make steps of 10 ms and motors that take 50 ms. The share of the
+thrust that hovers is learned in flight.
 """
 
 from __future__ import annotations
