@@ -125,7 +125,7 @@ class Worlds:
 
         Args:
             options: Its options.
-            program: The name of its program; None: the firmware is started by somebody else.
+            program: The name of its program; None: the firmware is started elsewhere.
 
         Raises:
             RefusedError: There are too many worlds, or a name is not allowed.

@@ -24,7 +24,7 @@ def sensor(time=1_000_000, bits=0x3F, **fields):
     return encode(common.HilSensor(time_usec=time, fields_updated=bits, **values), system=1, component=51)
 
 
-def test_it_asks_for_the_true_state_and_says_who_it_is():
+def test_it_asks_for_the_true_state_and_sends_a_heartbeat():
     side = Px4Side(DIALECT)
     assert side.phase is SidePhase.CONNECTING
     command, heartbeat = (packet.message for packet in Parser(DIALECT).feed(side.connected()))

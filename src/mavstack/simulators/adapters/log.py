@@ -1,9 +1,9 @@
 """Recorded flights: `log:FILE` of a .ulg or a .BIN, whose sensors real firmware gets once more.
 
 The samples are those that the vehicle recorded, each at its time from the beginning of the log; the outputs
-of the firmware move nothing. A log has fewer samples than the sensors made: the last one holds until the next.
-ArduPilot takes attitude and position instead of magnetometer, barometer and GPS, so it gets the estimate of
-the log.
+of the firmware move nothing. A log has fewer samples than the sensors made, so the last one holds until the
+next. ArduPilot takes attitude and position instead of magnetometer, barometer and GPS: it gets the estimate
+of the log.
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ from mavstack.simulators.state import GRAVITY, State
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from numpy.typing import NDArray
 
     from mavstack.logs.log import Log
     from mavstack.sim.vehicle_types import Home
@@ -242,10 +244,10 @@ def _course(log: Log, places: tuple[Columns, ...]) -> Course | None:
     return None
 
 
-def _metric(place: Columns, values: np.ndarray) -> np.ndarray:
+def _metric(place: Columns, values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the rows of a GPS as latitude, longitude (degrees), altitude (m), velocity (m/s), fix."""
     if place.fields[0] == "lat":
-        return values * np.array([1e-7, 1e-7, 1e-3, 1.0, 1.0, 1.0, 1.0])
+        return np.multiply(values, np.array([1e-7, 1e-7, 1e-3, 1.0, 1.0, 1.0, 1.0]))
     if place.table == "GPS":
         course, speed = np.radians(values[:, 4]), values[:, 3].copy()
         values[:, 3], values[:, 4] = speed * np.cos(course), speed * np.sin(course)

@@ -16,7 +16,7 @@ from mavstack.simulators.rotation import rotate, to_euler
 from mavstack.simulators.state import GRAVITY
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from mavstack.sim.motion.external import ActuatorDemand
     from mavstack.simulators.foreign.sample import ForeignSample
@@ -168,7 +168,7 @@ def _unit(value: float) -> float:
     return max(-1.0, min(1.0, value))
 
 
-LOOPS: Final = {
+LOOPS: Final[Mapping[VehicleType, Callable[[], Loops]]] = {
     VehicleType.COPTER: CopterLoops,
     VehicleType.PLANE: PlaneLoops,
     VehicleType.ROVER: RoverLoops,

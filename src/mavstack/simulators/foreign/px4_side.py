@@ -94,8 +94,8 @@ class Px4Side:
         for packet in self._parser.feed(data):
             message = packet.message
             if isinstance(message, common.HilSensor):
-                if message.id == 0 and (sample := self._step(message)) is not False:
-                    samples.append(sample)
+                if message.id == 0 and self._is_step(message):
+                    samples.append(self._step(message))
             elif isinstance(message, common.HilGps):
                 self._take_fix(message)
             elif isinstance(message, common.HilStateQuaternion):
@@ -113,14 +113,18 @@ class Px4Side:
             common.HilActuatorControls(time_usec=self._time or 0, controls=outputs, mode=mode, flags=1)
         )
 
-    def _step(self, message: common.HilSensor) -> ForeignSample | bool | None:
-        """Take a HIL_SENSOR; returns False if it is not a step."""
-        last, self._time = self._time, message.time_usec
-        if last is not None and message.time_usec < last:
+    def _is_step(self, message: common.HilSensor) -> bool:
+        """Return whether a HIL_SENSOR has accelerometer and gyroscope, which make a step."""
+        if self._time is not None and message.time_usec < self._time:
             self.problems.add("the time of HIL_SENSOR went back")
-        if int(message.fields_updated) & INERTIAL_BITS != INERTIAL_BITS:
-            self.problems.add("HIL_SENSOR without accelerometer and gyroscope (fields_updated 0x3f)")
-            return False
+        if int(message.fields_updated) & INERTIAL_BITS == INERTIAL_BITS:
+            return True
+        self.problems.add("HIL_SENSOR without accelerometer and gyroscope (fields_updated 0x3f)")
+        return False
+
+    def _step(self, message: common.HilSensor) -> ForeignSample | None:
+        """Take a HIL_SENSOR; returns None while the position is not known."""
+        last, self._time = self._time, message.time_usec
         dt = 0.0 if last is None else min(max(message.time_usec - last, 0) * 1e-6, _MAX_STEP)
         force = (message.xacc, message.yacc, message.zacc)
         rates = (message.xgyro, message.ygyro, message.zgyro)
@@ -136,7 +140,7 @@ class Px4Side:
         if self.frame is None:
             return None
         time = message.time_usec * 1e-6
-        if self._truth is not None and self._time - self._truth_time < TRUTH_AGE * 1e6:
+        if self._truth is not None and message.time_usec - self._truth_time < TRUTH_AGE * 1e6:
             return self._of_truth(self.frame, time, rates, force)
         estimate = self._estimator
         return ForeignSample(time, estimate.position, estimate.velocity, estimate.attitude, rates, force)

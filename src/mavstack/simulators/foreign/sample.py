@@ -1,4 +1,4 @@
-"""What another simulator says about the body at one time."""
+"""A sample of another simulator: the body at one time."""
 
 from __future__ import annotations
 
