@@ -247,7 +247,8 @@ def _course(log: Log, places: tuple[Columns, ...]) -> Course | None:
 def _metric(place: Columns, values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the rows of a GPS as latitude, longitude (degrees), altitude (m), velocity (m/s), fix."""
     if place.fields[0] == "lat":
-        return np.multiply(values, np.array([1e-7, 1e-7, 1e-3, 1.0, 1.0, 1.0, 1.0]))
+        factors: NDArray[np.float64] = np.array([1e-7, 1e-7, 1e-3, 1.0, 1.0, 1.0, 1.0])
+        values *= factors
     if place.table == "GPS":
         course, speed = np.radians(values[:, 4]), values[:, 3].copy()
         values[:, 3], values[:, 4] = speed * np.cos(course), speed * np.sin(course)
