@@ -11,7 +11,7 @@ offers the vehicle to others. PX4 sends to port 14540 (and the number of its ins
 from __future__ import annotations
 
 import asyncio
-from contextlib import AsyncExitStack
+from contextlib import AsyncExitStack, suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, Self
 
@@ -38,6 +38,9 @@ if TYPE_CHECKING:
     from mavstack.simulators.simulator import Simulator
 
 FIRMWARES: Final = ("px4", "ardupilot", "betaflight")
+#: Seconds to wait until Betaflight opens its serial ports: a state that comes earlier crashes it.
+BETAFLIGHT_START: Final = 30.0
+_OPENED: Final = "bind port"
 #: TCP port of Betaflight's first serial port, which speaks MSP.
 _BETAFLIGHT_SERIAL: Final = 5761
 #: Where ArduPilot's vehicle is offered, with the number of the instance.
@@ -118,6 +121,7 @@ class FirmwareSession:
         self.options = options
         self.simulator: Simulator = _simulator(options, on_event)
         self._on_line = on_line
+        self._serves = asyncio.Event()
         self._process: FirmwareProcess | None = None
         self._stack = AsyncExitStack()
         if options.binary is not None:
@@ -161,7 +165,7 @@ class FirmwareSession:
             if self.options.binary is not None:
                 command = self._command(self.simulator.port)
                 self._process = await stack.enter_async_context(
-                    FirmwareProcess(command, folder=self.options.folder, on_line=self._on_line)
+                    FirmwareProcess(command, folder=self.options.folder, on_line=self._take_line)
                 )
                 if command.serial_port:
                     await self._offer(stack, command.serial_port)
@@ -172,6 +176,11 @@ class FirmwareSession:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         await self._stack.aclose()
+
+    def _take_line(self, line: str) -> None:
+        if _OPENED in line:
+            self._serves.set()
+        self._on_line(line)
 
     def _command(self, port: int) -> FirmwareCommand:
         options = self.options
