@@ -146,6 +146,9 @@ class FirmwareSession:
         Raises:
             LinkError: The program ended by itself.
         """
+        if self._process is not None and self.options.firmware == "betaflight":
+            with suppress(TimeoutError):
+                await asyncio.wait_for(self._serves.wait(), BETAFLIGHT_START)
         tasks: list[asyncio.Future[int | None]] = [asyncio.ensure_future(self.simulator.run(until=until))]
         if self._process is not None:
             tasks.append(asyncio.ensure_future(self._process.wait()))
