@@ -18,7 +18,15 @@ if str(ROOT) not in sys.path:
 
 from mkdocs.structure.files import File  # noqa: E402
 
-from docs._tools import api_table, cli_pages, error_tree, link_options, message_pages, msp_pages  # noqa: E402
+from docs._tools import (  # noqa: E402
+    api_table,
+    bridge_pages,
+    cli_pages,
+    error_tree,
+    link_options,
+    message_pages,
+    msp_pages,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -35,6 +43,8 @@ PARTS: dict[str, Callable[[], str]] = {
     "link options": link_options.render,
     "msp messages": msp_pages.render_messages,
     "msp settings": msp_pages.render_settings,
+    "ros differences": bridge_pages.render_differences,
+    "ros table": bridge_pages.render_table,
     "top level": api_table.render_top_level,
 }
 _MARKER = re.compile(r"^\[\[generated: ([a-z ]+)\]\]$", re.MULTILINE)

@@ -7,8 +7,9 @@ from importlib import import_module
 
 import pytest
 
-from docs._tools import api_table, error_tree, link_options, message_pages, msp_pages
+from docs._tools import api_table, bridge_pages, error_tree, link_options, message_pages, msp_pages
 from mavstack import Dialect
+from mavstack.bridges.core.table import ALL
 from mavstack.links.scheme_table import builtin_schemes
 from mavstack.msp.messages.fields import layout_of
 from mavstack.msp.messages.registry import all_messages
@@ -143,3 +144,11 @@ def test_measured_figures_are_those_of_the_benchmarks():
     figures = re.findall(r"\d+[.,]\d+", measured)
     assert len(figures) > 40
     assert [figure for figure in figures if figure not in benchmarks] == []
+
+
+def test_the_table_of_ros_has_every_row():
+    text = bridge_pages.render_table()
+    assert all(f"| `{row.name}` | " in text for row in ALL)
+    assert (
+        "| `setpoint_velocity/cmd_vel` | the frame is that of the header" in bridge_pages.render_differences()
+    )

@@ -44,7 +44,7 @@ def add_options(parser: ArgumentParser) -> None:
         metavar="ENDPOINT",
         help=f"with zenoh: the router, may be repeated (default: {DEFAULT_ROUTER})",
     )
-    add("--domain", type=_domain, default=0, metavar="N", help="ROS_DOMAIN_ID (default: 0)")
+    add("--domain", type=domain_number, default=0, metavar="N", help="ROS_DOMAIN_ID (default: 0)")
     add(
         "--namespace",
         type=_namespace,
@@ -81,7 +81,8 @@ async def serve(arguments: Namespace, connection: Connection) -> AsyncIterator[s
         yield f"ROS 2 domain {arguments.domain} {where}"
 
 
-def _domain(text: str) -> int:
+def domain_number(text: str) -> int:
+    """Return a ROS_DOMAIN_ID, for argparse."""
     if not text.isdecimal() or int(text) > MAX_DOMAIN:
         raise ArgumentTypeError(f"must be from 0 to {MAX_DOMAIN}, got {text}")
     return int(text)

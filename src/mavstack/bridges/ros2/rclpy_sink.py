@@ -34,6 +34,8 @@ MATCH_INTERVAL: Final = 0.25
 MAX_REQUESTS: Final = 16
 #: Seconds after which a request that got no answer is given up.
 REQUEST_TIMEOUT: Final = 600.0
+#: Seconds in which rclpy must end.
+END_TIMEOUT: Final = 3.0
 _THREADS: Final = MAX_REQUESTS + 2
 
 
@@ -105,6 +107,8 @@ class RclpySink:
 
     def _shut_down(self, context: Any) -> None:  # noqa: ANN401 (a type of rclpy)
         self._executor.shutdown(timeout_sec=1.0)
+        if self._thread is not None:
+            self._thread.join(END_TIMEOUT)
         for node in self._nodes.values():
             node.destroy_node()
         self._rclpy.try_shutdown(context=context)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from mavstack.bridges.core.registry import BRIDGES
+from mavstack.cli.bridge.check import add_options, check
 from mavstack.cli.bridge.listing import print_table
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.ending_signals import run_until_signal
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from mavstack.bridges.core.registry import BridgeEntry
 
 _OTHERS: Final = (
+    "mav bridge check                        # peers, wrong type hashes, profiles that do not fit",
     "mav bridge list                                       # the mapping table",
     "mav bridge list --json",
     "mav bridge package mavstack_msgs ~/ros_ws/src         # its interfaces as a ROS package",
@@ -44,6 +46,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     actions = Actions(parser, "bridge", EXAMPLES)
     for name, entry in BRIDGES.items():
         _add_bridge(actions, name, entry)
+    add_options(actions.add("check", "who is connected in ROS 2 over Zenoh, and why others are not", check))
     action = actions.add("list", "show the mapping table: topics, services, actions", print_table)
     action.add_argument("--json", action="store_true", help="print one JSON object per row")
     action = actions.add("package", "write the interfaces of a ROS package, to be built there", _package)

@@ -1,0 +1,49 @@
+"""The mapping table of the bridges, by kind of row, and the differences to MAVROS."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from mavstack.bridges.core.row import Publication, Subscription
+from mavstack.bridges.core.table import ACTIONS, PUBLICATIONS, SERVICES, SUBSCRIPTIONS
+from mavstack.services.message_request.interval import name_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from mavstack.bridges.core.row import Row
+
+_SECTIONS: Final = (
+    ("Topics from the vehicle", PUBLICATIONS),
+    ("Topics to the vehicle", SUBSCRIPTIONS),
+    ("Services", SERVICES),
+    ("Actions", ACTIONS),
+)
+_HEAD: Final = "| name | type | MAVLink | profile or role | units and frame |\n|---|---|---|---|---|"
+
+
+def render_table() -> str:
+    """Return the whole table, a section for each kind."""
+    return "\n\n".join(f"## {title}\n\n{_table(rows)}" for title, rows in _SECTIONS)
+
+
+def render_differences() -> str:
+    """Return the rows that differ from MAVROS, with the difference."""
+    rows = (*PUBLICATIONS, *SUBSCRIPTIONS, *SERVICES)
+    differing = [row for row in rows if row.difference and "not in MAVROS" not in row.difference]
+    lines = [f"| `{row.name}` | {row.difference} |" for row in differing]
+    return "\n".join(("| name | difference |", "|---|---|", *lines))
+
+
+def _table(rows: Iterable[Row]) -> str:
+    return "\n".join((_HEAD, *map(_line, rows)))
+
+
+def _line(row: Row) -> str:
+    package, _, name = row.type.split("/")
+    if isinstance(row, Publication | Subscription):
+        messages = row.sources if isinstance(row, Publication) else row.targets
+        source, fits, meaning = ", ".join(map(name_of, messages)), row.qos.name, row.meaning
+    else:
+        source, fits, meaning = row.meaning, row.role.word, ""
+    return f"| `{row.name}` | `{package}/{name}` | {source} | {fits} | {meaning} |"

@@ -1,0 +1,19 @@
+"""`mav bridge check` against a router."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from mavstack.cli.main import main
+from tests.bridges.ros2.running import zenoh_router
+
+
+@pytest.mark.interop
+def test_no_bridge_is_a_problem(capsys: pytest.CaptureFixture[str]) -> None:
+    with zenoh_router() as port:
+        assert main(["bridge", "check", "--connect", f"tcp/127.0.0.1:{port}", "--json"]) == 1
+    (found,) = json.loads(capsys.readouterr().out)
+    assert found["ok"] is False
+    assert found["text"].startswith("no vehicle is in domain 0")
