@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from . import (
     best,
+    bridges,
     c_library,
     codegen_c,
     codegen_java_go,
@@ -53,6 +54,7 @@ ROWS: dict[str, Callable[[rows.Bench], Iterator[Row]]] = {
     "exports": exports.rows,
     "sealed": sealed.rows,
     "msp": msp.rows,
+    "bridges": bridges.rows,
     "codegen-c": codegen_c.rows,
     "codegen-python": codegen_python.rows,
     "codegen-typescript": codegen_typescript.rows,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from mavstack.bridges.core.row import Publication, Subscription
+from mavstack.bridges.core.row import Publication, Service, Subscription
 from mavstack.bridges.core.table import ACTIONS, PUBLICATIONS, SERVICES, SUBSCRIPTIONS
 from mavstack.services.message_request.interval import name_of
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from mavstack.bridges.core.row import Row
 
-_SECTIONS: Final = (
+_SECTIONS: Final[tuple[tuple[str, tuple[Row, ...]], ...]] = (
     ("Topics from the vehicle", PUBLICATIONS),
     ("Topics to the vehicle", SUBSCRIPTIONS),
     ("Services", SERVICES),
@@ -29,7 +29,7 @@ def render_table() -> str:
 
 def render_differences() -> str:
     """Return the rows that differ from MAVROS, with the difference."""
-    rows = (*PUBLICATIONS, *SUBSCRIPTIONS, *SERVICES)
+    rows: tuple[Publication | Subscription | Service, ...] = (*PUBLICATIONS, *SUBSCRIPTIONS, *SERVICES)
     differing = [row for row in rows if row.difference and "not in MAVROS" not in row.difference]
     lines = [f"| `{row.name}` | {row.difference} |" for row in differing]
     return "\n".join(("| name | difference |", "|---|---|", *lines))

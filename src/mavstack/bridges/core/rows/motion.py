@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import cos, radians, sin
 from typing import TYPE_CHECKING, Any, Final
 
@@ -29,6 +30,7 @@ _FRAME: Final = common.MavFrame
 _IMUS: Final = (common.HighresImu, common.ScaledImu, common.RawImu)
 
 
+@lru_cache(64)
 def _diagonal(deviation: float) -> tuple[float, ...]:
     square = deviation * deviation
     return square, 0.0, 0.0, 0.0, square, 0.0, 0.0, 0.0, square
@@ -50,7 +52,11 @@ def _gyro(message: Any) -> tuple[float, float, float]:
 
 
 def _latest_imu(view: VehicleView) -> Any:
-    return next((found for kind in _IMUS if (found := view.latest(kind)) is not None), None)
+    for kind in _IMUS:
+        found = view.latest(kind)
+        if found is not None:
+            return found
+    return None
 
 
 def imu(message: Any, view: VehicleView) -> Values | None:
