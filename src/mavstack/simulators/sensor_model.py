@@ -143,7 +143,7 @@ class SensorChannel:
         elif time < self._next - _ROUNDING:
             return False
         rate = self._model.rate
-        self._next = self._first + math.floor((time - self._first) * rate + 1.0 + _ROUNDING) / rate
+        self._next = self._first + (math.floor((time - self._first + 2 * _ROUNDING) * rate) + 1) / rate
         if not self._model.delay:  # a delayed sensor has to see all values
             self.due = self._next - _ROUNDING
         return True
