@@ -7,6 +7,7 @@ from the beginning: a terminal does not tell whether a program has opened it.
 from __future__ import annotations
 
 import asyncio
+import errno
 import os
 from contextlib import suppress
 from pathlib import Path
@@ -28,17 +29,49 @@ if TYPE_CHECKING:
 _TERMINALS = "/dev/pts/"
 
 
+def claim_terminal(descriptor: int) -> None:
+    """Mark a terminal of this program as in use, so that no other program takes its names over.
+
+    Args:
+        descriptor: The descriptor of the terminal; the mark ends when it is closed.
+    """
+    import fcntl
+
+    # Not `flock`, which programs that open the terminal take as a serial port's lock.
+    fcntl.lockf(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+def _is_claimed(terminal: str) -> bool:
+    """Return whether a program that runs has made a terminal; a shell may have its number meanwhile."""
+    import fcntl
+
+    try:
+        descriptor = os.open(terminal, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    except OSError as error:
+        return error.errno == errno.EBUSY  # a client has it for itself
+    try:
+        fcntl.lockf(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return True
+    finally:
+        os.close(descriptor)
+    return False
+
+
 def link_terminal(path: Path, terminal: str) -> None:
     """Give a terminal another name; a name that a killed program left is replaced.
 
     Args:
-        path: The name, a symbolic link. Only a link to a pseudo terminal is replaced.
+        path: The name, a symbolic link. Only a link to a pseudo terminal is replaced, and none of a program
+            that runs (see `claim_terminal`).
         terminal: The terminal, such as `/dev/pts/3`.
 
     Raises:
         OSError: The name is used by something else, or cannot be made.
     """
-    if path.is_symlink() and str(path.readlink()).startswith(_TERMINALS):
+    if path.is_symlink() and (known := str(path.readlink())).startswith(_TERMINALS):
+        if _is_claimed(known):
+            raise FileExistsError(errno.EEXIST, "another program that runs has this name", str(path))
         path.unlink()
     path.symlink_to(terminal)
 
@@ -74,6 +107,7 @@ class PseudoTerminalLink(ConnectionLink):
             # The terminal stays open here, so that it keeps its settings between two programs.
             self._descriptors = master, terminal = os.openpty()
             tty.setraw(terminal)
+            claim_terminal(terminal)
             self._link_path(os.ttyname(terminal))
         except OSError as error:
             await self.release_transport()

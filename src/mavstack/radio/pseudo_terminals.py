@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
 from mavstack.errors import LinkError
-from mavstack.links.pseudo_terminal import link_terminal, unlink_terminal
+from mavstack.links.pseudo_terminal import claim_terminal, link_terminal, unlink_terminal
 from mavstack.radio.simulator import RadioPair
 
 if TYPE_CHECKING:
@@ -98,6 +98,7 @@ class RadioTerminals:
         for _ in range(2):
             master, terminal = os.openpty()
             tty.setraw(terminal)
+            claim_terminal(terminal)
             os.set_blocking(master, False)
             self.devices += (os.ttyname(terminal),)
             self._descriptors += [

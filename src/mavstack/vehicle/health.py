@@ -1,7 +1,8 @@
 """The health of a vehicle: whether it is ready to arm, and if not, why not.
 
 A vehicle is ready if the pre-arm bit of its SYS_STATUS says so and its firmware arms in the present mode: the
-bit of ArduCopter does not speak of the mode, and after a landing in RTL it says that the checks passed. What
+bit of ArduCopter does not speak of the mode, and after a landing in RTL it says that the checks passed. None
+is ready while several vehicles use its system id, since the reports may be of either. What
 else the vehicle reports comes from all messages that report something (`telemetry.problems`): of a vehicle
 that is ready these are warnings, since they do not prevent arming, and of all others problems.
 """
@@ -55,6 +56,11 @@ class Health:
 def health_of(vehicle: Vehicle, telemetry: Telemetry) -> Health:
     """Return the health that a vehicle's last messages report."""
     info, mode = telemetry.component.info, vehicle.mode
+    conflict = vehicle.id_conflict
+    if conflict is not None and vehicle.chosen_sender is None:
+        count, system = len(conflict.senders), vehicle.system
+        text = f"{count} vehicles use system id {system}: {conflict}; choose one by its channel"
+        return Health(False, (Problem(text, "HEARTBEAT"),), mode=mode)
     ready = _passes_checks(telemetry)
     found = problems_of(telemetry, ready=ready)
     disarmed = info is not None and info.alive and vehicle.armed is False

@@ -26,6 +26,8 @@ OTHERS = {
     "watch": ("watch", "pty://{}/name", "--json"),
     "record": ("record", "pty://{}/name", "{}.tlog"),
     "vehicle": ("vehicle", "info", "--url", "pty://{}/name"),
+    "web": ("web", "pty://{}/name", "--port", "0", "--no-browser"),
+    "demo": ("demo", "--out", "pty://{}/name"),
 }
 
 
@@ -94,6 +96,25 @@ def test_a_name_that_a_killed_program_left_is_replaced(tmp_path, command):
         process.send_signal(signal.SIGTERM)
         process.wait(LIMIT)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_name_of_a_program_that_runs_is_not_replaced(tmp_path, command):
+    """Before: the second program took the name over, and the first one went on without its client."""
+    words = [word.format(tmp_path) for word in COMMANDS[command]]
+    with running(tmp_path, command) as process:
+        terminal = (tmp_path / "name").readlink()
+        done = subprocess.run(
+            [sys.executable, "-m", "mavstack", *words],
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=LIMIT,
+        )
+        assert (done.returncode, done.stderr.count("\n")) == (1, 1)
+        assert "another program that runs has this name" in done.stderr
+        assert (tmp_path / "name").readlink() == terminal
+        assert process.poll() is None
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -5,10 +5,13 @@ from __future__ import annotations
 import json
 import re
 import shlex
+from types import SimpleNamespace
 
 import pytest
 
 from mavstack.cli.vehicle.command import EXAMPLES
+from mavstack.errors import SystemIdConflictError
+from mavstack.node.sender_choice import SenderChoice
 from tests.cli.harness import COPTER, PX4_COPTER
 from tests.vehicle.world import ARDUPILOT, VehicleType, kind_name
 
@@ -267,3 +270,43 @@ def test_examples_of_the_help_run(simulate, mav):
         harness.vehicle.autopilot.radio.move(3, 1500 if words[1] == "orbit" else 1000)
         result = mav(*words)
         assert (result.code, result.err) == (0, ""), line
+
+
+@pytest.fixture
+def two_vehicles_with_one_id(monkeypatch):
+    """Let a connection report that two vehicles use one system id."""
+
+    def refuse(connection, system, operation):
+        raise SystemIdConflictError(operation, f"{system}/1", answer="2 vehicles use system id 1")
+
+    conflict = SimpleNamespace(senders=(1, 2))
+    monkeypatch.setattr(SenderChoice, "refuse_conflict", refuse)
+    monkeypatch.setattr(SenderChoice, "id_conflict", lambda connection, system: conflict)
+
+
+@pytest.mark.parametrize(
+    ("words", "operation"),
+    [
+        (["vehicle", "arm"], "arming"),
+        (["vehicle", "land"], "landing"),
+        (["param", "set", "RTL_ALT", 2000], "changing parameters of"),
+    ],
+)
+def test_refusals_name_the_action(mav, simulate, two_vehicles_with_one_id, words, operation):
+    """Before: "acting on 1/1 failed"."""
+    simulate(COPTER)
+    result = mav(*words, "--system", 1)
+    assert result.code == 1
+    assert f"{operation} 1/1 failed: 2 vehicles use system id 1" in result.err
+
+
+def test_no_vehicle_is_ready_while_two_use_its_id(mav, simulate, two_vehicles_with_one_id):
+    """Before: it was ready with exit code 0, and the conflict a warning."""
+    simulate(COPTER)
+    result = mav("vehicle", "health")
+    assert result.code == 1
+    assert result.out.splitlines()[0] == "vehicle 1: not ready to arm"
+    assert "2 vehicles use system id 1" in result.out
+    result = mav("vehicle", "health", "--wait", 5)
+    assert (result.code, result.out) == (1, "")
+    assert "waiting for the readiness of 1/1 failed: 2 vehicles use system id 1" in result.err

@@ -97,3 +97,21 @@ def test_a_call_that_reads_sends_nothing_that_acts(call):
     error, received = run_virtually(in_conflict(call))
     assert not isinstance(error, SystemIdConflictError)
     assert not [message for message in received if acts(message)]
+
+
+async def health_in_conflict():
+    async with scripted_harness() as harness:
+        senders = harness.connection._host.engine.senders
+        before = harness.vehicle.health
+        harness.connection._host.discovery.vehicle_conflict = lambda system: TwoSenders((1, 2))
+        during = harness.vehicle.health
+        senders.chosen = lambda system: "udpin 10.0.0.1:14550"
+        return before, during, harness.vehicle.health
+
+
+def test_no_vehicle_is_ready_while_two_use_its_id_and_none_is_chosen():
+    before, during, chosen = run_virtually(health_in_conflict())
+    assert during.ready is False
+    (problem,) = during.problems
+    assert "2 vehicles use system id 1: one on udpin 10.0.0.1:14550" in str(problem)
+    assert chosen == before != during

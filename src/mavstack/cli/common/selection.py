@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import asyncio
 from argparse import ArgumentTypeError
-from contextlib import suppress
+from contextlib import nullcontext, suppress
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.errors import UsageError
@@ -20,13 +21,27 @@ from mavstack.vehicle import Group, VehicleFound
 
 if TYPE_CHECKING:
     from argparse import Namespace, _ArgumentGroup
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from mavstack.vehicle import Connection, Vehicle
 
 #: Seconds to wait for further vehicles after one was found: two heartbeats.
 DISCOVERY_TIME: Final = 2.5
 _MAX_SYSTEM = 255
+#: The operations in the errors of commands that change something while several vehicles use one id.
+_OPERATIONS: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "param": "changing parameters of",
+        "mission": "changing the mission of",
+        "ftp": "changing files of",
+        "log": "erasing logs of",
+        "terrain": "changing the terrain of",
+        "gimbal": "moving the gimbal of",
+        "camera": "using the camera of",
+        "rate": "setting message rates of",
+        "key": "changing the signing key of",
+    }
+)
 
 
 def add_system_option(group: _ArgumentGroup, *, fleet: bool, changes: bool) -> None:
@@ -69,8 +84,11 @@ async def selected_vehicles(connection: Connection, arguments: Namespace) -> Gro
     """
     group = await _selected(connection, arguments)
     if getattr(arguments, "changes", False):
-        for vehicle in group:
-            await connection.check_sender(vehicle.system)
+        operation = _OPERATIONS.get(arguments.command)
+        # Actions of vehicles are refused by the API before they do anything, with the name of the action.
+        with suppress(SystemIdConflictError) if arguments.command == "vehicle" else nullcontext():
+            for vehicle in group:
+                await connection.check_sender(vehicle.system, operation or "acting on")
     return group
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import asyncio
 import sys
 from contextlib import AsyncExitStack
 from typing import TYPE_CHECKING, Any, Final
 
+from mavstack.cli.common.ending_signals import run_until_signal
 from mavstack.cli.common.exposure import announce_exposure
 from mavstack.cli.common.link_options import add_link_options, with_link_options
 from mavstack.cli.common.options import seconds
@@ -71,7 +71,7 @@ def run(arguments: Namespace) -> int:
         from mavstack.sim.virtual import run_virtually
 
         return run_virtually(_demo(arguments))
-    return asyncio.run(_demo(arguments))
+    return run_until_signal(_demo(arguments))
 
 
 async def _demo(arguments: Namespace) -> int:

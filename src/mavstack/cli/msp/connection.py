@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import asyncio
 from typing import TYPE_CHECKING
 
 from mavstack.bridges.msp.flight_controller import FlightController
 from mavstack.bridges.msp.transport import transport_url
+from mavstack.cli.common.ending_signals import run_until_signal
 from mavstack.cli.common.errors import UsageError
 
 if TYPE_CHECKING:
@@ -33,4 +33,4 @@ def run_on_controller(arguments: Namespace, work: Callable[[FlightController], A
         async with FlightController(url) as controller:
             return await work(controller)
 
-    return asyncio.run(run())
+    return run_until_signal(run())

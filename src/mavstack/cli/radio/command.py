@@ -90,37 +90,37 @@ def run(arguments: Namespace) -> int:
 
 def show(arguments: Namespace) -> int:
     """Run `mav radio show`."""
-    return asyncio.run(_show(arguments))
+    return run_until_signal(_show(arguments))
 
 
 def get(arguments: Namespace) -> int:
     """Run `mav radio get`."""
-    return asyncio.run(_get(arguments))
+    return run_until_signal(_get(arguments))
 
 
 def set_values(arguments: Namespace) -> int:
     """Run `mav radio set`."""
-    return asyncio.run(_apply(arguments, _parse_words(arguments.words)))
+    return run_until_signal(_apply(arguments, _parse_words(arguments.words)))
 
 
 def reset(arguments: Namespace) -> int:
     """Run `mav radio reset`."""
-    return asyncio.run(_apply(arguments, None))
+    return run_until_signal(_apply(arguments, None))
 
 
 def save(arguments: Namespace) -> int:
     """Run `mav radio save`."""
-    return asyncio.run(_save(arguments))
+    return run_until_signal(_save(arguments))
 
 
 def load(arguments: Namespace) -> int:
     """Run `mav radio load`."""
-    return asyncio.run(_apply(arguments, load_values(arguments.file)))
+    return run_until_signal(_apply(arguments, load_values(arguments.file)))
 
 
 def rssi(arguments: Namespace) -> int:
     """Run `mav radio rssi`."""
-    return asyncio.run(_rssi(arguments))
+    return run_until_signal(_rssi(arguments))
 
 
 def simulate(arguments: Namespace) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from mavstack.cli.common.connection import run_on_connection
@@ -14,6 +15,7 @@ from mavstack.cli.common.selection import (
 )
 from mavstack.cli.common.wrapping import terminal_columns
 from mavstack.cli.vehicle.info import gather_facts, health_facts, health_lines, page
+from mavstack.errors import SystemIdConflictError
 from mavstack.services.modes import is_placeholder
 
 if TYPE_CHECKING:
@@ -63,10 +65,14 @@ def health(arguments: Namespace) -> int:
     ready: list[bool] = []
 
     async def show(vehicle: Vehicle) -> None:
+        connection = vehicle.connection
         if arguments.wait:
+            await connection.check_sender(vehicle.system, "waiting for the readiness of")
             await vehicle.wait_until_ready(timeout=arguments.wait)
             facts = health_facts(vehicle)
         else:
+            with suppress(SystemIdConflictError):  # it is a problem among the facts
+                await connection.check_sender(vehicle.system)
             facts = (await gather_facts(vehicle))["health"]
         # After a wait, readiness that the vehicle does not report follows from its other reports.
         ready.append(facts["ready"] if facts["ready"] is not None else bool(arguments.wait))

@@ -8,6 +8,7 @@ from socket import gethostname
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.cli.common.collection import no_collection
+from mavstack.cli.common.ending_signals import run_until_signal
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.exposure import announce_exposure
 from mavstack.cli.common.link_options import add_link_options, with_link_options
@@ -88,7 +89,7 @@ def run(arguments: Namespace) -> int:
         raise UsageError(f"--port must be from 0 to {MAX_PORT}, got {arguments.port}")
     if arguments.certificate_key and not arguments.certificate:
         raise UsageError("--certificate-key needs --certificate")
-    return asyncio.run(_serve(arguments))
+    return run_until_signal(_serve(arguments))
 
 
 async def _serve(arguments: Namespace) -> int:
