@@ -6,6 +6,7 @@ A comment in the line above a block directs the tests:
     <!-- fragment: module -->    Python that stands at the top of a module: type-checked
     <!-- test: pytest -->        a test module: run by pytest
     <!-- test: endless -->       a program that runs until it is ended: it must print something
+    <!-- cell -->                a cell of a notebook: run in a kernel, after the cells above it
     <!-- file: NAME -->          the block is a file beside the page's programs
     <!-- shell commands -->      commands of `mav shell`
     <!-- runnable -->            shell lines that are run against a simulated vehicle

@@ -18,7 +18,11 @@ from mavstack.links import BytesReceived, ChannelClosed, ChannelOpened, LinkURL,
 from mavstack.links.options import Options
 from tests.docs.blocks import BLOCKS, ROOT, comparison_rows
 
-PYTHON = [block for block in BLOCKS if block.language == "python" and not block.skipped]
+PYTHON = [
+    block
+    for block in BLOCKS
+    if block.language == "python" and not block.skipped and block.directive != "cell"
+]
 PROGRAMS = [block for block in PYTHON if block.is_program]
 TEST_MODULES = [block for block in PYTHON if block.directive == "test: pytest"]
 MAX_SKIPPED = 0
