@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mavstack.swarm.arrays import Points
     from mavstack.swarm.avoidance import Avoidance
 
-#: Part of an error of place that is corrected in a second.
+#: Share of a position error that is corrected each second.
 _GAIN: Final = 0.8
 #: Change of a velocity, in m/s, above which a member leaves its course.
 _DEVIATES: Final = 0.3

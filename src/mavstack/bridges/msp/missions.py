@@ -230,7 +230,7 @@ class BridgedMissions:
         try:
             await self._controller.send(SetWpIndex(place))
         except _FAILURES as error:
-            logger.info("%s", error)  # iNav takes it in a mission only; then it begins at its first waypoint
+            logger.info("%s", error)  # iNav accepts the change only while it flies a mission, which then restarts at its first waypoint
 
     async def _follow_home(self) -> None:
         while True:

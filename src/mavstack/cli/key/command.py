@@ -151,7 +151,7 @@ def turn_off(arguments: Namespace) -> int:
     """Run `mav key off`."""
     arguments.name = arguments.signing_key
     if arguments.name is None:
-        raise UsageError("name the present key with --key: only who has it can turn signing off")
+        raise UsageError("name the present key with --key: only its holder can turn signing off")
 
     async def work(vehicle: Vehicle) -> int:
         await require_ready(vehicle, arguments)

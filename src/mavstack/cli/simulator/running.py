@@ -61,7 +61,7 @@ async def _fly_all(arguments: Namespace) -> int:
     if count < 1:
         raise UsageError(f"--instances must be 1 or more, got {count}")
     if count > 1 and arguments.listen:
-        raise UsageError("--instances uses the usual ports: leave --listen out")
+        raise UsageError("--instances uses the default ports of each instance: leave --listen out")
     reports = [Report(arguments, number if count > 1 else None) for number in range(count)]
     codes = await asyncio.gather(*[_fly_one(arguments, number, each) for number, each in enumerate(reports)])
     return max(codes)

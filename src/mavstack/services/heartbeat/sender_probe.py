@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 #: Seconds between two questions for an id that is not known, and how often it is asked for at that interval.
 VERSION_INTERVAL = 1.0
 MAX_REQUESTS = 5
-#: Seconds between two questions for an id that is known, or that was never answered.
+#: Seconds between two requests for a unique id that is known already, or that the vehicle never sent.
 CONFIRMATION_INTERVAL = 6.0
 #: Seconds between two measurements of the round trip.
 TIME_INTERVAL = 1.0

@@ -59,7 +59,7 @@ class _Stream:
     #: When it is due next; infinite if off.
     due: float
     triggered: bool = False
-    #: When a triggered one should be sent next.
+    #: Time of the next transmission of each message that the program triggers.
     slot: float = 0.0
 
     def set_interval(self, microseconds: int, now: float) -> None:
