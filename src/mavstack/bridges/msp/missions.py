@@ -230,7 +230,8 @@ class BridgedMissions:
         try:
             await self._controller.send(SetWpIndex(place))
         except _FAILURES as error:
-            logger.info("%s", error)  # iNav accepts the change only while it flies a mission, which then restarts at its first waypoint
+            # iNav accepts the change only while it flies a mission; a mission that starts begins at its first item.
+            logger.info("%s", error)
 
     async def _follow_home(self) -> None:
         while True:
