@@ -230,7 +230,7 @@ class BridgedMissions:
         try:
             await self._controller.send(SetWpIndex(place))
         except _FAILURES as error:
-            # iNav accepts the change only while it flies a mission; a mission that starts begins at its first item.
+            # Outside of a mission iNav refuses; a mission then begins at its first item.
             logger.info("%s", error)
 
     async def _follow_home(self) -> None:
