@@ -799,6 +799,26 @@ class Index:
         """
 
 @final
+class MappingGuard:
+    """Keeps a failing disk under a mapped file from ending the process.
+
+    While the guard exists, a byte that the disk does not deliver (an error of the disk, a truncated file) reads as zero, as
+    do all bytes of the mapping from then on, and `failed` becomes true.
+
+    Args:
+        data: The mapped file, a read-only `mmap.mmap` of the beginning of a file; it stays mapped as long as the guard.
+
+    Raises:
+        BufferError: The buffer is writable.
+        OSError: The handler of the signal cannot be installed.
+    """
+
+    def __new__(cls, data: Buffer) -> Self: ...
+    @property
+    def failed(self) -> bool:
+        """True if a byte of the mapping could not be read; all bytes are zeros since then."""
+
+@final
 class WindowIndexer:
     """Indexer of a file that is read piece by piece, in memory that does not grow with the file.
 

@@ -15,6 +15,7 @@ mod errors;
 mod fields;
 mod freelist;
 mod index;
+mod mapping_guard;
 mod memory;
 mod message;
 mod packet;
@@ -61,6 +62,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<statistics::SourceStatistics>()?;
     module.add_class::<statistics::Refusals>()?;
     module.add_class::<index::Index>()?;
+    module.add_class::<mapping_guard::MappingGuard>()?;
     module.add_class::<index::WindowIndexer>()?;
     module.add_class::<dataflash::DataFlashIndex>()?;
     module.add_class::<dataflash::DataFlashLayout>()?;

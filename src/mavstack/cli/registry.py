@@ -11,7 +11,7 @@ from argparse import ArgumentParser, HelpFormatter, RawDescriptionHelpFormatter,
 from functools import partial
 from importlib import import_module
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol, cast
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, NoReturn, Protocol, cast
 
 from mavstack.cli.common.interrupted_imports import ended_by_sigint
 from mavstack.cli.common.log_output import add_logging_options
@@ -104,6 +104,22 @@ class CommandParser(ArgumentParser):
         options["formatter_class"] = partial(formatter, width=terminal_width() - 2)
         super().__init__(*arguments, **options)
         self._negative_number_matcher = re.compile(r"-\.?\d")
+
+    def error(self, message: str) -> NoReturn:
+        """End with the problem that argparse found, and name `--url` if a link is too much."""
+        if message.startswith("unrecognized arguments") and "://" in message and _takes_url(self):
+            message += "; give the link with --url URL"
+        super().error(message)
+
+
+def _takes_url(parser: ArgumentParser) -> bool:
+    """Return whether a parser or one of its actions has the option `--url`."""
+    for action in parser._actions:  # noqa: SLF001 (argparse has no other list of its options)
+        if "--url" in action.option_strings:
+            return True
+        if isinstance(action.choices, dict) and any(map(_takes_url, action.choices.values())):
+            return True
+    return False
 
 
 def command_parser(name: str) -> ArgumentParser:

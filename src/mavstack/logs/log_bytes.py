@@ -22,6 +22,7 @@ from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING, Final
 
+from mavstack._core import MappingGuard
 from mavstack.errors import LogError
 from mavstack.logs.mapped_pages import release
 
@@ -72,6 +73,7 @@ class LogBytes:
         _prepare_leases(self._descriptor)
         self.size, self.modified_ns = status.st_size, status.st_mtime_ns
         self._map: mmap.mmap | None = None
+        self._guard: MappingGuard | None = None
         self._copy: mmap.mmap | bytes | None = None if self.size else b""
 
     @contextmanager
@@ -82,19 +84,55 @@ class LogBytes:
             The bytes: the mapped file, or its copy once no lease was granted.
 
         Raises:
-            LogError: The file was truncated, or cannot be read.
+            LogError: The file was truncated, or cannot be read, also where the disk failed in the block.
         """
         with self._lock:
-            if self._copy is not None:
-                yield self._copy
-            elif self.size <= _MAX_LEASED_SIZE and _take_lease(self._descriptor):
-                try:
-                    yield self._mapped()
-                finally:
-                    _release_lease(self._descriptor)
-            else:
-                self._copy = self._read()
-                yield self._copy
+            try:
+                with self._held() as data:
+                    yield data
+            finally:
+                self._end_access()
+
+    @contextmanager
+    def _held(self) -> Iterator[mmap.mmap | bytes]:
+        """Give access to the bytes, under a lease if one is granted."""
+        if self._copy is not None:
+            yield self._copy
+        elif self.size <= _MAX_LEASED_SIZE and _take_lease(self._descriptor):
+            try:
+                yield self._mapped()
+            finally:
+                _release_lease(self._descriptor)
+        else:
+            self._copy = self._read()
+            yield self._copy
+
+    def require_intact(self) -> None:
+        """Raise if bytes could not be read since the access began, before its results are kept.
+
+        Raises:
+            LogError: The disk failed, or the file was truncated.
+        """
+        if self._guard is not None and self._guard.failed:
+            raise LogError(
+                f"cannot read {self.path}: the disk failed or the file was truncated while it was read; "
+                "copy the file to another disk and open the copy"
+            )
+
+    def _end_access(self) -> None:
+        try:
+            self.require_intact()
+        except LogError:
+            # The mapping has zeros now: the next access maps the file again.
+            self._map = self._guard = None
+            self._copy = None if self.size else b""
+            raise
+
+    def _map_descriptor(self, descriptor: int) -> mmap.mmap:
+        """Map a file and guard the mapping."""
+        data = mmap.mmap(descriptor, self.size, access=mmap.ACCESS_READ)
+        self._guard = MappingGuard(data)
+        return data
 
     def release(self) -> None:
         """Release the memory of the mapped file; a later access reads it again."""
@@ -120,7 +158,7 @@ class LogBytes:
                 while done < len(buffer) and (count := file.readinto(buffer[done:])):
                     done += count
         except OSError as error:
-            raise LogError(f"cannot read {self.path}: {error}") from error
+            raise LogError(f"cannot read {self.path}: {error.strerror or error}") from error
         if done < len(buffer):
             raise self._truncated()
 
@@ -138,7 +176,7 @@ class LogBytes:
             with self._lock:
                 return b"".join(self._pieces(offset, max(min(size, self.size - offset), 0)))
         except OSError as error:
-            raise LogError(f"cannot read {self.path}: {error}") from error
+            raise LogError(f"cannot read {self.path}: {error.strerror or error}") from error
 
     def _mapped(self) -> mmap.mmap:
         # Nothing changes the size while the lease is held.
@@ -146,7 +184,7 @@ class LogBytes:
             raise self._truncated()
         if self._map is None:
             try:
-                self._map = mmap.mmap(self._descriptor, self.size, access=mmap.ACCESS_READ)
+                self._map = self._map_descriptor(self._descriptor)
             except (OSError, ValueError) as error:
                 raise LogError(f"cannot map {self.path}: {error}") from error
         return self._map
@@ -166,7 +204,7 @@ class LogBytes:
                 for piece in self._pieces(0, self.size):
                     copy.write(piece)
                 copy.flush()
-                return mmap.mmap(copy.fileno(), self.size, access=mmap.ACCESS_READ)
+                return self._map_descriptor(copy.fileno())
         except OSError as error:
             reason = f"it may change, and cannot be copied to {tempfile.gettempdir()}"
             raise LogError(f"cannot read {self.path}: {reason}: {error.strerror or error}") from error

@@ -112,6 +112,7 @@ class SavedIndex(Generic[IndexT]):
 
     def _new(self, data: Data) -> IndexT:
         index = self._build(data)
+        self._log.require_intact()
         path = _index_path(self._log, self._kind)
         if path is not None and index.has_positions and self._is_settled():
             with suppress(OSError):

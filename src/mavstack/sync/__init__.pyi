@@ -3505,8 +3505,8 @@ class Vehicle:
         """Arm the vehicle: let its motors run (MAV_CMD_COMPONENT_ARM_DISARM).
 
     A vehicle stays in RTL, LAND or AUTO after its landing, where most firmwares do not arm. Then it first
-    enters the mode in which it waits on the ground: GUIDED (ArduPilot's copters), FBWA (planes), HOLD
-    (rovers) or LOITER (PX4). In a mode that starts by itself, such as TAKEOFF or MISSION, arming is
+    enters the mode in which it waits on the ground: GUIDED (ArduPilot's copters), FLY_BY_WIRE_A (planes),
+    HOLD (rovers) or LOITER (PX4). In a mode that starts by itself, such as TAKEOFF or MISSION, arming is
     refused. If the vehicle refuses to arm, its mode is restored.
 
     Args:

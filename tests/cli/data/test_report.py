@@ -99,6 +99,13 @@ def test_an_array_is_plotted_by_its_elements(mav, tlog):
     assert (result.code, "BATTERY_STATUS.voltages[0]" in result.err) == (2, True)
 
 
+def test_a_name_without_a_suffix_is_a_page(mav, tlog, tmp_path):
+    result = mav("data", "report", tlog, "-o", "mine")
+    assert result.code == 0
+    assert "mine.html (facts: mine.json)" in result.out.replace(f"{tmp_path}/", "")
+    assert sorted(path.name for path in tmp_path.glob("mine*")) == ["mine.html", "mine.json"]
+
+
 def test_the_facts_never_replace_the_page(mav, tlog, tmp_path):
     result = mav("data", "report", tlog, "-o", "x.json")
     assert (result.code, "name the page" in result.err) == (2, True)

@@ -71,6 +71,15 @@ def test_arming_where_the_vehicle_would_start_needs_an_option(simulate, mav):
     assert mav("vehicle", "arm", "--allow-flight").out == "vehicle 1: armed\n"
 
 
+def test_a_link_as_a_word_names_the_option(mav):
+    refused = mav("vehicle", "arm", "udpin://127.0.0.1:14550")
+    assert refused.code == 2
+    assert refused.err.endswith(
+        "unrecognized arguments: udpin://127.0.0.1:14550; give the link with --url URL\n"
+    )
+    assert mav("vehicle", "arm", "now").err.endswith("unrecognized arguments: now\n")
+
+
 def test_arming_leaves_the_mode_of_a_landing(simulate, mav):
     simulate(COPTER)
     assert mav("vehicle", "mode", "RTL").code == 0

@@ -136,6 +136,18 @@ def test_takeoffs_and_used_charge(tmp_path):
     facts = make_report(open_log(path, "common")).data["vehicles"][0]["facts"]
     assert facts["takeoffs"] == 3
     assert facts["used_mah"] == pytest.approx(36 * 59 / 3.6, rel=0.01)
+    assert facts["max_current_a"] == 36
+
+
+def test_a_sensor_without_calibration_measured_no_highest_current(tmp_path):
+    messages = [common.Heartbeat(type=12, autopilot=3, base_mode=129)]
+    messages += [common.BatteryStatus(current_battery=-1120, voltages=[12000]) for _ in range(20)]
+    messages += [common.SysStatus(current_battery=-1120, voltage_battery=12000) for _ in range(20)]
+    path = tmp_path / "sub.tlog"
+    path.write_bytes(stamped(encoded(messages), step=333_333))
+    facts = make_report(open_log(path, "common")).data["vehicles"][0]["facts"]
+    assert "min_voltage_v" in facts
+    assert not {"max_current_a", "used_mah"} & facts.keys()
 
 
 def test_a_log_without_a_vehicle_has_a_report(tmp_path):

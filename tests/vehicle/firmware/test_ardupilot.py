@@ -10,6 +10,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.errors import ActionRefused, ActionUnsupported, CommandDenied, RemoteError
 from mavstack.geodesy import offset_location
+from mavstack.services.modes import mode_names
 from mavstack.vehicle.firmware.ardupilot import ArduPilot
 from tests.vehicle.failures.rows import ITEMS
 from tests.vehicle.failures.scripted_autopilot import ARDUPILOT, CMD, RESULT, run_scenario
@@ -137,6 +138,14 @@ def test_a_plane_takes_off_by_its_mode():
         assert asked == [("set", "TKOFF_ALT", 80), mode(13)]
 
     run_scenario(scenario, autopilot=ARDUPILOT, kind=PLANE)
+
+
+@pytest.mark.parametrize("kind", GUIDED)
+def test_the_mode_in_which_it_waits_has_the_name_that_the_vehicle_shows(kind):
+    async def scenario(harness):
+        assert harness.vehicle.firmware.waiting_mode in mode_names(ARDUPILOT, kind).values()
+
+    run_scenario(scenario, autopilot=ARDUPILOT, kind=kind)
 
 
 def test_an_older_version_goes_by_a_setpoint():

@@ -95,6 +95,8 @@ def _page_path(arguments: Namespace) -> Path | None:
     if arguments.output is None and is_remote(arguments.file):
         raise UsageError("the report of a log at a URL needs -o FILE")
     page = Path(arguments.output or Path(arguments.file).with_suffix(".html"))
+    if not page.suffix:
+        page = page.with_suffix(".html")
     facts = page.with_suffix(".json")
     if page.suffix.lower() == ".json":
         raise UsageError(

@@ -83,8 +83,11 @@ def flight_facts(flight: Flight) -> dict[str, float]:
         ("current", "max_current_a", np.max),
     ):
         signal = read(name)
-        if signal is not None:
+        if signal is not None and len(signal):
             facts[key] = float(choose(signal.values))
+    if facts.get("max_current_a", 0.0) < 0:
+        # The sensor is not calibrated or not connected.
+        del facts["max_current_a"]
     current = read("current")
     if current is not None and len(current) > 1:
         # A gap in the log is no consumption.

@@ -18,7 +18,7 @@ from mavstack.errors import (
 )
 from mavstack.geodesy import offset_location
 from mavstack.services.parameters import RENAMED
-from mavstack.services.setpoints import AttitudeSetpoint, GlobalSetpoint
+from mavstack.services.setpoints import AttitudeSetpoint
 from mavstack.vehicle.firmware import ardupilot_modes
 from mavstack.vehicle.firmware.firmware import (
     CHANGE_MODE,
@@ -29,6 +29,7 @@ from mavstack.vehicle.firmware.firmware import (
     Firmware,
     OrbitEntry,
 )
+from mavstack.vehicle.firmware.target_setpoint import send_target
 from mavstack.vehicle.geography import Location
 from mavstack.vehicle.vehicle_type import VehicleType
 
@@ -209,8 +210,7 @@ class ArduPilot(Firmware):
         except CommandDenied as error:
             if error.code != common.MavResult.UNSUPPORTED or self._type in _WINGED:
                 raise
-            setpoint = GlobalSetpoint(location.latitude, location.longitude, altitude)
-            self.vehicle.component.send(setpoint.to_message(self.vehicle.address))
+            await send_target(self.vehicle, Location(location.latitude, location.longitude, altitude))
         if yaw is not None and self._type is VehicleType.COPTER:
             await self.turn(yaw)
 

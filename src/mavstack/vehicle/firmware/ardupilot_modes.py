@@ -65,7 +65,7 @@ SELF_STARTING: Final[Mapping[VehicleType, frozenset[str]]] = MappingProxyType(
 WAITING: Final[Mapping[VehicleType, str]] = MappingProxyType(
     {
         VehicleType.COPTER: "GUIDED",
-        VehicleType.PLANE: "FBWA",
+        VehicleType.PLANE: "FLY_BY_WIRE_A",
         VehicleType.VTOL: "GUIDED",
         VehicleType.ROVER: "HOLD",
         VehicleType.BOAT: "HOLD",
