@@ -47,9 +47,7 @@ def simulate(monkeypatch, tmp_path) -> Callable[..., CliHarness]:
 
     folder = tmp_path / "user-cache"
     monkeypatch.setattr("mavstack.files.parameter_metadata.cache.cache_directory", lambda: folder)
-    return lambda *kinds, ready=True, payloads=False: CliHarness(
-        monkeypatch, *kinds, ready=ready, payloads=payloads
-    )
+    return lambda *kinds, ready=True, **options: CliHarness(monkeypatch, *kinds, ready=ready, **options)
 
 
 def stamped(packets: Iterable[bytes], step: int = 100_000) -> bytes:

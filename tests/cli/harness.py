@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import shlex
+from itertools import repeat
 from typing import TYPE_CHECKING
 
 from mavstack.cli.common import connection
@@ -14,8 +15,9 @@ from mavstack.cli.shell import command as shell_command
 from mavstack.links import MemoryNetwork, parse_url
 from mavstack.node import Node
 from mavstack.security.key_store import find_key
+from mavstack.sim.fleet import Fleet
 from mavstack.sim.simulation import Simulation
-from mavstack.sim.vehicle_types import Firmware, VehicleType
+from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import connect
 from tests.sim.running import make_ready, reduce_telemetry, running
@@ -41,11 +43,18 @@ class CliHarness:
         *kinds: tuple[VehicleType, str],
         ready: bool = False,
         payloads: bool = False,
+        apart: bool = False,
     ) -> None:
-        """Make a vehicle of each kind (one ArduPilot copter by default), if wanted already able to arm."""
+        """Make a vehicle of each kind (one ArduPilot copter by default).
+
+        They stand at one place, or `apart` as those of `mav sim`; if `ready`, they can arm.
+        """
         self.simulation = Simulation(seed=5)
-        for vehicle_type, firmware in kinds or [COPTER]:
-            reduce_telemetry(self.simulation.add(vehicle_type, firmware, camera=payloads, gimbal=payloads))
+        chosen = kinds or (COPTER,)
+        homes = Fleet(count=len(chosen)).homes() if apart else repeat(DEFAULT_HOME)
+        for (vehicle_type, firmware), home in zip(chosen, homes, strict=False):
+            vehicle = self.simulation.add(vehicle_type, firmware, home=home, camera=payloads, gimbal=payloads)
+            reduce_telemetry(vehicle)
         if ready:
             make_ready(self.simulation)
         #: Coroutine of another ground station that runs beside a command.

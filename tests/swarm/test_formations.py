@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mavstack.errors import InvalidArgumentError
-from mavstack.swarm.formations import FORMATIONS, Formation, rotate_to_course
+from mavstack.swarm.formations import FORMATIONS, Formation, default_spacing, rotate_to_course
 from mavstack.swarm.separation import nearest_pair
 
 SHAPES = [name for name in FORMATIONS if name not in ("points", "text")]
@@ -85,3 +85,10 @@ def test_wrong_counts_are_refused():
         Formation("text", text="ä").offsets(2)
     with pytest.raises(InvalidArgumentError, match="at least one letter"):
         Formation("text", text=" ").offsets(2)
+
+
+def test_the_default_spacing_lets_members_exchange_their_slots():
+    assert default_spacing("line", 6.8) == 10.0
+    for name in ("line", "wedge", "grid", "sphere", "circle"):
+        offsets = Formation(name, spacing=default_spacing(name, 6.8)).offsets(9)
+        assert nearest_pair(offsets)[0] >= 6.8 * 2**0.5 - 1e-6, name

@@ -22,6 +22,7 @@ import numpy as np
 
 from mavstack.errors import InvalidArgumentError
 from mavstack.swarm.block_letters import text_points
+from mavstack.swarm.separation import VERTICAL_FACTOR
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -90,6 +91,17 @@ class Formation:
         layer = np.arange(count) % self.layers
         slots[:, 2] += layer * self.layer_spacing
         return slots
+
+
+def default_spacing(name: str, planned_distance: float) -> float:
+    """Return the spacing in metres at which any members can exchange their slots in straight lines.
+
+    Args:
+        name: The name of a shape; upright ones are larger, since heights count less.
+        planned_distance: Metres that a plan keeps between two vehicles.
+    """
+    spacing = float(math.ceil(planned_distance * math.sqrt(2.0)))
+    return spacing * VERTICAL_FACTOR if name in _UPRIGHT else spacing
 
 
 def rotate_to_course(offsets: Points, course: float) -> Points:
@@ -223,6 +235,8 @@ _SHAPES: Final[Mapping[str, Callable[[Formation, int], Points]]] = MappingProxyT
         "points": _points,
     }
 )
+#: Shapes whose neighbours are above each other.
+_UPRIGHT: Final = frozenset({"sphere", "text"})
 #: The names of the shapes, with a line about each.
 FORMATIONS: Final[Mapping[str, str]] = MappingProxyType(
     {

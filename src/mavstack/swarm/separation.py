@@ -7,10 +7,12 @@ this package are measured in the space in which that ellipsoid is a sphere: heig
 How large the region is follows from what may go wrong at the same time. Two vehicles that are planned
 `distance` apart are really apart by at least
 
-    distance - 2 · (position error + tracking error + latency · speed difference / 2)
+    distance - position error · √2 - 2 · tracking error - latency · speed
 
 `Margins.planned_distance` solves that for `distance`. The position error is `SIGMAS` standard deviations of
-the position estimate, since the smallest of many distances is measured, not the usual one.
+the position estimate, since the smallest of many distances is measured, not the usual one; those of two
+vehicles are independent. If all vehicles are late by the same time, distances do not change; if one is late
+by the latency and the other is not, it is `latency · speed` away from its place.
 """
 
 from __future__ import annotations

@@ -3196,18 +3196,19 @@ class Swarm:
     def smallest_separation(self) -> float:
         """The smallest distance of two vehicles so far in metres, heights divided by `VERTICAL_FACTOR`."""
 
-    def formation(self, formation: str | Formation, *, spacing: float | None=None, course: float | None=None, **options: Any) -> None:
+    def formation(self, formation: str | Formation, *, spacing: float | None=None, course: float | None=None, altitude: float | None=None, **options: Any) -> None:
         """Fly into a formation, around the leader where it is.
 
         Args:
             formation: The name of a shape, or a formation.
-            spacing: Metres between neighbours; None: the planned distance times the root of two, so that
-                any members can exchange their slots.
+            spacing: Metres between neighbours; None: `default_spacing`.
             course: Direction of the formation in degrees; None: the one that it has.
+            altitude: Height of the leader in metres above its home; None: the one that it has.
             **options: `angle`, `rotation`, `layers`, `layer_spacing`, `text`, `points` of `Formation`.
 
         Raises:
-            InvalidArgumentError: No transition keeps the planned distance; no vehicle was moved.
+            InvalidArgumentError: No transition keeps the planned distance, or a slot is lower than
+                `LOWEST_SLOT`; no vehicle was moved.
             SwarmStopped: The guard or `stop` ended the flight.
         """
 

@@ -13,6 +13,7 @@ from mavstack.swarm.guard import GuardLimits
 from mavstack.swarm.separation import Margins
 from mavstack.vehicle.swarm import SwarmOptions
 from mavstack.vehicle.swarm.launch import take_off
+from tests.docs.blocks import BLOCKS
 from tests.vehicle.world import ARDUPILOT, PX4, fly
 
 COPTERS = [(VehicleType.COPTER, ARDUPILOT), (VehicleType.COPTER, PX4), (VehicleType.COPTER, ARDUPILOT)]
@@ -130,5 +131,29 @@ def test_stop_ends_the_call_that_waits():
             await asyncio.sleep(5)
             assert all(abs(each.velocity.north) < 0.3 for each in vehicles)
             assert places(vehicles)[:, 0].max() < 100.0
+
+    fly(COPTERS[:2], scenario)
+
+
+@pytest.mark.flight
+def test_the_program_of_the_guide_runs(capsys):
+    (block,) = (each for each in BLOCKS if each.page == "guides/swarms.md" and "def fly_wedge" in each.text)
+    names = {}
+    exec(block.text, names)
+
+    async def scenario(world, _vehicle):
+        await names["fly_wedge"](world.node)
+
+    fly(COPTERS, scenario)
+    assert float(capsys.readouterr().out.removeprefix("never nearer than ").split()[0]) > 5.0
+
+
+@pytest.mark.flight
+def test_a_slot_near_the_ground_is_refused():
+    async def scenario(world, _vehicle):
+        await launch(world, 2)
+        async with world.node.swarm() as swarm:
+            with pytest.raises(InvalidArgumentError, match="the lowest one is at -"):
+                await swarm.formation("sphere", altitude=5.0)
 
     fly(COPTERS[:2], scenario)

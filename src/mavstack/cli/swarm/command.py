@@ -16,7 +16,7 @@ from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.options import finite_number, system_id
 from mavstack.cli.common.output import echo, echo_json
 from mavstack.cli.common.selection import selected_vehicles
-from mavstack.swarm.formations import FORMATIONS, Formation
+from mavstack.swarm.formations import FORMATIONS, Formation, default_spacing
 from mavstack.vehicle.swarm import Swarm, SwarmOptions
 from mavstack.vehicle.swarm.launch import take_off
 
@@ -26,16 +26,19 @@ if TYPE_CHECKING:
 
     from mavstack.vehicle import Connection, Group, Vehicle
 
+#: Metres above home of a takeoff.
+DEFAULT_ALTITUDE: Final = 10.0
 EXAMPLES: Final = """\
 examples:
   mav swarm takeoff 20 --layer-spacing 10                 # arm, and climb to 20, 30, 40 m …
   mav swarm formation wedge --spacing 12
-  mav swarm formation text --text HELLO --spacing 10 --lead 1
+  mav swarm formation line --spacing 12 --lead 2 --takeoff --altitude 20
+  mav swarm formation text --text T --altitude 60
   mav swarm move 100 0 5                                  # north, east, up in metres
-  mav swarm goto 47.3985 8.5460 30
+  mav swarm goto 47.3985 8.5460 60
   mav swarm rotate 90
-  mav swarm follow 7 column --spacing 10 --for 60
-  mav swarm land --systems 1,3-5
+  mav swarm follow 4 column --spacing 10 --for 20
+  mav swarm land --systems 1,3-4
   mav swarm stop
   mav swarm list                                          # the formations
 """
@@ -49,9 +52,9 @@ def add_arguments(parser: ArgumentParser) -> None:
         "altitude",
         nargs="?",
         type=finite_number,
-        default=10.0,
+        default=DEFAULT_ALTITUDE,
         metavar="ALTITUDE",
-        help="metres above home (default: 10)",
+        help=f"metres above home (default: {DEFAULT_ALTITUDE:g})",
     )
     action.add_argument(
         "--layer-spacing",
@@ -64,6 +67,15 @@ def add_arguments(parser: ArgumentParser) -> None:
     _add_formation(action)
     action.add_argument(
         "--course", type=finite_number, metavar="DEGREES", help="direction of the formation (default: north)"
+    )
+    action.add_argument(
+        "--altitude",
+        type=finite_number,
+        metavar="M",
+        help="height of the leader in metres above home (default: its own; after a takeoff 10)",
+    )
+    action.add_argument(
+        "--takeoff", action="store_true", help="arm the vehicles on the ground, and take off first"
     )
     action = _add(actions, "move", "move all vehicles by the same way", move)
     for name, text in (("north", "metres north"), ("east", "metres east"), ("up", "metres up (default: 0)")):
@@ -168,11 +180,17 @@ def takeoff(arguments: Namespace) -> int:
 def formation(arguments: Namespace) -> int:
     """Run `mav swarm formation`."""
 
+    async def prepare(group: Group) -> None:
+        if arguments.takeoff:
+            altitude = DEFAULT_ALTITUDE if arguments.altitude is None else arguments.altitude
+            (await take_off(group, altitude)).check()
+
     async def work(swarm: Swarm) -> str:
-        await swarm.formation(_shape(arguments), course=arguments.course)
+        shape = _shape(arguments)
+        await swarm.formation(shape, course=arguments.course, altitude=arguments.altitude)
         return f"in formation {arguments.shape}"
 
-    return _run_on_swarm(arguments, work)
+    return _run_on_swarm(arguments, work, prepare)
 
 
 def move(arguments: Namespace) -> int:
@@ -231,10 +249,12 @@ def land(arguments: Namespace) -> int:
 
 
 def stop(arguments: Namespace) -> int:
-    """Run `mav swarm stop`."""
+    """Run `mav swarm stop`; a vehicle that is not armed stays as it is."""
+    from mavstack.vehicle import Group
 
     async def work(group: Group) -> str:
-        (await group.hold()).check()
+        moving = Group(vehicle for vehicle in group if vehicle.armed is not False)
+        (await moving.hold()).check()
         return "stopped"
 
     return _run_on_group(arguments, work)
@@ -242,12 +262,12 @@ def stop(arguments: Namespace) -> int:
 
 def _shape(arguments: Namespace) -> Formation:
     """Return the formation of the arguments; without `--spacing`, with the one that any transition needs."""
-    planned = SwarmOptions().margins.planned_distance
+    spacing = arguments.spacing
+    if spacing is None:
+        spacing = default_spacing(arguments.shape, SwarmOptions().margins.planned_distance)
     return Formation(
         arguments.shape,
-        spacing=float(math.ceil(planned * math.sqrt(2.0)))
-        if arguments.spacing is None
-        else arguments.spacing,
+        spacing=spacing,
         angle=arguments.angle,
         rotation=arguments.rotation,
         layers=arguments.layers,
@@ -256,10 +276,18 @@ def _shape(arguments: Namespace) -> Formation:
     )
 
 
-def _run_on_swarm(arguments: Namespace, work: Callable[[Swarm], Awaitable[str]]) -> int:
+def _run_on_swarm(
+    arguments: Namespace,
+    work: Callable[[Swarm], Awaitable[str]],
+    prepare: Callable[[Group], Awaitable[None]] | None = None,
+) -> int:
+    from mavstack.vehicle import Group
+
     async def run_swarm(connection: Connection) -> int:
         vehicles = await _vehicles(connection, arguments)
         _announce(arguments, vehicles)
+        if prepare is not None:
+            await prepare(Group(vehicles))
         async with Swarm(vehicles, SwarmOptions()) as swarm:
             text = await work(swarm)
             separation = swarm.smallest_separation

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 async def take_off(
     group: Group, altitude: float, *, layer_spacing: float = 0.0, timeout: float | None = None
 ) -> Results[None]:
-    """Arm all vehicles of a group and let them take off.
+    """Arm the vehicles of a group that are on the ground, and let them take off.
 
     Args:
         group: The vehicles; the first one has the lowest layer.
@@ -23,12 +23,15 @@ async def take_off(
         timeout: Seconds for each call; None sets no overall limit.
 
     Returns:
-        The outcome of each vehicle; its errors are those of `Vehicle.arm` and `Vehicle.takeoff`.
+        The outcome of each vehicle; its errors are those of `Vehicle.arm` and `Vehicle.takeoff`. A vehicle
+        in the air is not moved.
     """
     check_numbers(altitude=altitude, layer_spacing=layer_spacing)
     heights = {vehicle: altitude + index * layer_spacing for index, vehicle in enumerate(group)}
 
     async def launch(vehicle: Vehicle) -> None:
+        if vehicle.in_air:
+            return
         if not vehicle.armed:
             await vehicle.arm(timeout=timeout)
         await vehicle.takeoff(heights[vehicle], timeout=timeout)

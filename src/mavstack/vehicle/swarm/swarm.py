@@ -14,9 +14,8 @@ nothing. PX4 and ArduPilot, copters and rovers can be mixed; wings cannot stand 
 from __future__ import annotations
 
 import asyncio
-import math
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -26,7 +25,7 @@ from mavstack.geodesy import LocalFrame
 from mavstack.node.api_object import ReadOnly
 from mavstack.services.arguments import check_numbers
 from mavstack.swarm.courses import Following, Turn
-from mavstack.swarm.formations import Formation, rotate_to_course
+from mavstack.swarm.formations import Formation, default_spacing, rotate_to_course
 from mavstack.swarm.leader import LeaderFrame, turn_rate_for
 from mavstack.swarm.transitions import Transition, plan_transition, straight_transition
 from mavstack.vehicle.swarm.controller import SwarmController, SwarmOptions
@@ -39,6 +38,10 @@ if TYPE_CHECKING:
 
     from mavstack.swarm.arrays import Points
     from mavstack.vehicle.vehicle import Vehicle
+
+
+#: Metres above the leader's home below which no formation has a slot.
+LOWEST_SLOT: Final = 2.0
 
 
 class Swarm(ReadOnly):
@@ -98,27 +101,33 @@ class Swarm(ReadOnly):
         *,
         spacing: float | None = None,
         course: float | None = None,
+        altitude: float | None = None,
         **options: Any,  # noqa: ANN401 (those of Formation)
     ) -> None:
         """Fly into a formation, around the leader where it is.
 
         Args:
             formation: The name of a shape, or a formation.
-            spacing: Metres between neighbours; None: the planned distance times the root of two, so that
-                any members can exchange their slots.
+            spacing: Metres between neighbours; None: `default_spacing`.
             course: Direction of the formation in degrees; None: the one that it has.
+            altitude: Height of the leader in metres above its home; None: the one that it has.
             **options: `angle`, `rotation`, `layers`, `layer_spacing`, `text`, `points` of `Formation`.
 
         Raises:
-            InvalidArgumentError: No transition keeps the planned distance; no vehicle was moved.
+            InvalidArgumentError: No transition keeps the planned distance, or a slot is lower than
+                `LOWEST_SLOT`; no vehicle was moved.
             SwarmStopped: The guard or `stop` ended the flight.
         """
-        members = self._running.active
-        shape = self._shape(formation, spacing, options)
-        self._course = self._course if course is None else course
-        starts = self._running.places()
-        slots = starts[0] + rotate_to_course(shape.offsets(len(members)), self._course)
-        await self._running.fly(self._plan(starts, slots), members)
+        check_numbers(course=course, altitude=altitude)
+        members, starts = self._running.active, self._running.places()
+        offsets = self._shape(formation, spacing, options).offsets(len(members))
+        direction = self._course if course is None else course
+        centre = starts[0] if altitude is None else np.array((starts[0, 0], starts[0, 1], altitude))
+        slots = centre + rotate_to_course(offsets, direction)
+        _check_heights(slots, starts)
+        plan = self._plan(starts, slots)
+        self._course = direction
+        await self._running.fly(plan, members)
 
     async def move(self, north: float = 0.0, east: float = 0.0, up: float = 0.0) -> None:
         """Move the whole swarm, each member by the same way.
@@ -242,10 +251,9 @@ class Swarm(ReadOnly):
     def _shape(self, formation: str | Formation, spacing: float | None, options: dict[str, Any]) -> Formation:
         if isinstance(formation, Formation):
             return formation
-        planned = self._options.margins.planned_distance
-        return Formation(
-            formation, spacing=math.ceil(planned * math.sqrt(2.0)) if spacing is None else spacing, **options
-        )
+        if spacing is None:
+            spacing = default_spacing(formation, self._options.margins.planned_distance)
+        return Formation(formation, spacing=spacing, **options)
 
     def _straight(self, starts: Points, ends: Points) -> Transition:
         return straight_transition(starts, ends, self._options.limits)
@@ -280,6 +288,16 @@ class Swarm(ReadOnly):
 
         results = await Group(self._vehicles).each(work, name=name)
         results.check()
+
+
+def _check_heights(slots: Points, starts: Points) -> None:
+    """Refuse slots near the ground, unless a vehicle is as low: a rover has no other height."""
+    lowest = float(slots[:, 2].min())
+    if lowest < min(LOWEST_SLOT, float(starts[:, 2].min())):
+        raise InvalidArgumentError(
+            f"slots must be at least {LOWEST_SLOT:g} m above the leader's home, the lowest one is at "
+            f"{lowest:.1f} m: increase the altitude or reduce the spacing"
+        )
 
 
 async def _leave(members: Iterable[Member]) -> None:
