@@ -795,7 +795,7 @@ class Index:
 
         Raises:
             KeyError: The dialect has no message of that id.
-            ValueError: A buffer is read-only, has the wrong size or overlaps another.
+            ValueError: A buffer is read-only, has the wrong size or overlaps another, or the index has no positions.
         """
 
 @final

@@ -38,7 +38,8 @@ REACHED = {
     "camera info", "key list",
 }  # fmt: skip
 #: Commands that are attacked by another test, which has the devices for that: tests/cli/radio, tests/cli/msp.
-ATTACKED_ELSEWHERE = {"msp", "radio"}
+#: Bridges print no text of a vehicle.
+ATTACKED_ELSEWHERE = {"bridge", "msp", "radio"}
 #: The only modules that may write to the terminal.
 WRITERS = {"common/output.py", "common/live_display.py"}
 
@@ -69,12 +70,17 @@ WITH_VEHICLE = [
     "camera settings CAM_WBMODE Nosuch", "camera track off", "camera format --yes", "camera reset",
     "gimbal info", "gimbal point -45", "gimbal turn 0 15", "gimbal center", "gimbal retract",
     "gimbal roi off", "gimbal follow 2", "gimbal watch --for 2", "gimbal take", "gimbal release",
+    "swarm takeoff 10", "swarm formation wedge", "swarm move 1 0", "swarm goto 47.3985 8.546",
+    "swarm rotate 9", "swarm follow 9 --timeout 0.5", "swarm land", "swarm stop",
     "shell --command 'arm throttle'", "shell --command 'takeoff 10'", "shell --command modes",
     "shell --command 'nsh ver all'", "shell --command 'status STATUSTEXT'", "shell --command info",
     "shell --command 'ftp list /bad'", "shell --command 'watch STATUSTEXT 3'",
 ]  # fmt: skip
 WITHOUT_VEHICLE = [
-    "simulator list", "simulator px4 --listen tcpin://127.0.0.1:0 --for 0.01",
+    "swarm list", "simulator list", "simulator hardware udpout://127.0.0.1:9 --for 0.01",
+    "simulator betaflight --listen udpin://127.0.0.1:0 --for 0.01",
+    "simulator vehicle ardupilot --to udpout://127.0.0.1:9 --for 0.01",
+    "simulator px4 --listen tcpin://127.0.0.1:0 --for 0.01",
     "simulator ardupilot --listen udpin://127.0.0.1:0 --for 0.01",
     "watch hostile.tlog --once", "watch hostile.tlog --json", "watch hostile.tlog",
     "watch hostile.tlog --once --json", "record udpin://127.0.0.1:0 new.tlog --for 0.1",

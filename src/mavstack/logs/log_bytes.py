@@ -17,7 +17,7 @@ import stat
 import sys
 import tempfile
 import weakref
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING, Final
@@ -70,7 +70,6 @@ class LogBytes:
         status = os.fstat(self._descriptor)
         if not stat.S_ISREG(status.st_mode) and not _is_null_device(status):
             raise LogError(f"cannot open {path}: not a regular file")
-        _prepare_leases(self._descriptor)
         self.size, self.modified_ns = status.st_size, status.st_mtime_ns
         self._map: mmap.mmap | None = None
         self._guard: MappingGuard | None = None
@@ -230,17 +229,14 @@ def _is_null_device(status: os.stat_result) -> bool:
 if sys.platform == "linux":
     from fcntl import F_RDLCK, F_SETLEASE, F_SETSIG, F_UNLCK, fcntl
 
-    def _prepare_leases(descriptor: int) -> None:
-        """Choose the signal that another process causes when it asks for the file.
-
-        SIGIO, the default, would end this process; SIGURG is ignored.
-        """
-        with suppress(OSError):  # of a file system without leases, none is granted
-            fcntl(descriptor, F_SETSIG, signal.SIGURG)
-
     def _take_lease(descriptor: int) -> bool:
-        """Return whether a lease was granted, under which other processes cannot change the file."""
+        """Return whether a lease was granted, under which other processes cannot change the file.
+
+        SIGIO, the default signal to a holder, would end this process; SIGURG is ignored. The kernel forgets
+        the choice with each lease that is released.
+        """
         try:
+            fcntl(descriptor, F_SETSIG, signal.SIGURG)
             fcntl(descriptor, F_SETLEASE, F_RDLCK)
         except OSError:
             return False
@@ -250,9 +246,6 @@ if sys.platform == "linux":
         fcntl(descriptor, F_SETLEASE, F_UNLCK)
 
 else:
-
-    def _prepare_leases(descriptor: int) -> None:
-        """Do nothing: there are no leases."""
 
     def _take_lease(descriptor: int) -> bool:
         """Return whether a mapping is safe without a lease."""

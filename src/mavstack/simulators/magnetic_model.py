@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final
 
+from mavstack.geodesy import ECCENTRICITY_SQUARED, SEMI_MAJOR_AXIS
 from mavstack.simulators.magnetic_coefficients import WMM_2025
 
 if TYPE_CHECKING:
@@ -17,8 +18,8 @@ if TYPE_CHECKING:
 
 #: The year of the coefficients, and the default year of a simulation.
 EPOCH, YEAR = 2025.0, 2026.0
-#: Radius of the model's sphere; WGS 84: equatorial radius, first eccentricity squared. Metres.
-_SPHERE, _EQUATOR, _ECCENTRICITY = 6371200.0, 6378137.0, 0.00669437999014
+#: Radius of the model's sphere in metres.
+_SPHERE: Final = 6371200.0
 _DEGREE: Final = 12
 _GAUSS: Final = 1e-5
 
@@ -50,9 +51,9 @@ def magnetic_field(latitude: float, longitude: float, altitude: float = 0.0, *, 
 def _geocentric(latitude: float, altitude: float) -> tuple[float, float]:
     """Return the distance from the Earth's centre, and the geocentric latitude."""
     sine = math.sin(latitude)
-    normal = _EQUATOR / math.sqrt(1.0 - _ECCENTRICITY * sine * sine)
+    normal = SEMI_MAJOR_AXIS / math.sqrt(1.0 - ECCENTRICITY_SQUARED * sine * sine)
     across = (normal + altitude) * math.cos(latitude)
-    along = (normal * (1.0 - _ECCENTRICITY) + altitude) * sine
+    along = (normal * (1.0 - ECCENTRICITY_SQUARED) + altitude) * sine
     radius = math.hypot(across, along)
     return radius, math.asin(along / radius)
 

@@ -14,7 +14,7 @@ OPTIONS = {"--key", "--id", "--mavlink", "--heartbeat-rate"}
 #: Commands whose components are simulated vehicles, with ids of their own.
 SIMULATIONS = {"sim", "demo"}
 #: Commands that speak another protocol with the device of their URL.
-OTHER_PROTOCOLS = {"radio", "msp"}
+OTHER_PROTOCOLS = {"radio", "msp", "simulator"}
 #: Commands that send no packets of their own.
 ROUTERS = {"route"}
 

@@ -7,7 +7,7 @@ import json
 import pytest
 
 from mavstack import open_log
-from tests.cli.watch.test_following import receiver
+from tests.cli.watch.test_observation import receiver
 from tests.logs.flights import flight_tlog
 
 
