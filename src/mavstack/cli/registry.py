@@ -66,7 +66,7 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
             _entry("web", "ground station in the browser, with an HTTP and WebSocket API"),
             _entry("data", "logs on disk: facts, conversion, queries, reports, charts"),
             _entry("vehicle", "act on a vehicle: arm, takeoff, goto, mode, info and others"),
-            _entry("swarm", "many vehicles as one: takeoff, formation, move, follow, land, stop"),
+            _entry("swarm", "many vehicles as one: takeoff, formation, move, follow, search, land, stop"),
             _entry("rate", "how often a vehicle sends a message: show it, set it"),
             _entry("param", "parameters of a vehicle: list, get, set, save, load, diff"),
             _entry("mission", "missions, fences, rally points: upload, download, show, start"),

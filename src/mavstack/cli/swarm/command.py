@@ -16,6 +16,7 @@ from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.options import finite_number, system_id
 from mavstack.cli.common.output import echo, echo_json
 from mavstack.cli.common.selection import selected_vehicles
+from mavstack.cli.swarm.search import add_search_arguments, search
 from mavstack.swarm.formations import FORMATIONS, Formation, default_spacing
 from mavstack.vehicle.swarm import Swarm, SwarmOptions
 from mavstack.vehicle.swarm.launch import take_off
@@ -38,6 +39,8 @@ examples:
   mav swarm goto 47.3985 8.5460 60
   mav swarm rotate 90
   mav swarm follow 4 column --spacing 10 --for 20
+  mav swarm search parallel --center 47.3977,8.5456 --size 200 --spacing 20 --count 3 --dry-run
+  mav swarm search square --center 47.3977,8.5456 --spacing 15 --altitude 30
   mav swarm land --systems 1,3-4
   mav swarm stop
   mav swarm list                                          # the formations
@@ -97,6 +100,8 @@ def add_arguments(parser: ArgumentParser) -> None:
     action.add_argument(
         "--for", dest="seconds", type=finite_number, metavar="SECONDS", help="end after this time"
     )
+    action = _add(actions, "search", "divide a search pattern among the vehicles, as missions", find)
+    add_search_arguments(action)
     _add(actions, "land", "land all vehicles where they are", land)
     _add(actions, "stop", "let all vehicles hold where they are", stop)
     action = actions.add("list", "list the formations", show)
@@ -236,6 +241,11 @@ def follow(arguments: Namespace) -> int:
         return 0
 
     return run_on_connection(arguments, run_follow)
+
+
+def find(arguments: Namespace) -> int:
+    """Run `mav swarm search`."""
+    return search(arguments, _vehicles)
 
 
 def land(arguments: Namespace) -> int:
