@@ -161,3 +161,14 @@ def test_no_router() -> None:
             await ZenohSink(0, [f"tcp/127.0.0.1:{free_port()}"]).open()
 
     asyncio.run(scenario())
+
+
+def test_endpoints_have_no_threads(router: int) -> None:
+    """A bridge of many vehicles must not have a thread for each of its endpoints."""
+    import threading
+
+    async def scenario(connection: Any, bridge: Any, sink: ZenohSink) -> None:
+        await until(lambda: bridge.vehicles and not bridge._attaching)
+        assert threading.active_count() < 30
+
+    run(router, scenario)

@@ -152,7 +152,9 @@ class ZenohSink:
         declared = self._session.declare_publisher(key, **options)
         publisher.start(declared)
         put = self._matches.put
-        listener = declared.declare_matching_listener(lambda status: put((publisher, status.matching)))
+        listener = declared.declare_matching_listener(
+            self._direct(lambda status: put((publisher, status.matching)))
+        )
         self._kept += [declared, listener]
         publisher.set_matching(matching=declared.matching_status.matching)
 
@@ -165,7 +167,7 @@ class ZenohSink:
         def receive(sample: Any) -> None:  # noqa: ANN401 (a type of Zenoh)
             put((inlet, bytes(sample.payload)))
 
-        self._kept.append(self._session.declare_subscriber(key, receive))
+        self._kept.append(self._session.declare_subscriber(key, self._direct(receive)))
 
     def add_service(self, service: ServiceEndpoint) -> None:
         """Serve a service."""
@@ -176,7 +178,11 @@ class ZenohSink:
         def receive(query: Any) -> None:  # noqa: ANN401 (a type of Zenoh)
             put((service, key, query))
 
-        self._kept.append(self._session.declare_queryable(key, receive, complete=True))
+        self._kept.append(self._session.declare_queryable(key, self._direct(receive), complete=True))
+
+    def _direct(self, callback: Callable[[Any], None]) -> Any:  # noqa: ANN401 (a type of Zenoh)
+        """Return a handler that calls in the thread of Zenoh; by default each callback has a thread."""
+        return self._zenoh.handlers.Callback(callback, indirect=False)
 
     def _declare(self, node: str, kind: str, name: str, type_name: str, qos: Any) -> str:  # noqa: ANN401
         token = endpoint_token(self._node_tokens[node], self._next_number(), kind, name, type_name, qos=qos)
