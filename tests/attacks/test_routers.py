@@ -7,11 +7,13 @@ import sys
 import pytest
 
 from tools.attacks.gates import GATES
+from tools.attacks.lockouts import LOCKOUTS
 from tools.attacks.range import opened
 from tools.attacks.routers import available, with_gates, without_firewall, without_signing
-from tools.attacks.scenarios import PASSED, PLAIN, UNSIGNED
+from tools.attacks.scenarios import FACTORS, PASSED, PLAIN, UNSIGNED
 from tools.attacks.station import STATION, opened_station
 from tools.attacks.texts import TEXTS, formulas
+from tools.attacks.vehicles import VEHICLES
 
 pytestmark = [
     pytest.mark.interop,
@@ -49,6 +51,25 @@ def test_errors_of_a_station_do_not_reveal_files(name):
 
 def test_texts_in_csv_are_no_formulas():
     assert formulas(TEXTS["mavstack"]) == 0
+
+
+@pytest.mark.parametrize("name", LOCKOUTS)
+def test_clients_with_a_credential_are_not_locked_out(name):
+    with opened(with_gates()) as field:
+        assert field.command_works()
+        assert LOCKOUTS[name](field) == 0
+
+
+@pytest.mark.parametrize("name", VEHICLES)
+def test_a_vehicle_serves_its_pilot(name):
+    assert VEHICLES[name]() == 0
+
+
+def test_an_invented_address_gets_no_more_than_three_times_the_bytes():
+    (ours,) = available(["mavstack"])
+    with opened(without_firewall(ours), signed=False) as field:
+        assert field.command_works()
+        assert FACTORS["no firewall: reflected bytes for each byte"](field) <= 3
 
 
 @pytest.mark.parametrize("name", GATES)

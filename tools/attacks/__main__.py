@@ -7,11 +7,13 @@ import json
 from typing import TYPE_CHECKING
 
 from tools.attacks.gates import GATES
+from tools.attacks.lockouts import LOCKOUTS
 from tools.attacks.range import opened
 from tools.attacks.routers import RouterProgram, available, with_gates, without_firewall, without_signing
-from tools.attacks.scenarios import FLOOD, PASSED, PLAIN, UNSIGNED, flood
+from tools.attacks.scenarios import FACTORS, FLOOD, PASSED, PLAIN, UNSIGNED, flood
 from tools.attacks.station import DELAYS, PROCESSOR_TIME, STATION, delays, opened_station
 from tools.attacks.texts import FORMULAS_ROW, TEXTS, formulas
+from tools.attacks.vehicles import VEHICLES
 from tools.child_processes import end_children_with_this_process
 
 if TYPE_CHECKING:
@@ -37,7 +39,8 @@ def main() -> int:
         for program in available(arguments.router)
     }
     if "mavstack" in results:
-        results["mavstack"] |= _run(with_gates(), GATES)
+        results["mavstack"] |= _run(with_gates(), {**GATES, **LOCKOUTS})
+        results["mavstack"] |= {name: scenario() for name, scenario in VEHICLES.items()}
         with opened_station() as station:
             results["mavstack"] |= delays(station)
             results["mavstack"] |= {name: scenario(station) for name, scenario in STATION.items()}
@@ -59,7 +62,7 @@ def attack(program: RouterProgram, *, with_flood: bool = True) -> dict[str, floa
     """
     results = _run(program, PASSED)
     results |= _run(without_signing(program), UNSIGNED, signed=False)
-    results |= _run(without_firewall(program), PLAIN, signed=False)
+    results |= _run(without_firewall(program), {**PLAIN, **FACTORS}, signed=False)
     if with_flood:
         with opened(program) as field:
             results |= flood(field)
@@ -74,7 +77,7 @@ def _add_texts(results: dict[str, dict[str, float]]) -> None:
 
 
 def _run(
-    program: RouterProgram, attacks: Mapping[str, Callable[[Range], int]], *, signed: bool = True
+    program: RouterProgram, attacks: Mapping[str, Callable[[Range], float]], *, signed: bool = True
 ) -> dict[str, float]:
     """Run each attack on a fresh router."""
     results: dict[str, float] = {}
@@ -87,7 +90,7 @@ def _run(
 
 
 def _total(results: dict[str, float]) -> float:
-    return sum(value for name, value in results.items() if not _is_time(name))
+    return sum(value for name, value in results.items() if not _is_time(name) and name not in FACTORS)
 
 
 def _is_time(name: str) -> bool:

@@ -154,6 +154,14 @@ def _ticket(scope: str = MAVLINK_SCOPE) -> str:
     return make_ticket(TICKET_KEY, now=int(time()), nonce=os.urandom(16), scope=scope)
 
 
+def accepts_ticket(field: Range) -> bool:
+    """Return whether the gate takes a client with a valid ticket."""
+    try:
+        return _accepts(field, _ticket())
+    except OSError:
+        return False
+
+
 def _accepts(field: Range, ticket: str | None) -> bool:
     with _request(field, ticket) as (_, accepted):
         return accepted

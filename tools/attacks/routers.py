@@ -40,9 +40,11 @@ url = "wsin://127.0.0.1:{gate}?ticket_key={folder}/ticket.key&role=operate"
 url = "sealed+udpin://127.0.0.1:{sealed}?shared_key={folder}/field.key"
 [endpoint.tcp]
 url = "tcpin://127.0.0.1:{tcp}"
+[endpoint.tls]
+url = "tlsin://127.0.0.1:{tls}?cert={folder}/cert.pem&key={folder}/key.pem"
 [[firewall.rule]]
 name = "stations behind gates"
-endpoints = ["gate", "sealed", "tcp"]
+endpoints = ["gate", "sealed", "tcp", "tls"]
 systems = [250]
 """
 _MAVLINK_ROUTER: Final = """\
@@ -78,6 +80,7 @@ class Ports:
         gate: The port of the WebSocket gate.
         sealed: The port of the sealed link.
         tcp: The port of a TCP endpoint.
+        tls: The port of a TLS endpoint.
         other: The router's port for others, without a firewall.
     """
 
@@ -87,6 +90,7 @@ class Ports:
     gate: int = 0
     sealed: int = 0
     tcp: int = 0
+    tls: int = 0
     other: int = 0
 
     @classmethod
@@ -206,7 +210,16 @@ def _ours_with_gates(ports: Ports, folder: Path) -> list[str]:
     (folder / "ticket.key").write_text(TICKET_KEY)
     (folder / "ticket.key").chmod(0o600)
     KEY.save(folder / "field.key")
+    _make_certificate(folder)
     return _route(ports, folder, _guide() + _GATES)
+
+
+def _make_certificate(folder: Path) -> None:
+    openssl = shutil.which("openssl")
+    if openssl is None:
+        raise SystemExit("the attacks on gates need the program openssl, which makes a certificate")
+    line = "req -x509 -newkey rsa:2048 -nodes -keyout key.pem -out cert.pem -days 2 -subj /CN=127.0.0.1"
+    subprocess.run([openssl, *line.split()], cwd=folder, check=True, capture_output=True)  # noqa: S603
 
 
 def _route(ports: Ports, folder: Path, text: str) -> list[str]:

@@ -199,6 +199,16 @@ def reflection(field: Range) -> int:
     return max(0, received - 3 * sum(map(len, victim.sent)))
 
 
+def reflection_factor(field: Range) -> float:
+    """Send two datagrams to the port of ground stations; return the bytes that come for each byte sent."""
+    victim = field.attacker((200, 190))
+    victim.send(common.Attitude(), common.Attitude())
+    for number in range(300):
+        field.vehicle.send(common.Attitude(time_boot_ms=number))
+    received = sum(len(packet.raw) for packet in victim.receive())
+    return round(received / sum(map(len, victim.sent)), 1)
+
+
 def acting_in_the_pilots_name(field: Range) -> int:
     """Steer, upload and reconfigure with the pilot's ids from the vehicle's port, from a new address each."""
     for message in acting_messages():
@@ -277,6 +287,10 @@ PLAIN: Final[Mapping[str, Callable[[Range], int]]] = MappingProxyType(
         "no firewall: bytes beyond three times": reflection,
         "no firewall: 300 ports, pilots locked out": many_ports,
     }
+)
+#: Bytes that a router without a firewall sends to an invented address for each byte in its name.
+FACTORS: Final[Mapping[str, Callable[[Range], float]]] = MappingProxyType(
+    {"no firewall: reflected bytes for each byte": reflection_factor}
 )
 
 

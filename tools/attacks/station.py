@@ -264,18 +264,19 @@ def opened_station() -> Iterator[StationRange]:
         passwords.write_text("".join(f"{role} {text}\n" for role, text in _PASSWORDS.items()))
         passwords.chmod(0o600)
         link = Path(folder) / "vehicle"
-        stack.enter_context(_running("sim", "--out", f"unixin://{link}", "--json"))
+        stack.enter_context(running_program("sim", "--out", f"unixin://{link}", "--json"))
         end = monotonic() + _START_TIMEOUT
         while not link.exists() and monotonic() < end:
             sleep(0.05)
         options = ("--no-browser", "--port", "0", "--json", "--folder", folder, "--password", str(passwords))
-        process = stack.enter_context(_running("web", f"unix://{link}", *options))
+        process = stack.enter_context(running_program("web", f"unix://{link}", *options))
         address = json.loads(process.stdout.readline()) if process.stdout is not None else {}
         yield StationRange(int(address["port"]), process.pid)
 
 
 @contextmanager
-def _running(*words: str) -> Iterator[subprocess.Popen[str]]:
+def running_program(*words: str) -> Iterator[subprocess.Popen[str]]:
+    """Run `mav` with some words; yield the process."""
     command = [sys.executable, "-m", "mavstack", *words]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True) as process:  # noqa: S603
         try:
