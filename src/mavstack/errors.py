@@ -162,13 +162,14 @@ class RemoteError(MavstackError):
         attempts: The number of requests that were sent.
         answer: The remote component's answer, or the reason for the failure.
         status_texts: The status texts (STATUSTEXT) that the vehicle sent meanwhile, oldest first.
+        events: The messages of PX4's events (EVENT) meanwhile; in the text if there are no status texts.
         not_restored: The changes of earlier steps that could not be undone, such as "mode RTL (it is in
             GUIDED)"; empty if the vehicle is as before the call.
-        limit: The argument whose limit was exceeded and which can raise it: "max_size", "max_entries" or
-            "timeout"; empty for any other failure. The text then says `<limit>= allows more`.
+        limit: The argument that allows more where a limit was exceeded, such as "timeout"; else empty.
     """
 
     status_texts: tuple[str, ...] = ()
+    events: tuple[str, ...] = ()
     not_restored: tuple[str, ...] = ()
 
     def __init__(
@@ -204,7 +205,7 @@ class RemoteError(MavstackError):
         return f"{operation} {self._outcome()}{self._additions()}"
 
     def _additions(self) -> str:
-        texts = f" ({'; '.join(self.status_texts)})" if self.status_texts else ""
+        texts = f" ({'; '.join(reasons)})" if (reasons := self.status_texts or self.events) else ""
         return f"{texts}; not restored: {', '.join(self.not_restored)}" if self.not_restored else texts
 
     def _outcome(self) -> str:

@@ -119,6 +119,21 @@ class EventStream(ReadOnly):
         """Unsubscribe. Idempotent."""
         self._subscription.close()
 
+    def drain(self) -> list[DecodedEvent]:
+        """Return all queued events and empty the queue, without waiting.
+
+        Returns:
+            The events, oldest first, with the words of the metadata that is known already.
+        """
+        found = []
+        for event in self._subscription.drain():
+            match event:
+                case EventsLost(count=count):
+                    self._lost += count
+                case EventReceived(level=level) if level <= self._severity:
+                    found.append(decode_event(event, self._metadata.definitions))
+        return found
+
     def __aiter__(self) -> Self:
         return self
 

@@ -988,6 +988,13 @@ class EventStream:
     def close(self) -> None:
         """Unsubscribe. Idempotent."""
 
+    def drain(self) -> list[DecodedEvent]:
+        """Return all queued events and empty the queue, without waiting.
+
+        Returns:
+            The events, oldest first, with the words of the metadata that is known already.
+        """
+
     def __iter__(self) -> Self:
         ...
 

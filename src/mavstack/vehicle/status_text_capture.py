@@ -9,12 +9,13 @@ until then; see `Connection`.
 from __future__ import annotations
 
 import asyncio
-from contextlib import suppress
+from contextlib import closing, suppress
 from typing import TYPE_CHECKING, Final, Protocol, TypeVar
 
 from mavstack.dialects import common
 from mavstack.errors import ModeTimeout, RemoteDenied, RemoteError
 from mavstack.services.statustext import StatusText
+from mavstack.vehicle.event_capture import EventCapture
 
 if TYPE_CHECKING:
     from collections.abc import Coroutine, Iterable
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from typing import Any, Self
 
     from mavstack.node import Node
+    from mavstack.node.component import RemoteComponent
     from mavstack.vehicle.telemetry import values
 
 Result = TypeVar("Result")
@@ -49,6 +51,11 @@ class StatusTextSource(Protocol):
     @property
     def system(self) -> int:
         """The system id of the sender."""
+        ...
+
+    @property
+    def component(self) -> RemoteComponent:
+        """The autopilot, which sends the events."""
         ...
 
 
@@ -125,7 +132,7 @@ async def with_status_texts(
     Returns:
         The result of the operation.
     """
-    with StatusTextCapture(vehicle) as capture:
+    with StatusTextCapture(vehicle) as capture, closing(EventCapture(vehicle.component)) as events:
         try:
             return await operation
         except RemoteError as error:
@@ -133,6 +140,7 @@ async def with_status_texts(
             if isinstance(error, RemoteDenied):
                 await capture.wait_for_warning(REASON_TIMEOUT)
             error.status_texts = _reasons(remarks, error.status_texts or capture.warnings)
+            error.events = error.events or events.take()
             if name:
                 error.rename(name)
             raise

@@ -319,6 +319,7 @@ async def scripted_harness(
     async with ScriptedAutopilot(network.link(), **options) as autopilot, connect(link) as connection:
         autopilot.arm(armed)
         vehicle = await connection.wait_for_vehicle(1)
+        vehicle.component.events().close()  # its receiver stays, as after the first call
         await asyncio.sleep(1.0 + 2 * latency)
         autopilot.received.clear()
         harness = ScriptedHarness(autopilot, connection, vehicle)
