@@ -1,4 +1,4 @@
-"""Routers between UDP ports: throughput without loss, processor time, delay, and commands in a flood.
+"""Routers between UDP ports: throughput without loss, processor time, delay, commands in a flood, footprint.
 
     python -m benchmarks.router [--only NAME …] [--packets 300000] [--turns 3]
         [--mavlink-router PROGRAM] [--mavp2p PROGRAM] [--mavproxy PROGRAM]
@@ -14,18 +14,18 @@ import argparse
 import json
 import os
 import shutil
-import socket
 import subprocess
 import sys
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
-from time import monotonic, sleep
+from time import sleep
 from typing import TYPE_CHECKING
 
-from . import flood
-from .peers import HOST, LISTEN, TO, routers
+from . import flood, footprint
+from .peers import LISTEN, TO, routers
+from .processes import processor_seconds, wait_until_bound
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -34,8 +34,8 @@ if TYPE_CHECKING:
 
 HERE = Path(__file__).parent
 DELAY_RATE, DELAY_PACKETS = 5000, 10_000
-#: Seconds until a router has opened its port at the latest, and then until it has opened everything.
-MAX_START_TIME, SETTLING_TIME = 20.0, 0.5
+#: Seconds from the moment at which a router has opened its port until it has opened everything.
+SETTLING_TIME = 0.5
 BUFFERS = ("rmem_max", "rmem_default", "wmem_max", "wmem_default")
 
 
@@ -64,7 +64,9 @@ SCENARIOS = {
     "large": Scenario("mixed lengths, socket buffers of 8 MB", window=4000, mixed=True, buffers=8 << 20),
     "endpoints": Scenario("200 endpoints: each packet goes to 199", mixed=True, endpoints=199),
 }
-FLOOD = "flood"
+FLOOD, FOOTPRINT = "flood", "footprint"
+ALL = (*SCENARIOS, FLOOD, FOOTPRINT)
+MAVLINK_ROUTER = os.environ.get("MAVLINK_ROUTERD") or shutil.which("mavlink-routerd")
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,13 +83,17 @@ class Turn:
 def main() -> None:
     """Measure all routers, and print the tables."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.router", description="Compare routers.")
-    parser.add_argument("--only", nargs="+", choices=(*SCENARIOS, FLOOD), default=(*SCENARIOS, FLOOD))
+    parser.add_argument("--only", nargs="+", choices=ALL, default=ALL)
     parser.add_argument("--packets", type=int, default=300_000, help="packets of a turn")
     parser.add_argument("--turns", type=int, default=3, help="turns of each router")
-    parser.add_argument("--mavlink-router", default=shutil.which("mavlink-routerd"), help="its program")
+    parser.add_argument("--mavlink-router", default=MAVLINK_ROUTER, help="its program")
     parser.add_argument("--mavp2p", default=shutil.which("mavp2p"), help="its program")
     parser.add_argument("--mavproxy", default=shutil.which("mavproxy.py"), help="its program")
     options = parser.parse_args()
+    if FOOTPRINT in options.only:
+        footprint.report(options)
+    if set(options.only) == {FOOTPRINT}:
+        return
     load = build_load()
     for name, scenario in SCENARIOS.items():
         if name in options.only:
@@ -162,22 +168,10 @@ def running(command: Sequence[str]) -> Iterator[subprocess.Popen[bytes]]:
     with subprocess.Popen(command, cwd=HERE.parents[1], stdin=pipe, stdout=null, stderr=null) as process:
         try:
             wait_until_bound(LISTEN)
+            sleep(SETTLING_TIME)
             yield process
         finally:
             process.kill()
-
-
-def wait_until_bound(port: int) -> None:
-    """Wait until another program has opened a UDP port."""
-    end = monotonic() + MAX_START_TIME
-    while monotonic() < end:
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-            try:
-                probe.bind((HOST, port))
-            except OSError:
-                break
-        sleep(0.1)
-    sleep(SETTLING_TIME)
 
 
 @contextmanager
@@ -192,12 +186,6 @@ def socket_buffers(size: int) -> Iterator[None]:
     finally:
         for setting, value in zip(settings, before, strict=True):
             setting.write_text(value, "utf-8")
-
-
-def processor_seconds(process: int) -> float:
-    """Return the processor time that a process has used."""
-    values = Path(f"/proc/{process}/stat").read_text("utf-8").rpartition(")")[2].split()
-    return (int(values[11]) + int(values[12])) / os.sysconf("SC_CLK_TCK")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,111 @@
+"""Start, memory and processor time of routers at the rate of one vehicle, as ratios to mavlink-router.
+
+The floor is a Python program that has imported asyncio and does nothing.
+"""
+
+from __future__ import annotations
+
+import socket
+import subprocess
+import sys
+from pathlib import Path
+from time import monotonic, sleep
+from typing import TYPE_CHECKING, NamedTuple
+
+from mavstack.dialects import common
+from mavstack.wire import Encoder
+
+from .peers import HOST, LISTEN, TO
+from .processes import processor_seconds, wait_until_bound
+
+if TYPE_CHECKING:
+    import argparse
+    from collections.abc import Mapping, Sequence
+
+PACKETS_PER_SECOND = 500
+DURATION = 5.0
+IDLE = 2.0
+FLOOR = "Python with asyncio"
+
+
+class Footprint(NamedTuple):
+    """Seconds until the port is open, resident memory in MB, and the part of a core that is used."""
+
+    start: float
+    memory: float
+    load: float
+
+
+def report(options: argparse.Namespace) -> None:
+    """Measure all programs that are given, and print the table."""
+    commands: dict[str, Sequence[str]] = {
+        "mav route": [
+            *(sys.executable, "-m", "mavstack", "route"),
+            *("-e", f"udpin://{HOST}:{LISTEN}", "-e", f"udpout://{HOST}:{TO}"),
+        ]
+    }
+    if options.mavlink_router:
+        commands["mavlink-router"] = [
+            *(options.mavlink_router, "-t", "0", "-e", f"{HOST}:{TO}", f"{HOST}:{LISTEN}")
+        ]
+    measured = {name: measure(command) for name, command in commands.items()}
+    _print(measured, _memory_of_floor())
+
+
+def measure(command: Sequence[str]) -> Footprint:
+    """Run one router, and send packets through it."""
+    null = subprocess.DEVNULL
+    with (
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender,
+    ):
+        receiver.bind((HOST, TO))
+        began = monotonic()
+        with subprocess.Popen(command, stdin=null, stdout=null, stderr=null) as process:
+            try:
+                wait_until_bound(LISTEN, pause=0.01)
+                start = monotonic() - began
+                sleep(IDLE)
+                before = processor_seconds(process.pid)
+                _send(sender)
+                load = (processor_seconds(process.pid) - before) / DURATION
+                return Footprint(start, _memory(process.pid), load)
+            finally:
+                process.kill()
+
+
+def _send(sender: socket.socket) -> None:
+    encoder, began = Encoder(1, 1), monotonic()
+    for number in range(int(PACKETS_PER_SECOND * DURATION)):
+        sleep(max(0.0, began + number / PACKETS_PER_SECOND - monotonic()))
+        sender.sendto(encoder.encode(common.Attitude(time_boot_ms=number)), (HOST, LISTEN))
+
+
+def _memory_of_floor() -> float:
+    program = "import asyncio; print(flush=True); input()"
+    pipe = subprocess.PIPE
+    with subprocess.Popen([sys.executable, "-c", program], stdin=pipe, stdout=pipe) as process:
+        try:
+            if process.stdout is not None:
+                process.stdout.readline()
+            return _memory(process.pid)
+        finally:
+            process.kill()
+
+
+def _memory(process: int) -> float:
+    lines = Path(f"/proc/{process}/status").read_text("ascii").splitlines()
+    return next(int(line.split()[1]) for line in lines if line.startswith("VmRSS:")) / 1024
+
+
+def _print(measured: Mapping[str, Footprint], floor: float) -> None:
+    title = f"start, memory, load at {PACKETS_PER_SECOND} packets/s"
+    print(f"{title:40}{'start s':>12}{'memory MB':>12}{'load %':>12}")
+    for name, each in measured.items():
+        print(f"{name:40}{each.start:12.2f}{each.memory:12.1f}{each.load * 100:12.2f}")
+    print(f"{FLOOR:40}{'-':>12}{floor:12.1f}{'-':>12}")
+    ours, *others = measured.values()
+    for other in others:
+        ratios = [mine / max(theirs, 1e-9) for mine, theirs in zip(ours, other, strict=True)]
+        print(f"{'ratio':40}" + "".join(f"{ratio:12.2f}" for ratio in ratios))
+    print(flush=True)
