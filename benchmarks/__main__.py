@@ -28,6 +28,7 @@ from . import (
     rows,
     sealed,
     simulation,
+    swarms,
     ulog,
     workload,
 )
@@ -55,6 +56,7 @@ ROWS: dict[str, Callable[[rows.Bench], Iterator[Row]]] = {
     "sealed": sealed.rows,
     "msp": msp.rows,
     "bridges": bridges.rows,
+    "swarms": swarms.rows,
     "codegen-c": codegen_c.rows,
     "codegen-python": codegen_python.rows,
     "codegen-typescript": codegen_typescript.rows,

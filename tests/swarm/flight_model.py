@@ -17,6 +17,9 @@ from mavstack.swarm.steering import steer_members
 
 RATE = 30
 CONTROL_STEPS = 3
+#: Those of the controller: seconds after the end of a course, metres from a slot.
+ARRIVAL_TIMEOUT = 20.0
+ARRIVAL_DISTANCE = 1.0
 
 
 @dataclass(frozen=True)
@@ -62,8 +65,11 @@ def fly(plan, random, margins, limits, conditions=None):
         step=CONTROL_STEPS / RATE,
     )
     up, down, smallest = [], [], math.inf
-    for step in range(math.ceil((plan.duration + 5.0) * RATE)):
+    goals = plan.state(plan.duration)[0]
+    for step in range(math.ceil((plan.duration + ARRIVAL_TIMEOUT) * RATE)):
         now, believed = step / RATE, position + bias.step()
+        if now > plan.duration and np.linalg.norm(believed - goals, axis=1).max() < ARRIVAL_DISTANCE:
+            break
         if step % CONTROL_STEPS == 0:
             down.append((step + late, now, believed.copy(), velocity.copy()))
             while down and down[0][0] <= step:
@@ -86,5 +92,5 @@ def fly(plan, random, margins, limits, conditions=None):
         velocity = velocity + (acceleration + push) / RATE
         position = position + velocity / RATE
         smallest = min(smallest, nearest_pair(position)[0])
-    error = np.linalg.norm(position + bias.value - plan.state(plan.duration)[0], axis=1)
+    error = np.linalg.norm(position + bias.value - goals, axis=1)
     return smallest, float(error.max())
