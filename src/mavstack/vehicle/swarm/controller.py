@@ -140,23 +140,24 @@ class SwarmController:
         self._stopped = None
         self._begin(course, tuple(members))
         duration = course.duration if until is None else min(until, course.duration)
-        while self._now() - self._begun < duration or not self._arrived(duration):
-            await self._wait_for_step()
-            if self._stopped is not None:
-                raise self._stopped
-            if self._now() - self._begun > duration + ARRIVAL_TIMEOUT:
-                late = [each.vehicle.system for each in self._late()]
-                self.stop("members did not arrive at their slots", late)
-
-    async def _wait_for_step(self) -> None:
-        await self._progress.wait()
+        try:
+            while self._now() - self._begun < duration or not self._arrived(duration):
+                await self._progress.wait()
+                if self._stopped is not None:
+                    raise self._stopped
+                if self._now() - self._begun > duration + ARRIVAL_TIMEOUT:
+                    late = [each.vehicle.system for each in self._late()]
+                    self.stop("members did not arrive at their slots", late)
+        except asyncio.CancelledError:
+            self.stand()
+            raise
 
     def _begin(self, course: Course, members: tuple[Member, ...]) -> None:
         self._course, self._flying, self._begun = course, members, self._now()
 
     def _arrived(self, duration: float) -> bool:
         endless = math.isinf(self._course.duration) and duration < math.inf
-        return endless or not self._late()
+        return endless or (bool(self.active) and not self._late())
 
     def _late(self) -> list[Member]:
         places, _ = self._course.state(self._now() - self._begun)
@@ -178,7 +179,8 @@ class SwarmController:
         places, motion = self._course.state(self._now() - self._begun)
         active = [index for index, each in enumerate(self._flying) if each in set(self.active)]
         if not active:
-            if self._stopped is None:
+            # Members whose positions are late may return: their last setpoints are streamed meanwhile.
+            if self._stopped is None and not any(each.is_following for each in self.members):
                 self._stopped = SwarmStopped("no member follows setpoints any more", ())
             return
         rows = [self.members.index(self._flying[index]) for index in active]
