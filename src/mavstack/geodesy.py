@@ -25,6 +25,8 @@ MEAN_RADIUS: Final = 6_371_008.8
 METRES_PER_DEGREE: Final = math.radians(MEAN_RADIUS)
 #: The radius in metres with which ArduPilot places the grid of its terrain: neither of the above.
 ARDUPILOT_RADIUS: Final = 6_378_100.0
+#: The radius in metres of the sphere of the World Magnetic Model.
+MAGNETIC_RADIUS: Final = 6_371_200.0
 #: Lower bound of the cosine of the latitude: at a pole, east is undefined.
 MIN_COSINE = 1e-6
 #: The iteration ends when the latitude changes by less than this, in degrees (a tenth of a millimetre).

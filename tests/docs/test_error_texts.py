@@ -45,5 +45,5 @@ def test_errors_in_the_documentation_are_those_of_the_program(virtual_vehicle) -
         return {refused, takeoff, await text_of(command)}
 
     produced = virtual_vehicle.run(fail)
-    conflict = {each for each in shown() if each.startswith("acting on 1/1")}  # tested beside its page
+    conflict = {each for each in shown() if "vehicles use system id" in each}  # tested beside its page
     assert shown() - conflict == produced

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final
 
-from mavstack.geodesy import ECCENTRICITY_SQUARED, SEMI_MAJOR_AXIS
+from mavstack.geodesy import ECCENTRICITY_SQUARED, MAGNETIC_RADIUS, SEMI_MAJOR_AXIS
 from mavstack.simulators.magnetic_coefficients import WMM_2025
 
 if TYPE_CHECKING:
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
 #: The year of the coefficients, and the default year of a simulation.
 EPOCH, YEAR = 2025.0, 2026.0
-#: Radius of the model's sphere in metres.
-_SPHERE: Final = 6371200.0
 _DEGREE: Final = 12
 _GAUSS: Final = 1e-5
 
@@ -65,7 +63,7 @@ def _spherical(radius: float, latitude: float, longitude: float, years: float) -
     north = east = down = 0.0
     for n, m, g_start, h_start, g_change, h_change in WMM_2025:
         g, h = g_start + years * g_change, h_start + years * h_change
-        share = (_SPHERE / radius) ** (n + 2)
+        share = (MAGNETIC_RADIUS / radius) ** (n + 2)
         cosine, turn = math.cos(m * longitude), math.sin(m * longitude)
         along = g * cosine + h * turn
         north += share * along * slopes[n][m]

@@ -134,7 +134,7 @@ def test_a_recorder_that_is_ended_leaves_complete_records(tmp_path, number):
         wait_for_packets(path)
         os.kill(recorder.pid, number)
         _, errors = recorder.communicate()
-    assert recorder.returncode == (130 if number == signal.SIGINT else -number)
+    assert recorder.returncode == (-number if number == signal.SIGKILL else 128 + number)
     assert "Traceback" not in errors
     log = open_log(path)
     assert log.statistics.bad_bytes == 0

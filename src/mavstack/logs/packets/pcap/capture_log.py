@@ -123,7 +123,7 @@ class CapturedPackets(LogBytes):
         self.path, self.size = path, len(content)
         self._lock = Lock()
         self._copy = content
-        self._map = None
+        self._map = self._guard = None
 
     def read_into(self, offset: int, buffer: memoryview) -> None:
         """Copy bytes into a buffer; see `LogBytes.read_into`."""
