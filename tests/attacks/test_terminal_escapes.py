@@ -72,6 +72,7 @@ WITH_VEHICLE = [
     "gimbal roi off", "gimbal follow 2", "gimbal watch --for 2", "gimbal take", "gimbal release",
     "swarm takeoff 10", "swarm formation wedge", "swarm move 1 0", "swarm goto 47.3985 8.546",
     "swarm rotate 9", "swarm follow 9 --timeout 0.5", "swarm land", "swarm stop",
+    "swarm search square --center 47.3985,8.546",
     "shell --command 'arm throttle'", "shell --command 'takeoff 10'", "shell --command modes",
     "shell --command 'nsh ver all'", "shell --command 'status STATUSTEXT'", "shell --command info",
     "shell --command 'ftp list /bad'", "shell --command 'watch STATUSTEXT 3'",
