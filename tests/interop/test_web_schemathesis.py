@@ -24,7 +24,6 @@ CHECKS = (
 TIME_LIMIT = 120.0
 
 
-@pytest.mark.nightly  # one operation of 78 does not conform yet
 async def test_operations_conform_to_their_description(tmp_path) -> None:
     async with Station(folder=tmp_path) as station:
         app = make_app(station, Access(), static=None)

@@ -33,7 +33,7 @@ class CallPart(Fields):
 
 
 async def _list(call: PlainCall) -> list[dict[str, Any]]:
-    del call
+    component = type(call.vehicle.component)  # refuses the id of an unknown vehicle
     return [
         {
             "part": each.part.name,
@@ -42,7 +42,7 @@ async def _list(call: PlainCall) -> list[dict[str, Any]]:
             "arguments": {name: kind.__name__ for name, kind in each.arguments.items()},
             "required": list(each.required),
         }
-        for each in offered_calls(RemoteComponent)
+        for each in offered_calls(component)
     ]
 
 
