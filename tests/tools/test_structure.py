@@ -26,6 +26,7 @@ FACADES = {
     "src/mavstack/logs/log.py",
     "src/mavstack/node/camera.py",
     "src/mavstack/node/component.py",
+    "src/mavstack/node/node.py",
     "src/mavstack/vehicle/vehicle.py",
 }
 

@@ -22,9 +22,11 @@ if TYPE_CHECKING:
 
     from mavstack.dialects import Message
     from mavstack.errors import SystemIdConflictError
+    from mavstack.node.component import RemoteComponent
     from mavstack.node.dispatch import Listener
     from mavstack.node.driver import Driver
     from mavstack.node.engine import Engine
+    from mavstack.node.node import Node
     from mavstack.node.subscription import Subscription
     from mavstack.services import Address, Client, Operation, Service
     from mavstack.services.heartbeat import ComponentInfo, Discovery
@@ -59,6 +61,8 @@ class NodeHost:
         self.sent_listeners: list[Callable[[bytes], None]] = []
         #: Returns whether the links may have several peers, so that a vehicle may come on another channel.
         self.may_have_several_peers: Callable[[], bool] = lambda: False
+        #: The remote components that were used.
+        self.remotes: dict[Address, RemoteComponent] = {}
         #: The driver that runs the engine; None while the node is closed.
         self.open_driver: Driver | None = None
 
@@ -183,3 +187,8 @@ class NodeHost:
         if not kinds:
             return dispatch.subscribe_to_all(source, queue=queue, keep_all=keep_all)
         return dispatch.subscribe(kinds, source, attrgetter("message"), queue=queue, keep_all=keep_all)
+
+
+def host_of(node: Node) -> NodeHost:
+    """Return the host of a node."""
+    return node._host  # noqa: SLF001 (for the functions that a node binds as its methods)

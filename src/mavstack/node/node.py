@@ -21,18 +21,19 @@ from mavstack.dialects import Dialect, Message, common
 from mavstack.errors import InvalidArgumentError, InvalidStateError, RemoteTimeout
 from mavstack.links import ChannelClosed, ChannelOpened, Link, open_link
 from mavstack.links.settings import VERSIONS
+from mavstack.node import messaging, sender_choice, serving
 from mavstack.node.api_object import ReadOnly
+from mavstack.node.command_handlers import CommandHandlers
 from mavstack.node.component import RemoteComponent
 from mavstack.node.diagnostics import describe_traffic
 from mavstack.node.driver import Driver
 from mavstack.node.engine import Engine
 from mavstack.node.host import NodeHost
+from mavstack.node.key_change import trusted_channels
 from mavstack.node.keys import Keys
 from mavstack.node.link_settings import heartbeat_interval, link_keys, local_address
 from mavstack.node.log_events import log_event
-from mavstack.node.messaging import Messaging
-from mavstack.node.sender_choice import SenderChoice
-from mavstack.node.serving import Serving
+from mavstack.node.parts import Part
 from mavstack.node.version_query import VersionQueries
 from mavstack.services import DEFAULT_WAIT_TIMEOUT, Address
 from mavstack.services.heartbeat import (
@@ -44,9 +45,10 @@ from mavstack.services.heartbeat import (
     HeartbeatSender,
 )
 from mavstack.services.heartbeat.sender import DEFAULT_INTERVAL
+from mavstack.services.message_request import MessageServer
 from mavstack.services.ping import PingServer
 from mavstack.services.signing_setup import KeyEvent
-from mavstack.services.statustext import StatustextReceiver
+from mavstack.services.statustext import StatustextReceiver, StatustextSender
 from mavstack.services.timesync import TimesyncServer
 
 if TYPE_CHECKING:
@@ -55,19 +57,20 @@ if TYPE_CHECKING:
     from typing import Self
 
     from mavstack._core import HasCoreDialect
+    from mavstack.links import Channel
     from mavstack.links.settings import Version
+    from mavstack.node.channel_state import ChannelState
     from mavstack.security import SigningKey, TimestampStore
-    from mavstack.services import Operation, Service
+    from mavstack.services import Client, Operation, Service
     from mavstack.services.heartbeat import ComponentInfo
+    from mavstack.services.signing_setup import SigningRequest
 
-AnyMessage = TypeVar("AnyMessage", bound=Message)
-AnyEvent = TypeVar("AnyEvent")
 AnyService = TypeVar("AnyService", bound="Service")
 AnyHandler = TypeVar("AnyHandler", bound="Callable[..., Any]")
 Result = TypeVar("Result")
 
 
-class Node(Messaging, Serving, SenderChoice, ReadOnly):
+class Node(ReadOnly):
     """The local MAVLink component; open it with `async with`, or with `open()` and `close()`.
 
     Args:
@@ -96,6 +99,22 @@ class Node(Messaging, Serving, SenderChoice, ReadOnly):
     """
 
     links: list[Link]
+
+    commands = Part(
+        CommandHandlers,
+        "The handlers of commands that remote components send to this node.",
+        lambda node: CommandHandlers(node._host),  # noqa: SLF001 (a part of this class)
+    )
+    message_server = Part(
+        MessageServer,
+        "The server of the messages that were given to `publish`.",
+        lambda node: node.serve(MessageServer(node.address, node.commands.server)),
+    )
+    _statustext_sender = Part(
+        StatustextSender,
+        "The sender of status texts.",
+        lambda node: node.serve(StatustextSender(node.address)),
+    )
 
     def __init__(
         self,
@@ -130,7 +149,7 @@ class Node(Messaging, Serving, SenderChoice, ReadOnly):
                 asks=interval is not None,
             ),
         )
-        self._follow_conflicts(channel)
+        sender_choice.follow_conflicts(self._host, self.links, channel)
         self._heartbeat = HeartbeatSender(local, type, autopilot, interval=interval or DEFAULT_INTERVAL)
         #: The services of every node: it receives status texts, and answers PING and TIMESYNC.
         self._common_services = (StatustextReceiver(local), PingServer(local), TimesyncServer(local))
@@ -138,7 +157,6 @@ class Node(Messaging, Serving, SenderChoice, ReadOnly):
         self._keys = Keys(engine, signing, timestamps, link_keys(self.links))
         self._version_queries = VersionQueries(engine.routes, self.component)
         self._sends_heartbeat = interval is not None
-        self._remotes: dict[Address, RemoteComponent] = {}
 
     @property
     def address(self) -> Address:
@@ -288,9 +306,9 @@ class Node(Messaging, Serving, SenderChoice, ReadOnly):
             The component; the same object for the same address.
         """
         address = Address(system, int(component))
-        known = self._remotes.get(address)
+        known = self._host.remotes.get(address)
         if known is None:
-            known = self._remotes[address] = RemoteComponent(self._host, address)
+            known = self._host.remotes[address] = RemoteComponent(self._host, address)
         return known
 
     async def wait_for_autopilot(
@@ -351,6 +369,158 @@ class Node(Messaging, Serving, SenderChoice, ReadOnly):
         """Wait until the task is cancelled: the last call of a program that only serves."""
         await asyncio.get_running_loop().create_future()
 
+    # Services
+
+    def serve(self, service: AnyService) -> AnyService:
+        """Run a service on this node, now or as soon as the node opens.
+
+        Args:
+            service: The service, such as a `FtpServer` with this node's address.
+
+        Returns:
+            The service.
+        """
+        return self._host.serve(service)
+
+    def wake(self, service: Service) -> None:
+        """Process a service after the program called one of its methods: its messages, events and timer.
+
+        Args:
+            service: A service that was given to `serve`.
+        """
+        self._host.wake(service)
+
+    async def run_operation(
+        self,
+        client: Client,
+        operation: Operation[Result],
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Result:
+        """Run an operation of a client that was given to `serve`; a cancelled task cancels it on both ends.
+
+        Args:
+            client: The client.
+            operation: The operation, not started yet.
+            progress: Called with the units done and in total.
+
+        Returns:
+            The result of the operation.
+
+        Raises:
+            RemoteError: The operation failed; a subclass says how.
+            InvalidStateError: The node is closed.
+        """
+        return await self._host.run_operation(client, operation, progress)
+
+    def now(self) -> float:
+        """Return the time of services: Unix seconds that never decrease.
+
+        Raises:
+            InvalidStateError: The node is closed.
+        """
+        return self._host.now()
+
+    def set_heartbeat(
+        self,
+        *,
+        base_mode: int | None = None,
+        custom_mode: int | None = None,
+        system_status: int | None = None,
+    ) -> None:
+        """Change fields of the node's own HEARTBEAT; the next HEARTBEAT is sent immediately.
+
+        Args:
+            base_mode: MAV_MODE_FLAG flags; None: unchanged.
+            custom_mode: The firmware's mode number; None: unchanged.
+            system_status: A MAV_STATE; None: unchanged.
+        """
+        heartbeat = self._heartbeat
+        heartbeat.base_mode = heartbeat.base_mode if base_mode is None else base_mode
+        heartbeat.custom_mode = heartbeat.custom_mode if custom_mode is None else custom_mode
+        heartbeat.system_status = heartbeat.system_status if system_status is None else system_status
+        if self._host.is_open and self._sends_heartbeat:
+            heartbeat.send_now(self.now())
+            self.wake(heartbeat)
+
+    def publish(
+        self, message: type[Message], producer: Callable[[float], Message | None], *, interval: float = 0.0
+    ) -> None:
+        """Publish a message: at an interval, at the rates that remote components set, and on request.
+
+        Args:
+            message: The message class.
+            producer: Called with the time; returns the message, or None if there is none to send.
+            interval: Seconds between two messages; 0: only on request, and at rates that are set.
+        """
+        self.message_server.provide(message, producer, interval=interval)
+        self.wake(self.message_server)
+
+    def send_statustext(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
+        """Send a status text to all components (STATUSTEXT); a long text is sent in chunks.
+
+        Args:
+            text: The text.
+            severity: The MAV_SEVERITY.
+        """
+        self._statustext_sender.send_text(text, severity)
+        self.wake(self._statustext_sender)
+
+    serve_camera = serving.serve_camera
+    serve_gimbal = serving.serve_gimbal
+    serve_terrain = serving.serve_terrain
+
+    def on_command(self, command: int) -> Callable[[AnyHandler], AnyHandler]:
+        """Register a function, plain or async, as the handler of a command; see `CommandHandlers`.
+
+        Args:
+            command: The MAV_CMD.
+
+        Returns:
+            A decorator for the function.
+        """
+        return self.commands.register(command)
+
+    def channel_state(self, channel: Channel) -> ChannelState | None:
+        """Return the signing state, pace and statistics of a channel.
+
+        Args:
+            channel: A channel of one of the node's links.
+
+        Returns:
+            The state; None if the channel is closed. Its `trusted` allows `trusted_channel_policy`.
+        """
+        driver = self._host.open_driver
+        return driver.channels.get(channel) if driver is not None else None
+
+    def trusted_channel_policy(self) -> Callable[[SigningRequest], str | None]:
+        """Return the policy for a `SigningSetupServer` that accepts keys over trusted channels alone.
+
+        Returns:
+            The policy. A channel is trusted once the program sets `channel_state(channel).trusted`.
+        """
+        return trusted_channels(self._host.engine)
+
+    # Messages
+
+    stream = messaging.stream
+    packets = messaging.packets
+    add_listener = messaging.add_listener
+    add_packet_listener = messaging.add_packet_listener
+    record = messaging.record
+    events = messaging.events
+    send = messaging.send
+    forward = messaging.forward
+
+    # Several vehicles with one system id
+
+    has_address_conflict = sender_choice.has_address_conflict
+    id_conflict = sender_choice.id_conflict
+    choose_sender = sender_choice.choose_sender
+    check_sender = sender_choice.check_sender
+    refuse_conflict = sender_choice.refuse_conflict
+    forget_sender = sender_choice.forget_sender
+    chosen_sender = sender_choice.chosen_sender
+
     # Hooks for subclasses
 
     def _on_event(self, event: object, service: Service | None = None) -> None:
@@ -366,8 +536,8 @@ class Node(Messaging, Serving, SenderChoice, ReadOnly):
                 lost = [address for address in self.components if not routes.heard_on(address)]
                 self._host.discovery.unreachable(lost, f"its link {channel.name} is closed: {reason}")
                 self._host.engine.touch(self._host.discovery)
-            case ComponentRebooted(component) if component.address in self._remotes:
-                self._remotes[component.address].clear_cache()
+            case ComponentRebooted(component) if component.address in self._host.remotes:
+                self._host.remotes[component.address].clear_cache()
             case KeyEvent():
                 self._keys.on_key_event(event, service)
         self._host.event_dispatch.deliver(event, service)

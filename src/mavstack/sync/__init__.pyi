@@ -1938,117 +1938,7 @@ class Node:
         LinkURLError: A URL is invalid.
         SigningError: The key that a URL names cannot be read.
     """
-
-    def stream(self, *messages: type[AnyMessage], system: int=0, component: int=0, queue: int=..., keep_all: bool=False) -> Subscription[AnyMessage]:
-        """Subscribe to messages.
-
-        Args:
-            messages: Message classes; none: every message that the dialect defines.
-            system: The system id of the sender; 0: any.
-            component: The component id of the sender; 0: any.
-            queue: Messages that are queued while the program does not read; then the oldest is dropped.
-            keep_all: Queue without limit and drop nothing.
-
-        Returns:
-            An iterator over the messages; close it, or use it as a context manager.
-        """
-
-    def packets(self, *messages: type[Message], system: int=0, component: int=0, queue: int=..., keep_all: bool=False) -> Subscription[Packet]:
-        """Subscribe to packets: messages with their headers and raw bytes.
-
-        Args:
-            messages: Message classes; none: every packet, unknown message ids included.
-            system: The system id of the sender; 0: any.
-            component: The component id of the sender; 0: any.
-            queue: Packets that are queued while the program does not read; then the oldest is dropped.
-            keep_all: Queue without limit and drop nothing.
-
-        Returns:
-            An iterator over the packets; close it, or use it as a context manager.
-        """
-
-    def add_listener(self, kind: type[AnyMessage] | tuple[type[AnyMessage], ...], callback: Callable[[AnyMessage], None], *, system: int=0, component: int=0) -> Listener:
-        """Call a function with each message of a class, as soon as it is received.
-
-        Args:
-            kind: A message class, or a tuple of them.
-            callback: The function. It must return quickly, since it runs in the event loop.
-            system: The system id of the sender; 0: any.
-            component: The component id of the sender; 0: any.
-
-        Returns:
-            The listener; its `close()` ends the calls.
-        """
-
-    def add_packet_listener(self, kind: type[Message] | tuple[type[Message], ...] | None, callback: Callable[[Packet], None], *, system: int=0, component: int=0) -> Listener:
-        """Call a function with each packet of a message class, as soon as it is received.
-
-        Args:
-            kind: A message class, or a tuple of them; None: every packet, unknown message ids included.
-            callback: The function. It must return quickly, since it runs in the event loop.
-            system: The system id of the sender; 0: any.
-            component: The component id of the sender; 0: any.
-
-        Returns:
-            The listener; its `close()` ends the calls.
-        """
-
-    def record(self, path: str | PathLike[str], *, sent: bool=True, max_size: int | None=None, max_duration: float | None=None, keep: int | None=None) -> Recording:
-        """Record the packets that the node receives and sends, without keys, passwords and signatures.
-
-        Packets that are refused because of their signature are not recorded. With `max_size` or
-        `max_duration` the files have a number: `flight-0001.tlog`, `flight-0002.tlog` …
-
-        Args:
-            path: Path of a new file: a tlog, or with the suffix `.pcap` a capture for Wireshark.
-            sent: True records sent packets too, once for each channel.
-            max_size: Bytes of a file before the next one begins; None: no limit.
-            max_duration: Seconds of a file before the next one begins; None: no limit.
-            keep: Number of numbered files that are kept, the newest ones; None keeps all.
-
-        Returns:
-            The recording: close it, or use it as a context manager.
-
-        Raises:
-            InvalidArgumentError: A limit is not positive.
-            LogError: The file exists, or cannot be created.
-        """
-
-    def events(self, *kinds: type[AnyEvent], of: Service | None=None, queue: int=...) -> Subscription[AnyEvent]:
-        """Subscribe to events of links and services.
-
-        Args:
-            kinds: Event classes; none: all.
-            of: The service whose events are delivered; None: all links and services.
-            queue: Events that are queued while the program does not read; then the oldest is dropped.
-
-        Returns:
-            An iterator over the events; close it, or use it as a context manager.
-        """
-
-    def send(self, message: Message, target: Address | None=None) -> None:
-        """Send a message over the channels that lead to its target.
-
-        Args:
-            message: The message.
-            target: The address to send to; None: the address in its target fields, or all components.
-
-        Raises:
-            InvalidStateError: The node is closed.
-            EncodeError: The message cannot be encoded in the node's MAVLink version.
-        """
-
-    def forward(self, packet: Packet) -> None:
-        """Send a packet of another component unchanged to its target; see `Forwarding`.
-
-        A SETUP_SIGNING is dropped, since it carries a signing key.
-
-        Args:
-            packet: The packet.
-
-        Raises:
-            InvalidStateError: The node is closed.
-        """
+    links: list[Link]
 
     @property
     def commands(self) -> CommandHandlers:
@@ -2057,214 +1947,6 @@ class Node:
     @property
     def message_server(self) -> MessageServer:
         """The server of the messages that were given to `publish`."""
-
-    def serve(self, service: AnyService) -> AnyService:
-        """Run a service on this node, now or as soon as the node opens.
-
-        Args:
-            service: The service, such as a `FtpServer` with this node's address.
-
-        Returns:
-            The service.
-        """
-
-    def wake(self, service: Service) -> None:
-        """Process a service after the program called one of its methods: its messages, events and timer.
-
-        Args:
-            service: A service that was given to `serve`.
-        """
-
-    def run_operation(self, client: Client, operation: Operation[Result], progress: Callable[[int, int], None] | None=None) -> Result:
-        """Run an operation of a client that was given to `serve`; a cancelled task cancels it on both ends.
-
-        Args:
-            client: The client.
-            operation: The operation, not started yet.
-            progress: Called with the units done and in total.
-
-        Returns:
-            The result of the operation.
-
-        Raises:
-            RemoteError: The operation failed; a subclass says how.
-            InvalidStateError: The node is closed.
-        """
-
-    def now(self) -> float:
-        """Return the time of services: Unix seconds that never decrease.
-
-        Raises:
-            InvalidStateError: The node is closed.
-        """
-
-    def set_heartbeat(self, *, base_mode: int | None=None, custom_mode: int | None=None, system_status: int | None=None) -> None:
-        """Change fields of the node's own HEARTBEAT; the next HEARTBEAT is sent immediately.
-
-        Args:
-            base_mode: MAV_MODE_FLAG flags; None: unchanged.
-            custom_mode: The firmware's mode number; None: unchanged.
-            system_status: A MAV_STATE; None: unchanged.
-        """
-
-    def publish(self, message: type[Message], producer: Callable[[float], Message | None], *, interval: float=0.0) -> None:
-        """Publish a message: at an interval, at the rates that remote components set, and on request.
-
-        Args:
-            message: The message class.
-            producer: Called with the time; returns the message, or None if there is none to send.
-            interval: Seconds between two messages; 0: only on request, and at rates that are set.
-        """
-
-    def send_statustext(self, text: str, severity: int=...) -> None:
-        """Send a status text to all components (STATUSTEXT); a long text is sent in chunks.
-
-        Args:
-            text: The text.
-            severity: The MAV_SEVERITY.
-        """
-
-    def serve_camera(self, *devices: CameraDevice) -> CameraServer:
-        """Offer a camera by the camera protocol v2, or several that are attached to this autopilot.
-
-        Args:
-            devices: The camera; for attached cameras each with a device id from 1 to 6.
-
-        Returns:
-            The server of the cameras.
-
-        Raises:
-            InvalidArgumentError: There is no camera, or two have one device id.
-        """
-
-    def serve_gimbal(self, *devices: GimbalDevice) -> GimbalManagerServer:
-        """Offer gimbals by the gimbal protocol v2, as their gimbal manager.
-
-        Args:
-            devices: The gimbals, each with a device id of its own.
-
-        Returns:
-            The server of the gimbals.
-
-        Raises:
-            InvalidArgumentError: There is no gimbal, or two have one device id.
-        """
-
-    def serve_terrain(self, heights: Heights) -> TerrainServer:
-        """Send the terrain that vehicles ask for (TERRAIN_REQUEST, TERRAIN_DATA).
-
-        Args:
-            heights: Called with a latitude and a longitude in degrees; returns the height of the terrain in
-                metres above mean sea level, or None if it is not known. It must return quickly, since it runs
-                in the event loop, 16 times for each tile.
-
-        Returns:
-            The server; its `sent` and `unknown` count the tiles.
-        """
-
-    def on_command(self, command: int) -> Callable[[AnyHandler], AnyHandler]:
-        """Register a function, plain or async, as the handler of a command; see `CommandHandlers`.
-
-        Args:
-            command: The MAV_CMD.
-
-        Returns:
-            A decorator for the function.
-        """
-
-    def channel_state(self, channel: Channel) -> ChannelState | None:
-        """Return the signing state, pace and statistics of a channel.
-
-        Args:
-            channel: A channel of one of the node's links.
-
-        Returns:
-            The state; None if the channel is closed. Its `trusted` allows `trusted_channel_policy`.
-        """
-
-    def trusted_channel_policy(self) -> Callable[[SigningRequest], str | None]:
-        """Return the policy for a `SigningSetupServer` that accepts keys over trusted channels alone.
-
-        Returns:
-            The policy. A channel is trusted once the program sets `channel_state(channel).trusted`.
-        """
-    links: list[Link]
-
-    def has_address_conflict(self, address: Address) -> bool:
-        """Return whether several senders use one address.
-
-        Args:
-            address: The address of a component.
-
-        Returns:
-            True while packets of that address contradict each other (boot time, type or unique id).
-        """
-
-    def id_conflict(self, system: int) -> Conflict | None:
-        """Return the vehicles that use one system id.
-
-        Args:
-            system: The system id.
-
-        Returns:
-            The senders and what tells them apart; None if no more than one vehicle uses the system id.
-        """
-
-    def choose_sender(self, system: int, channel: Channel | str | None) -> None:
-        """Choose the vehicle to work with, where several use one system id.
-
-        Its packets count only on that channel, and packets for it go over that channel alone, until another
-        choice or until the channel closes.
-
-        Args:
-            system: The system id.
-            channel: The channel, its name, or its remote address, such as "192.168.1.20:14550"; None: take
-                the choice back.
-
-        Raises:
-            InvalidArgumentError: No open channel is named so, or the vehicles share the channel.
-        """
-
-    def check_sender(self, system: int, operation: str='acting on') -> None:
-        """Wait until it is clear whether several vehicles use a system id, and refuse if they do.
-
-        Every call that acts is refused in any case; this one comes before it does anything.
-
-        Args:
-            system: The system id.
-            operation: The operation in the text of the error, with its preposition.
-
-        Raises:
-            SystemIdConflictError: Several vehicles use the system id, and none was chosen.
-        """
-
-    def refuse_conflict(self, system: int, operation: str='acting on') -> None:
-        """Refuse if several vehicles are known to use a system id.
-
-        Args:
-            system: The system id.
-            operation: The operation in the text of the error, with its preposition.
-
-        Raises:
-            SystemIdConflictError: Several vehicles use the system id, and none was chosen.
-        """
-
-    def forget_sender(self, system: int) -> None:
-        """Forget the chosen vehicle of a system id, because it has another system id now.
-
-        Args:
-            system: The system id that it had.
-        """
-
-    def chosen_sender(self, system: int) -> str | None:
-        """Return the name of the channel that was chosen for a system id.
-
-        Args:
-            system: The system id.
-
-        Returns:
-            The name of the channel; None if none was chosen.
-        """
 
     def __init__(self, *links: str | Link, system: int=255, component: int=..., type: int=..., autopilot: int=..., dialect: HasCoreDialect | None=None, version: Version=2, signing: SigningKey | None=None, timestamps: TimestampStore | None=None, heartbeat: bool=True, heartbeat_rate: float=1.0, channel: str | None=None) -> None:
         ...
@@ -2374,6 +2056,324 @@ class Node:
 
     def serve_forever(self) -> None:
         """Wait until the task is cancelled: the last call of a program that only serves."""
+
+    def serve(self, service: AnyService) -> AnyService:
+        """Run a service on this node, now or as soon as the node opens.
+
+        Args:
+            service: The service, such as a `FtpServer` with this node's address.
+
+        Returns:
+            The service.
+        """
+
+    def wake(self, service: Service) -> None:
+        """Process a service after the program called one of its methods: its messages, events and timer.
+
+        Args:
+            service: A service that was given to `serve`.
+        """
+
+    def run_operation(self, client: Client, operation: Operation[Result], progress: Callable[[int, int], None] | None=None) -> Result:
+        """Run an operation of a client that was given to `serve`; a cancelled task cancels it on both ends.
+
+        Args:
+            client: The client.
+            operation: The operation, not started yet.
+            progress: Called with the units done and in total.
+
+        Returns:
+            The result of the operation.
+
+        Raises:
+            RemoteError: The operation failed; a subclass says how.
+            InvalidStateError: The node is closed.
+        """
+
+    def now(self) -> float:
+        """Return the time of services: Unix seconds that never decrease.
+
+        Raises:
+            InvalidStateError: The node is closed.
+        """
+
+    def set_heartbeat(self, *, base_mode: int | None=None, custom_mode: int | None=None, system_status: int | None=None) -> None:
+        """Change fields of the node's own HEARTBEAT; the next HEARTBEAT is sent immediately.
+
+        Args:
+            base_mode: MAV_MODE_FLAG flags; None: unchanged.
+            custom_mode: The firmware's mode number; None: unchanged.
+            system_status: A MAV_STATE; None: unchanged.
+        """
+
+    def publish(self, message: type[Message], producer: Callable[[float], Message | None], *, interval: float=0.0) -> None:
+        """Publish a message: at an interval, at the rates that remote components set, and on request.
+
+        Args:
+            message: The message class.
+            producer: Called with the time; returns the message, or None if there is none to send.
+            interval: Seconds between two messages; 0: only on request, and at rates that are set.
+        """
+
+    def send_statustext(self, text: str, severity: int=...) -> None:
+        """Send a status text to all components (STATUSTEXT); a long text is sent in chunks.
+
+        Args:
+            text: The text.
+            severity: The MAV_SEVERITY.
+        """
+
+    def serve_camera(self, *devices: CameraDevice) -> CameraServer:
+        """Offer a camera by the camera protocol v2, or several that are attached to this autopilot.
+
+    Args:
+        devices: The camera; for attached cameras each with a device id from 1 to 6.
+
+    Returns:
+        The server of the cameras.
+
+    Raises:
+        InvalidArgumentError: There is no camera, or two have one device id.
+    """
+
+    def serve_gimbal(self, *devices: GimbalDevice) -> GimbalManagerServer:
+        """Offer gimbals by the gimbal protocol v2, as their gimbal manager.
+
+    Args:
+        devices: The gimbals, each with a device id of its own.
+
+    Returns:
+        The server of the gimbals.
+
+    Raises:
+        InvalidArgumentError: There is no gimbal, or two have one device id.
+    """
+
+    def serve_terrain(self, heights: Heights) -> TerrainServer:
+        """Send the terrain that vehicles ask for (TERRAIN_REQUEST, TERRAIN_DATA).
+
+    Args:
+        heights: Called with a latitude and a longitude in degrees; returns the height of the terrain in
+            metres above mean sea level, or None if it is not known. It must return quickly, since it runs
+            in the event loop, 16 times for each tile.
+
+    Returns:
+        The server; its `sent` and `unknown` count the tiles.
+    """
+
+    def on_command(self, command: int) -> Callable[[AnyHandler], AnyHandler]:
+        """Register a function, plain or async, as the handler of a command; see `CommandHandlers`.
+
+        Args:
+            command: The MAV_CMD.
+
+        Returns:
+            A decorator for the function.
+        """
+
+    def channel_state(self, channel: Channel) -> ChannelState | None:
+        """Return the signing state, pace and statistics of a channel.
+
+        Args:
+            channel: A channel of one of the node's links.
+
+        Returns:
+            The state; None if the channel is closed. Its `trusted` allows `trusted_channel_policy`.
+        """
+
+    def trusted_channel_policy(self) -> Callable[[SigningRequest], str | None]:
+        """Return the policy for a `SigningSetupServer` that accepts keys over trusted channels alone.
+
+        Returns:
+            The policy. A channel is trusted once the program sets `channel_state(channel).trusted`.
+        """
+
+    def stream(self, *messages: type[AnyMessage], system: int=0, component: int=0, queue: int=..., keep_all: bool=False) -> Subscription[AnyMessage]:
+        """Subscribe to messages.
+
+    Args:
+        messages: Message classes; none: every message that the dialect defines.
+        system: The system id of the sender; 0: any.
+        component: The component id of the sender; 0: any.
+        queue: Messages that are queued while the program does not read; then the oldest is dropped.
+        keep_all: Queue without limit and drop nothing.
+
+    Returns:
+        An iterator over the messages; close it, or use it as a context manager.
+    """
+
+    def packets(self, *messages: type[Message], system: int=0, component: int=0, queue: int=..., keep_all: bool=False) -> Subscription[Packet]:
+        """Subscribe to packets: messages with their headers and raw bytes.
+
+    Args:
+        messages: Message classes; none: every packet, unknown message ids included.
+        system: The system id of the sender; 0: any.
+        component: The component id of the sender; 0: any.
+        queue: Packets that are queued while the program does not read; then the oldest is dropped.
+        keep_all: Queue without limit and drop nothing.
+
+    Returns:
+        An iterator over the packets; close it, or use it as a context manager.
+    """
+
+    def add_listener(self, kind: type[AnyMessage] | tuple[type[AnyMessage], ...], callback: Callable[[AnyMessage], None], *, system: int=0, component: int=0) -> Listener:
+        """Call a function with each message of a class, as soon as it is received.
+
+    Args:
+        kind: A message class, or a tuple of them.
+        callback: The function. It must return quickly, since it runs in the event loop.
+        system: The system id of the sender; 0: any.
+        component: The component id of the sender; 0: any.
+
+    Returns:
+        The listener; its `close()` ends the calls.
+    """
+
+    def add_packet_listener(self, kind: type[Message] | tuple[type[Message], ...] | None, callback: Callable[[Packet], None], *, system: int=0, component: int=0) -> Listener:
+        """Call a function with each packet of a message class, as soon as it is received.
+
+    Args:
+        kind: A message class, or a tuple of them; None: every packet, unknown message ids included.
+        callback: The function. It must return quickly, since it runs in the event loop.
+        system: The system id of the sender; 0: any.
+        component: The component id of the sender; 0: any.
+
+    Returns:
+        The listener; its `close()` ends the calls.
+    """
+
+    def record(self, path: str | PathLike[str], *, sent: bool=True, max_size: int | None=None, max_duration: float | None=None, keep: int | None=None) -> Recording:
+        """Record the packets that the node receives and sends, without keys, passwords and signatures.
+
+    Packets that are refused because of their signature are not recorded. With `max_size` or
+    `max_duration` the files have a number: `flight-0001.tlog`, `flight-0002.tlog` …
+
+    Args:
+        path: Path of a new file: a tlog, or with the suffix `.pcap` a capture for Wireshark.
+        sent: True records sent packets too, once for each channel.
+        max_size: Bytes of a file before the next one begins; None: no limit.
+        max_duration: Seconds of a file before the next one begins; None: no limit.
+        keep: Number of numbered files that are kept, the newest ones; None keeps all.
+
+    Returns:
+        The recording: close it, or use it as a context manager.
+
+    Raises:
+        InvalidArgumentError: A limit is not positive.
+        LogError: The file exists, or cannot be created.
+    """
+
+    def events(self, *kinds: type[AnyEvent], of: Service | None=None, queue: int=...) -> Subscription[AnyEvent]:
+        """Subscribe to events of links and services.
+
+    Args:
+        kinds: Event classes; none: all.
+        of: The service whose events are delivered; None: all links and services.
+        queue: Events that are queued while the program does not read; then the oldest is dropped.
+
+    Returns:
+        An iterator over the events; close it, or use it as a context manager.
+    """
+
+    def send(self, message: Message, target: Address | None=None) -> None:
+        """Send a message over the channels that lead to its target.
+
+    Args:
+        message: The message.
+        target: The address to send to; None: the address in its target fields, or all components.
+
+    Raises:
+        InvalidStateError: The node is closed.
+        EncodeError: The message cannot be encoded in the node's MAVLink version.
+    """
+
+    def forward(self, packet: Packet) -> None:
+        """Send a packet of another component unchanged to its target; see `Forwarding`.
+
+    A SETUP_SIGNING is dropped, since it carries a signing key.
+
+    Args:
+        packet: The packet.
+
+    Raises:
+        InvalidStateError: The node is closed.
+    """
+
+    def has_address_conflict(self, address: Address) -> bool:
+        """Return whether several senders use one address.
+
+    Args:
+        address: The address of a component.
+
+    Returns:
+        True while packets of that address contradict each other (boot time, type or unique id).
+    """
+
+    def id_conflict(self, system: int) -> Conflict | None:
+        """Return the vehicles that use one system id.
+
+    Args:
+        system: The system id.
+
+    Returns:
+        The senders and what tells them apart; None if no more than one vehicle uses the system id.
+    """
+
+    def choose_sender(self, system: int, channel: Channel | str | None) -> None:
+        """Choose the vehicle to work with, where several use one system id.
+
+    Its packets count only on that channel, and packets for it go over that channel alone, until another
+    choice or until the channel closes.
+
+    Args:
+        system: The system id.
+        channel: The channel, its name, or its remote address, such as "192.168.1.20:14550"; None: take
+            the choice back.
+
+    Raises:
+        InvalidArgumentError: No open channel is named so, or the vehicles share the channel.
+    """
+
+    def check_sender(self, system: int, operation: str='acting on') -> None:
+        """Wait until it is clear whether several vehicles use a system id, and refuse if they do.
+
+    Every call that acts is refused in any case; this one comes before it does anything.
+
+    Args:
+        system: The system id.
+        operation: The operation in the text of the error, with its preposition.
+
+    Raises:
+        SystemIdConflictError: Several vehicles use the system id, and none was chosen.
+    """
+
+    def refuse_conflict(self, system: int, operation: str='acting on') -> None:
+        """Refuse if several vehicles are known to use a system id.
+
+    Args:
+        system: The system id.
+        operation: The operation in the text of the error, with its preposition.
+
+    Raises:
+        SystemIdConflictError: Several vehicles use the system id, and none was chosen.
+    """
+
+    def forget_sender(self, system: int) -> None:
+        """Forget the chosen vehicle of a system id, because it has another system id now.
+
+    Args:
+        system: The system id that it had.
+    """
+
+    def chosen_sender(self, system: int) -> str | None:
+        """Return the name of the channel that was chosen for a system id.
+
+    Args:
+        system: The system id.
+
+    Returns:
+        The name of the channel; None if none was chosen.
+    """
 
     def __enter__(self) -> Self:
         ...

@@ -11,7 +11,7 @@ import pytest
 
 from mavstack.cli.vehicle.command import EXAMPLES
 from mavstack.errors import SystemIdConflictError
-from mavstack.node.sender_choice import SenderChoice
+from mavstack.node import Node
 from tests.cli.harness import COPTER, PX4_COPTER
 from tests.vehicle.world import ARDUPILOT, VehicleType, kind_name
 
@@ -289,8 +289,8 @@ def two_vehicles_with_one_id(monkeypatch):
         raise SystemIdConflictError(operation, f"{system}/1", answer="2 vehicles use system id 1")
 
     conflict = SimpleNamespace(senders=(1, 2))
-    monkeypatch.setattr(SenderChoice, "refuse_conflict", refuse)
-    monkeypatch.setattr(SenderChoice, "id_conflict", lambda connection, system: conflict)
+    monkeypatch.setattr(Node, "refuse_conflict", refuse)
+    monkeypatch.setattr(Node, "id_conflict", lambda connection, system: conflict)
 
 
 @pytest.mark.parametrize(
