@@ -22,7 +22,7 @@ from .mix import PROFILES
 from .rows import CHUNK
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
     from pathlib import Path
     from types import ModuleType
 
@@ -38,7 +38,7 @@ def rows(bench: Bench) -> Iterator[Row]:
     count, turns = bench.amounts.slow, bench.amounts.turns
     chunks = bench.flight.chunks(CHUNK, count)
     values = [(index, *(index % 4096 * 0.0007 + offset for offset in range(6))) for index in range(count)]
-    works = {
+    works: dict[str, tuple[Callable[..., float], Callable[..., float], tuple[object, ...]]] = {
         "Python: live stream, three fields of each": (peers_pymavlink.live, live, (chunks, count)),
         "Python: fields to packet (ATTITUDE)": (peers_pymavlink.encode, encode, (values,)),
     }

@@ -30,7 +30,7 @@ def with_mavstack() -> bytes:
 
 
 def with_pymavlink() -> bytes:
-    from pymavlink.dialects.v20 import ardupilotmega  # type: ignore[import-untyped]
+    from pymavlink.dialects.v20 import ardupilotmega
 
     mav = ardupilotmega.MAVLink(None, srcSystem=1, srcComponent=1)
     packet: bytes = mav.attitude_encode(0, 0.1, 0.2, 0.3, 0.0, 0.0, 0.0).pack(mav)
@@ -41,7 +41,7 @@ def with_mavutil() -> bytes:
     import os
 
     os.environ["MAVLINK20"] = "1"
-    from pymavlink import mavutil  # type: ignore[import-untyped]
+    from pymavlink import mavutil
 
     mavutil.set_dialect("ardupilotmega")
     mav = mavutil.mavlink.MAVLink(None, srcSystem=1, srcComponent=1)

@@ -73,7 +73,7 @@ def _turn(
         finally:
             recorder.send_signal(signal.SIGINT)
             recorder.wait(10)
-        received = open_log(path, "common").statistics.packets
+        received = sum(open_log(path, "common").counts.values())
     return Result(share, 1 - received / len(packets))
 
 

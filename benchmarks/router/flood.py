@@ -19,10 +19,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import quantiles
 from time import monotonic, sleep
+from typing import TYPE_CHECKING
 
 from mavstack import Encoder, Parser
 from mavstack.dialects import common
 from mavstack.router import RouterEngine, Rule, RuleSet
+
+if TYPE_CHECKING:
+    from mavstack.dialects import Message
 
 RATE, SECONDS, COMMANDS_PER_SECOND = 500_000, 5, 100
 #: Bytes that a reader takes at a time and seconds between two reads: less than 4 MB/s; the flood has 20.
@@ -62,7 +66,7 @@ class Party(threading.Thread):
         engine.start(endpoint)
         self.send(common.Heartbeat())
 
-    def send(self, message: common.Message) -> None:
+    def send(self, message: Message) -> None:
         """Send a message."""
         self.stream.sendall(self.encoder.encode(message))
 

@@ -73,12 +73,12 @@ class CliHarness:
 
     def put(self, path: str, data: bytes) -> None:
         """Put a file onto the vehicle."""
-        self.vehicle.storage.store[path] = data
+        self.vehicle.storage.store[path] = data  # type: ignore[index]
 
     def file(self, path: str) -> bytes | None:
         """A file of the vehicle, if it is there."""
         store = self.vehicle.storage.store
-        return bytes(store[path]) if path in store else None
+        return bytes(store[path]) if path in store else None  # type: ignore[index, operator]
 
     def has_directory(self, path: str) -> bool:
         try:

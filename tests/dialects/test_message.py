@@ -31,7 +31,7 @@ def test_fields_may_be_given_by_position_in_the_order_of_the_definition():
 
 def test_a_wrong_field_name_raises_with_the_known_names():
     with pytest.raises(FieldNameError, match=r"Attitude has no field rol; .*roll"):
-        common.Attitude(rol=1)
+        common.Attitude(rol=1)  # type: ignore[call-arg]
     with pytest.raises(AttributeError):
         common.Attitude().rol = 1
     with pytest.raises(AttributeError):
@@ -40,7 +40,7 @@ def test_a_wrong_field_name_raises_with_the_known_names():
 
 def test_a_wrong_field_name_is_a_type_error():
     with pytest.raises(TypeError):
-        common.Attitude(rol=1)
+        common.Attitude(rol=1)  # type: ignore[call-arg]
 
 
 @pytest.mark.parametrize(

@@ -89,7 +89,7 @@ def items(number: int, kind: int = PlanType.MISSION) -> list[dict]:
         {
             "seq": seq,
             "frame": int(common.MavFrame.GLOBAL_RELATIVE_ALT_INT),
-            "command": int(commands[kind]),
+            "command": int(commands[kind]),  # type: ignore[index]
             "current": int(seq == 0),
             "autocontinue": 1,
             "param1": float(number) if kind == PlanType.FENCE else 1.5,

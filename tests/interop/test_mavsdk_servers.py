@@ -65,7 +65,7 @@ def plan(number: int, kind: int = PlanType.MISSION) -> Plan:
     }
     items = [
         MissionItem(
-            commands[kind],
+            commands[kind],  # type: ignore[index]
             param1=float(number) if kind == PlanType.FENCE else 1.5,
             param5=47.3977415 + seq / 1e4,
             param6=-8.5455941,
@@ -199,7 +199,7 @@ TELEMETRY = {
 
 @pytest.mark.parametrize("kind", TELEMETRY, ids=lambda kind: kind.__name__)
 async def test_telemetry(kind: type) -> None:
-    method, arguments, expected = TELEMETRY[kind]
+    method, arguments, expected = TELEMETRY[kind]  # type: ignore[index]
     async with remote_and_server() as (remote, server), remote.stream(kind) as received:
         assert await server.call("telemetry_server", method, *arguments) == "SUCCESS"
         message = await anext(received)

@@ -61,7 +61,7 @@ def picture(colour: tuple[int, int, int], index: int) -> np.ndarray:
 def _track(colour: tuple[int, int, int]) -> Any:
     aiortc, av = pytest.importorskip("aiortc"), pytest.importorskip("av")
 
-    class MovingBar(aiortc.MediaStreamTrack):  # type: ignore[name-defined,misc]
+    class MovingBar(aiortc.MediaStreamTrack):  # type: ignore[name-defined]
         kind = "video"
         index = 0
 

@@ -72,7 +72,7 @@ async def test_the_socket_reader_calls_the_callback_in_order():
 class WithoutReaders(asyncio.SelectorEventLoop):
     """An event loop without socket readers, like the proactor of Windows."""
 
-    def add_reader(self, fd, callback, *args):
+    def add_reader(self, fd, callback, *args):  # type: ignore[override]
         raise NotImplementedError
 
 

@@ -132,7 +132,7 @@ def test_the_core_refuses_bytes_that_are_no_index(tmp_path, folder, monkeypatch,
 
 def test_another_dialect_has_an_index_of_its_own(tmp_path, folder):
     path = write(tmp_path / "log", tlog())
-    assert open_log(path, "common").counts == open_log(path, "minimal").counts | {"ATTITUDE": 50}
+    assert open_log(path, "common").counts == {**open_log(path, "minimal").counts, "ATTITUDE": 50}
     assert len(list(folder.iterdir())) == 2
 
 

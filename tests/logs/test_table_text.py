@@ -34,7 +34,7 @@ def test_columns_and_a_few_rows_are_shown():
 
 
 def test_the_unit_is_that_of_the_values_shown():
-    fields = tuple(FieldSchema(name, np.dtype(KIND)[name].base) for name, *_ in KIND[:-1])
+    fields = tuple(FieldSchema(name, np.dtype(KIND)[name].base) for name, *_ in KIND[:-1])  # type: ignore[index]
     count = FieldSchema("count", np.dtype("i4"), unit="s", multiplier=1e-6)
     schema = TableSchema("T", (*fields, count))
     lines = str(MessageTable.of(np.asarray(table(1)), SchemaSource(lambda: schema))).splitlines()

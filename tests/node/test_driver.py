@@ -54,7 +54,7 @@ def with_alarm(work: Callable[[Driver, Alarm, list[float]], asyncio.Future | obj
                 timers.append(when)
             return set_at(when, callback, *arguments, **options)
 
-        loop.call_at = call_at  # type: ignore[method-assign]
+        loop.call_at = call_at
         await work(driver, alarm, timers)
         await driver.stop()
 

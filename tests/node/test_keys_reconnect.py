@@ -45,7 +45,7 @@ class InterruptedPair(SignedPair):
             if self.stage is not UseNewKey:
                 to_vehicle.other = None
 
-    async def reconnect(self, *, both: bool) -> None:
+    async def reconnect(self, *, both: bool) -> None:  # type: ignore[override]
         (to_vehicle,), (to_ground,) = self.ground_link.channels, self.vehicle_link.channels
         to_vehicle.other = to_ground.other = None
         to_vehicle.close("a test")

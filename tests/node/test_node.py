@@ -51,7 +51,7 @@ def test_the_first_autopilot_is_found() -> None:
             assert vehicle.address == (1, 1)
             assert vehicle.info is not None
             assert vehicle.info.type == QUADROTOR
-            assert not pair.vehicle.components[255, 190].is_autopilot
+            assert not pair.vehicle.components[255, 190].is_autopilot  # type: ignore[index]
 
     run_virtually(work())
 

@@ -49,7 +49,7 @@ class Vehicle(Node):
         self.logs = MemoryLogs()
         self.serve(LogServer(self.address, self.logs))
         self.mission = self.serve(MissionServer(self.address))
-        modes = modes_of(autopilot, COPTER, MODES[autopilot])
+        modes = modes_of(autopilot, COPTER, MODES[autopilot])  # type: ignore[index]
         self.modes = self.serve(ModeServer(self.address, modes, 0, autopilot=autopilot))
         self.modes.register(self.commands.server)
         self.files = MemoryStore(

@@ -137,7 +137,7 @@ def test_the_node_is_usable_after_ctrl_c_in_any_call(vehicle: Node, ground: Node
     }
     interrupt_main_thread(after=0.1)
     with keyboard_interrupts(), pytest.raises(KeyboardInterrupt):
-        calls[call]()
+        calls[call]()  # type: ignore[operator]
     assert not silent._inner._clients.get(ParameterClient).busy
     assert not silent._inner._clients.get(PingClient).busy
     assert found.ping(1).received == 1

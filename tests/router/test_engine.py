@@ -160,7 +160,7 @@ def test_misuse_is_refused(engine):
     with pytest.raises(InvalidArgumentError, match="is not an IP address"):
         engine.add_udp(0, name="udp", peer=("example", 1))
     with pytest.raises(InvalidArgumentError, match="framing must be"):
-        engine.add_stream(0, name="stream", framing="cobs")  # type: ignore[arg-type]
+        engine.add_stream(0, name="stream", framing="cobs")
     with pytest.raises(InvalidArgumentError, match="window must be"):
         RouterEngine(common, duplicate_window=-1.0)
     with pytest.raises(OSError, match="Bad file descriptor"):

@@ -188,7 +188,7 @@ async def test_an_engine_that_ended_by_itself_ends_the_router(monkeypatch):
 class WithoutReaders(asyncio.SelectorEventLoop):
     """An event loop without socket readers, like the proactor of Windows."""
 
-    def add_reader(self, fd, callback, *args):
+    def add_reader(self, fd, callback, *args):  # type: ignore[override]
         raise NotImplementedError
 
     def remove_reader(self, fd):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from random import Random
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from mavstack.dialects import common
 from mavstack.services.service import always_room
@@ -29,14 +29,14 @@ def deliver(service: Service, message: Message, source: Address, now: float, seq
     service.receive(packet_of(message, source, sequence), now)
 
 
-def sent_by(service: Service, now: float = START, has_room: HasRoom = always_room) -> list[Message]:
+def sent_by(service: Service, now: float = START, has_room: HasRoom = always_room) -> list[Any]:
     """Return the messages that a service sends; by default over links that take any number of them."""
     return [outgoing.message for outgoing in service.messages_to_send(now, has_room)]
 
 
-def run_timers(service: Service, until: float) -> list[tuple[float, Message]]:
+def run_timers(service: Service, until: float) -> list[tuple[float, Any]]:
     """Fire the service's timers up to a time; return the (time, message) pairs that it sent."""
-    sent: list[tuple[float, Message]] = []
+    sent: list[tuple[float, Any]] = []
     while (due := service.next_timeout()) is not None and due <= until:
         service.handle_timeout(due)
         sent += [(due, message) for message in sent_by(service, due)]

@@ -41,7 +41,9 @@ def message_of(name: str, fields: dict[str, Any]) -> Any:
         values |= {"target_system": GROUND.system, "target_component": GROUND.component}
     data = values.pop("param_value", None)
     message = kind(**values)
-    return message if data is None else with_field(message, bytes.fromhex(data.removeprefix("0x")))
+    if data is None:
+        return message
+    return with_field(message, bytes.fromhex(data.removeprefix("0x")))  # type: ignore[type-var]
 
 
 def name_of(message: Any) -> str:

@@ -88,7 +88,7 @@ async def test_a_pause_holds_the_answer_back():
 
 async def test_physics_that_fails_ends_the_run():
     async with simulator() as world:
-        world._physics.step = lambda actuators, dt: 1 / 0  # type: ignore[method-assign]
+        world._physics.step = lambda actuators, dt: 1 / 0
         run = await running(world)
         sitl = await Sitl.connect(world.port)
         asking = asyncio.ensure_future(sitl.ask(0))

@@ -79,7 +79,7 @@ def test_every_entry_names_itself():
     [
         State(position=(float("nan"), 0.0, 0.0)),
         State(attitude=(2.0, 0.0, 0.0, 0.0)),
-        State(rates=(0.0, 0.0)),  # type: ignore[arg-type]
+        State(rates=(0.0, 0.0)),
     ],
 )
 def test_a_wrong_state_is_reported(state):

@@ -119,7 +119,7 @@ async def test_the_same_seed_gives_the_same_bytes_over_a_flight():
 
 async def test_physics_that_fails_ends_the_run():
     async with simulator() as world:
-        world._physics.step = lambda actuators, dt: 1 / 0  # type: ignore[method-assign]
+        world._physics.step = lambda actuators, dt: 1 / 0
         flying = asyncio.ensure_future((await Px4.connect(world.port)).fly(100))
         with pytest.raises(ZeroDivisionError):
             await world.run()

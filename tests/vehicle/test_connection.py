@@ -46,7 +46,7 @@ def test_options_reach_the_node():
     node = connect(system=200, component=common.MavComponent.ONBOARD_COMPUTER, type=TYPE.ONBOARD_CONTROLLER)
     assert node.address == (200, 191)
     with pytest.raises(TypeError, match="sistem"):
-        connect(sistem=3)
+        connect(sistem=3)  # type: ignore[call-arg]
 
 
 def test_it_is_awaitable():

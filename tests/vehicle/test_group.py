@@ -78,7 +78,7 @@ def test_a_defect_of_the_function_is_an_outcome_and_the_cause():
     async def scenario(harness, group):
         def work(vehicle):
             if vehicle.system == 2:
-                return {}["nothing"]  # raised before there is an awaitable
+                return {}["nothing"]  # type: ignore[index]  # raised before there is an awaitable
             return asyncio.sleep(1, "done")
 
         results = await group.each(work)

@@ -40,5 +40,5 @@ def test_a_payload_that_was_removed_is_found_again() -> None:
     assert [*tracker.receive(found(CAMERA))] == []
     camera = tracker._components.pop(CAMERA)
     assert [type(event) for event in tracker.receive(found(AUTOPILOT))] == [VehicleFound]
-    tracker._components[CAMERA] = camera
+    tracker._components[CAMERA] = camera  # type: ignore[index]
     assert [type(event) for event in tracker.receive(found(CAMERA))] == [PayloadFound]

@@ -176,10 +176,10 @@ def test_other_classes_create_no_messages():
         lambda: base.from_payload(b""),
         lambda: Message.from_payload(b""),
         lambda: Empty.from_payload(b""),
-        lambda: base.__new__(int),
+        lambda: base.__new__(int),  # type: ignore[type-var]
         base.__new__,
         lambda: object.__new__(common.Attitude),
-        lambda: int.__new__(common.Attitude),
+        lambda: int.__new__(common.Attitude),  # type: ignore[type-var]
         lambda: base.to_payload(5),
         lambda: base.to_payload(object()),
         lambda: _core.MessageMeta(common.Attitude),
@@ -187,10 +187,10 @@ def test_other_classes_create_no_messages():
         lambda: mavstack.encode(object(), system=1, component=1),
         lambda: mavstack.encode(common.Attitude, system=1, component=1),
         lambda: mavstack.encode(None, system=1, component=1),
-        lambda: Plain.__class__.__call__(base),
+        lambda: Plain.__class__.__call__(base),  # type: ignore[operator]
     ):
         with pytest.raises(TypeError):
-            action()
+            action()  # type: ignore[call-arg]
     message = Slotted(1)
     message.__class__ = Empty
     with pytest.raises(TypeError):
@@ -214,7 +214,7 @@ def test_wrong_arguments_raise():
     with pytest.raises(FieldNameError, match="time_boot_ms twice"):
         common.Attitude(1, time_boot_ms=1)
     with pytest.raises(FieldNameError, match=r"no field rol; .* time_boot_ms, roll"):
-        common.Attitude(rol=1)
+        common.Attitude(rol=1)  # type: ignore[call-arg]
     with pytest.raises(FieldNameError):
         common.Attitude(**{f"field_{number}": 1 for number in range(300)})
     with pytest.raises(TypeError):
@@ -227,7 +227,7 @@ def test_wrong_arguments_raise():
     with pytest.raises(TypeError):
         hash(message)
     with pytest.raises(TypeError):
-        _ = message < message
+        _ = message < message  # type: ignore[operator]
     assert message != 5
 
 

@@ -125,7 +125,7 @@ def test_unknown_values_are_nan() -> None:
     message = common.BatteryStatus(
         id=0, voltages=[0xFFFF] * 10, current_battery=-1, battery_remaining=-1, temperature=0x7FFF
     )
-    values: Any = row.convert(message, view_of({}))  # type: ignore[misc]
+    values: Any = row.convert(message, view_of({}))
     assert all(math.isnan(value) for value in values[:3])
     assert math.isnan(values[6])
 

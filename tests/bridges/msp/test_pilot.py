@@ -100,7 +100,7 @@ def test_disarming_after_the_arm_switch_moved_and_before_the_status_reports_it()
 def test_disarming_is_not_acknowledged_before_a_slow_receiver_saw_the_switch():
     async def scenario(vehicle, controller, bridge):
         vehicle_is_armed = []
-        controller.on_armed = lambda: vehicle_is_armed.append(answered.is_set())
+        controller.on_armed = lambda: vehicle_is_armed.append(answered.is_set())  # type: ignore[has-type]
         controller.receiver_delay = 0.15
         answered = asyncio.Event()
         arming = asyncio.create_task(vehicle.arm())

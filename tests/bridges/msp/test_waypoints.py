@@ -15,7 +15,7 @@ _CMD, _FRAME, _RESULT = common.MavCmd, common.MavFrame, common.MavMissionResult
 
 
 def located(command: int, *params: float, frame: int = _FRAME.GLOBAL_RELATIVE_ALT) -> MissionItem:
-    return MissionItem(command, *(*params, 0, 0, 0, 0)[:4], 47.0, 8.0, 20.0, frame=frame)
+    return MissionItem(command, *(*params, 0, 0, 0, 0)[:4], 47.0, 8.0, 20.0, frame=frame)  # type: ignore[call-arg]
 
 
 PLAN = [

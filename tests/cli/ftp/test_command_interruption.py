@@ -36,7 +36,7 @@ def test_ctrl_c_ends_a_transfer_on_both_ends(tmp_path, action):
     with BackgroundSimulator("copter", "ardupilot", loss=0.2) as simulator:
         server = simulator.vehicle.services.files
         store = simulator.vehicle.storage.store
-        simulator.call(lambda: store.__setitem__("/APM/big.bin", DATA))
+        simulator.call(lambda: store.__setitem__("/APM/big.bin", DATA))  # type: ignore[index]
         command = [sys.executable, "-m", "mavstack", "ftp", action, *words, "--url", simulator.url]
         with subprocess.Popen(
             command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True

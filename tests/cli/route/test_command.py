@@ -30,7 +30,7 @@ def ending(monkeypatch):
         async def end():
             await asyncio.sleep(0)  # until the signal handlers are set
             if chosen["before"] is not None:
-                await chosen["before"](router)
+                await chosen["before"](router)  # type: ignore[operator]
             os.kill(os.getpid(), chosen["signal"])
 
         tasks.start(end())

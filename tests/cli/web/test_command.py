@@ -32,8 +32,8 @@ async def test_it_serves_the_api_until_it_is_cancelled(monkeypatch) -> None:
                 return json.loads(answer.read())
 
         packets, lines = await asyncio.to_thread(ask)
-    assert packets["state"] == lines["state"] == "waiting"
-    assert lines["rows"]["name"] == "cansat"
+    assert packets["state"] == lines["state"] == "waiting"  # type: ignore[has-type]
+    assert lines["rows"]["name"] == "cansat"  # type: ignore[has-type]
     serving.cancel()
     with contextlib.suppress(asyncio.CancelledError):
         await serving

@@ -340,7 +340,7 @@ def test_read_only() -> None:
     changes = (6, 7, 8, 9, 10, 11, 12, 13)
     replies = [ask(server, opcode, b"f", sequence=opcode, now=START + opcode)[0] for opcode in changes]
     assert {reply.error for reply in replies} == {FtpError.FILEPROTECTED}
-    assert server.store["f"] == DATA
+    assert server.store["f"] == DATA  # type: ignore[index]
     assert ask(server, Opcode.CALCFILECRC, b"f", sequence=20, now=START + 20)[0].error is None
 
 

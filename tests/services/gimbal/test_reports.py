@@ -67,7 +67,7 @@ def test_roll_is_sent_as_an_attitude(roll, pitch, yaw) -> None:
         (GimbalSetpoint(), InvalidArgumentError),
         (GimbalSetpoint(pitch=200), InvalidArgumentError),
         (GimbalSetpoint(yaw=nan), InvalidArgumentError),
-        (GimbalSetpoint(pitch="down"), InvalidTypeError),  # type: ignore[arg-type]
+        (GimbalSetpoint(pitch="down"), InvalidTypeError),
         (GimbalSticks(pitch=1.5), InvalidArgumentError),
     ],
 )

@@ -52,8 +52,8 @@ def test_type_and_not_component_id_marks_an_autopilot() -> None:
     gimbal = common.Heartbeat(type=common.MavType.GIMBAL, autopilot=common.MavAutopilot.INVALID)
     discovery.receive(packet(gimbal, Address(1, 1)), START)
     discovery.receive(packet(HEARTBEAT, Address(1, 77)), START)
-    assert not discovery.components[1, 1].is_autopilot
-    assert discovery.components[1, 77].is_autopilot
+    assert not discovery.components[1, 1].is_autopilot  # type: ignore[index]
+    assert discovery.components[1, 77].is_autopilot  # type: ignore[index]
 
 
 def test_other_messages_count_as_signs_of_life() -> None:

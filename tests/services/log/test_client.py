@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from random import Random
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -13,6 +14,9 @@ from tests.services.log.autopilots import ArduPilotLogs, PX4Logs
 from tests.services.log.store import MemoryStore
 from tests.services.network import GROUND, START, VEHICLE, HalfDuplexRadio, Network
 from tests.services.single_service import feed_random_messages, packet_of, sent_by
+
+if TYPE_CHECKING:
+    import builtins
 
 SIZES = [0, 1, 89, 90, 91, 900, 30_000]
 LOSSY = Impairment(loss=0.1, latency=0.02, seed=1)
@@ -46,7 +50,7 @@ class LogHarness:
     def list(self):
         return self.run(self.client.list_logs(self.network.now))
 
-    def received(self, kind: type) -> list:
+    def received(self, kind: type) -> builtins.list[Any]:
         return [packet.message for packet in self.vehicle.received if isinstance(packet.message, kind)]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import count
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import mavstack
 from mavstack.dialects import common
@@ -12,6 +12,8 @@ from mavstack.wire import Packet
 from tests.services.network import GROUND, START, VEHICLE
 
 if TYPE_CHECKING:
+    import builtins
+
     from mavstack.dialects import Message
     from mavstack.services import Address, Service
 
@@ -38,7 +40,9 @@ class ScriptedPeer:
         self.service, self.other = service, other
         self.now = START
 
-    def send(self, message: Message, *, source: Address | None = None, version: int = 2) -> list[Message]:
+    def send(
+        self, message: Message, *, source: Address | None = None, version: int = 2
+    ) -> builtins.list[Any]:
         """Send `message` to the service; return its replies."""
         system, component = source or self.other
         raw = mavstack.encode(
@@ -46,15 +50,15 @@ class ScriptedPeer:
         )
         return self.send_raw(raw)
 
-    def send_raw(self, raw: bytes) -> list[Message]:
+    def send_raw(self, raw: bytes) -> builtins.list[Any]:
         self.service.receive(Packet(raw, common), self.now)
         return self.receive()
 
-    def receive(self) -> list[Message]:
+    def receive(self) -> builtins.list[Any]:
         """Return the messages that the service sends now."""
         return [outgoing.message for outgoing in self.service.messages_to_send(self.now)]
 
-    def wait(self, seconds: float = 0.0) -> list[Message]:
+    def wait(self, seconds: float = 0.0) -> builtins.list[Any]:
         """Advance to the next timer, or by some seconds; return the messages sent then."""
         due = self.service.next_timeout()
         if seconds:
@@ -65,7 +69,7 @@ class ScriptedPeer:
         self.service.handle_timeout(self.now)
         return self.receive()
 
-    def wait_for_all(self, seconds: float) -> list[Message]:
+    def wait_for_all(self, seconds: float) -> builtins.list[Any]:
         """Advance by `seconds`, timer by timer; return all messages sent."""
         end, messages = self.now + seconds, self.receive()
         while (due := self.service.next_timeout()) is not None and due <= end:
@@ -80,18 +84,18 @@ class ScriptedVehicle(ScriptedPeer):
     def __init__(self, service: Service) -> None:
         super().__init__(service, VEHICLE)
 
-    def request(self, seq: int, kind: int = 0) -> list[Message]:
+    def request(self, seq: int, kind: int = 0) -> builtins.list[Any]:
         return self.send(common.MissionRequestInt(seq=seq, mission_type=kind, **to_ground()))
 
-    def ack(self, result: int, kind: int = 0, plan_id: int = 0) -> list[Message]:
+    def ack(self, result: int, kind: int = 0, plan_id: int = 0) -> builtins.list[Any]:
         ack = common.MissionAck(type=result, mission_type=kind, opaque_id=plan_id, **to_ground())
         return self.send(ack)
 
-    def count(self, number: int, kind: int = 0, plan_id: int = 0) -> list[Message]:
+    def count(self, number: int, kind: int = 0, plan_id: int = 0) -> builtins.list[Any]:
         count = common.MissionCount(count=number, mission_type=kind, opaque_id=plan_id, **to_ground())
         return self.send(count)
 
-    def item(self, plan: Plan, seq: int) -> list[Message]:
+    def item(self, plan: Plan, seq: int) -> builtins.list[Any]:
         return self.send(plan.items[seq].to_int(GROUND, seq, plan.type))
 
 
@@ -101,22 +105,22 @@ class ScriptedStation(ScriptedPeer):
     def __init__(self, service: Service) -> None:
         super().__init__(service, GROUND)
 
-    def count(self, number: int, kind: int = 0, **other: object) -> list[Message]:
+    def count(self, number: int, kind: int = 0, **other: object) -> builtins.list[Any]:
         return self.send(common.MissionCount(count=number, mission_type=kind, **to_vehicle()), **other)
 
-    def item(self, plan: Plan, seq: int, **other: object) -> list[Message]:
+    def item(self, plan: Plan, seq: int, **other: object) -> builtins.list[Any]:
         return self.send(plan.items[seq].to_int(VEHICLE, seq, plan.type), **other)
 
-    def list(self, kind: int = 0, **other: object) -> list[Message]:
+    def list(self, kind: int = 0, **other: object) -> builtins.list[Any]:
         return self.send(common.MissionRequestList(mission_type=kind, **to_vehicle()), **other)
 
-    def request(self, seq: int, kind: int = 0, **other: object) -> list[Message]:
+    def request(self, seq: int, kind: int = 0, **other: object) -> builtins.list[Any]:
         return self.send(common.MissionRequestInt(seq=seq, mission_type=kind, **to_vehicle()), **other)
 
-    def clear(self, kind: int = 0, **other: object) -> list[Message]:
+    def clear(self, kind: int = 0, **other: object) -> builtins.list[Any]:
         return self.send(common.MissionClearAll(mission_type=kind, **to_vehicle()), **other)
 
-    def upload(self, plan: Plan) -> list[Message]:
+    def upload(self, plan: Plan) -> builtins.list[Any]:
         received = self.count(len(plan), plan.type)
         for seq in range(len(plan)):
             received = self.item(plan, seq)

@@ -48,7 +48,7 @@ class Storage(PlanStore):
     def put(self, plan: Plan) -> None:
         super().put(plan)
         if plan.type in self.history:
-            self.history[plan.type].append(plan)
+            self.history[plan.type].append(plan)  # type: ignore[index]
 
 
 class ScriptedStation:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import islice
 from random import Random
+from typing import Any
 
 import pytest
 
@@ -292,7 +293,8 @@ def test_garbage_from_the_wire_never_raises():
         common.AvailableModesMonitor, common.CommandAck,
     )  # fmt: skip
     for number in range(200):
-        client.begin(random.choice([SetMode("GUIDED"), SetMode(3), SetStandardMode(6), ListModes()]), number)
+        operations: list[Any] = [SetMode("GUIDED"), SetMode(3), SetStandardMode(6), ListModes()]
+        client.begin(random.choice(operations), number)
         for _ in range(5):
             message = random_message(random.choice(kinds), random)
             deliver(client, message, VEHICLE, number)

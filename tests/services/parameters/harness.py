@@ -22,7 +22,7 @@ def any_value(random: Random, kind: int, encoding: Encoding) -> Value:
     if kind == KIND.REAL32:
         return random.choice([0.0, 0.5, -3.25, 1e10, random.randrange(1 << 20) / 64])
     bits = {KIND.INT8: 7, KIND.UINT8: 8, KIND.INT16: 15, KIND.UINT16: 16, KIND.INT32: 31, KIND.UINT32: 32}[
-        kind
+        kind  # type: ignore[index]
     ]
     signed = kind in (KIND.INT8, KIND.INT16, KIND.INT32)
     if encoding is Encoding.C_CAST:

@@ -52,9 +52,9 @@ def test_pymavlink_reads_it_alike(names, seed, block_size, with_defaults) -> Non
     theirs, ours = MAVFTP.ftp_param_decode(data), unpack(data)
     assert theirs is not None
     assert ours is not None
-    expected = [(p.name.encode(), p.value, TYPES[p.type]) for p in wanted]
+    expected = [(p.name.encode(), p.value, TYPES[p.type]) for p in wanted]  # type: ignore[index]
     assert theirs.params == expected
-    assert [(p.name.encode(), p.value, TYPES[p.type]) for p in ours.parameters] == expected
+    assert [(p.name.encode(), p.value, TYPES[p.type]) for p in ours.parameters] == expected  # type: ignore[index]
     if with_defaults:
         assert ours.defaults == {name.decode(): value for name, value, _ in theirs.defaults or ()} == defaults
 

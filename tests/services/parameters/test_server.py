@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import isnan
 from struct import pack
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -23,6 +24,9 @@ from mavstack.services.parameters.server import MAX_LISTS, MAX_READS
 from mavstack.services.parameters.value import NO_INDEX, read_value
 from mavstack.wire import Packet
 from tests.services.network import GROUND, VEHICLE
+
+if TYPE_CHECKING:
+    import builtins
 
 KIND = common.MavParamType
 ERROR = common.MavParamError
@@ -64,10 +68,10 @@ class Wire:
         payload = data + pack("<BB16sB", 1, 1, name.encode(), kind)
         self.send(common.ParamSet.from_payload(payload), source, **how)
 
-    def sent(self, has_room=lambda *_: True) -> list:
+    def sent(self, has_room=lambda *_: True) -> builtins.list[Any]:
         return list(self.server.messages_to_send(self.now, has_room))
 
-    def all_sent(self) -> list:
+    def all_sent(self) -> builtins.list[Any]:
         found = []
         while some := self.sent():
             found += some

@@ -81,7 +81,7 @@ def test_the_terrain_around_the_vehicle_is_requested_own_block_first():
     requests = one.received_of(common.TerrainRequest)
     assert 5 <= len(requests) <= 15
     assert {each.grid_spacing for each in requests} == {100}
-    own = locate(*one.place(0), 100).block
+    own = locate(*one.place(0), 100).block  # type: ignore[call-arg]
     assert {(each.lat, each.lon) for each in requests} == {own[:2]}
     one.load_terrain()
     here = one.place(0)

@@ -248,7 +248,7 @@ class AutopilotHarness:
         """Arm, and take off with whatever the type has for that."""
         self.arm()
         self.enter(TAKEOFF)
-        self.autopilot.behaviour.altitude = height  # type: ignore[union-attr]
+        self.autopilot.behaviour.altitude = height
         self.run_until(lambda: self.height > height - 2, timeout=90.0)
         self.run(5.0)
         return self

@@ -51,7 +51,7 @@ def attitudes(draw: st.DrawFn) -> AttitudeSetpoint:
     parts = [draw(stick) for _ in range(4)]
     size = sqrt(sum(part * part for part in parts))
     quaternion = tuple(part / size for part in parts) if size > 0.1 else None
-    return AttitudeSetpoint(quaternion, draw(axes), draw(st.one_of(st.none(), stick)))  # type: ignore[arg-type]
+    return AttitudeSetpoint(quaternion, draw(axes), draw(st.one_of(st.none(), stick)))
 
 
 setpoints = st.one_of(

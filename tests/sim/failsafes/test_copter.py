@@ -44,16 +44,16 @@ def close_gripper(harness: VehicleHarness) -> None:
 def by_radio(value: int, mode: str, *texts: str, name: str = "", **more: object) -> Case:
     return Case(
         name or f"radio-{value}",
-        parameters={"FS_THR_ENABLE": value, **more.pop("parameters", {})},  # type: ignore[dict-item]
+        parameters={"FS_THR_ENABLE": value, **more.pop("parameters", {})},
         faults=("radio off",),
         mode=mode,
         texts=texts,
-        **more,  # type: ignore[arg-type]
+        **more,
     )
 
 
 def by_ground(value: int, mode: str, *texts: str, name: str = "", **more: object) -> Case:
-    parameters = {"FS_GCS_ENABLE": value, "FS_GCS_TIMEOUT": 2, **more.pop("parameters", {})}  # type: ignore[dict-item]
+    parameters = {"FS_GCS_ENABLE": value, "FS_GCS_TIMEOUT": 2, **more.pop("parameters", {})}
     return Case(
         name or f"ground-{value}",
         parameters=parameters,
@@ -61,14 +61,14 @@ def by_ground(value: int, mode: str, *texts: str, name: str = "", **more: object
         event=stop_heartbeats,
         mode=mode,
         texts=texts,
-        **more,  # type: ignore[arg-type]
+        **more,
     )
 
 
 def by_battery(
     value: int, mode: str, *texts: str, name: str = "", level: str = "LOW", **more: object
 ) -> Case:
-    parameters = {f"BATT_FS_{level}_ACT": value, "BATT_LOW_TIMER": 1, **more.pop("parameters", {})}  # type: ignore[dict-item]
+    parameters = {f"BATT_FS_{level}_ACT": value, "BATT_LOW_TIMER": 1, **more.pop("parameters", {})}
     if level == "CRT":
         parameters |= {"BATT_CRT_VOLT": 13.5, "BATT_LOW_VOLT": 0}
     return Case(
@@ -77,7 +77,7 @@ def by_battery(
         faults=("battery sag 4",),
         mode=mode,
         texts=texts,
-        **more,  # type: ignore[arg-type]
+        **more,
     )
 
 

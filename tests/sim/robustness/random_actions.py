@@ -303,7 +303,7 @@ class RandomActor(TargetVehicle):
         place = random.choice([*PLACES, (47.4, 8.5), (unusual_number(random), unusual_number(random))])
         height = random.choice([0, 10, 50, -10, 1e6, -1e6, unusual_number(random)])
         frame = random.choice([0, 3, 3, 3, 2, 6, 10, random.randrange(22)])
-        return MissionItem(command, *params, *place, height, frame=frame)
+        return MissionItem(command, *params, *place, height, frame=frame)  # type: ignore[call-arg]
 
     def accepted(self, kind: int, count: int) -> list[MissionItem]:
         """Return items that the vehicle accepts."""

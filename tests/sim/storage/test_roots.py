@@ -43,12 +43,12 @@ class Vehicle:
         )
 
     def plan(self, kind: int) -> Plan:
-        return self.plans.get(kind, Plan(kind))
+        return self.plans.get(kind, Plan(kind))  # type: ignore[call-overload]
 
     def put(self, plan: Plan) -> None:
         if len(plan) > 5:
             raise OSError(EINVAL, "too long")
-        self.plans[plan.type] = plan
+        self.plans[plan.type] = plan  # type: ignore[index]
 
 
 def read(store, path: str) -> bytes:

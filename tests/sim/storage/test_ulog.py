@@ -161,7 +161,7 @@ def test_status_is_written_when_it_changes() -> None:
     changes = [{}, {}, {"armed": True}, {"landed": False}, {"mode": LOITER}, {"mission_reached": 1}, {}]
     state = {"armed": False, "landed": True, "mode": MISSION}
     for step, change in enumerate(changes):
-        state |= change
+        state |= change  # type: ignore[call-overload]
         writer.write(sample(step * 100_000, **state))
     for step in range(7, 17):
         writer.write(sample(step * 100_000, **(state | {"armed": False, "landed": True})))

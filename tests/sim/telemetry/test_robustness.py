@@ -145,7 +145,7 @@ def test_every_state_of_a_flight(vehicle_type, firmware):
     ]
     sent_types = set()
     for begin in states:
-        begin()
+        begin()  # type: ignore[operator]
         flight.step()
         sent_types |= _send_all(flight)
         flight.run(2.0)

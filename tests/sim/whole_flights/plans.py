@@ -74,7 +74,7 @@ class FlightPlan:
     def _place(self, command: int, place: Place, *params: float) -> int:
         latitude, longitude, _ = LocalFrame(*self.home[:3]).to_global(*place)
         numbers = (*params, 0.0, 0.0, 0.0, 0.0)[:4]
-        self.items.append(MissionItem(int(command), *numbers, latitude, longitude, place[2]))
+        self.items.append(MissionItem(int(command), *numbers, latitude, longitude, place[2]))  # type: ignore[call-arg]
         return len(self.items) - 1
 
     def go(self, command: int, place: Place, *params: float, circle: float = 0.0) -> int:

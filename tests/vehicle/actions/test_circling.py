@@ -19,7 +19,7 @@ def tracked(points, place=HERE):
     vehicle = SimpleNamespace(position=None)
     tracker = CircleTracker(vehicle)
     for north, east, *altitude in points:
-        vehicle.position = Position(*offset_location(*place, north, east), 500.0, *altitude)
+        vehicle.position = Position(*offset_location(*place, north, east), 500.0, *altitude)  # type: ignore[call-arg]
         tracker.update(*place)
     return tracker
 

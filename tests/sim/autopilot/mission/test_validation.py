@@ -88,7 +88,7 @@ FRAMES = {
 @pytest.mark.parametrize("frame", FRAMES)
 def test_frames(flight: MissionHarness, frame: int) -> None:
     wanted = item(CMD.NAV_WAYPOINT, at=(10, 0, 20), frame=frame)
-    assert check(flight, wanted) == FRAMES[frame][flight.firmware is PX4]
+    assert check(flight, wanted) == FRAMES[frame][flight.firmware is PX4]  # type: ignore[index]
 
 
 def test_what_has_no_place_comes_in_the_frame_mission_to_px4(flight: MissionHarness) -> None:
