@@ -20,6 +20,7 @@ FIRMWARES = ["ardupilot", "px4"]
     [
         "gps off", "gps on", "GPS  Spoof 10 -20.5", "compass 90", "baro -3", "motor 1 off", "motor 4 on",
         "battery sag 2.5", "battery 30", "radio off", "link on", "reboot",
+        "power cycle",
     ],
 )  # fmt: skip
 def test_a_fault_is_understood(text) -> None:
@@ -29,7 +30,7 @@ def test_a_fault_is_understood(text) -> None:
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("", "faults are: gps, compass, baro, motor, battery, radio, link, reboot"),
+        ("", "faults are: gps, compass, baro, motor, battery, radio, link, reboot, power"),
         ("wings off", "unknown fault 'wings off'"),
         ("gps", "gps off|on|spoof NORTH EAST"),
         ("gps maybe", "gps off|on|spoof NORTH EAST"),
@@ -48,6 +49,7 @@ def test_a_fault_is_understood(text) -> None:
         ("radio", "radio off|on"),
         ("link 3", "link off|on"),
         ("reboot now", "usage: reboot"),
+        ("power off", "usage: power cycle"),
     ],
 )
 def test_a_fault_that_is_none_is_explained(text, reason) -> None:

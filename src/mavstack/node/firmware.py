@@ -33,6 +33,16 @@ def param_encoding(info: ComponentInfo | None, capabilities: int) -> Encoding:
     return encoding_of(capabilities, info.autopilot if info else common.MavAutopilot.GENERIC)
 
 
+def saves_at_once(info: ComponentInfo | None) -> bool:
+    """Return whether each parameter is saved when it is set, and no command saves them, as on ArduPilot."""
+    return is_ardupilot(info)
+
+
+def saves_by_itself(info: ComponentInfo | None) -> bool:
+    """Return whether parameters are saved without a command: at once, or after seconds on PX4."""
+    return saves_at_once(info) or (info is not None and info.autopilot == common.MavAutopilot.PX4)
+
+
 def firmware_key(info: ComponentInfo | None, version: AutopilotVersion | None) -> str:
     """Return a text that names a firmware: its autopilot, the type of the vehicle, and the version."""
     autopilot, kind = (0, 0) if info is None else (info.autopilot, info.type)

@@ -24,11 +24,18 @@ from mavstack.files.parameter_metadata import (
     read_metadata_file,
 )
 from mavstack.node.api_object import ReadOnly
-from mavstack.node.firmware import firmware_key, has_packed_params, param_encoding
+from mavstack.node.firmware import (
+    firmware_key,
+    has_packed_params,
+    param_encoding,
+    saves_at_once,
+    saves_by_itself,
+)
 from mavstack.node.metadata_files import MetadataAccess, MetadataFiles
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.node.time_budget import TimeBudget
 from mavstack.services.arguments import check_number, check_text
+from mavstack.services.command import Command, CommandOperation
 from mavstack.services.ftp import FtpClient
 from mavstack.services.parameters import (
     PACKED_NAME,
@@ -55,6 +62,8 @@ if TYPE_CHECKING:
 CAPABILITIES_TIMEOUT = 3.0
 _ARDUPILOT: Final = common.MavAutopilot.ARDUPILOTMEGA
 _NO_SUCH_PARAMETER: Final = common.MavParamError.DOES_NOT_EXIST
+#: Param 1 of PREFLIGHT_STORAGE.
+_SAVE_PARAMETERS: Final = 1
 #: The metadata files in the user's cache folder.
 USER_CACHE = MetadataCache()
 
@@ -68,6 +77,7 @@ class Params(ReadOnly):
         self._version: AutopilotVersion | None = None
         self._version_requested = False
         self._metadata = NO_METADATA
+        self._unsaved: dict[str, None] = {}
         self._metadata_files = MetadataFiles(clients)
 
     @property
@@ -113,6 +123,11 @@ class Params(ReadOnly):
     def metadata(self) -> MetadataTable:
         """The metadata (description, unit, range, values) by name; empty until downloaded or loaded."""
         return self._metadata
+
+    @property
+    def unsaved(self) -> tuple[str, ...]:
+        """The names that `set` changed and a restart reverts, until `commit`; empty if the firmware saves."""
+        return tuple(self._unsaved)
 
     async def get(self, name: str, *, timeout: float | None = None) -> Parameter:
         """Get one parameter (PARAM_REQUEST_READ).
@@ -167,7 +182,32 @@ class Params(ReadOnly):
         await self._find_encoding(budget)
         operation = client.set(name, value, host.now(), timeout=budget.remaining())
         with self._explain_renamed(name):
-            return await host.finish(client, operation)
+            held = await host.finish(client, operation)
+        if not saves_by_itself(self._clients.info):
+            self._unsaved[name] = None
+        return held
+
+    async def commit(self, *, timeout: float | None = None) -> None:
+        """Save all parameters, so that they outlast a restart (MAV_CMD_PREFLIGHT_STORAGE).
+
+        Betaflight and iNav keep what was set only if it is saved. PX4 saves by itself after some seconds,
+        and by this call at once. ArduPilot saves each parameter when it is set, and is sent nothing.
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            CommandDenied: The component does not save now, as while it is armed.
+            CommandTimeout: The component does not answer.
+            RemoteCancelled: The node was closed.
+        """
+        saved = self.unsaved
+        if not saves_at_once(self._clients.info):
+            host = self._clients.host
+            command = Command.of(host.named_command(common.MavCmd.PREFLIGHT_STORAGE), (_SAVE_PARAMETERS,))
+            await host.run_operation(self._clients.command, CommandOperation(command, timeout=timeout))
+        for name in saved:
+            self._unsaved.pop(name, None)
 
     async def download(
         self,
@@ -280,8 +320,9 @@ class Params(ReadOnly):
         return self._clients.host.events(ParameterChanged, of=self._client, queue=DEFAULT_QUEUE)
 
     def clear_cache(self) -> None:
-        """Discard the version that was cached before a reboot; metadata stays until the next download."""
+        """Discard version and unsaved names from before a reboot; metadata stays until the next download."""
         self._version, self._version_requested = None, False
+        self._unsaved.clear()
         self._metadata_files.clear_cache()
 
     @contextmanager

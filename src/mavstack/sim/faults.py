@@ -12,6 +12,7 @@
     radio off | on            loss of the pilot's transmitter
     link off | on             loss of all links, in both directions
     reboot                    restart of the autopilot
+    power cycle               restart that loses unsaved parameters
 
 A script has one fault per line: the time in seconds from the start, optionally the system id, and the fault.
 
@@ -56,6 +57,9 @@ class FaultTarget(Protocol):
 
     def reboot(self) -> None:
         """Restart the autopilot."""
+
+    def power_cycle(self) -> None:
+        """Restart the autopilot without what it did not save."""
 
     def switch_transmitter(self, on: bool) -> bool:
         """Switch the pilot's transmitter on or off; returns whether the pilot has lost it."""
@@ -329,6 +333,17 @@ def _reboot(words: Sequence[str]) -> Callable[[FaultTarget], bool]:
     return reboot
 
 
+def _power(words: Sequence[str]) -> Callable[[FaultTarget], bool]:
+    if tuple(words) != ("cycle",):
+        raise FaultError("usage: power cycle")
+
+    def cycle(vehicle: FaultTarget) -> bool:
+        vehicle.power_cycle()
+        return False
+
+    return cycle
+
+
 _KINDS: Final[dict[str, Callable[[Sequence[str]], Callable[[FaultTarget], bool]]]] = {
     "gps": _gps,
     "compass": _compass,
@@ -338,6 +353,7 @@ _KINDS: Final[dict[str, Callable[[Sequence[str]], Callable[[FaultTarget], bool]]
     "radio": _radio,
     "link": _link,
     "reboot": _reboot,
+    "power": _power,
 }
 
 

@@ -8,7 +8,8 @@ returns the bytes to send. Requests of clients reach the autopilot as events of 
     vehicle.receive(port, data)
     for port, data in vehicle.data_to_send(): ...
 
-A reboot creates new services and a new autopilot; ports, keys, parameters, plans, files and the body stay.
+A reboot creates new services and a new autopilot; ports, keys, parameters, plans, files and the body stay. A
+power cycle is a reboot that also loses the parameters that were not saved.
 """
 
 from __future__ import annotations
@@ -217,6 +218,7 @@ class SimulatedVehicle:
         if now >= self._tick_due:
             self._tick_due += TICK
             self.autopilot.tick(now)
+            self.parameters.tick(now)
             self.refresh_heartbeat()
             self.recorder.tick(now)
         due = self.engine.next_timeout()
@@ -251,6 +253,11 @@ class SimulatedVehicle:
         _LOG.info("vehicle %d reboots", self.address.system)
         self._boot()
         self._silent_until = self.now + REBOOT_SILENCE
+
+    def power_cycle(self) -> None:
+        """Take away the power for a moment: parameters that were not saved are lost."""
+        self.parameters.revert_unsaved()
+        self.reboot()
 
     def close(self) -> None:
         """Finish the current log."""

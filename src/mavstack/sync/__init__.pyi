@@ -2415,6 +2415,10 @@ class Params:
     def metadata(self) -> MetadataTable:
         """The metadata (description, unit, range, values) by name; empty until downloaded or loaded."""
 
+    @property
+    def unsaved(self) -> tuple[str, ...]:
+        """The names that `set` changed and a restart reverts, until `commit`; empty if the firmware saves."""
+
     def get(self, name: str, *, timeout: float | None=None) -> Parameter:
         """Get one parameter (PARAM_REQUEST_READ).
 
@@ -2450,6 +2454,21 @@ class Params:
                 with `check` the metadata does not allow it.
             ParameterDenied: The component refused the value.
             ParameterTimeout: The component does not answer, as most do for an unknown name.
+            RemoteCancelled: The node was closed.
+        """
+
+    def commit(self, *, timeout: float | None=None) -> None:
+        """Save all parameters, so that they outlast a restart (MAV_CMD_PREFLIGHT_STORAGE).
+
+        Betaflight and iNav keep what was set only if it is saved. PX4 saves by itself after some seconds,
+        and by this call at once. ArduPilot saves each parameter when it is set, and is sent nothing.
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            CommandDenied: The component does not save now, as while it is armed.
+            CommandTimeout: The component does not answer.
             RemoteCancelled: The node was closed.
         """
 
@@ -2517,7 +2536,7 @@ class Params:
         """Subscribe to changes of parameters, made by any component."""
 
     def clear_cache(self) -> None:
-        """Discard the version that was cached before a reboot; metadata stays until the next download."""
+        """Discard version and unsaved names from before a reboot; metadata stays until the next download."""
 
 class Plans:
     """The plan of one type on a remote component, by the mission protocol.

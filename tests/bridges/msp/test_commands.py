@@ -11,6 +11,7 @@ from mavstack.errors import ActionUnsupported, CommandDenied
 from mavstack.msp.messages.actions import Reboot, RebootMode
 from mavstack.msp.messages.navigation import WpMissionSave
 from mavstack.msp.messages.sensors import AccCalibration, MagCalibration
+from mavstack.services.mission import MissionItem
 from tests.bridges.msp.fake_controller import run
 
 _CMD = common.MavCmd
@@ -89,9 +90,11 @@ def test_the_bootloader(variant, sent):
     run(scenario, variant=variant)
 
 
-@pytest.mark.parametrize(("variant", "missions"), [("BTFL", 0), ("INAV", 1)])
+@pytest.mark.parametrize(("variant", "missions"), [("BTFL", 0), ("INAV", 0), ("INAV", 1)])
 def test_saving(variant, missions):
     async def scenario(vehicle, controller, bridge):
+        if missions:
+            await vehicle.mission.upload([MissionItem(_CMD.NAV_WAYPOINT, 0, 0, 0, 0, 47.0, 8.0, 20.0)])
         await vehicle.command(_CMD.PREFLIGHT_STORAGE, 1)
         assert (controller.saved, len(controller.sent_of(WpMissionSave))) == (1, missions)
         await vehicle.arm()

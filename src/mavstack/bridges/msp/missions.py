@@ -123,8 +123,8 @@ class BridgedMissions:
             self._node.wake(self.server)
 
     async def save(self) -> None:
-        """Save the mission, so that it is there after a restart."""
-        if self.is_supported:
+        """Save the mission; iNav refuses to save one without waypoints, so that is left out."""
+        if self.is_supported and self._numbers:
             await self._controller.send(WpMissionSave())
 
     def receive(self, message: MspMessage) -> None:

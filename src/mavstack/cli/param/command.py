@@ -12,6 +12,7 @@ from mavstack.cli.common.options import seconds
 from mavstack.cli.common.output import align_columns, echo, echo_json
 from mavstack.cli.common.selection import of_vehicle, selects_several
 from mavstack.cli.ftp.limited import add_timeout_option
+from mavstack.cli.param.commit import add_save_option, commit, unsaved_hint
 from mavstack.cli.param.diff import diff
 from mavstack.cli.param.download import download_parameters
 from mavstack.cli.param.load import load
@@ -52,6 +53,7 @@ examples:
   mav param get -v RTL_ALT --metadata apm.pdef.xml
   mav param set RTL_ALT 3000
   mav param set RTL_ALT 20 --force
+  mav param set RTL_ALT 2500 --save
   mav param set RTL_ALT=3000 RTL_SPEED=500
   mav param set RTL_ALT 3000 --systems 1,3-5
   mav param save backup.param
@@ -59,6 +61,7 @@ examples:
   mav param save tuning.params 'ATC*' 'PSC*'
   mav param load backup.param --dry-run
   mav param load backup.param
+  mav param load backup.param --save
   mav param load tuning.params --all
   mav param diff backup.param
   mav param diff before.param after.params --exit-code
@@ -88,6 +91,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     action.add_argument(
         "--force", action="store_true", help="also set values outside of the range that the metadata states"
     )
+    add_save_option(action)
     add_metadata_option(action)
     _add_save_arguments(
         add_vehicle_action(actions, "save", "save the parameters to a file", save, fleet=True)
@@ -155,15 +159,21 @@ def set_values(arguments: Namespace) -> int:
 
     async def work(vehicle: Vehicle) -> int:
         failures: list[MavstackError] = []
+        changes: list[tuple[Parameter, Parameter]] = []
         metadata = await metadata_for_checks(vehicle, arguments)
-        for name, value in wanted.items():
-            try:
-                _check(metadata, vehicle, name.upper(), value)
-                before, after = await _set(vehicle, name.upper(), value)
-            except (RemoteError, CommandError) as error:
-                failures.append(error)
-            else:
-                _show_set(vehicle, before, after, metadata, as_json=arguments.json)
+        try:
+            for name, value in wanted.items():
+                try:
+                    _check(metadata, vehicle, name.upper(), value)
+                    changes.append(await _set(vehicle, name.upper(), value))
+                except (RemoteError, CommandError) as error:
+                    failures.append(error)
+            if arguments.save and changes:
+                await commit(vehicle)
+        except RemoteError as error:
+            failures.append(error)
+        finally:
+            _show_changes(vehicle, changes, metadata, arguments)
         return _report_failures(vehicle, failures)
 
     return run_on_vehicle(arguments, work)
@@ -234,6 +244,18 @@ async def _set(vehicle: Vehicle, name: str, value: Value) -> tuple[Parameter, Pa
     return before, await with_status_texts(vehicle, vehicle.params.set(name, value))
 
 
+def _show_changes(
+    vehicle: Vehicle,
+    changes: list[tuple[Parameter, Parameter]],
+    metadata: MetadataTable,
+    arguments: Namespace,
+) -> None:
+    for before, after in changes:
+        _show_set(vehicle, before, after, metadata, as_json=arguments.json)
+    if changes and not arguments.json:
+        echo(*unsaved_hint(vehicle, saved=arguments.save))
+
+
 def _show_set(
     vehicle: Vehicle, before: Parameter, after: Parameter, metadata: MetadataTable, *, as_json: bool
 ) -> None:
@@ -241,7 +263,8 @@ def _show_set(
     delayed = needs_reboot(after.name) or (described is not None and described.reboot_required)
     reboot = delayed and before.value != after.value
     if as_json:
-        facts = {"before": json_value(before), "needs_reboot": reboot}
+        saved = after.name not in vehicle.params.unsaved
+        facts = {"before": json_value(before), "needs_reboot": reboot, "saved": saved}
         echo_json({"system": vehicle.system, **json_parameter(after), **facts})
         return
     old, new = value_text(before), value_text(after)
@@ -291,6 +314,7 @@ def _add_load_arguments(parser: ArgumentParser) -> None:
         action="store_true",
         help="also set what belongs to one vehicle: its id, calibration and counters",
     )
+    add_save_option(parser)
     _add_format(parser, "format of the file (default: by its content)")
     add_timeout_option(parser)
 

@@ -10,6 +10,7 @@ from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.output import align_columns, coloured, echo, echo_json
 from mavstack.cli.common.selection import of_vehicle, selects_several
 from mavstack.cli.common.transfer_progress import TransferProgress
+from mavstack.cli.param.commit import commit, unsaved_hint
 from mavstack.cli.param.text import json_value, matching, parameters_for
 from mavstack.files.parameters import Outcome, ParameterLoad, read_parameters, value_text
 
@@ -36,6 +37,8 @@ def load(arguments: Namespace) -> int:
         with TransferProgress("downloading parameters", in_bytes=False) as progress:
             try:
                 await task.run(timeout=arguments.action_timeout, progress=progress)
+                if arguments.save and not arguments.dry_run:
+                    await commit(vehicle)
             finally:
                 if any(each.outcome is not Outcome.UNTRIED for each in task.results):
                     _show(vehicle, task.results, arguments)
@@ -46,8 +49,9 @@ def load(arguments: Namespace) -> int:
 
 def _show(vehicle: Vehicle, results: tuple[AppliedParameter, ...], arguments: Namespace) -> None:
     if arguments.json:
+        unsaved = list(vehicle.params.unsaved)
         facts = {"dry_run": arguments.dry_run, "parameters": [_json(each) for each in results]}
-        echo_json({"system": vehicle.system, **facts})
+        echo_json({"system": vehicle.system, **facts, "unsaved": unsaved})
         return
     lines = []
     rows = [(each, _row(each)) for each in results if each.outcome is not Outcome.UNCHANGED]
@@ -56,7 +60,8 @@ def _show(vehicle: Vehicle, results: tuple[AppliedParameter, ...], arguments: Na
         for (result, _), line in zip(rows, aligned, strict=True):
             lines.append(coloured(line, _COLOURS.get(result.outcome, "red")))
     head = [f"vehicle {vehicle.system}:"] if lines and selects_several(arguments) else []
-    echo(*head, *lines, of_vehicle(vehicle, _summary(results, dry_run=arguments.dry_run)))
+    hint = [] if arguments.dry_run else unsaved_hint(vehicle, saved=arguments.save)
+    echo(*head, *lines, of_vehicle(vehicle, _summary(results, dry_run=arguments.dry_run)), *hint)
 
 
 def _row(result: AppliedParameter) -> tuple[str, str, str]:

@@ -11,12 +11,15 @@ from mavstack.errors import RemoteDenied, RemoteProtocolError, RemoteTimeout
 from mavstack.http.request_fields import Fields
 from mavstack.http.routes import Wait
 from mavstack.security.roles import Role
-from mavstack.server.api.action_route import summary_of
+from mavstack.server.api.action_route import Action, action_route, summary_of
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.json_values import to_json
 
 if TYPE_CHECKING:
+    from collections.abc import Container
+
     from mavstack.services.parameters import MetadataTable, Parameter
+    from mavstack.vehicle import Vehicle
 
 _TYPES: Final = common.MavParamType
 _ALL: Final = "/api/vehicles/{system}/parameters"
@@ -24,18 +27,20 @@ _ONE: Final = f"{_ALL}/{{name}}"
 
 
 class ParameterValue(Struct):
-    """A parameter of a vehicle; `text` is its value as files have it."""
+    """A parameter of a vehicle; `text` is its value in files, `saved` is False if a restart reverts it."""
 
     name: str
     value: float | None
     text: str
     type: str | int
+    saved: bool = True
 
 
 class Parameters(Struct):
-    """The parameters of a vehicle."""
+    """The parameters of a vehicle; `unsaved` are the names that a restart reverts until they are saved."""
 
     parameters: list[ParameterValue]
+    unsaved: list[str]
 
 
 class ParametersQuery(Wait):
@@ -53,7 +58,14 @@ class SetParameter(Fields):
     check: Annotated[bool, Meta(description="Refuse a value that the metadata does not allow.")] = False
 
 
-def parameter_json(parameter: Parameter) -> dict[str, Any]:
+class CommitParameters(Action):
+    """Save the parameters, so that they outlast a restart."""
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        await vehicle.params.commit(timeout=self.timeout)
+
+
+def parameter_json(parameter: Parameter, unsaved: Container[str]) -> dict[str, Any]:
     """Return a parameter as JSON."""
     known = parameter.type in _TYPES.__members__.values()
     return {
@@ -61,6 +73,7 @@ def parameter_json(parameter: Parameter) -> dict[str, Any]:
         "value": to_json(parameter.value),
         "text": parameter.text,
         "type": _TYPES(parameter.type).name if known else int(parameter.type),
+        "saved": parameter.name not in unsaved,
     }
 
 
@@ -69,7 +82,9 @@ async def _list(call: Call[None, ParametersQuery]) -> dict[str, Any]:
     cached = params.cached
     if not (call.query.cached and cached):
         cached = await call.read("parameters", lambda: params.download(progress=call.progress))
-    return {"parameters": [parameter_json(cached[name]) for name in sorted(cached)]}
+    unsaved = params.unsaved
+    found = [parameter_json(cached[name], unsaved) for name in sorted(cached)]
+    return {"parameters": found, "unsaved": list(unsaved)}
 
 
 async def _get(call: PlainCall) -> dict[str, Any]:
@@ -77,13 +92,13 @@ async def _get(call: PlainCall) -> dict[str, Any]:
     known = params.cached.get(name) if call.role is Role.OBSERVE else None
     if known is None:
         known = await call.read(f"parameter {name}", lambda: params.get(name))
-    return parameter_json(known)
+    return parameter_json(known, params.unsaved)
 
 
 async def _set(call: Call[SetParameter, None]) -> dict[str, Any]:
-    body = call.body
-    found = await call.vehicle.params.set(call.path("name"), body.value, check=body.check)
-    return parameter_json(found)
+    body, params = call.body, call.vehicle.params
+    found = await params.set(call.path("name"), body.value, check=body.check)
+    return parameter_json(found, params.unsaved)
 
 
 async def _metadata(call: Call[None, Wait]) -> dict[str, Any]:
@@ -100,7 +115,7 @@ async def _metadata(call: Call[None, Wait]) -> dict[str, Any]:
     return {"metadata": {name: to_json(table[name]) for name in names if name in table}, "problem": None}
 
 
-_EXAMPLE: Final = {"name": "RTL_ALT", "value": 1500.0, "text": "1500", "type": "REAL32"}
+_EXAMPLE: Final = {"name": "RTL_ALT", "value": 1500.0, "text": "1500", "type": "REAL32", "saved": True}
 
 ROUTES: Final[tuple[AnyRoute, ...]] = (
     ApiRoute(
@@ -110,7 +125,7 @@ ROUTES: Final[tuple[AnyRoute, ...]] = (
         summary="Download all parameters",
         tag="parameters",
         query=ParametersQuery,
-        answer={"parameters": [_EXAMPLE]},
+        answer={"parameters": [_EXAMPLE], "unsaved": []},
         answer_model=Parameters,
     ),
     ApiRoute(
@@ -136,6 +151,7 @@ ROUTES: Final[tuple[AnyRoute, ...]] = (
         answer=_EXAMPLE,
         answer_model=ParameterValue,
     ),
+    action_route("commit-parameters", CommitParameters, Role.ADMINISTER),
     ApiRoute(
         method="GET",
         path="/api/vehicles/{system}/parameter-metadata",

@@ -63,6 +63,7 @@ def identity_json(vehicle: Vehicle) -> dict[str, Any]:
         "warnings": [to_json(each) for each in health.warnings],
         "has_id_conflict": vehicle.has_id_conflict,
         "conflict": conflict_json(vehicle),
+        "unsaved_parameters": len(vehicle.params.unsaved),
         "position": to_json(vehicle.position),
     }
 
@@ -144,6 +145,7 @@ _EXAMPLE: Final = {
     "warnings": [{"text": "GPS has no 3D fix (4 satellites)", "source": "GPS_RAW_INT"}],
     "has_id_conflict": False,
     "conflict": None,
+    "unsaved_parameters": 0,
     "position": {
         "latitude": 47.3977,
         "longitude": 8.5456,

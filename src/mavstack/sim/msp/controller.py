@@ -178,6 +178,10 @@ class SimulatedFlightController:
         """Restart the controller: motors off, a short silence, and the settings of the EEPROM."""
         self.request_reboot()
 
+    def power_cycle(self) -> None:
+        """Take away the power for a moment, which for a flight controller is a restart."""
+        self.request_reboot()
+
     def _restart(self) -> None:
         self._reboot_due = None
         self.body.stop()

@@ -1,6 +1,7 @@
 """The parameters of one simulated vehicle, as its firmware uses them.
 
-The values are in one ParameterTable, which survives reboots; each boot creates a ParameterServer that serves
+The values are in one ParameterTable, which survives reboots; a power cycle reverts those that were not saved
+yet. Each boot creates a ParameterServer that serves
 this table. A value set by a client takes effect immediately, and a value set by the vehicle is broadcast.
 
     parameters = Parameters(Firmware.ARDUPILOT, VehicleType.COPTER, system=7)
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
 Default = TypeVar("Default")
 
 _SYSTEM_NAMES = {Firmware.ARDUPILOT: "SYSID_THISMAV", Firmware.PX4: "MAV_SYS_ID"}
+#: Seconds after the last change when a firmware saves its parameters by itself.
+AUTOSAVE_DELAYS = {Firmware.ARDUPILOT: 0.0, Firmware.PX4: 2.0}
 _ENCODINGS = {Firmware.ARDUPILOT: Encoding.C_CAST, Firmware.PX4: Encoding.BYTEWISE}
 
 
@@ -49,6 +52,11 @@ class Parameters:
         for definition in definitions(firmware, vehicle_type):
             self.table.add(definition)
         self.encoding = _ENCODINGS[firmware]
+        self._autosave_delay = AUTOSAVE_DELAYS[firmware]
+        #: The saved values of parameters that changed since.
+        self._saved: dict[str, Value] = {}
+        self._save_due: float | None = None
+        self._now = 0.0
         self._system_name = _SYSTEM_NAMES[firmware]
         identity = self.table[self._system_name]
         identity.value = identity.default = as_type(self._system_name, system, identity.kind)
@@ -86,6 +94,7 @@ class Parameters:
         typed = as_type(name, value, definition.kind)
         if same(typed, definition.value):
             return
+        self._changes(name, definition.value)
         if self._server is None:
             definition.value = typed
         else:
@@ -99,6 +108,31 @@ class Parameters:
         for definition in self.table:
             if not definition.read_only and definition.default is not None:
                 self.set(definition.name, definition.default)
+
+    # Storage
+
+    def tick(self, now: float) -> None:
+        """Save changed values if it is time."""
+        self._now = now
+        if self._save_due is not None and now >= self._save_due:
+            self.save()
+
+    def save(self) -> None:
+        """Save all values, so that they outlast a power cycle."""
+        self._saved.clear()
+        self._save_due = None
+
+    def revert_unsaved(self) -> None:
+        """Return to the saved values, as after a power cycle."""
+        for name, value in self._saved.items():
+            self.table[name].value = value
+        self.save()
+
+    def _changes(self, name: str, previous: Value) -> None:
+        """Note that a value changes, and when it is saved."""
+        if self._autosave_delay:
+            self._saved.setdefault(name, previous)
+            self._save_due = self._now + self._autosave_delay
 
     # Callbacks
 
@@ -114,6 +148,7 @@ class Parameters:
 
     def written(self, event: ParameterWritten) -> None:
         """Call the callbacks after a client set a parameter."""
+        self._changes(event.parameter.name, event.previous)
         self._notify(event.parameter.name)
 
     # Server

@@ -44,13 +44,15 @@ class Px4MaintenanceCommands(MaintenanceCommands):
         return _RESULT.ACCEPTED
 
     def store(self, request: CommandRequest) -> common.MavResult:
-        """Answer PREFLIGHT_STORAGE: parameters are always saved; they can be reset."""
+        """Answer PREFLIGHT_STORAGE: save now what would be saved after a delay, or reset."""
         requested = whole(request.command.param1)
         if self.autopilot.armed:
             return _RESULT.TEMPORARILY_REJECTED
         if requested in (_RESET_CONFIGURATION, _RESET_SENSORS, _RESET_ALL):
             self.vehicle.parameters.reset()
             return _RESULT.ACCEPTED
+        if requested == _SAVE:
+            self.vehicle.parameters.save()
         return _RESULT.ACCEPTED if requested in (_LOAD, _SAVE) else _RESULT.UNSUPPORTED
 
     # Actuators
