@@ -10,6 +10,10 @@ from mavstack.http.request_fields import Fields, read_fields, read_query
 from mavstack.http.routes import NoFields
 
 
+class Inner(Fields):
+    width: int = 0
+
+
 class Request(Fields):
     speed: Annotated[float, Meta(description="Metres per second.", ge=0, le=50)]
     count: Annotated[int, Meta(description="A number.", ge=1)] = 3
@@ -18,6 +22,8 @@ class Request(Fields):
     mode: int | Annotated[str, Meta(max_length=4096)] | None = None
     file: Annotated[str, Meta(max_length=8, pattern="^[a-z]+$(?!\\n)")] | None = None
     params: Annotated[tuple[float | None, ...], Meta(max_length=2)] = ()
+    place: tuple[Annotated[float, Meta(ge=-90, le=90)], float] | None = None
+    inner: Inner | None = None
 
 
 def test_values_and_defaults() -> None:
@@ -51,8 +57,13 @@ def test_a_query_has_texts() -> None:
         ({"speed": 1, "file": "ab\n"}, "file must be a string of at most 8 characters"),
         ({"speed": 1, "mode": []}, "mode must be an integer or a string of at most 4096 characters, got []"),
         ({"speed": 1, "params": ["x"]}, "params must be an array of at most 2 values, each a number"),
+        (
+            {"speed": 1, "place": [91, 8]},
+            "place must be an array of 2 values, each a number from -90 to 90 and a number, got [91, 8]",
+        ),
+        ({"speed": 1, "inner": 5}, "inner must be an object, got 5"),
         ({"speed": 1, "sped": 2}, "there is no field 'sped': did you mean speed?"),
-        ({"speed": 1, "x" * 5000: 2}, "…: there are speed, count, force, kind, mode, file, params"),
+        ({"speed": 1, "x" * 5000: 2}, "…: there are speed, count, force, kind, mode, file, params, place"),
     ],
 )
 def test_wrong_values_are_refused_with_a_reason(values, problem) -> None:

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from tools.conformance.corpus import DIALECTS, corpus_text
+from tools.conformance.surveys import survey_files
 
 FOLDER = Path(__file__).resolve().parents[2] / "conformance"
 
@@ -17,12 +18,15 @@ def main() -> int:
     parser.add_argument("--check", action="store_true", help="write nothing; exit with 1 if a file is old")
     arguments = parser.parse_args()
     outdated = []
-    for name in DIALECTS:
-        path, text = FOLDER / f"{name}.jsonl", corpus_text(name)
+    files = {f"{name}.jsonl": corpus_text(name) for name in DIALECTS}
+    files |= {f"survey/{name}": text for name, text in survey_files().items()}
+    for name, text in files.items():
+        path = FOLDER / name
         if path.is_file() and path.read_text("ascii") == text:
             continue
         outdated.append(path.name)
         if not arguments.check:
+            path.parent.mkdir(exist_ok=True)
             path.write_text(text, "ascii")
     if arguments.check and outdated:
         print(f"out of date: {', '.join(outdated)}; run python -m tools.conformance", file=sys.stderr)

@@ -111,10 +111,13 @@ def allowed_values(field: Mapping[str, Any]) -> str:
         case {"type": "string"}:
             length = f" of at most {field['maxLength']} characters" if "maxLength" in field else ""
             return f"a string{length}" + (f" that fits {field['pattern']}" if "pattern" in field else "")
+        case {"type": "array", "prefixItems": kinds}:
+            each = " and ".join(dict.fromkeys(allowed_values(kind) for kind in kinds))
+            return f"an array of {len(kinds)} values, each {each}"
         case {"type": "array"}:
             length = f" of at most {field['maxItems']} values" if "maxItems" in field else ""
             return f"an array{length}, each {allowed_values(field['items'])}"
-        case {"type": "object"}:
+        case {"type": "object"} | {"$ref": _}:
             return "an object"
         case _:
             return ("an integer" if field.get("type") == "integer" else "a number") + _range(field)

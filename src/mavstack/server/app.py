@@ -41,6 +41,8 @@ from mavstack.server.api import (
     router,
     simulators,
     station,
+    surveys,
+    swarms,
     vehicles,
 )
 from mavstack.server.api.session import LogIn, Sessions
@@ -96,6 +98,8 @@ ROUTES: Final[tuple[AnyRoute, ...]] = (
     *cameras.ROUTES,
     *parameters.ROUTES,
     *plans.ROUTES,
+    *surveys.ROUTES,
+    *swarms.ROUTES,
     *files.ROUTES,
     *station.ROUTES,
     *recordings.ROUTES,

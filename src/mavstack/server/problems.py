@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 from mavstack.errors import (
     ActionInterrupted,
     ActionUnsupported,
+    GroupError,
     InvalidStateError,
     LinkError,
     LinkURLError,
@@ -27,6 +28,7 @@ from mavstack.errors import (
     RemoteError,
     RemoteProtocolError,
     RemoteTimeout,
+    SwarmStopped,
     SystemIdConflictError,
     UnknownMessageError,
 )
@@ -45,6 +47,8 @@ STATUSES: Final[Sequence[tuple[type[Exception], HTTPStatus]]] = (
     (RemoteProtocolError, HTTPStatus.BAD_GATEWAY),
     (ActionUnsupported, HTTPStatus.CONFLICT),
     (InvalidStateError, HTTPStatus.CONFLICT),
+    (GroupError, HTTPStatus.CONFLICT),
+    (SwarmStopped, HTTPStatus.CONFLICT),
     (LocalProtocolError, HTTPStatus.BAD_REQUEST),
     (LinkURLError, HTTPStatus.BAD_REQUEST),
     (LinkError, HTTPStatus.CONFLICT),
@@ -76,6 +80,8 @@ def problem_json(error: Exception) -> dict[str, Any]:
         details["code"] = int(error.code)
     if isinstance(error, RemoteError) and error.status_texts:
         details["status_texts"] = list(error.status_texts)
+    if isinstance(error, SwarmStopped):
+        details["systems"] = list(error.systems)
     return _problem(type(error).__name__, str(error), **details)
 
 

@@ -28,6 +28,7 @@ from mavstack.server.packet_hub import PacketHub
 from mavstack.server.recordings import Recordings
 from mavstack.server.shared_reads import SharedReads
 from mavstack.server.sources import Sources
+from mavstack.server.swarms import StationSwarm
 from mavstack.server.tasks import Tasks
 from mavstack.server.worlds import Worlds
 from mavstack.vehicle import Connection, VehicleFound, VehicleRebooted
@@ -96,6 +97,7 @@ class Station:
         self.packets = PacketHub(self.connection)
         self.recordings = Recordings(self.connection, folder)
         self.calibrations = Calibrations()
+        self.swarm = StationSwarm(self.connection)
         self.tasks = Tasks()
         self.generator = GeneratorRunner()
         #: The requests of all clients that observe.
@@ -128,6 +130,7 @@ class Station:
             steps.push_async_callback(self.recordings.close)
             steps.push_async_callback(self.sources.close_rows)
             steps.push_async_callback(self.worlds.close)
+            steps.push_async_callback(self.swarm.close)
             steps.push_async_callback(self.tasks.close)
             if self._requests_telemetry:
                 follower = asyncio.get_running_loop().create_task(self._follow_vehicles())

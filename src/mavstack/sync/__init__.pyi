@@ -78,6 +78,7 @@ from mavstack.services.terrain import TerrainState
 from mavstack.services.timesync import TimesyncClient
 from mavstack.services.version import AutopilotVersion
 from mavstack.services.version import ProtocolVersion
+from mavstack.swarm.arrays import Points
 from mavstack.swarm.formations import Formation
 from mavstack.vehicle.actions.renumber import Renumbered
 from mavstack.vehicle.calibration.kinds import CalibrationKind
@@ -3221,6 +3222,18 @@ class Swarm:
     @property
     def smallest_separation(self) -> float:
         """The smallest distance of two vehicles so far in metres, heights divided by `VERTICAL_FACTOR`."""
+
+    @property
+    def places(self) -> Points:
+        """The positions of `vehicles` in metres north, east, up of the ground below the leader's home."""
+
+    @property
+    def course(self) -> float:
+        """The direction of the formation in degrees."""
+
+    @property
+    def options(self) -> SwarmOptions:
+        """How the vehicles fly."""
 
     def formation(self, formation: str | Formation, *, spacing: float | None=None, course: float | None=None, altitude: float | None=None, **options: Any) -> None:
         """Fly into a formation, around the leader where it is.

@@ -77,6 +77,51 @@ def test_positions_that_are_late_for_a_moment_end_nothing():
     run(scenario)
 
 
+def test_a_course_waits_while_no_position_arrives():
+    async def scenario(controller, members):
+        course = straight_transition(STARTS, GOALS)
+        flight = asyncio.create_task(controller.fly(course, members))
+        await asyncio.sleep(3)
+        for member in members:
+            member.age = 2.0
+        await asyncio.sleep(0.2)
+        before = members[0].place
+        await asyncio.sleep(course.duration)
+        assert members[0].place == pytest.approx(before, abs=0.01)
+        for member in members:
+            member.age = 0.0
+        await asyncio.sleep(0.1)
+        assert members[0].place[1] == pytest.approx(before[1], abs=1.0)  # it goes on where it was
+        await flight
+
+    run(scenario)
+
+
+def test_a_program_that_was_held_up_continues_where_it_was():
+    async def scenario(controller, members):
+        flight = asyncio.create_task(controller.fly(straight_transition(STARTS, GOALS), members))
+        await asyncio.sleep(3)
+        before, now = members[0].place, controller._now
+        controller._now = lambda: now() + 7.0  # as a process that the system did not run sees it
+        await asyncio.sleep(0.1)
+        assert members[0].place[1] - before[1] < 3.0
+        await flight
+
+    run(scenario)
+
+
+def test_a_swarm_whose_positions_do_not_return_is_stopped():
+    async def scenario(controller, members):
+        flight = asyncio.create_task(controller.fly(straight_transition(STARTS, GOALS), members))
+        await asyncio.sleep(2)
+        for member in members:
+            member.age = 9.0
+        with pytest.raises(SwarmStopped, match="no positions of the members arrive"):
+            await flight
+
+    run(scenario)
+
+
 def test_a_swarm_without_members_that_follow_is_stopped():
     async def scenario(controller, members):
         flight = asyncio.create_task(controller.fly(straight_transition(STARTS, GOALS), members))

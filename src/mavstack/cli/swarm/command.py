@@ -19,7 +19,7 @@ from mavstack.cli.common.selection import selected_vehicles
 from mavstack.cli.swarm.search import add_search_arguments, search
 from mavstack.swarm.formations import FORMATIONS, Formation, default_spacing
 from mavstack.vehicle.swarm import Swarm, SwarmOptions
-from mavstack.vehicle.swarm.launch import take_off
+from mavstack.vehicle.swarm.launch import DEFAULT_ALTITUDE, take_off
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 
     from mavstack.vehicle import Connection, Group, Vehicle
 
-#: Metres above home of a takeoff.
-DEFAULT_ALTITUDE: Final = 10.0
 EXAMPLES: Final = """\
 examples:
   mav swarm takeoff 20 --layer-spacing 10                 # arm, and climb to 20, 30, 40 m …

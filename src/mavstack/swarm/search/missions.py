@@ -121,7 +121,8 @@ def _legs(
 
 def _waypoint(frame: LocalFrame, place: Corner, altitude: float) -> MissionItem:
     latitude, longitude, _ = frame.to_global(place[0], place[1], 0.0)
-    return MissionItem.waypoint(latitude, longitude, altitude)
+    # The digits that a mission item has on the wire.
+    return MissionItem.waypoint(round(latitude, 7), round(longitude, 7), altitude)
 
 
 def _trigger(distance: float) -> MissionItem:

@@ -145,11 +145,11 @@ def track_line(route: Sequence[tuple[float, float]] | Points, spacing: float, *,
     tracks = []
     for index in range(sides):
         beside = (index + 0.5) * spacing
-        tracks += [_beside(line, beside), _beside(line, -beside)[::-1]]
+        tracks += [offset_line(line, beside), offset_line(line, -beside)[::-1]]
     return np.vstack(tracks)
 
 
-def _beside(line: Points, right: float) -> Points:
+def offset_line(line: Points, right: float) -> Points:
     """Return a line at a distance to the right, with mitred corners."""
     legs = np.diff(line, axis=0)
     lengths = np.linalg.norm(legs, axis=1)

@@ -52,6 +52,11 @@ class Share:
         """The length of the legs in metres."""
         return sum(track.length for track in self.tracks)
 
+    @property
+    def way(self) -> float:
+        """The length of the legs and of the straight ways between them, in metres."""
+        return self.length + sum(math.dist(one.end, other.start) for one, other in pairwise(self.tracks))
+
 
 def pattern_tracks(pattern: str, size: float, spacing: float, bearing: float = 0.0) -> list[Track]:
     """Return the legs of a pattern in the order in which one vehicle flies them.

@@ -4,6 +4,10 @@ The loop takes one course at a time. Each step it reads the members' states, upd
 guard judge them, and sends a setpoint to each member that is present. If the guard finds a breach, the
 members stand where they are, and the call that waits for the course ends in `SwarmStopped`. A vehicle that
 leaves its mode, since a pilot or `mav swarm stop` took it, leaves the swarm and is not called back.
+
+A course has its own time. It stops while no position arrives and while the program is held up, so that
+setpoints continue where they were instead of jumping ahead of the vehicles; a course without an end, which
+follows a vehicle, cannot wait and keeps the time of the clock.
 """
 
 from __future__ import annotations
@@ -41,6 +45,12 @@ _SETTLED_SPEED: Final = 0.5
 ARRIVAL_DISTANCE: Final = 1.0
 #: Seconds after a course in which its members have to arrive.
 ARRIVAL_TIMEOUT: Final = 20.0
+#: Most seconds by which a course advances in a step.
+_MAX_STEP: Final = 3.0 * _STEP
+#: Age in seconds of the latest of all positions above which a course waits.
+_LATE: Final = 0.5
+#: Seconds without a position of any member after which the swarm is stopped.
+SILENCE_TIMEOUT: Final = 20.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,11 +151,11 @@ class SwarmController:
         self._begin(course, tuple(members))
         duration = course.duration if until is None else min(until, course.duration)
         try:
-            while self._now() - self._begun < duration or not self._arrived(duration):
+            while self._elapsed < duration or not self._arrived(duration):
                 await self._progress.wait()
                 if self._stopped is not None:
                     raise self._stopped
-                if self._now() - self._begun > duration + ARRIVAL_TIMEOUT:
+                if self._elapsed > duration + ARRIVAL_TIMEOUT:
                     late = [each.vehicle.system for each in self._late()]
                     self.stop("members did not arrive at their slots", late)
         except asyncio.CancelledError:
@@ -153,14 +163,33 @@ class SwarmController:
             raise
 
     def _begin(self, course: Course, members: tuple[Member, ...]) -> None:
-        self._course, self._flying, self._begun = course, members, self._now()
+        self._course, self._flying, self._elapsed = course, members, 0.0
+        self._advanced = self._received = self._now()
+
+    def _advance(self) -> None:
+        """Advance the time of the course; see the head of the module."""
+        now = self._now()
+        step, self._advanced = now - self._advanced, now
+        if min(each.age for each in self.members) <= _LATE:
+            self._received = now
+        elif now - self._received > SILENCE_TIMEOUT and self._stopped is None:
+            self._stopped = SwarmStopped("no positions of the members arrive", ())
+        if math.isinf(self._course.duration):
+            self._elapsed += step
+        elif not self._waits:
+            self._elapsed += min(step, _MAX_STEP)
+
+    @property
+    def _waits(self) -> bool:
+        """True while the course waits for positions."""
+        return self._received != self._advanced and not math.isinf(self._course.duration)
 
     def _arrived(self, duration: float) -> bool:
         endless = math.isinf(self._course.duration) and duration < math.inf
         return endless or (bool(self.active) and not self._late())
 
     def _late(self) -> list[Member]:
-        places, _ = self._course.state(self._now() - self._begun)
+        places, _ = self._course.state(self._elapsed)
         active = set(self.active)
         found = []
         for member, place in zip(self._flying, places, strict=True):
@@ -176,7 +205,10 @@ class SwarmController:
         positions = np.array([position for position, _ in states])
         velocities = np.array([velocity for _, velocity in states])
         self._check_guard(positions)
-        places, motion = self._course.state(self._now() - self._begun)
+        self._advance()
+        places, motion = self._course.state(self._elapsed)
+        if self._waits:
+            motion = np.zeros_like(motion)
         active = [index for index, each in enumerate(self._flying) if each in set(self.active)]
         if not active:
             # Members whose positions are late may return: their last setpoints are streamed meanwhile.

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from mavstack.services.arguments import check_numbers
 
 if TYPE_CHECKING:
     from mavstack.vehicle.group import Group, Results
     from mavstack.vehicle.vehicle import Vehicle
+
+#: Metres above home of a takeoff.
+DEFAULT_ALTITUDE: Final = 10.0
 
 
 async def take_off(

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from mavstack.dialects import common
-from mavstack.errors import RemoteError
+from mavstack.errors import ContactLost, RemoteError
 from mavstack.services.setpoints import GlobalSetpoint, LocalSetpoint
 
 if TYPE_CHECKING:
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 RATE: Final = 10.0
 #: Seconds for which a position is carried on by the velocity.
 _EXTRAPOLATION: Final = 1.0
+#: Seconds in which a vehicle that seems lost has to send a heartbeat.
+_HEARTBEAT_TIMEOUT: Final = 3.0
 
 
 class Member:
@@ -71,7 +73,12 @@ class Member:
             RemoteTimeout: It did not answer.
         """
         session = self.vehicle.guided(RATE)
-        await session.__aenter__()
+        try:
+            await session.__aenter__()
+        except ContactLost:  # or the program was held up: a heartbeat shows which
+            await self.vehicle.wait_for_message(common.Heartbeat, timeout=_HEARTBEAT_TIMEOUT)
+            session = self.vehicle.guided(RATE)
+            await session.__aenter__()
         self._session = session
 
     async def leave(self) -> None:
@@ -83,6 +90,10 @@ class Member:
     def follow(self, place: Points, velocity: Points) -> None:
         """Send a setpoint; a vehicle that does not follow any more keeps its `error`.
 
+        A vehicle whose heartbeats are late is not given up: its last setpoint is streamed on, and it gets new
+        ones as soon as it is received again. A program that a busy machine held up for some seconds finds all
+        vehicles late at once.
+
         Args:
             place: Metres north, east, up; NaN: the velocity alone.
             velocity: North, east, up in m/s.
@@ -91,6 +102,8 @@ class Member:
             return
         try:
             self._session.set(self._setpoint(place, velocity))
+        except ContactLost:
+            return
         except RemoteError as error:
             self.error = error
 

@@ -95,6 +95,21 @@ class Swarm(ReadOnly):
         """The smallest distance of two vehicles so far in metres, heights divided by `VERTICAL_FACTOR`."""
         return self._running.guard.smallest_separation
 
+    @property
+    def places(self) -> Points:
+        """The positions of `vehicles` in metres north, east, up of the ground below the leader's home."""
+        return self._running.places()
+
+    @property
+    def course(self) -> float:
+        """The direction of the formation in degrees."""
+        return self._course
+
+    @property
+    def options(self) -> SwarmOptions:
+        """How the vehicles fly."""
+        return self._options
+
     async def formation(
         self,
         formation: str | Formation,
