@@ -34,3 +34,12 @@ def test_an_unknown_aircraft_is_reported(capfd):
     with pytest.raises(InvalidArgumentError, match="JSBSim has no aircraft 'zeppelin'"):
         load_physics("jsbsim:zeppelin")
     assert capfd.readouterr().out == ""
+
+
+@pytest.mark.parametrize("aircraft", ["c172x", "c310", "f16"])
+def test_an_aircraft_with_a_log_of_its_model_writes_no_files(aircraft, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    body, _ = load_physics(f"jsbsim:{aircraft}")
+    body.reset(DEFAULT_HOME, 0.0)
+    body.step((0.0, 0.0, 0.5, 0.0), 0.02)
+    assert list(tmp_path.iterdir()) == []

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import shutil
+import subprocess
 import tomllib
 from pathlib import Path
 
@@ -32,6 +34,15 @@ def test_continuous_integration_covers_the_platforms_and_versions_of_the_classif
     matrix = workflow["jobs"]["platforms"]["strategy"]["matrix"]
     assert matrix["python"] == python_versions()
     assert {system.split("-")[0] for system in matrix["os"]} == {"ubuntu", "macos", "windows"}
+
+
+def test_the_root_of_the_repository_has_no_files_that_programs_wrote() -> None:
+    git = shutil.which("git")
+    if git is None or not (ROOT / ".git").exists():
+        pytest.skip("not a checkout of git")
+    listed = subprocess.run([git, "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout  # noqa: S603
+    endings = {Path(name).suffix for name in listed.splitlines() if "/" not in name}
+    assert endings <= {"", ".md", ".toml", ".lock", ".yml", ".yaml"}
 
 
 def test_make_targets_that_documents_name_exist() -> None:

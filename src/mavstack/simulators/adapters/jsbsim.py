@@ -7,6 +7,7 @@ steps of JSBSim. Before the first step the aircraft settles on its wheels, engin
 from __future__ import annotations
 
 import math
+import os
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.errors import InvalidArgumentError, MissingExtraError
@@ -55,7 +56,7 @@ class JsbsimPhysics:
         self._exec: Any = jsbsim.FGFDMExec(None)
         if model not in _models(self._exec) or not self._exec.load_model(model):
             raise InvalidArgumentError(f"JSBSim has no aircraft {model!r}")
-        self._exec.disable_output()  # some models write files
+        _discard_output(self._exec)
         self._frame = LocalFrame(0.0, 0.0, 0.0)
 
     def reset(self, home: Home, heading: float) -> State:
@@ -112,6 +113,14 @@ class JsbsimPhysics:
             tuple(_FEET * fdm[f"accelerations/a-pilot-{axis}-ft_sec2"] for axis in "xyz"),
             airspeed=_FEET * fdm["velocities/vt-fps"],
         )
+
+
+def _discard_output(fdm: Any) -> None:  # noqa: ANN401 (jsbsim has no types)
+    """Write no files: many models log to a file in the current folder, which `disable_output` opens nevertheless."""
+    number = 0
+    while fdm.set_output_filename(number, os.devnull):
+        number += 1
+    fdm.disable_output()
 
 
 def _models(fdm: Any) -> set[str]:  # noqa: ANN401 (jsbsim has no types)
