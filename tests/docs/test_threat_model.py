@@ -9,6 +9,7 @@ import pytest
 
 from tools.attacks.gates import GATES
 from tools.attacks.lockouts import LOCKOUTS
+from tools.attacks.reloads import RELOADS, UNSIGNED_RELOADS
 from tools.attacks.scenarios import FACTORS, FLOOD, PASSED, PLAIN, UNSIGNED
 from tools.attacks.station import DELAYS, STATION
 from tools.attacks.texts import FORMULAS_ROW
@@ -21,7 +22,7 @@ LINES = [
     for line in TEXT.partition("## Figures")[0].splitlines()
     if line.startswith("| ")
 ][1:]
-TABLES = (PASSED, UNSIGNED, PLAIN, FACTORS, GATES, LOCKOUTS, VEHICLES, FLOOD, DELAYS, STATION)
+TABLES = (PASSED, UNSIGNED, PLAIN, FACTORS, GATES, LOCKOUTS, RELOADS, UNSIGNED_RELOADS, VEHICLES, FLOOD, DELAYS, STATION)
 ROWS = {FORMULAS_ROW, *(name for table in TABLES for name in table)}
 #: The attacker who owns the vehicle is not stopped.
 UNTESTED = {"has the vehicle's key, or the vehicle"}

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from tools.attacks.gates import GATES
 from tools.attacks.lockouts import LOCKOUTS
 from tools.attacks.range import opened
+from tools.attacks.reloads import RELOADS, UNSIGNED_RELOADS
 from tools.attacks.routers import RouterProgram, available, with_gates, without_firewall, without_signing
 from tools.attacks.scenarios import FACTORS, FLOOD, PASSED, PLAIN, UNSIGNED, flood
 from tools.attacks.station import DELAYS, PROCESSOR_TIME, STATION, delays, opened_station
@@ -34,16 +35,11 @@ def main() -> int:
     parser.add_argument("--no-flood", action="store_true", help="leave the flood out")
     arguments = parser.parse_args()
     end_children_with_this_process()
-    results = {
-        program.name: attack(program, with_flood=not arguments.no_flood)
-        for program in available(arguments.router)
-    }
-    if "mavstack" in results:
-        results["mavstack"] |= _run(with_gates(), {**GATES, **LOCKOUTS})
-        results["mavstack"] |= {name: scenario() for name, scenario in VEHICLES.items()}
-        with opened_station() as station:
-            results["mavstack"] |= delays(station)
-            results["mavstack"] |= {name: scenario(station) for name, scenario in STATION.items()}
+    results: dict[str, dict[str, float]] = {}
+    for program in available(arguments.router):
+        results[program.name] = attack(program, with_flood=not arguments.no_flood)
+        if program.name == "mavstack":
+            results[program.name] |= _attack_ours(program)
     if not arguments.router:
         _add_texts(results)
     print(json.dumps(results, indent=2) if arguments.json else _table(results))
@@ -66,6 +62,18 @@ def attack(program: RouterProgram, *, with_flood: bool = True) -> dict[str, floa
     if with_flood:
         with opened(program) as field:
             results |= flood(field)
+    return results
+
+
+def _attack_ours(program: RouterProgram) -> dict[str, float]:
+    """Run the attacks on what the other routers do not have."""
+    results = _run(with_gates(), {**GATES, **LOCKOUTS})
+    results |= _run(program, RELOADS)
+    results |= _run(without_signing(program), UNSIGNED_RELOADS, signed=False)
+    results |= {name: scenario() for name, scenario in VEHICLES.items()}
+    with opened_station() as station:
+        results |= delays(station)
+        results |= {name: scenario(station) for name, scenario in STATION.items()}
     return results
 
 

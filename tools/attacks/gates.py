@@ -18,6 +18,7 @@ from mavstack.security.tickets import MAVLINK_SCOPE, MAX_LIFETIME, SUBPROTOCOL, 
 from mavstack.wire import Encoder
 from tools.attacks.range import ARM
 from tools.attacks.routers import KEY, STATION, TICKET_KEY
+from tools.attacks.websocket import frame, requested
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -25,15 +26,6 @@ if TYPE_CHECKING:
     from mavstack.dialects import Message
     from tools.attacks.range import Range
 
-_REQUEST: Final = """\
-GET / HTTP/1.1\r
-Host: 127.0.0.1:{port}\r
-Upgrade: websocket\r
-Connection: Upgrade\r
-Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r
-Sec-WebSocket-Version: 13\r
-{protocols}\r
-"""
 #: Commands in the test of a sealed link.
 _COMMANDS: Final = 10
 #: Requests of each observer, silent connections, and commands of a station behind them.
@@ -163,40 +155,24 @@ def accepts_ticket(field: Range) -> bool:
 
 
 def _accepts(field: Range, ticket: str | None) -> bool:
-    with _request(field, ticket) as (_, accepted):
+    protocols = () if ticket is None else (SUBPROTOCOL, ticket)
+    with requested(field.ports.gate, *protocols) as (_, accepted):
         return accepted
-
-
-@contextmanager
-def _request(field: Range, ticket: str | None) -> Iterator[tuple[socket.socket, bool]]:
-    """Ask the gate for a WebSocket; yield the connection, and whether it was accepted."""
-    protocols = "" if ticket is None else f"Sec-WebSocket-Protocol: {SUBPROTOCOL}, {ticket}\r\n"
-    with socket.create_connection(("127.0.0.1", field.ports.gate), timeout=5) as connection:
-        connection.sendall(_REQUEST.format(port=field.ports.gate, protocols=protocols).encode())
-        answer = b""
-        while b"\r\n\r\n" not in answer and (received := connection.recv(4096)):
-            answer += received
-        yield connection, answer.startswith(b"HTTP/1.1 101 ")
 
 
 @contextmanager
 def _connected(field: Range, role: str) -> Iterator[Callable[..., None]]:
     """Connect with a ticket of a role; yield a function that sends messages."""
     encoder = Encoder(*STATION)
-    with _request(field, _ticket(f"{MAVLINK_SCOPE}.{role}")) as (connection, accepted):
+    ticket = _ticket(f"{MAVLINK_SCOPE}.{role}")
+    with requested(field.ports.gate, SUBPROTOCOL, ticket) as (connection, accepted):
         _require(accepted, f"a ticket to {role} opens the gate")
 
         def send(*messages: Message) -> None:
             for message in messages:
-                packet = encoder.encode(message, time())
-                size = bytes([0x80 | len(packet)]) if len(packet) < 126 else _long_size(packet)
-                connection.sendall(b"\x82" + size + bytes(4) + packet)
+                connection.sendall(frame(encoder.encode(message, time())))
 
         yield send
-
-
-def _long_size(packet: bytes) -> bytes:
-    return b"\xfe" + len(packet).to_bytes(2)
 
 
 def _open(tunnel: Tunnel, wire: socket.socket, address: tuple[str, int]) -> list[bytes]:

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.wire import Encoder, Parser
-from tools.attacks.routers import KEY, Ports, RouterProgram
+from tools.attacks.routers import CONFIG, KEY, Ports, RouterProgram
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
     from mavstack.dialects import Message
     from mavstack.wire import Packet
@@ -83,21 +84,27 @@ class Range:
     Args:
         ports: The ports of the router.
         stack: Closes the sockets.
+        folder: The folder of the router's files.
         signed: The pilot signs.
     """
 
-    def __init__(self, ports: Ports, stack: ExitStack, *, signed: bool = True) -> None:
+    def __init__(self, ports: Ports, stack: ExitStack, folder: Path, *, signed: bool = True) -> None:
         self.ports = ports
+        self.config = folder / CONFIG
         self._stack = stack
         self.vehicle = self._keep(Station(ports.vehicle, (1, 1)))
         self.pilot = self._keep(Station(ports.ground, (255, 190), own_port=ports.pilot, signed=signed))
         for _ in range(3):
-            self.vehicle.send(common.Heartbeat(type=2, autopilot=common.MavAutopilot.PX4))
+            self.vehicle_heartbeat()
             self.pilot.heartbeat()
             self.pilot.receive(0.2)
             # A vehicle that answers may get more than three times what it sent.
             self.vehicle.send(common.CommandAck(command=512))
         self.vehicle.receive()
+
+    def vehicle_heartbeat(self) -> None:
+        """Send a heartbeat of the vehicle."""
+        self.vehicle.send(common.Heartbeat(type=2, autopilot=common.MavAutopilot.PX4))
 
     def attacker(self, source: tuple[int, int] = (255, 190), *, version: int = 2) -> Station:
         """Return another program on the ground side, without the key."""
@@ -187,5 +194,5 @@ def opened(program: RouterProgram, *, signed: bool = True) -> Iterator[Range]:
         The range.
     """
     ports = Ports.free()
-    with program.running(ports), ExitStack() as stack:
-        yield Range(ports, stack, signed=signed)
+    with program.running(ports) as folder, ExitStack() as stack:
+        yield Range(ports, stack, folder, signed=signed)

@@ -23,6 +23,8 @@ KEY: Final = SigningKey.from_passphrase("attacks")
 #: The text that makes tickets for the WebSocket gate, and the address of the stations behind gates.
 TICKET_KEY: Final = "attacks on the gate"
 STATION: Final = (250, 190)
+#: The file of our router in its folder.
+CONFIG: Final = "router.toml"
 #: The how-to guide whose configuration is attacked, and what differs on this machine.
 _GUIDE: Final = Path(__file__).parents[2] / "docs" / "guides" / "firewall.md"
 _CHANGES: Final = {
@@ -118,14 +120,14 @@ class RouterProgram:
     command: Callable[[Ports, Path], list[str]]
 
     @contextmanager
-    def running(self, ports: Ports) -> Iterator[None]:
+    def running(self, ports: Ports) -> Iterator[Path]:
         """Run the router for the length of a block.
 
         Args:
             ports: Its ports.
 
         Yields:
-            None, when it has bound both ports.
+            The folder of its files, when it has bound both ports.
         """
         with tempfile.TemporaryDirectory() as folder:
             environment = {**os.environ, "HOME": folder, "XDG_CONFIG_HOME": folder}
@@ -139,7 +141,7 @@ class RouterProgram:
             )
             try:
                 _wait_until_bound(process, ports)
-                yield
+                yield Path(folder)
             finally:
                 process.terminate()
                 try:
@@ -223,7 +225,7 @@ def _make_certificate(folder: Path) -> None:
 
 
 def _route(ports: Ports, folder: Path, text: str) -> list[str]:
-    config = folder / "router.toml"
+    config = folder / CONFIG
     config.write_text(text.format(**asdict(ports), folder=folder, key=folder / "field.key"))
     return [sys.executable, "-m", "mavstack", "route", str(config), "--once"]
 

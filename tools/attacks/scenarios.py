@@ -8,7 +8,7 @@ from time import monotonic, sleep, time
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
-from mavstack.dialects import common
+from mavstack.dialects import ardupilotmega, common
 from mavstack.security.redaction import strip_signature
 from mavstack.wire import Encoder, Packet
 from tools.attacks.range import ARM
@@ -93,6 +93,16 @@ def malformed(field: Range) -> int:
         common.TrajectoryRepresentationWaypoints(valid_points=200),
         common.SerialControl(count=255),
         common.Tunnel(target_system=1, payload_length=255),
+    )
+    return field.passed()
+
+
+def malformed_by_dialect(field: Range) -> int:
+    """Send counts above their arrays in messages of ArduPilot's own dialect, with the key."""
+    field.pilot.send(
+        ardupilotmega.Data16(len=255),
+        ardupilotmega.Data96(len=255),
+        ardupilotmega.DeviceOpWrite(target_system=1, target_component=1, count=255),
     )
     return field.passed()
 
@@ -263,6 +273,7 @@ PASSED: Final[Mapping[str, Callable[[Range], int]]] = MappingProxyType(
         "replay of signed commands": replay,
         "HIL_GPS, GPS_INPUT": spoofed_position,
         "counts above their arrays": malformed,
+        "counts above their arrays, ArduPilot's messages": malformed_by_dialect,
         "id hijack: commands diverted": id_hijack,
         "SETUP_SIGNING through the router": setup_signing,
         "300 ports: pilots locked out": many_ports,

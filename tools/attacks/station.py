@@ -12,16 +12,20 @@ import subprocess
 import sys
 import tempfile
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from http.client import HTTPConnection, HTTPException
 from pathlib import Path
+from socket import SHUT_RDWR
 from time import monotonic, sleep
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.dialects import common
+from mavstack.security.tickets import SUBPROTOCOL
 from mavstack.wire import Encoder
+from tools.attacks.websocket import frame, requested
 
 if TYPE_CHECKING:
     import socket
@@ -36,6 +40,12 @@ _READERS: Final = 10
 _BURST: Final = 1000
 _DISARMS: Final = 5
 _START_TIMEOUT: Final = 60.0
+#: Definitions that are sent at a time, messages of each, seconds for all, and statuses of answers.
+_BOMBS: Final = 3
+_BOMB_MESSAGES: Final = 38_000
+_GENERATION_TIMEOUT: Final = 45.0
+_DONE: Final = 200
+_REFUSED: Final = 400
 _PLAN: Final = "QGC WPL 110\n" + "".join(
     f"{number}\t0\t3\t16\t0\t0\t0\t0\t47.397\t{8.545 + number / 1e4:.4f}\t20\t1\n" for number in range(50)
 )
@@ -146,20 +156,26 @@ def half_requests(field: StationRange) -> float:
 
 def requests_of_observer(field: StationRange) -> float:
     """Ask for all parameters without a pause on a WebSocket of an observer."""
-    from websockets.sync.client import connect
-
     packet = Encoder(200, 190).encode(common.ParamRequestList(target_system=1, target_component=1))
-    protocols: Any = ["ados-ws-ticket", field.observer.ticket, "mavstack.raw.1"]
-    with connect(f"ws://127.0.0.1:{field.observer.port}/ws", subprotocols=protocols) as socket:
+    burst, end = frame(packet * _BURST), threading.Event()
+    protocols = (SUBPROTOCOL, field.observer.ticket, "mavstack.raw.1")
+    with requested(field.observer.port, *protocols, path="/ws") as (connection, accepted):
+        if not accepted:
+            raise SystemExit("mavstack: an observer gets no WebSocket")
 
         def flood() -> None:
-            with suppress(Exception):  # the station may close it
-                while True:
-                    socket.send(packet * _BURST)
+            with suppress(OSError):  # the station closes it, or does not read for 5 s
+                while not end.is_set():
+                    connection.sendall(burst)
 
-        threading.Thread(target=flood, daemon=True).start()
+        flooding = threading.Thread(target=flood)
+        flooding.start()
         sleep(0.5)
-        return field.disarm_delay()
+        delay = field.disarm_delay()
+        end.set()
+        connection.shutdown(SHUT_RDWR)
+        flooding.join()
+    return delay
 
 
 def streams_of_observer(field: StationRange) -> float:
@@ -208,6 +224,46 @@ def _readers(field: StationRange) -> Iterator[None]:
             thread.join()
 
 
+def generator_bombs(field: StationRange) -> float:
+    """Return the delay while three definitions of 2.8 MB are in the generator."""
+    with ThreadPoolExecutor(_BOMBS) as pool:
+        answers = [pool.submit(_generate, field, _bomb()) for _ in range(_BOMBS)]
+        sleep(0.5)
+        delay = field.disarm_delay()
+        for answer in answers:
+            answer.result()
+    return delay
+
+
+def bombs_that_hold(field: StationRange) -> float:
+    """Send three such definitions; count those not refused, and a form that is not answered behind them."""
+    bomb = _bomb()
+    with ThreadPoolExecutor(_BOMBS) as pool:
+        answers = [pool.submit(_generate, field, bomb) for _ in range(_BOMBS)]
+        held = sum(answer.result() != _REFUSED for answer in answers)
+    return held + (_generate(field, None) != _DONE)
+
+
+def _bomb() -> str:
+    """Return a definition of 2.8 MB: many small messages, each of which would become many lines of code."""
+    each = '<message id="{0}" name="M{0}"><field type="uint8_t" name="a"/></message>'
+    listed = "".join(each.format(number) for number in range(1, _BOMB_MESSAGES))
+    return f"<mavlink><messages>{listed}</messages></mavlink>"
+
+
+def _generate(field: StationRange, definition: str | None) -> int:
+    """Have a library generated; return the status of the answer, 0 if it takes too long."""
+    connection = HTTPConnection("127.0.0.1", field.pilot.port, timeout=_GENERATION_TIMEOUT)
+    headers = {"Authorization": f"Bearer {field.pilot.token}", "Content-Type": "application/xml"}
+    try:
+        connection.request("POST", "/api/generator?languages=c&dialect=minimal", definition, headers)
+        return connection.getresponse().status
+    except OSError:
+        return 0
+    finally:
+        connection.close()
+
+
 def files_by_errors(field: StationRange) -> float:
     """Ask for links with keys and certificates; count the options whose error says whether a file exists."""
     options = ("signing_key", "ca", "cert")
@@ -231,13 +287,17 @@ DELAYS: Final[Mapping[str, Callable[[StationRange], float]]] = MappingProxyType(
         "530 streams of one observer": streams_of_observer,
         "10 readers of plans": readers_of_plans,
         "10 readers of plans: upload of 50 items": upload_beside_readers,
+        "3 definitions of 2.8 MB in the generator": generator_bombs,
     }
 )
 #: The end of the names of figures of processor time.
 PROCESSOR_TIME: Final = ", processor time"
 #: Attacks that count what passed.
 STATION: Final[Mapping[str, Callable[[StationRange], float]]] = MappingProxyType(
-    {"files that exist, by errors of a station": files_by_errors}
+    {
+        "files that exist, by errors of a station": files_by_errors,
+        "3 definitions of 2.8 MB: not refused, or in the way": bombs_that_hold,
+    }
 )
 
 
