@@ -22,7 +22,20 @@ LINES = [
     for line in TEXT.partition("## Figures")[0].splitlines()
     if line.startswith("| ")
 ][1:]
-TABLES = (PASSED, UNSIGNED, PLAIN, FACTORS, GATES, LOCKOUTS, RELOADS, UNSIGNED_RELOADS, VEHICLES, FLOOD, DELAYS, STATION)
+TABLES = (
+    PASSED,
+    UNSIGNED,
+    PLAIN,
+    FACTORS,
+    GATES,
+    LOCKOUTS,
+    RELOADS,
+    UNSIGNED_RELOADS,
+    VEHICLES,
+    FLOOD,
+    DELAYS,
+    STATION,
+)
 ROWS = {FORMULAS_ROW, *(name for table in TABLES for name in table)}
 #: The attacker who owns the vehicle is not stopped.
 UNTESTED = {"has the vehicle's key, or the vehicle"}
@@ -42,3 +55,11 @@ def test_each_line_names_tests_that_exist(line):
         path, _, name = each.partition("::")
         text = (ROOT / path).read_text("utf-8")
         assert not name or f"def {name}(" in text
+
+
+def test_the_last_row_of_the_figures_is_their_sum():
+    lines = TEXT.partition("## Figures")[2].partition("| all ")
+    rows = [line for line in lines[0].splitlines() if line.startswith("| ")][1:]
+    figures = [[cell.strip() for cell in line.strip("| ").split(" | ")][1:] for line in rows]
+    sums = [sum(int(cell) for cell in column if cell.isdecimal()) for column in zip(*figures, strict=True)]
+    assert [int(cell) for cell in lines[2].partition("\n")[0].strip("| ").split(" | ")] == sums

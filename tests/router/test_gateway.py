@@ -110,12 +110,12 @@ def test_a_packet_of_one_link_is_a_replay_on_another():
 def test_packets_of_the_last_run_are_refused(tmp_path, ended):
     sender = Encoder(255, 190, signing=SigningKey.from_passphrase("field").signing())
     packet = sender.encode(common.CommandLong(command=400), NOW + 1)
-    gateway, engine = opened(TimestampStore(tmp_path / "times"))
+    gateway, engine = opened(lambda: TimestampStore(tmp_path / "times"))
     gateway.apply(engine, 1, SigningConfig("field"), NOW)
     assert len(Parser(common, signing=engine.signing[1][0]).feed(packet, NOW + 1)) == 1
     if ended:
         gateway.store(running=False)
-    gateway, engine = opened(TimestampStore(tmp_path / "times"))
+    gateway, engine = opened(lambda: TimestampStore(tmp_path / "times"))
     gateway.apply(engine, 1, SigningConfig("field"), NOW + 5)
     assert Parser(common, signing=engine.signing[1][0]).feed(packet, NOW + 5) == []
 

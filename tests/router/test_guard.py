@@ -281,7 +281,7 @@ WITH_IDS = CONFIG.replace("[[firewall", '[firewall.ids]\npool = "200-201"\n[[fir
 
 
 def guard_with_ids(engine, path) -> Guard:
-    guard = Guard(engine, parse_config(WITH_IDS), lambda endpoint: RuleSet(), ids=IdStore(path))
+    guard = Guard(engine, parse_config(WITH_IDS), lambda endpoint: RuleSet(), ids=lambda: IdStore(path))
     guard.open(NOW)
     return guard
 
@@ -315,7 +315,7 @@ def test_ids_that_cannot_be_stored_are_logged(tmp_path, caplog):
     with RouterEngine(common) as engine, caplog.at_level(logging.ERROR, "mavstack.router.firewall"):
         (tmp_path / "file").touch()
         guard = guard_with_ids(engine, tmp_path / "router.ids")
-        guard._ids = IdStore(tmp_path / "file" / "router.ids")
+        guard._ids = lambda: IdStore(tmp_path / "file" / "router.ids")
         assert connect(guard, "ann") == {"ann": 200}
     assert "cannot write" in caplog.text
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import os
+import sys
 from typing import TYPE_CHECKING
 
 import pytest
@@ -79,3 +81,12 @@ async def test_a_process_that_waits_is_ended(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr(runner, "TIMEOUT", 0.2)
     with pytest.raises(RefusedError, match="exceeds the limits"):
         await GeneratorRunner().run(work(file=""))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the system has other priorities")
+async def test_the_process_yields_to_the_station(monkeypatch: pytest.MonkeyPatch) -> None:
+    show = "import json, os; print(json.dumps({'problems': {}, 'commands': [str(os.nice(0))]}))"
+    limited = "from mavstack.server.generator import work; work._limit()"
+    monkeypatch.setattr(runner, "_COMMAND", ("-c", f"{limited}\n{show}"))
+    (niceness,) = (await GeneratorRunner().run(work(file="", archive=False))).commands
+    assert int(niceness) == min(19, os.nice(0) + 10)

@@ -24,6 +24,8 @@ SILENCE: Final = 0.4
 _ANSWER_TIMEOUT: Final = 2.0
 _ARRIVAL_TIMEOUT: Final = 10.0
 _ATTEMPTS: Final = 4
+#: Seconds to wait for a packet that is timed, and its time if it does not come.
+_LOST: Final = 1.0
 #: Messages that routers and ground stations send by themselves.
 _OWN: Final = frozenset({"HEARTBEAT", "STATUSTEXT", "REQUEST_DATA_STREAM", "TIMESYNC", "PARAM_REQUEST_LIST"})
 ARM: Final = common.MavCmd.COMPONENT_ARM_DISARM
@@ -72,6 +74,19 @@ class Station:
         except TimeoutError:
             pass
         return packets
+
+    def next_is(self, name: str) -> bool:
+        """Wait for a message that others may precede, such as heartbeats; return whether it came."""
+        end = monotonic() + _LOST
+        while (left := end - monotonic()) > 0:
+            self.socket.settimeout(left)
+            try:
+                packets = self.parser.feed(self.socket.recv(4096))
+            except TimeoutError:
+                return False
+            if any(packet.name == name for packet in packets):
+                return True
+        return False
 
     def heartbeat(self) -> None:
         """Send a heartbeat, by which routers learn a route."""
@@ -151,12 +166,11 @@ class Range:
         for _ in range(count):
             begun = monotonic()
             self.pilot.send(common.CommandLong(target_system=1, target_component=1, command=512))
-            if not any(packet.name == "COMMAND_LONG" for packet in self._next(self.vehicle)):
-                delays.append(1.0)
-                continue
-            self.vehicle.send(common.CommandAck(command=512, target_system=255, target_component=190))
-            self._next(self.pilot)
-            delays.append(monotonic() - begun)
+            arrived = self.vehicle.next_is("COMMAND_LONG")
+            if arrived:
+                self.vehicle.send(common.CommandAck(command=512, target_system=255, target_component=190))
+                arrived = self.pilot.next_is("COMMAND_ACK")
+            delays.append(monotonic() - begun if arrived else _LOST)
         return delays
 
     def telemetry_delays(self, count: int) -> list[float]:
@@ -165,21 +179,12 @@ class Range:
         for number in range(count):
             begun = monotonic()
             self.vehicle.send(common.Attitude(time_boot_ms=number))
-            arrived = any(packet.name == "ATTITUDE" for packet in self._next(self.pilot))
-            delays.append(monotonic() - begun if arrived else 1.0)
+            delays.append(monotonic() - begun if self.pilot.next_is("ATTITUDE") else _LOST)
         return delays
 
     def _keep(self, station: Station) -> Station:
         self._stack.callback(station.socket.close)
         return station
-
-    @staticmethod
-    def _next(station: Station) -> list[Packet]:
-        station.socket.settimeout(1.0)
-        try:
-            return station.parser.feed(station.socket.recv(4096))
-        except TimeoutError:
-            return []
 
 
 @contextmanager

@@ -14,7 +14,11 @@ async def resolve(
     host: str, port: int, kind: socket.SocketKind
 ) -> list[tuple[socket.AddressFamily, Address]]:
     """Resolve a host name to all its addresses; raises `socket.gaierror` if it has none."""
-    resolved = await asyncio.get_running_loop().getaddrinfo(host, port, type=kind)
+    try:
+        # An IP address needs no thread; bytes need no table of international names.
+        resolved = socket.getaddrinfo(host.encode("ascii"), port, type=kind, flags=socket.AI_NUMERICHOST)
+    except (socket.gaierror, UnicodeEncodeError):
+        resolved = await asyncio.get_running_loop().getaddrinfo(host, port, type=kind)
     return [(family, address) for family, _, _, _, address in resolved]
 
 

@@ -7,7 +7,6 @@ the user (such as `?buad=57600`), and the error text names the known options.
 from __future__ import annotations
 
 import re
-from difflib import get_close_matches
 from math import isfinite
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, NoReturn, TypeVar
@@ -112,6 +111,8 @@ class Options:
 
     def refuse_unknown(self) -> None:
         """Raise `LinkURLError` if an option was not read by any of the other methods."""
+        from difflib import get_close_matches
+
         for name in self._url.options:
             if name not in self._known:
                 near = get_close_matches(name, self._known, n=1)

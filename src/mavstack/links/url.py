@@ -13,7 +13,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Final, NoReturn
 from urllib.parse import parse_qsl, quote, unquote, urlencode
 
@@ -218,6 +217,8 @@ def _option_text(value: object) -> str:
 def _unknown_scheme(text: str, name: str) -> NoReturn:
     builtin = builtin_schemes()
     aliases = [alias for record in builtin.values() for alias in record.aliases]
+    from difflib import get_close_matches
+
     near = get_close_matches(name, [*builtin, *aliases], n=1)
     hint = f"did you mean {near[0]}?" if near else "known schemes: " + ", ".join(builtin)
     _refuse(text, f"unknown scheme {name!r}; {hint}", _resolve(near[0], ())[0] if near else None)

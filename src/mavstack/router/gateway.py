@@ -25,7 +25,7 @@ from mavstack.security.key_store import find_key, key_directory
 from mavstack.security.timestamps import UNITS_PER_SECOND, LastRun, time_if_set, timestamp_at
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
     from pathlib import Path
 
     from mavstack.router.config import SigningConfig
@@ -61,11 +61,13 @@ class Gateway:
     """The keys and timestamps of one router.
 
     Args:
-        timestamps: Keeps the timestamps for the next run. None: packets from before the start are refused.
+        timestamps: Returns the store that keeps the timestamps for the next run; called when the first key is
+            used. None: packets from before the start are refused.
     """
 
-    def __init__(self, timestamps: TimestampStore | None = None) -> None:
-        self._timestamps = timestamps
+    def __init__(self, timestamps: Callable[[], TimestampStore] | None = None) -> None:
+        self._make_store = timestamps
+        self._timestamps: TimestampStore | None = None
         self._states = SigningStates()
         self._keys: dict[str, SigningKey] = {}
         self._clock = 0
@@ -76,6 +78,8 @@ class Gateway:
         """Load the timestamps of the last run, when the first key is used."""
         self._is_open = True
         present = 0 if time_if_set(now) is None else timestamp_at(now)
+        if self._make_store is not None:
+            self._timestamps = self._make_store()
         last_run = LastRun() if self._timestamps is None else _begin_run(self._timestamps, present)
         floor, self._clock = last_run.floor, last_run.timestamp
         if present and not last_run.is_complete:

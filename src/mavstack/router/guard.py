@@ -66,8 +66,8 @@ class Guard:
         engine: The engine.
         config: The configuration of the router.
         rules_of: Returns the rules of an endpoint's own filter.
-        timestamps: Keeps the signing timestamps for the next run.
-        ids: Keeps the assigned system ids for the next run.
+        timestamps: Returns the store of the signing timestamps for the next run; called when a key is used.
+        ids: Returns the store of the assigned system ids for the next run; called when there is a firewall.
 
     Raises:
         RouterConfigError: The table `[firewall]` is not valid, or the assigned ids cannot be read.
@@ -78,8 +78,8 @@ class Guard:
         engine: RouterEngine,
         config: RouterConfig,
         rules_of: Callable[[EndpointConfig], RuleSet],
-        timestamps: TimestampStore | None = None,
-        ids: IdStore | None = None,
+        timestamps: Callable[[], TimestampStore] | None = None,
+        ids: Callable[[], IdStore] | None = None,
     ) -> None:
         names = Names(config.dialect)
         self._engine = engine
@@ -338,13 +338,13 @@ class Guard:
         return {} if self.firewall is None else self.firewall.ids.ids
 
     def _known_ids(self, config: RouterConfig) -> dict[str, int]:
-        return {} if self._ids is None or config.firewall is None else self._ids.load()
+        return {} if self._ids is None or config.firewall is None else self._ids().load()
 
     def _store_ids(self) -> None:
         self._stored_ids = self._assigned_ids()
         try:
             if self._ids is not None:
-                self._ids.store(self._stored_ids)
+                self._ids().store(self._stored_ids)
         except RouterConfigError as error:
             logger.error("%s", error)
 

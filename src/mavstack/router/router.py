@@ -125,8 +125,7 @@ class Router:
         dialect = Names(self.config.dialect).dialect
         self._engine = RouterEngine(dialect, duplicate_window=self.config.duplicate_window)
         try:
-            timestamps, ids = TimestampStore(timestamps_path()), IdStore(ids_path())
-            guard = Guard(self._engine, self.config, rules_of, timestamps, ids)
+            guard = Guard(self._engine, self.config, rules_of, _timestamps, _ids)
             guard.on_alert = self._take_alert
             guard.load_keys(self.config)
             self._attachments = Attachments(self._engine, dialect, guard)
@@ -369,3 +368,12 @@ class Router:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         await self.close()
+
+
+def _timestamps() -> TimestampStore:
+    """Return the store of this user's routers; a router without keys needs no folder for it."""
+    return TimestampStore(timestamps_path())
+
+
+def _ids() -> IdStore:
+    return IdStore(ids_path())

@@ -6,7 +6,6 @@ ends where `tomllib` accepts it, so strings and arrays of several lines need no 
 
 from __future__ import annotations
 
-import tomllib
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 if TYPE_CHECKING:
@@ -26,6 +25,8 @@ class LineFinder:
     def __init__(self, text: str) -> None:
         self._lines: dict[KeyPath, int] = {}
         self._sizes: dict[KeyPath, int] = {}
+        import tomllib  # a router without a file does not need it
+
         table: KeyPath = ()
         for number, statement in _statements(text):
             content = tomllib.loads(statement)
@@ -69,6 +70,8 @@ class LineFinder:
 
 def _statements(text: str) -> Iterator[tuple[int, str]]:
     """Yield the headers and the assignments with the numbers of their first lines."""
+    import tomllib
+
     pending: list[str] = []
     first = 1
     for number, line in enumerate(text.split("\n"), 1):

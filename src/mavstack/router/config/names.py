@@ -5,7 +5,6 @@ Each function raises `ValueError` with a suggestion.
 
 from __future__ import annotations
 
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import Dialect
@@ -84,6 +83,8 @@ def _number(value: object, names: Mapping[str, int], kind: str, maximum: int) ->
     for prefix in ("", "MAV_CMD_", "MAV_COMP_ID_"):
         if name.removeprefix(prefix) in names:
             return names[name.removeprefix(prefix)]
+    from difflib import get_close_matches
+
     near = get_close_matches(name, names, n=1)
     hint = f"; did you mean {near[0]}?" if near else ": use its name or its number"
     raise ValueError(f"there is no {kind} {value!r}{hint}")

@@ -5,8 +5,6 @@ A reader takes the keys that it knows; `finish` then refuses the others, with a 
 
 from __future__ import annotations
 
-import tomllib
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, Final, NoReturn, TypeVar
 
 from mavstack.errors import RouterConfigError
@@ -71,6 +69,8 @@ class Table:
         Raises:
             RouterConfigError: The text is not TOML.
         """
+        import tomllib  # a router without a file does not need it
+
         try:
             # Line ends as on Windows are the same to the line finder.
             return cls(tomllib.loads(text), ConfigText(text.replace("\r\n", "\n"), path))
@@ -174,6 +174,8 @@ class Table:
         Raises:
             RouterConfigError: There is such a key; the text suggests one that exists.
         """
+        from difflib import get_close_matches
+
         for key in self._values:
             if key not in self._known:
                 near = get_close_matches(key, self._known, n=1)

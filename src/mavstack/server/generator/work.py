@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
@@ -14,6 +15,8 @@ from zipfile import ZIP_DEFLATED, ZipFile
 MAX_MEMORY: Final = 1 << 30
 MAX_SECONDS: Final = 30
 MAX_FILE: Final = 64 << 20
+#: The process yields the processor to the station, which has vehicles.
+_NICENESS: Final = 10
 #: The file of the result in the folder.
 ARCHIVE: Final = "library.zip"
 
@@ -116,10 +119,12 @@ def _without(text: str, folder: Path) -> str:
 
 
 def _limit() -> None:
-    """Limit the process, where the system can; its parent limits its time too."""
+    """Limit the process, where the system can; its parent limits its time too, and takes precedence."""
     if sys.platform == "win32":
         return
     import resource
+
+    os.nice(_NICENESS)
 
     limits = (
         (resource.RLIMIT_AS, MAX_MEMORY),

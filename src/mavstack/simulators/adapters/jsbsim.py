@@ -116,7 +116,7 @@ class JsbsimPhysics:
 
 
 def _discard_output(fdm: Any) -> None:  # noqa: ANN401 (jsbsim has no types)
-    """Write no files: many models log to a file in the current folder, which `disable_output` opens nevertheless."""
+    """Write no files: models log into the current folder, and `disable_output` leaves an empty log."""
     number = 0
     while fdm.set_output_filename(number, os.devnull):
         number += 1
