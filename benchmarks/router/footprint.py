@@ -1,7 +1,7 @@
 """Start, memory and processor time of routers at the rate of one vehicle, as ratios to mavlink-router.
 
-The floor is a Python program that has imported asyncio and does nothing. Programs run with cached bytecode, as
-installed packages do; the routers take turns after one start that does not count.
+The floor is a Python program that has imported asyncio and does nothing. Programs run with cached bytecode,
+as installed packages do; the routers take turns after one start that does not count.
 """
 
 from __future__ import annotations
