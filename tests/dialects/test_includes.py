@@ -166,19 +166,37 @@ def test_a_field_may_not_refer_to_an_undefined_enum(write):
 
 
 @pytest.mark.parametrize("place", ["top", "sibling"])
-def test_an_enum_must_be_visible_in_the_file_of_its_field(write, place):
-    """The check used to accept such files, and creating the class raised KeyError."""
-    field = '<message id="1" name="M"><field type="uint8_t" name="a" enum="E"/></message>'
+def test_an_enum_of_a_file_that_is_not_included_is_taken_with_a_warning(write, place):
+    """As mavgen does, which reads all files as one."""
+    field = '<message id="1" name="M"><field type="int8_t" name="a" enum="E"/></message>'
     base = write("base", messages=field)
-    write("sibling", enums=enum(("A", 1)) if place == "sibling" else "")
-    top = write("top", "sibling.xml", "base.xml", enums=enum(("A", 1)) if place == "top" else "")
-    error = fails(top)
-    assert (error.path, error.problem) == (
-        str(base),
-        "M.a refers to the enum E of a file that is not included here",
+    write("sibling", enums=enum(("E_A", -1)) if place == "sibling" else "")
+    top = write("top", "sibling.xml", "base.xml", enums=enum(("E_A", -1)) if place == "top" else "")
+    dialect = Dialect.from_xml(top)
+    assert dialect["M"](a=-1).a is dialect.enums["E"].A
+    assert dialect["M"](a=5).a == 5
+    assert [item.name for item in dialect.definition.enums] == ["E"]
+    (problem,) = [each for each in check_file(str(top)) if "E of a file" in each.text]
+    assert (problem.severity, problem.path, problem.line) == ("warning", str(base), 4)
+    assert "M.a uses the enum E of a file that is not included here" in problem.text
+    assert "refers to the undefined enum E" in fails(base).problem
+
+
+def test_an_enum_that_several_files_extend_is_complete_in_each_that_uses_it(write):
+    field = '<message id="{0}" name="M{0}"><field type="uint8_t" name="a" enum="{1}"/></message>'
+    write("base", messages=field.format(20001, "MAV_STATE"))
+    write("adds", "minimal.xml", enums=enum(("MAV_STATE_X", 100), name="MAV_STATE"))
+    write("other", messages=field.format(20002, "MAV_STATE"))
+    own = '<enums><enum name="MAV_STATE"><entry name="MAV_STATE_Y"/></enum></enums>'
+    top = write(
+        "top", "base.xml", "adds.xml", "other.xml", enums=own, messages=field.format(20003, "MAV_STATE")
     )
-    (problem,) = check_file(str(top))
-    assert (problem.severity, problem.path) == ("error", str(base))
+    dialect = Dialect.from_xml(top)
+    for name in ("M20001", "M20002", "M20003"):
+        assert dialect[name](a=100).a.name == "X"
+        assert dialect[name](a=101).a.name == "Y"
+        assert dialect[name](a=4).a.name == "ACTIVE"
+    assert dialect["HEARTBEAT"](system_status=4).system_status.name == "ACTIVE"
 
 
 def test_the_check_loads_each_class(write, monkeypatch):

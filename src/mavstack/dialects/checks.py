@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 from mavstack.dialects.allocation import id_warnings
 from mavstack.dialects.compare import compare
 from mavstack.dialects.dialect import Dialect
-from mavstack.dialects.includes import collect, included_first
+from mavstack.dialects.includes import collect, collect_as_written, foreign_enums, included_first
 from mavstack.dialects.merging import merge_enums
 from mavstack.dialects.names import class_name
 from mavstack.dialects.xml_reader import Element, read_bytes, read_tree
@@ -74,7 +74,7 @@ class Problem:
 
 
 def check_file(path: str) -> list[Problem]:
-    """Check a definition file; of its includes only errors are reported.
+    """Check a definition file; of its includes only errors, and enums of files that they do not include.
 
     Args:
         path: Path of the XML file.
@@ -83,7 +83,7 @@ def check_file(path: str) -> list[Problem]:
         The problems: one error, or any number of warnings.
     """
     try:
-        source = collect(path)
+        source = collect_as_written(path)
         tree = read_tree(read_bytes(path), path)
     except DialectError as error:
         return [Problem("error", error.problem, error.path or path, error.line)]
@@ -97,7 +97,17 @@ def check_file(path: str) -> list[Problem]:
         *_enums(source.definition, enums),
         *id_warnings(source.definition),
     ]
-    return [Problem("warning", text, path, line or None) for line, text in sorted(warnings)]
+    foreign = [
+        Problem(
+            "warning",
+            f"{use.field} uses the enum {use.enum} of a file that is not included here: "
+            "this file cannot be used alone",
+            use.path,
+            use.line or None,
+        )
+        for use in foreign_enums(source)
+    ]
+    return foreign + [Problem("warning", text, path, line or None) for line, text in sorted(warnings)]
 
 
 def check_against(path: str, old: DialectDefinition) -> list[Problem]:

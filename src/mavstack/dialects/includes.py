@@ -4,6 +4,10 @@ An included file is searched in the folder of the including file, then among the
 a custom dialect needs no copies of them. Files are ordered with included ones first, each once; an include
 cycle is an error. Enums of the same name are merged; a message id, a message name, an entry name and an entry
 value must be unique.
+
+A field may use an enum of a file that its own file does not include, if another file includes both: mavgen
+reads all files as one. The classes of a file are created without the files that include it, so `collect`
+moves such an enum, with all its entries, to the file of the field.
 """
 
 from __future__ import annotations
@@ -22,7 +26,7 @@ from mavstack.errors import DialectError
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from mavstack.dialects.model import DialectDefinition, MessageDefinition
+    from mavstack.dialects.model import DialectDefinition, EnumDefinition, MessageDefinition
 
 #: The path, in errors, of a definition that was given as text.
 TEXT_NAME = "<text>"
@@ -104,17 +108,18 @@ def collect(path: str) -> DefinitionFile:
         path: Path of the XML file.
 
     Returns:
-        The file with its includes.
+        The file with its includes; each has the enums that its fields use.
 
     Raises:
         DialectError: A file is missing, malformed or contradicts another.
     """
+    return _with_used_enums(collect_as_written(path))
+
+
+def collect_as_written(path: str) -> DefinitionFile:
+    """Read and check the files as `collect` does, and leave each enum in its file."""
     source = _Collector().file(path)
-    sources = included_first(source)
-    check_definitions([item.definition for item in sources])
-    for item in sources:
-        if not item.official:
-            _check_enums(item)
+    check_definitions([item.definition for item in included_first(source)])
     return source
 
 
@@ -122,7 +127,7 @@ def collect_text(data: bytes) -> DefinitionFile:
     """Read a definition from XML text, and all included files, and check them; see `collect`."""
     source = _Collector().text(data)
     check_definitions([item.definition for item in included_first(source)])
-    return source
+    return _with_used_enums(source)
 
 
 def collect_official(name: str) -> DefinitionFile:
@@ -157,18 +162,60 @@ def check_definitions(definitions: Iterable[DialectDefinition]) -> None:
                     raise DialectError(problem, definition.path or definition.name, item.line or None)
 
 
-def _check_enums(source: DefinitionFile) -> None:
-    """Raise `DialectError` if a field refers to an enum that neither its file nor an included one defines.
+class EnumUse(NamedTuple):
+    """A field whose enum is defined in a file that the file of the field does not include."""
 
-    The classes of a file are created without the files that include it.
-    """
-    known = {enum.name for item in included_first(source) for enum in item.definition.enums}
-    for message in source.definition.messages:
-        for item in message.fields:
-            if item.enum and item.enum not in known:
-                field = f"{message.name}.{item.name}"
-                problem = f"{field} refers to the enum {item.enum} of a file that is not included here"
-                raise DialectError(problem, source.definition.path, item.line or None)
+    field: str
+    enum: str
+    path: str
+    line: int
+
+
+def foreign_enums(source: DefinitionFile) -> list[EnumUse]:
+    """Return the uses of enums of files that are not included, in a file that `collect_as_written` read."""
+    return [
+        EnumUse(f"{message.name}.{field.name}", field.enum, item.definition.path, field.line)
+        for item in included_first(source)
+        if not item.official
+        for known in [{enum.name for each in included_first(item) for enum in each.definition.enums}]
+        for message in item.definition.messages
+        for field in message.fields
+        if field.enum and field.enum not in known
+    ]
+
+
+def _with_used_enums(source: DefinitionFile) -> DefinitionFile:
+    """Return the files; the first that use or define an enum of `foreign_enums` have all its entries."""
+    names = {use.enum for use in foreign_enums(source)}
+    if not names:
+        return source
+    files = included_first(source)
+    merged = merge_enums([item.definition for item in files])
+    enums = {name: _numbered(merged[name]) for name in sorted(names)}
+    done: dict[int, DefinitionFile] = {}
+    complete: dict[int, frozenset[str]] = {}
+    for item in files:
+        includes = tuple(done[id(each)] for each in item.includes)
+        known = frozenset().union(*(complete[id(each)] for each in item.includes))
+        definition = item.definition
+        if not item.official:
+            added = [name for name in enums if name not in known and name in _enum_names(definition)]
+            kept = [enum for enum in definition.enums if enum.name not in enums]
+            definition = definition._replace(enums=(*kept, *(enums[name] for name in added)))
+            known |= frozenset(added)
+        done[id(item)], complete[id(item)] = DefinitionFile(definition, includes, item.official), known
+    return done[id(source)]
+
+
+def _enum_names(definition: DialectDefinition) -> set[str]:
+    """Return the enums that a file defines, and those that its fields use."""
+    used = {field.enum for message in definition.messages for field in message.fields}
+    return used | {enum.name for enum in definition.enums}
+
+
+def _numbered(enum: EnumDefinition) -> EnumDefinition:
+    """Return an enum whose entries keep their values in another file."""
+    return enum._replace(entries=tuple(entry._replace(automatic=False) for entry in enum.entries))
 
 
 def _check_messages(definitions: Iterable[DialectDefinition]) -> None:
