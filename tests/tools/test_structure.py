@@ -51,7 +51,7 @@ METHODS = {"client_server", "pitfalls", "properties", "pymavlink", "random", "ro
 SUBJECTS = {
     ".": {"api_docs", "build_backend", "build_station", "examples"},
     "codegen": {"conformance"},
-    "codegen/languages": {"awkward", "signs"},
+    "codegen/languages": {"awkward", "foreign_enums", "signs"},
     "cli": {"help", "process", "realdata", "redaction"},
     "cli/vehicle": {"modes"},
     "files/parameter_metadata": {"formats"},
