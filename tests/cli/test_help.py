@@ -36,6 +36,7 @@ WITH_VEHICLE = (
     "key",
     "msp",
     "radio",
+    "firmware",
     "shell",
     "gen",
 )
@@ -66,6 +67,9 @@ def words_of(example: list[str]) -> list[str]:
     if any(word.startswith("msp+") for word in words):
         words[words.index("--out") + 1] = "msp+udpout://127.0.0.1:9"
         return [*words, *BRIEFLY["sim"][:4]]
+    if "--bootloader" in words:
+        words[words.index("--out") + 1] = "udpout://127.0.0.1:9"
+        return [*words, *BRIEFLY["sim"][:2]]
     return [*words, *BRIEFLY.get(words[0], ())]
 
 

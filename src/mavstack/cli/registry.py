@@ -75,6 +75,7 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
             _entry("camera", "cameras of a vehicle: info, photo, video, mode, settings and others"),
             _entry("gimbal", "gimbals of a vehicle: info, point, turn, center, roi, take, release"),
             _entry("radio", "SiK telemetry radios: show, get, set, save, load, signal; both ends together"),
+            _entry("firmware", "firmware of autopilots and radios: info, list, flash"),
             _entry("msp", "Betaflight and iNav: info, get, set, osd, vtx, cli, dump, restore, passthrough"),
             _entry("bridge", "vehicles on the buses of robotics: ROS 2; the mapping table"),
             _entry("key", "signing keys: new, list, remove; install one on a vehicle, turn signing off"),

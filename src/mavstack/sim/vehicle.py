@@ -95,6 +95,8 @@ class SimulatedVehicle:
     ) -> None:
         self.body, self.vehicle_type, self.firmware, self.address = body, vehicle_type, firmware, address
         self.profile = profile
+        #: The number of the board that is simulated with its bootloader; None: the firmware is a program.
+        self.board_id: int | None = None
         self.rangefinders: Sequence[Rangefinder] = tuple(rangefinders)
         self.proximity, self.terrain, self.serial = proximity, terrain, serial
         self.parameters = parameters
@@ -253,6 +255,11 @@ class SimulatedVehicle:
         _LOG.info("vehicle %d reboots", self.address.system)
         self._boot()
         self._silent_until = self.now + REBOOT_SILENCE
+
+    def reboot_into_bootloader(self) -> None:
+        """Restart, and announce that a host may flash the board before the autopilot starts."""
+        self.reboot()
+        self.announce("bootloader", "waits in its bootloader")
 
     def power_cycle(self) -> None:
         """Take away the power for a moment: parameters that were not saved are lost."""

@@ -16,7 +16,7 @@ from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.exposure import announce_exposure
 from mavstack.cli.common.link_options import add_link_options, with_link_options
 from mavstack.cli.common.options import seconds, system_id
-from mavstack.cli.common.output import echo, echo_json
+from mavstack.cli.common.output import echo
 from mavstack.cli.sim.arguments import (
     count,
     home,
@@ -28,6 +28,8 @@ from mavstack.cli.sim.arguments import (
     version,
     wind,
 )
+from mavstack.cli.sim.bootloader import add_bootloader_option, simulate_board
+from mavstack.cli.sim.event_printer import EventPrinter
 from mavstack.cli.sim.flight_controllers import DEFAULT_OUT as DEFAULT_MSP_OUT
 from mavstack.cli.sim.flight_controllers import PREFIX, controller_firmwares, transports
 from mavstack.sim.vehicle_types import (
@@ -43,7 +45,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from mavstack.links import Link
-    from mavstack.sim.faults import FaultScript, TimedFault
+    from mavstack.sim.faults import FaultScript
     from mavstack.sim.msp import SimulatedFlightController
     from mavstack.sim.runner import Runner
     from mavstack.sim.simulation import Simulation
@@ -67,6 +69,7 @@ examples:
   mav sim --rangefinder forward --obstacle 30,0,2,15   # a rangefinder, and a cylinder 30 m north of home
   mav sim --firmware betaflight --out msp+tcpin://127.0.0.1:5761   # a racing drone that speaks MSP
   mav sim --firmware inav --out msp+pty:///tmp/ttyINAV             # iNav on a serial port of this machine
+  mav sim --bootloader px4 --out pty:///tmp/ttyBL                  # a board without firmware, to flash
 
 Fly it from another terminal:
   mavproxy.py --master=udpin:0.0.0.0:14550
@@ -117,6 +120,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="VERSION",
         help="behave as an older ArduPilot where a program notices it, such as 4.1 (default: 4.6.3)",
     )
+    add_bootloader_option(parser)
     add("--seed", type=int, default=1, metavar="N", help="seed of all random numbers (default: 1)")
     add(
         "--speed",
@@ -177,6 +181,8 @@ def _add_disturbances(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Run `mav sim`, until Ctrl-C unless `--for` is given."""
+    if arguments.bootloader is not None:
+        return run_until_signal(simulate_board(arguments))
     return run_until_signal(_simulate(arguments))
 
 
@@ -295,69 +301,6 @@ def _inject(simulation: Simulation, text: str, printer: EventPrinter) -> None:
         return
     typed.inject(simulation)
     printer.fault(typed, simulation.elapsed)
-
-
-class EventPrinter:
-    """Prints the events of a simulation, one line each."""
-
-    def __init__(self, as_json: bool) -> None:
-        self._json = as_json
-        self._started = 0.0
-
-    def begin(
-        self, vehicles: Sequence[SimulatedVehicle | SimulatedFlightController], links: Sequence[str]
-    ) -> None:
-        """Print the vehicles and the URLs of their links."""
-        self._started = vehicles[0].now
-        if self._json:
-            self._print(
-                "ready",
-                vehicles=[
-                    {"system": each.address.system, "type": each.vehicle_type, "firmware": each.firmware}
-                    for each in vehicles
-                ],
-                links=list(links),
-            )
-            return
-        for vehicle in vehicles:
-            equipment = vehicle.equipment
-            shown = f" with {', '.join(equipment)}" if equipment else ""
-            echo(f"system {vehicle.address.system}: {vehicle.firmware} {vehicle.vehicle_type}{shown}")
-        echo("on " + (", ".join(links) if len(links) <= 6 else f"{links[0]} … {links[-1]}"))
-        echo(_input_hint())
-
-    def event(self, vehicle: SimulatedVehicle | SimulatedFlightController, kind: str, text: str) -> None:
-        """Print an event of a vehicle."""
-        system, elapsed = vehicle.address.system, vehicle.now - self._started
-        if self._json:
-            self._print(kind, time=round(elapsed, 2), system=system, text=text)
-        else:
-            echo(f"{elapsed:8.1f}  {system:3}  {text}")
-
-    def fault(self, injected: TimedFault, elapsed: float) -> None:
-        """Print an injected fault."""
-        if self._json:
-            fields = {"system": injected.system, "text": injected.fault.text}
-            self._print("fault", time=round(elapsed, 2), **fields)
-        else:
-            target = injected.system or "all"
-            echo(f"{elapsed:8.1f}  {target:3}  FAULT {injected.fault.text}")
-
-    def link_down(self, link: Link, reason: str) -> None:
-        """Print that a link has no connection."""
-        echo(f"mav sim: {link.url.redacted}: {reason}", error=True)
-
-    def _print(self, event: str, **fields: object) -> None:
-        echo_json({"event": event, **fields})
-
-
-def _input_hint() -> str:
-    from mavstack.cli.common.stdin_lines import is_in_background
-
-    fault = "a fault (gps off, battery 15, link off, reboot …)"
-    if is_in_background():
-        return f"running in the background; to type {fault} or Ctrl-C, bring it to the foreground (fg)"
-    return f"type {fault}, or Ctrl-C to end"
 
 
 def _impaired(url: str, arguments: Namespace) -> str:

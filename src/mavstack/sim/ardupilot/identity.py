@@ -22,6 +22,8 @@ GIT_HASH: Final = "51a17d00"
 _OPERATING_SYSTEM_HASH: Final = "51a17c05"
 #: Board type of simulated hardware.
 _BOARD: Final = 3
+#: USB ids of a board that is not simulated as a program.
+_USB_VENDOR, _USB_PRODUCT = 0x1209, 0x5740
 
 _CAPABILITY = common.MavProtocolCapability
 _CAPABILITIES: Final = (
@@ -73,7 +75,9 @@ def version_of(vehicle: SimulatedVehicle) -> AutopilotVersion:
     return AutopilotVersion(
         capabilities=int(_CAPABILITIES | terrain | local),
         flight=vehicle.profile.version,
-        board_version=_BOARD << 16,
+        vendor_id=0 if vehicle.board_id is None else _USB_VENDOR,
+        product_id=0 if vehicle.board_id is None else _USB_PRODUCT,
+        board_version=(_BOARD if vehicle.board_id is None else vehicle.board_id) << 16,
         uid=int.from_bytes(serial, "little"),
         uid2=serial.ljust(18, b"\0"),
         flight_custom=GIT_HASH.encode("ascii"),

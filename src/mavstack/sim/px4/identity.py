@@ -16,6 +16,8 @@ OPERATING_SYSTEM: Final = FirmwareVersion(6, 6, 0)
 GIT_HASH: Final = "4d61767374616b00"
 HARDWARE: Final = "MAVSTACK_SIM"
 _BOARD: Final = 1
+#: USB ids of a board that is not simulated as a program.
+_USB_VENDOR, _USB_PRODUCT = 0x26AC, 0x0032
 
 _CAPABILITY = common.MavProtocolCapability
 CAPABILITIES: Final = int(
@@ -43,6 +45,8 @@ def version_of(vehicle: SimulatedVehicle) -> AutopilotVersion:
         flight=VERSION,
         middleware=VERSION,
         operating_system=OPERATING_SYSTEM,
+        vendor_id=0 if vehicle.board_id is None else _USB_VENDOR,
+        product_id=0 if vehicle.board_id is None else _USB_PRODUCT,
         board_version=_BOARD,
         uid=int.from_bytes(serial, "big"),
         uid2=serial.rjust(18, b"\0"),

@@ -38,9 +38,10 @@ class Px4MaintenanceCommands(MaintenanceCommands):
 
     def reboot(self, request: CommandRequest) -> common.MavResult:
         """Answer PREFLIGHT_REBOOT_SHUTDOWN: only while disarmed; shutdown is not supported."""
-        if self.autopilot.armed or whole(request.command.param1) not in self.reboots:
+        wanted = whole(request.command.param1)
+        if self.autopilot.armed or wanted not in self.reboots:
             return _RESULT.DENIED
-        self.autopilot.tasks.on_next_tick(self.vehicle.reboot)
+        self.restart(wanted)
         return _RESULT.ACCEPTED
 
     def store(self, request: CommandRequest) -> common.MavResult:

@@ -42,8 +42,15 @@ class MaintenanceCommands(CommandGroup):
             return self.refuse_reboot()
         if wanted not in self.reboots:
             return _RESULT.UNSUPPORTED
-        self.autopilot.tasks.on_next_tick(self.vehicle.reboot)
+        self.restart(wanted)
         return _RESULT.ACCEPTED
+
+    def restart(self, wanted: int | None) -> None:
+        """Restart after the answer was sent, as param 1 says."""
+        to_bootloader = wanted == _STAY_IN_BOOTLOADER
+        self.autopilot.tasks.on_next_tick(
+            self.vehicle.reboot_into_bootloader if to_bootloader else self.vehicle.reboot
+        )
 
     #: The accepted values of param 1.
     reboots = frozenset({_REBOOT, _STAY_IN_BOOTLOADER})

@@ -1,0 +1,1 @@
+"""`mav firmware`: show firmware files and boards, and flash them."""
