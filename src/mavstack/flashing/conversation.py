@@ -99,7 +99,7 @@ class Conversation(Generic[T]):
         if request is None:
             return
         self._buffer += data
-        size = request.size(self._buffer)
+        size = request.size(bytes(self._buffer))
         if size is None:
             return
         reply = bytes(self._buffer[:size])

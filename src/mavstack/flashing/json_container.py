@@ -7,7 +7,7 @@ import zlib
 from base64 import b64decode, b64encode
 from binascii import Error
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeGuard
 
 from mavstack.flashing.failures import FirmwareFileError
 from mavstack.flashing.firmware_file import MAX_FILE_SIZE, FirmwareFile, FirmwareKind
@@ -132,7 +132,7 @@ def _image(fields: dict[str, Any], key: str, size_key: str, name: str) -> bytes:
     return image + b"\xff" * (-len(image) % _WORD)
 
 
-def _is_number(value: object) -> bool:
+def _is_number(value: object) -> TypeGuard[int]:
     return isinstance(value, int) and not isinstance(value, bool)
 
 

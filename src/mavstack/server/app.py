@@ -32,6 +32,7 @@ from mavstack.server.api import (
     conflicts,
     equipment,
     files,
+    firmware,
     generator,
     messages,
     parameters,
@@ -105,6 +106,7 @@ ROUTES: Final[tuple[AnyRoute, ...]] = (
     *recordings.ROUTES,
     *router.ROUTES,
     *simulators.ROUTES,
+    *firmware.ROUTES,
     *generator.ROUTES,
 )
 

@@ -32,6 +32,7 @@ from mavstack.errors import (
     SystemIdConflictError,
     UnknownMessageError,
 )
+from mavstack.flashing.failures import FirmwareFileError, FlashingError, FlashingRefused
 from mavstack.http.bodies import RefusedError
 
 if TYPE_CHECKING:
@@ -55,6 +56,9 @@ STATUSES: Final[Sequence[tuple[type[Exception], HTTPStatus]]] = (
     (PlanFileError, HTTPStatus.BAD_REQUEST),
     (ParameterFileError, HTTPStatus.BAD_REQUEST),
     (MetadataError, HTTPStatus.BAD_REQUEST),
+    (FirmwareFileError, HTTPStatus.BAD_REQUEST),
+    (FlashingRefused, HTTPStatus.CONFLICT),
+    (FlashingError, HTTPStatus.BAD_GATEWAY),
     (UnknownMessageError, HTTPStatus.NOT_FOUND),
     (LogError, HTTPStatus.CONFLICT),
     (MissingExtraError, HTTPStatus.NOT_IMPLEMENTED),

@@ -22,6 +22,7 @@ from mavstack.http.bodies import RefusedError
 from mavstack.security.observer_requests import ObserverRequests
 from mavstack.server.calibrations import Calibrations
 from mavstack.server.client_shares import ClientShares
+from mavstack.server.firmware import StationFlasher
 from mavstack.server.generator.runner import GeneratorRunner
 from mavstack.server.observer_lane import ObserverLane
 from mavstack.server.packet_hub import PacketHub
@@ -93,6 +94,7 @@ class Station:
     ) -> None:
         self.connection = Connection() if connection is None else connection
         self.sources = Sources(self.connection, network_only=network_only)
+        self.flasher = StationFlasher(self.sources)
         self.worlds = Worlds(self.sources, programs)
         self.packets = PacketHub(self.connection)
         self.recordings = Recordings(self.connection, folder)

@@ -9,16 +9,10 @@ from mavstack.cli.common.ending_signals import run_until_signal
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.output import align_columns, echo, echo_json
 from mavstack.cli.firmware.flash_progress import FlashProgress
-from mavstack.cli.firmware.text import (
-    board_json,
-    board_lines,
-    file_json,
-    file_lines,
-    result_json,
-    result_lines,
-)
+from mavstack.cli.firmware.text import board_lines, file_lines, result_lines
 from mavstack.flashing import FlashOptions, flash_firmware, list_ports, read_firmware
 from mavstack.flashing.board_flasher import BoardFlasher
+from mavstack.flashing.json_text import board_json, file_json, result_json
 from mavstack.flashing.ports import has_modem_manager
 
 if TYPE_CHECKING:

@@ -1,29 +1,14 @@
-"""Firmware files, boards and results as text and as JSON."""
+"""Firmware files, boards and results as text."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from mavstack.cli.common.output import align_columns
 from mavstack.cli.common.text import size_text
 
 if TYPE_CHECKING:
     from mavstack.flashing import Board, FirmwareFile, FlashResult
-
-
-def file_json(firmware: FirmwareFile) -> dict[str, Any]:
-    """Return the facts of a file for JSON."""
-    return {
-        "kind": str(firmware.kind),
-        "name": firmware.name,
-        "version": firmware.version,
-        "board": firmware.board_id,
-        "size": firmware.size,
-        "external_size": len(firmware.external),
-        "max_size": firmware.max_size,
-        "signed": firmware.signed,
-        "usb": list(firmware.usb_ids),
-    }
 
 
 def file_lines(firmware: FirmwareFile) -> list[str]:
@@ -38,21 +23,6 @@ def file_lines(firmware: FirmwareFile) -> list[str]:
     return align_columns([row for row in rows if row[1]])
 
 
-def board_json(board: Board) -> dict[str, Any]:
-    """Return the facts of a board for JSON."""
-    return {
-        "board": board.board_id,
-        "name": board.name,
-        "revision": board.board_revision,
-        "bootloader": board.bootloader,
-        "flash_size": board.flash_size,
-        "usable_size": board.usable_size,
-        "external_size": board.external_size,
-        "chip": board.chip_name,
-        "serial": board.serial,
-    }
-
-
 def board_lines(board: Board) -> list[str]:
     """Return the facts of a board as lines."""
     rows = [("board", board.name), ("revision", str(board.board_revision))]
@@ -63,26 +33,6 @@ def board_lines(board: Board) -> list[str]:
     rows.append(("external flash", size_text(board.external_size) if board.external_size else ""))
     rows += [("chip", board.chip_name), ("serial number", board.serial)]
     return align_columns([row for row in rows if row[1]])
-
-
-def result_json(result: FlashResult, *, dry_run: bool) -> dict[str, Any]:
-    """Return the result of flashing for JSON."""
-    restored = result.restored
-    return {
-        "board": result.board,
-        "dry_run": dry_run,
-        "written": result.written,
-        "attempts": result.attempts,
-        "parameters": None
-        if restored is None
-        else {
-            "file": str(restored.path),
-            "set": restored.set,
-            "unchanged": restored.unchanged,
-            "failed": list(restored.failed),
-        },
-        "notes": list(result.notes),
-    }
 
 
 def result_lines(result: FlashResult, *, dry_run: bool) -> list[str]:
