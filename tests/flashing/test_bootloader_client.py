@@ -16,7 +16,8 @@ from mavstack.flashing.bootloader_client import (
     reboot,
 )
 from mavstack.flashing.failures import BootloaderError, FlashingRefused
-from mavstack.flashing.firmware_file import FirmwareFile, FirmwareKind, parse_firmware
+from mavstack.flashing.firmware_file import FirmwareFile, FirmwareKind
+from mavstack.flashing.firmware_reader import parse_firmware
 from mavstack.flashing.json_container import make_container
 from mavstack.flashing.progress import Phase
 from mavstack.flashing.simulated_bootloader import ARDUPILOT_BOARD, PX4_BOARD, SimulatedBootloader

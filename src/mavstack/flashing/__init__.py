@@ -9,7 +9,8 @@ Everything is checked before anything is erased; the parameters are saved before
 
 from mavstack.flashing.board import Board
 from mavstack.flashing.failures import BootloaderError, FirmwareFileError, FlashingError, FlashingRefused
-from mavstack.flashing.firmware_file import FirmwareFile, FirmwareKind, parse_firmware, read_firmware
+from mavstack.flashing.firmware_file import FirmwareFile, FirmwareKind
+from mavstack.flashing.firmware_reader import parse_firmware, read_firmware
 from mavstack.flashing.flasher import flash_firmware
 from mavstack.flashing.options import FlashOptions
 from mavstack.flashing.ports import PortInfo, list_ports
