@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from mavstack.errors import InvalidArgumentError
 from mavstack.node.api_object import ReadOnly
 from mavstack.node.camera import Camera
+from mavstack.node.can import Can
 from mavstack.node.clients import ComponentClients
 from mavstack.node.control import ControlStream
 from mavstack.node.events import EventListener, EventMetadata, EventStream
@@ -103,6 +104,7 @@ class RemoteComponent(ReadOnly):
     logs = _part(Logs, "The component's logs.")
     camera = _part(Camera, "The component as a camera (camera protocol v2).")
     gimbal = _part(Gimbal, "All gimbals that the component manages, as one (gimbal protocol v2).")
+    can = _part(Can, "The CAN buses of the component, an autopilot.")
     terrain = _part(
         Terrain, "The terrain that the component, a vehicle, has from ground stations.", offered=True
     )

@@ -48,7 +48,7 @@ from mavstack.services import (
 from mavstack.services.signing_setup import KeyEvent, KeySettled
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Sequence
 
     from mavstack._core import HasCoreDialect
     from mavstack.dialects import Message
@@ -344,8 +344,8 @@ class Engine:
     def _drain(self, service: Service, now: float) -> None:
         self._blocked.pop(service, None)
 
-        def has_room(target: Address, priority: Priority = Priority.BULK) -> bool:
-            return self._has_room(service, target, priority, now)
+        def has_room(target: Address, priority: Priority = Priority.BULK, channel: str = "") -> bool:
+            return self._has_room(service, self.key_channels.leading_to(target, channel), priority, now)
 
         for outgoing in service.messages_to_send(now, has_room):
             if error := self.senders.refusal(outgoing.message, outgoing.target):
@@ -353,8 +353,9 @@ class Engine:
             else:
                 self._dispatch(outgoing, service.local, now)
 
-    def _has_room(self, service: Service, target: Address, priority: Priority, now: float) -> bool:
-        channels = self.key_channels.leading_to(target)
+    def _has_room(
+        self, service: Service, channels: Sequence[ChannelState], priority: Priority, now: float
+    ) -> bool:
         for channel in channels:
             pacer = channel.pacer
             if pacer.bandwidth is not None or (priority is Priority.BULK and pacer.bulk_rate is not None):
@@ -374,7 +375,7 @@ class Engine:
         message, target, priority, name = outgoing
         if carries_key(message) and self.key_channels.refusal(target):
             return
-        for channel in self.key_channels.named(name) if name else self.key_channels.leading_to(target):
+        for channel in self.key_channels.leading_to(target, name):
             if priority is Priority.STREAM and not channel.pacer.has_room(Priority.STREAM, now):
                 channel.thinned += 1
                 continue

@@ -72,10 +72,15 @@ class KeyChannels:
         """Return the open channel of a name, in a list; empty if there is none."""
         return [channel for channel in self._channels if channel.name == name]
 
-    def leading_to(self, target: Address) -> Sequence[ChannelState]:
-        """Return the channels that lead to a target: the one named for its key or chosen, or its route's."""
-        if self._named and (name := self._named.get(target)) is not None:
-            named = self.named(name)
+    def leading_to(self, target: Address, name: str = "") -> Sequence[ChannelState]:
+        """Return the channels that lead to a target: the one named for its key or chosen, or its route's.
+
+        With a name it is the channel of that name alone.
+        """
+        if name:
+            return self.named(name)
+        if self._named and (key_channel := self._named.get(target)) is not None:
+            named = self.named(key_channel)
             if named:
                 return named
         if self._senders.is_limited and (chosen := self._senders.channels_to(target)) is not None:

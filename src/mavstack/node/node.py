@@ -47,6 +47,7 @@ from mavstack.services.heartbeat import (
 from mavstack.services.heartbeat.sender import DEFAULT_INTERVAL
 from mavstack.services.message_request import MessageServer
 from mavstack.services.ping import PingServer
+from mavstack.services.rtk import CorrectionSender
 from mavstack.services.signing_setup import KeyEvent
 from mavstack.services.statustext import StatustextReceiver, StatustextSender
 from mavstack.services.timesync import TimesyncServer
@@ -109,6 +110,11 @@ class Node(ReadOnly):
         MessageServer,
         "The server of the messages that were given to `publish`.",
         lambda node: node.serve(MessageServer(node.address, node.commands.server)),
+    )
+    corrections = Part(
+        CorrectionSender,
+        "The sender of corrections for satellite navigation (GPS_RTCM_DATA), once over each link.",
+        lambda node: node.serve(serving.correction_sender(node)),
     )
     _statustext_sender = Part(
         StatustextSender,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.services.camera import CameraServer
 from mavstack.services.gimbal import GimbalManagerServer
+from mavstack.services.rtk import ChannelPace, CorrectionSender
 from mavstack.services.terrain import TerrainServer
 
 if TYPE_CHECKING:
@@ -66,3 +67,13 @@ def serve_terrain(node: Node, heights: Heights) -> TerrainServer:
         The server; its `sent` and `unknown` count the tiles.
     """
     return node.serve(TerrainServer(node.address, heights))
+
+
+def correction_sender(node: Node) -> CorrectionSender:
+    """Return a sender of corrections over all channels of a node."""
+
+    def paces() -> list[ChannelPace]:
+        channels = node._host.engine.channels  # noqa: SLF001 (the node of these functions)
+        return [ChannelPace(channel.name, channel.pacer.bandwidth) for channel in channels]
+
+    return CorrectionSender(node.address, paces)

@@ -54,12 +54,12 @@ class Outgoing(NamedTuple):
 
 
 class HasRoom(Protocol):
-    """Returns whether the links to a target have room for a message of that priority now."""
+    """Returns whether the links to a target, or one named channel, have room for a message now."""
 
-    def __call__(self, target: Address, priority: Priority = Priority.BULK, /) -> bool: ...
+    def __call__(self, target: Address, priority: Priority = Priority.BULK, channel: str = "", /) -> bool: ...
 
 
-def always_room(target: Address, priority: Priority = Priority.BULK, /) -> bool:
+def always_room(target: Address, priority: Priority = Priority.BULK, channel: str = "", /) -> bool:
     """Return True: the links of tests are not limited."""
     return True
 

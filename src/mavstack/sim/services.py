@@ -22,6 +22,7 @@ from mavstack.services.setpoints import SetpointReceiver
 from mavstack.services.signing_setup import KeySettled, SigningSetupServer
 from mavstack.services.statustext import StatustextSender
 from mavstack.services.timesync import TimesyncServer
+from mavstack.sim.autopilot.corrected_gps import CorrectedGps
 from mavstack.sim.vehicle_types import Firmware
 
 if TYPE_CHECKING:
@@ -96,6 +97,7 @@ class Services:
         servers += [part.server for part in parts_of(RemoteComponent) if part.server is not None]
         for make in servers:
             engine.add(make(local))
+        engine.add(CorrectedGps(local, vehicle.body))
         self.signing_setup = engine.add(SigningSetupServer(local, may_set=keys.refusal, as_autopilot=True))
         vehicle.on_event(KeySettled, keys.settled)
         vehicle.on_event(ModeChanged, self._mode_changed)

@@ -11,6 +11,9 @@ from mavstack.dialects import Message
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied
 from mavstack.files.parameter_metadata import MetadataCache
+from mavstack.gnss.ublox import FixedPosition
+from mavstack.gnss.ublox import SurveyIn
+from mavstack.gnss.ublox import SurveyState
 from mavstack.links import Channel
 from mavstack.links import Link
 from mavstack.links.settings import Version
@@ -33,6 +36,7 @@ from mavstack.services.camera import SettingValue
 from mavstack.services.camera import Storage
 from mavstack.services.camera import TrackedTarget
 from mavstack.services.camera import VideoStream
+from mavstack.services.can import CanFrame
 from mavstack.services.command import CommandRequest
 from mavstack.services.command import CommandResult
 from mavstack.services.command import CommandServer
@@ -69,6 +73,8 @@ from mavstack.services.parameters import ParameterChanged
 from mavstack.services.parameters import Snapshot
 from mavstack.services.parameters import Value
 from mavstack.services.ping import PingStatistics
+from mavstack.services.rtk import CorrectionCounts
+from mavstack.services.rtk import CorrectionSender
 from mavstack.services.setpoints import Setpoint
 from mavstack.services.signing_setup import SigningRequest
 from mavstack.services.terrain import Heights
@@ -87,6 +93,7 @@ from mavstack.vehicle.calibration.kinds import CalibrationStep
 from mavstack.vehicle.capabilities import Capabilities
 from mavstack.vehicle.connection import NodeOptions
 from mavstack.vehicle.health import Health
+from mavstack.vehicle.rtk.rtk import RtkStatus
 from mavstack.vehicle.swarm.controller import SwarmOptions
 from mavstack.vehicle.telemetry import values
 from mavstack.vehicle.telemetry.values import HomePosition
@@ -102,7 +109,7 @@ from typing import Self
 from typing import TypeVar
 from typing import Unpack
 
-__all__ = ['Actuators', 'Calibration', 'CalibrationSession', 'Camera', 'CameraSettings', 'CommandHandlers', 'Connection', 'ControlStream', 'EventListener', 'EventStream', 'ExtendedParams', 'Ftp', 'Gimbal', 'Group', 'GuidedSession', 'Listener', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'Recording', 'RegionOfInterest', 'RemoteComponent', 'Results', 'Shell', 'Subscription', 'Swarm', 'Terrain', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
+__all__ = ['Actuators', 'Calibration', 'CalibrationSession', 'Camera', 'CameraSettings', 'Can', 'CanBus', 'CommandHandlers', 'Connection', 'ControlStream', 'CorrectionFeed', 'EventListener', 'EventStream', 'ExtendedParams', 'Ftp', 'Gimbal', 'Group', 'GuidedSession', 'Listener', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'Recording', 'RegionOfInterest', 'RemoteComponent', 'Results', 'Rtk', 'Shell', 'Subscription', 'Swarm', 'Terrain', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
 AnyEvent = TypeVar('AnyEvent')
 AnyHandler = TypeVar('AnyHandler', bound='Callable[..., Any]')
 AnyMessage = TypeVar('AnyMessage', bound=Message)
@@ -833,6 +840,65 @@ class CameraSettings:
             SystemIdConflictError: Several vehicles use its system id, and none was chosen.
         """
 
+class Can:
+    """The CAN buses of an autopilot (CAN_FRAME, CANFD_FRAME)."""
+
+    def open(self, bus: int=1, *, queue: int=...) -> CanBus:
+        """Return a context manager during which a bus is forwarded (MAV_CMD_CAN_FORWARD).
+
+        Args:
+            bus: The number of the bus, from 1.
+            queue: Frames that are queued while the program does not read; then the oldest is dropped.
+
+        Returns:
+            The bus. Entering it raises CommandDenied if the autopilot has no such bus, or forwards none, and
+            CommandTimeout if it does not answer.
+
+        Raises:
+            InvalidTypeError: The number is not a number.
+            InvalidArgumentError: The number is not from 1 to 255.
+        """
+
+class CanBus:
+    """A bus that is forwarded; made by `Can.open`, an iterator of frames."""
+
+    @property
+    def dropped(self) -> int:
+        """Frames that were dropped because they were not read in time."""
+
+    def send(self, frame: CanFrame) -> None:
+        """Send a frame to the bus; nothing acknowledges it.
+
+        Args:
+            frame: The frame.
+
+        Raises:
+            InvalidArgumentError: The identifier or the data is too long.
+            InvalidStateError: The node is closed.
+        """
+
+    def set_filter(self, types: Iterable[int]) -> None:
+        """Let the autopilot forward only frames of these DroneCAN data types (CAN_FILTER_MODIFY).
+
+        Args:
+            types: Up to 16 data types; none: all frames.
+
+        Raises:
+            InvalidArgumentError: There are more than 16, or one is out of range.
+        """
+
+    def __enter__(self) -> Self:
+        ...
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        ...
+
+    def __iter__(self) -> Self:
+        ...
+
+    def __next__(self) -> CanFrame:
+        ...
+
 class CommandHandlers:
     """The command server of a node, with plain and async handlers."""
     server: CommandServer
@@ -961,6 +1027,41 @@ class ControlStream(Generic[ControlValue]):
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         ...
+
+class CorrectionFeed:
+    """A source of corrections; `vehicle.rtk.corrections` makes it, `async with` runs it.
+
+    Attributes:
+        url: The URL of the source, without password.
+        state: Whether it streams, connects, or waits for the next attempt.
+        problem: The reason for the last loss of the connection; empty if there was none.
+        connects: How often the source began to stream.
+        survey: The progress of a base's survey; None if it has none.
+    """
+    problem: str
+    connects: int
+    survey: SurveyState | None
+    on_change: Callable[[CorrectionFeed], object]
+
+    def __enter__(self) -> Self:
+        ...
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        ...
+
+    def wait(self) -> None:
+        """Wait until the source ends, which it does only by an error.
+
+        Raises:
+            LinkError: The caster refuses the request for good.
+        """
+
+    def run(self) -> None:
+        """Run the source until it is cancelled.
+
+        Raises:
+            LinkError: The caster refuses the request for good, or the link cannot be opened.
+        """
 
 class EventListener:
     """A callback that is called with each event, until `close`; made by `Vehicle.add_event_listener`."""
@@ -1949,6 +2050,10 @@ class Node:
     def message_server(self) -> MessageServer:
         """The server of the messages that were given to `publish`."""
 
+    @property
+    def corrections(self) -> CorrectionSender:
+        """The sender of corrections for satellite navigation (GPS_RTCM_DATA), once over each link."""
+
     def __init__(self, *links: str | Link, system: int=255, component: int=..., type: int=..., autopilot: int=..., dialect: HasCoreDialect | None=None, version: Version=2, signing: SigningKey | None=None, timestamps: TimestampStore | None=None, heartbeat: bool=True, heartbeat_rate: float=1.0, channel: str | None=None) -> None:
         ...
 
@@ -2743,6 +2848,10 @@ class RemoteComponent:
         """All gimbals that the component manages, as one (gimbal protocol v2)."""
 
     @property
+    def can(self) -> Can:
+        """The CAN buses of the component, an autopilot."""
+
+    @property
     def terrain(self) -> Terrain:
         """The terrain that the component, a vehicle, has from ground stations."""
 
@@ -3116,6 +3225,60 @@ class Results(Mapping['Vehicle', 'Result | Exception'], Generic[Result]):
     def __len__(self) -> int:
         ...
 
+class Rtk:
+    """The corrections of a vehicle's satellite navigation; `vehicle.rtk`."""
+
+    @property
+    def status(self) -> RtkStatus:
+        """The state of the vehicle's satellite navigation (GPS_RAW_INT)."""
+
+    @property
+    def counts(self) -> CorrectionCounts:
+        """The frames that this connection received from sources and sent to its vehicles."""
+
+    def send(self, data: bytes) -> int:
+        """Send corrections to all vehicles of the connection (GPS_RTCM_DATA).
+
+        Args:
+            data: Bytes of RTCM 3, cut anywhere.
+
+        Returns:
+            The number of frames that the bytes completed. What is not RTCM is counted and dropped.
+
+        Raises:
+            InvalidStateError: The connection is closed.
+        """
+
+    def corrections(self, url: str, *, base: SurveyIn | FixedPosition | None=None) -> CorrectionFeed:
+        """Return a source of corrections; a context manager that runs it.
+
+        Args:
+            url: A caster (`ntrip://USER:PASSWORD@HOST:PORT/MOUNTPOINT`, `ntrips://` over TLS), or the
+                link to a base: `serial:///dev/ttyACM0?baud=115200`, `tcpout://HOST:PORT`.
+            base: How a u-blox receiver at a link becomes a base; None: it sends RTCM already.
+
+        Returns:
+            The source, not started.
+
+        Raises:
+            LinkURLError: The URL is malformed.
+            MissingExtraError: pyubx2, which `base` needs, is not installed.
+        """
+
+    def wait_for_fix(self, fix: int=..., *, timeout: float | None=None) -> RtkStatus:
+        """Wait until the receiver has a fix of at least this quality.
+
+        Args:
+            fix: RTK_FIXED, or RTK_FLOAT, which RTK_FIXED satisfies too.
+            timeout: Seconds to wait; None waits for ever.
+
+        Returns:
+            The status.
+
+        Raises:
+            HealthTimeout: It had no such fix in time.
+        """
+
 class Shell:
     """A shell: write commands to it, and iterate over its output as text; a context manager."""
 
@@ -3424,6 +3587,10 @@ class Vehicle:
     @property
     def roi(self) -> RegionOfInterest:
         """The region of interest: the point that the gimbal or the nose keeps pointing at."""
+
+    @property
+    def rtk(self) -> Rtk:
+        """The corrections of its satellite navigation, from a caster or a base."""
 
     @property
     def modes(self) -> Modes:

@@ -36,6 +36,7 @@ from mavstack.vehicle.firmware import Firmware, firmware_of
 from mavstack.vehicle.health import Health, health_of
 from mavstack.vehicle.mission import Mission, VehiclePlan
 from mavstack.vehicle.roi import RegionOfInterest
+from mavstack.vehicle.rtk import Rtk
 from mavstack.vehicle.telemetry import Telemetry, messages, readers, value_streams
 from mavstack.vehicle.vehicle_type import QUADPLANE_PARAMETER, VehicleType
 
@@ -95,6 +96,8 @@ class Vehicle(ReadOnly):
         RegionOfInterest,
         "The region of interest: the point that the gimbal or the nose keeps pointing at.",
     )
+
+    rtk = Part(Rtk, "The corrections of its satellite navigation, from a caster or a base.")
 
     def __init__(self, connection: Node, component: RemoteComponent) -> None:
         #: The connection through which the vehicle is reached.

@@ -30,6 +30,7 @@ from mavstack.sim.ardupilot.terrain import register_terrain
 from mavstack.sim.ardupilot.texts import BootTexts, armed_text, disarmed_text
 from mavstack.sim.autopilot.commands.home import home_position
 from mavstack.sim.autopilot.firmware_profile import FirmwareProfile
+from mavstack.sim.can import CanDevices
 from mavstack.sim.parameters import served_metadata
 from mavstack.sim.telemetry import publish_ardupilot
 from mavstack.sim.vehicle_types import VehicleType
@@ -103,6 +104,7 @@ class ArdupilotProfile(FirmwareProfile):
         autopilot.watches.append(ModeSwitch(autopilot, self.mode_failure))
         SimulationParameters(vehicle)
         register_external_gps(vehicle)
+        CanDevices(vehicle)
         register_terrain(vehicle)
         if _QUADPLANE_TYPE in vehicle.parameters:
             vehicle.parameters.on_change(_QUADPLANE_TYPE, lambda _: vehicle.services.refresh_type())

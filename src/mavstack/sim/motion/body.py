@@ -23,6 +23,7 @@ from mavstack.sim.motion.demands import (
     line,
 )
 from mavstack.sim.motion.readings import FIX_3D, GpsReport, Limits
+from mavstack.sim.motion.sensors import PRECISION
 from mavstack.sim.motion.state import StateArray
 from mavstack.sim.vehicle_types import Home, VehicleType
 
@@ -301,6 +302,11 @@ class Body(BodyReader):
         """Offset the GPS position by metres north and east."""
         self._gps_offset = finite(north, 0.0, -1e5, 1e5), finite(east, 0.0, -1e5, 1e5)
         self._apply_gps_faults()
+
+    def correct_gps(self, fix: int) -> None:
+        """Let the body's own receiver use corrections: GPS_FIX_TYPE 5 (float) or 6 (fixed), 0: none."""
+        self._fault("gps_fix", float(fix))
+        self._fault("gps_precision", PRECISION.get(fix, 0.0))
 
     def _apply_gps_faults(self) -> None:
         """Apply the faults of the body's own receiver while the estimate follows it."""

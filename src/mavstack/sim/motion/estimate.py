@@ -41,7 +41,7 @@ def update(state: StateArray, step: float) -> None:
     drift = state.drift_velocity
     good = 1.0 - lost
     drift += step * (state.drift_bias * lost - drift * good)
-    command = state.spoof + GPS_DEVIATION * slow_noise[3:6]
+    command = state.spoof + GPS_DEVIATION * (1.0 - state.gps_precision) * slow_noise[3:6]
     command[2] = state.baro_drift + BARO_DEVIATION * slow_noise[12]
     follow = np.minimum(step / POSITION_LAG, 1.0)
     error[:2] += (command[:2] - error[:2]) * (follow * good) + drift[:2] * lost * step
@@ -61,7 +61,8 @@ def update_gps(state: StateArray, tick: int, period: int) -> None:
         return
     np.copyto(state.gps, state.gps_pending, where=ready)
     fresh = np.empty_like(state.gps)
-    fresh[:3] = state.position + state.spoof + GPS_DEVIATION * state.slow_noise[3:6]
+    error = GPS_DEVIATION * (1.0 - state.gps_precision)
+    fresh[:3] = state.position + state.spoof + error * state.slow_noise[3:6]
     fresh[3:] = state.velocity + VELOCITY_DEVIATION * state.slow_noise[6:9]
     np.copyto(state.gps_pending, fresh, where=ready)
 

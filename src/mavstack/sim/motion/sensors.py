@@ -39,10 +39,15 @@ WATER = 98.0
 EQUATOR_FIELD = 0.31
 #: GPS_FIX_TYPE, satellites, and expected horizontal and vertical errors in metres.
 GOOD_FIX = (FIX_3D, 14, 0.8, 1.3)
-_GPS, _LOST, _BARO = (
+#: The same with corrections, by GPS_FIX_TYPE: RTK float and RTK fixed.
+CORRECTED_FIXES = {5: (5, 18, 0.15, 0.25), 6: (6, 20, 0.014, 0.02)}
+#: The share of the receiver's error that corrections remove, by GPS_FIX_TYPE.
+PRECISION = {5: 0.8, 6: 0.98}
+_GPS, _LOST, _BARO, _FIX = (
     StateArray.ROWS["gps"][0],
     StateArray.ROWS["gps_lost"][0],
     StateArray.ROWS["baro_drift"][0],
+    StateArray.ROWS["gps_fix"][0],
 )
 _ROW_COUNT = 15
 
@@ -116,6 +121,7 @@ def readings(values: Sequence[float], column: Sequence[float], frame: LocalFrame
     """Build one body's readings."""
     lost = column[_LOST] > 0.0
     north, east, down, *velocity = column[_GPS : _GPS + 6]
-    fix = (NO_FIX, 0, UNKNOWN_ERROR, UNKNOWN_ERROR) if lost else GOOD_FIX
+    good = CORRECTED_FIXES.get(int(column[_FIX]), GOOD_FIX)
+    fix = (NO_FIX, 0, UNKNOWN_ERROR, UNKNOWN_ERROR) if lost else good
     heading = math.remainder(values[13], math.tau)
     return SensorReadings._make((*values[:13], heading, *frame.to_global(north, east, down), *velocity, *fix))

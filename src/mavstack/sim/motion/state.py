@@ -52,6 +52,9 @@ class StateArray(Rows):
     temperature: Scalar
     # last report of the GPS receiver: position and velocity
     gps: Gps
+    # GPS_FIX_TYPE of a receiver with corrections, or 0; and the share of its error that they remove
+    gps_fix: Scalar
+    gps_precision: Scalar
     # faults
     gps_lost: Scalar
     spoof: Vector

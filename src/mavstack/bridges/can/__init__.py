@@ -1,0 +1,1 @@
+"""CAN over MAVLink for programs of python-can."""
