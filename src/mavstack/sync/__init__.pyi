@@ -1053,14 +1053,14 @@ class CorrectionFeed:
         """Wait until the source ends, which it does only by an error.
 
         Raises:
-            LinkError: The caster refuses the request for good.
+            LinkError: The caster refuses the request permanently.
         """
 
     def run(self) -> None:
         """Run the source until it is cancelled.
 
         Raises:
-            LinkError: The caster refuses the request for good, or the link cannot be opened.
+            LinkError: The caster refuses the request permanently, or the link cannot be opened.
         """
 
 class EventListener:

@@ -1,6 +1,6 @@
 """The devices on the CAN bus of a simulated ArduPilot vehicle: the autopilot, a GPS receiver, an ESC.
 
-They are there while a client has the bus forwarded: otherwise nobody sees them.
+They are there while a client has the bus forwarded: otherwise no client sees them.
 """
 
 from __future__ import annotations

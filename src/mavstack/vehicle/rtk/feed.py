@@ -99,7 +99,7 @@ class CorrectionFeed(ApiObject):
         """Wait until the source ends, which it does only by an error.
 
         Raises:
-            LinkError: The caster refuses the request for good.
+            LinkError: The caster refuses the request permanently.
         """
         if self._task is not None:
             await asyncio.shield(self._task)
@@ -108,7 +108,7 @@ class CorrectionFeed(ApiObject):
         """Run the source until it is cancelled.
 
         Raises:
-            LinkError: The caster refuses the request for good, or the link cannot be opened.
+            LinkError: The caster refuses the request permanently, or the link cannot be opened.
         """
         try:
             if self._caster is None:
