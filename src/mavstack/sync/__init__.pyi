@@ -5,6 +5,7 @@ from collections.abc import Collection
 from collections.abc import Iterable
 from collections.abc import Iterator
 from collections.abc import Mapping
+from collections.abc import Sequence
 from functools import cached_property
 from mavstack._core import HasCoreDialect
 from mavstack.dialects import Message
@@ -86,6 +87,8 @@ from mavstack.services.version import AutopilotVersion
 from mavstack.services.version import ProtocolVersion
 from mavstack.swarm.arrays import Points
 from mavstack.swarm.formations import Formation
+from mavstack.swarm.search.missions import MissionOptions
+from mavstack.swarm.search.surveys import Survey
 from mavstack.vehicle.actions.renumber import Renumbered
 from mavstack.vehicle.calibration.kinds import CalibrationKind
 from mavstack.vehicle.calibration.kinds import CalibrationResult
@@ -1497,8 +1500,9 @@ class Gimbal:
 class Group(Collection['Vehicle']):
     """Several vehicles, each once, in the order in which they were given.
 
-    The methods run the method of `Vehicle` with the same name on all vehicles. They raise no error of a
-    vehicle: the returned `Results` hold them, and `Results.check` raises `GroupError`.
+    The actions run the method of `Vehicle` with the same name on all vehicles. They raise no error of a
+    vehicle: the returned `Results` hold them, and `Results.check` raises `GroupError`. The flights as one
+    swarm (`formation`, `move`, `goto`, `follow`) fly all vehicles or none, and raise errors.
     """
 
     def each(self, work: Callable[[Vehicle], Result], *, max_concurrency: int | None=None, name: str='work') -> Results[Result]:
@@ -1616,6 +1620,114 @@ class Group(Collection['Vehicle']):
         Returns:
             The outcome of each vehicle; its errors are those of `Vehicle.reboot`.
         """
+
+    def formation(self, formation: str | Formation, *, spacing: float | None=None, course: float | None=None, altitude: float | None=None, options: SwarmOptions | None=None, **shape: Any) -> float:
+        """Fly into a formation around the first vehicle.
+
+    Args:
+        formation: The name of a shape, or a formation.
+        spacing: Metres between neighbours; None: the one that any exchange of slots needs.
+        course: Direction of the formation in degrees; None: north.
+        altitude: Height of the leader in metres above its home; None: the one that it has.
+        options: How the vehicles fly; None: the defaults.
+        **shape: `angle`, `rotation`, `layers`, `layer_spacing`, `text`, `points` of `Formation`.
+
+    Returns:
+        The smallest distance of two vehicles on the way in metres, heights divided by 2.
+
+    Raises:
+        InvalidArgumentError: The group is empty, or no transition keeps the planned distance.
+        SwarmStopped: The guard ended the flight.
+        GroupError: A vehicle does not follow setpoints, or did not hold at the end.
+    """
+
+    def move(self, north: float=0.0, east: float=0.0, up: float=0.0, *, options: SwarmOptions | None=None) -> float:
+        """Move all vehicles by the same way, at the same time.
+
+    Args:
+        north: Metres.
+        east: Metres.
+        up: Metres.
+        options: How the vehicles fly; None: the defaults.
+
+    Returns:
+        The smallest distance of two vehicles on the way in metres, heights divided by 2.
+
+    Raises:
+        InvalidArgumentError: The group is empty.
+        SwarmStopped: The guard ended the flight.
+        GroupError: A vehicle does not follow setpoints, or did not hold at the end.
+    """
+
+    def goto(self, latitude: float, longitude: float, altitude: float | None=None, *, options: SwarmOptions | None=None) -> float:
+        """Move all vehicles by the same way, so that the first one arrives at a place.
+
+    Args:
+        latitude: Degrees.
+        longitude: Degrees.
+        altitude: Metres above the first vehicle's home; None: the one that it has.
+        options: How the vehicles fly; None: the defaults.
+
+    Returns:
+        The smallest distance of two vehicles on the way in metres, heights divided by 2.
+
+    Raises:
+        InvalidArgumentError: The group is empty.
+        SwarmStopped: The guard ended the flight.
+        GroupError: A vehicle does not follow setpoints, or did not hold at the end.
+    """
+
+    def follow(self, leader: Vehicle, formation: str | Formation='wedge', *, spacing: float | None=None, duration: float | None=None, options: SwarmOptions | None=None, **shape: Any) -> float:
+        """Follow a vehicle that another program flies; it may be in the group, and is left out then.
+
+    Args:
+        leader: The vehicle; slot 0 of the formation is its own.
+        formation: The name of a shape, or a formation.
+        spacing: Metres between neighbours; None: the one that any exchange of slots needs.
+        duration: Seconds; None: until the task is cancelled.
+        options: How the vehicles fly; None: the defaults.
+        **shape: `angle`, `rotation`, `layers`, `layer_spacing`, `text`, `points` of `Formation`.
+
+    Returns:
+        The smallest distance of two followers in metres, heights divided by 2.
+
+    Raises:
+        InvalidArgumentError: No vehicle is left in the group.
+        ContactLost: No position of the leader arrives.
+        SwarmStopped: The guard ended the flight.
+        GroupError: A vehicle does not follow setpoints, or did not hold at the end.
+    """
+
+    def search(self, pattern: str, center: tuple[float, float], *, size: float=200.0, spacing: float=20.0, bearing: float=0.0, mission: MissionOptions | None=None, start: bool=True, timeout: float | None=None) -> Results[Plan]:
+        """Divide the search around a point among the vehicles, upload a mission to each, and start them.
+
+    Args:
+        pattern: One of `mavstack.swarm.search.plans.PATTERNS`, such as "parallel".
+        center: Latitude and longitude in degrees.
+        size: Side of the square, or the diameter of a sector search, in metres.
+        spacing: Metres between tracks.
+        bearing: Direction of the pattern in degrees.
+        mission: Heights and speed; None: from 30 m, each vehicle 10 m higher than the one before.
+        start: Arm the vehicles, and start the missions.
+        timeout: Seconds for each step of a vehicle; None: until retries are exhausted.
+
+    Returns:
+        The mission of each vehicle, or its error; those of `Mission.upload` and `Mission.start`. A vehicle
+        without a part of the search is left out.
+
+    Raises:
+        InvalidArgumentError: The group is empty, or a measure is not possible.
+    """
+
+    def land_all(self, *, timeout: float | None=None) -> Results[None]:
+        """Let all vehicles that are in the air land; those on the ground stay as they are.
+
+    Args:
+        timeout: Seconds for each vehicle; None sets no overall limit.
+
+    Returns:
+        The outcome of each vehicle; its errors are those of `Vehicle.land`.
+    """
 
     @property
     def systems(self) -> tuple[int, ...]:
@@ -1863,6 +1975,21 @@ class Mission(VehiclePlan):
             InvalidTypeError: An item is not a `MissionItem`.
             MissionDenied: The vehicle refused the plan.
             MissionTimeout: The vehicle did not answer, or the transfer stalled.
+        """
+
+    def plan_survey(self, outline: Sequence[tuple[float, float]], survey: Survey | None=None, *, obstacles: Sequence[Sequence[tuple[float, float]]]=...) -> list[MissionItem]:
+        """Return a mission that covers an area, from where the vehicle is; nothing is sent.
+
+        Args:
+            outline: Corners of the area, latitude and longitude in degrees.
+            survey: Spacing or camera, height and speed; None: 20 m between tracks, 30 m above home.
+            obstacles: Outlines of regions that are left out.
+
+        Returns:
+            The items, for `upload`.
+
+        Raises:
+            InvalidArgumentError: The outline or a number is not possible.
         """
 
     @property

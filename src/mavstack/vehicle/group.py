@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from mavstack.errors import GroupError, InvalidArgumentError, RemoteCancelled
 from mavstack.node.api_object import ApiObject, ReadOnly
+from mavstack.vehicle import group_flights
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterable, Iterator
@@ -98,8 +99,9 @@ class Results(ApiObject, Mapping["Vehicle", "Result | Exception"], Generic[Resul
 class Group(ReadOnly, Collection["Vehicle"]):
     """Several vehicles, each once, in the order in which they were given.
 
-    The methods run the method of `Vehicle` with the same name on all vehicles. They raise no error of a
-    vehicle: the returned `Results` hold them, and `Results.check` raises `GroupError`.
+    The actions run the method of `Vehicle` with the same name on all vehicles. They raise no error of a
+    vehicle: the returned `Results` hold them, and `Results.check` raises `GroupError`. The flights as one
+    swarm (`formation`, `move`, `goto`, `follow`) fly all vehicles or none, and raise errors.
     """
 
     def __init__(self, vehicles: Iterable[Vehicle]) -> None:
@@ -264,6 +266,15 @@ class Group(ReadOnly, Collection["Vehicle"]):
             The outcome of each vehicle; its errors are those of `Vehicle.reboot`.
         """
         return await self.each(lambda vehicle: vehicle.reboot(wait=wait, timeout=timeout), name="rebooting")
+
+    # Flights as one swarm, with a distance that is kept
+
+    formation = group_flights.formation
+    move = group_flights.move
+    goto = group_flights.goto
+    follow = group_flights.follow
+    search = group_flights.search
+    land_all = group_flights.land_all
 
     # The collection
 

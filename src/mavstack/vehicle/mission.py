@@ -32,11 +32,12 @@ from mavstack.vehicle.mission_completion import MissionCompletion
 from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Sequence
 
     from mavstack.node.plans import Plans
     from mavstack.node.subscription import Subscription
     from mavstack.services.mission import ItemReached, MissionItem, MissionProgress, Plan
+    from mavstack.swarm.search.surveys import Survey
     from mavstack.vehicle.vehicle import Vehicle
 
 #: The time in which no item is reached, in seconds: a long leg, or a wait that the mission contains.
@@ -179,6 +180,33 @@ class Mission(VehiclePlan, ReadOnly):
             logger.warning("%s", text)
             warnings.warn(text, MissionWarning, stacklevel=2)
         return plan
+
+    def plan_survey(
+        self,
+        outline: Sequence[tuple[float, float]],
+        survey: Survey | None = None,
+        *,
+        obstacles: Sequence[Sequence[tuple[float, float]]] = (),
+    ) -> list[MissionItem]:
+        """Return a mission that covers an area, from where the vehicle is; nothing is sent.
+
+        Args:
+            outline: Corners of the area, latitude and longitude in degrees.
+            survey: Spacing or camera, height and speed; None: 20 m between tracks, 30 m above home.
+            obstacles: Outlines of regions that are left out.
+
+        Returns:
+            The items, for `upload`.
+
+        Raises:
+            InvalidArgumentError: The outline or a number is not possible.
+        """
+        from mavstack.swarm.search.surveys import Survey, frame_of, plan_area
+        from mavstack.vehicle.group_flights import searcher_of
+
+        options = survey or Survey()
+        searcher = searcher_of(self._vehicle, frame_of(outline), options.mission.speed)
+        return list(plan_area(outline, [searcher], options, obstacles=obstacles).shares[0].items)
 
     @property
     def progress(self) -> MissionProgress | None:

@@ -6,8 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.connection import add_connection_options
+from mavstack.cli.common.selection import selected_vehicles
 from mavstack.cli.mission.files import convert
+from mavstack.cli.mission.search import add_search_arguments, search
 from mavstack.cli.mission.show import show
+from mavstack.cli.mission.survey import add_survey_arguments, survey
 from mavstack.cli.mission.transfer import clear, download, start, upload
 from mavstack.files.plans import FORMATS
 from mavstack.services.mission import PLAN_TYPES, PlanType
@@ -35,6 +38,10 @@ examples:
   mav mission convert flight.plan flight.waypoints --mission
   mav mission convert flight.waypoints flight.plan
   mav mission convert flight.plan - --format json
+  mav mission survey 47.397,8.545 47.397,8.547 47.399,8.547 --spacing 25 --out survey.plan
+  mav mission survey --area field.plan --camera 73.7,53.1 --altitude 60 --dry-run
+  mav mission survey 47.397,8.545 47.399,8.546 --corridor 60 --dry-run
+  mav mission search square --center 47.3977,8.5456 --spacing 15 --out search.plan
 """
 
 
@@ -77,12 +84,32 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     _add_plan_types(action, "the plans of the file")
     _add_format(action)
+    _add_planners(actions)
 
 
 def run(arguments: Namespace) -> int:
     """Run the chosen action."""
     code: int = arguments.run_action(arguments)
     return code
+
+
+def _add_planners(actions: Actions) -> None:
+    action = actions.add("survey", "cover an area or a corridor by tracks, as missions", _survey)
+    action.add_argument("--json", action="store_true", help="print JSON")
+    add_survey_arguments(action)
+    add_connection_options(action, fleet=True, changes=True)
+    action = actions.add("search", "search around a point by a pattern, as missions", _search)
+    action.add_argument("--json", action="store_true", help="print JSON")
+    add_search_arguments(action)
+    add_connection_options(action, fleet=True, changes=True)
+
+
+def _survey(arguments: Namespace) -> int:
+    return survey(arguments, selected_vehicles)
+
+
+def _search(arguments: Namespace) -> int:
+    return search(arguments, selected_vehicles, numbered=False)
 
 
 def _add_plan_types(parser: ArgumentParser, default: str, *, with_all: bool = False) -> None:

@@ -16,7 +16,7 @@ from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.options import finite_number, system_id
 from mavstack.cli.common.output import echo, echo_json
 from mavstack.cli.common.selection import selected_vehicles
-from mavstack.cli.swarm.search import add_search_arguments, search
+from mavstack.cli.mission.search import add_search_arguments, search
 from mavstack.swarm.formations import FORMATIONS, Formation, default_spacing
 from mavstack.vehicle.swarm import Swarm, SwarmOptions
 from mavstack.vehicle.swarm.launch import DEFAULT_ALTITUDE, take_off
@@ -243,7 +243,7 @@ def follow(arguments: Namespace) -> int:
 
 def find(arguments: Namespace) -> int:
     """Run `mav swarm search`."""
-    return search(arguments, _vehicles)
+    return search(arguments, _vehicles, numbered=True)
 
 
 def land(arguments: Namespace) -> int:

@@ -157,7 +157,8 @@ class SwarmController:
                     raise self._stopped
                 if self._elapsed > duration + ARRIVAL_TIMEOUT:
                     late = [each.vehicle.system for each in self._late()]
-                    self.stop("members did not arrive at their slots", late)
+                    names = "members" if not late else "vehicle " + ", ".join(map(str, late))
+                    self.stop(f"{names} did not arrive at their slots", late)
         except asyncio.CancelledError:
             self.stand()
             raise

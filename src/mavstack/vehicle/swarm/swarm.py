@@ -230,8 +230,9 @@ class Swarm(ReadOnly):
         try:
             await asyncio.sleep(0)
             slots, _ = frame.slots(offsets, now())
-            await self._running.fly(self._plan(self._running.places(), slots), members)
-            course = Following(frame, offsets, now())
+            plan = self._plan(self._running.places(), slots)
+            await self._running.fly(plan, members)
+            course = Following(frame, offsets[plan.slots], now())
             flight = asyncio.create_task(self._running.fly(course, members, until=duration))
             done, _ = await asyncio.wait((measure, flight), return_when=asyncio.FIRST_COMPLETED)
             flight.cancel()

@@ -1,9 +1,10 @@
-"""`mav swarm search`: a search pattern, divided among the vehicles as ordinary missions."""
+"""Missions that a planner makes for one vehicle or several: shown, written to files, uploaded, started."""
 
 from __future__ import annotations
 
 import os
 from argparse import ArgumentTypeError
+from dataclasses import dataclass
 from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,30 +17,43 @@ from mavstack.cli.mission.files import save
 from mavstack.dialects import common
 from mavstack.files.plans import Home, PlanFile
 from mavstack.files.plans.model import params_of
-from mavstack.geodesy import LocalFrame
 from mavstack.swarm.search.division import Searcher
 from mavstack.swarm.search.missions import MissionOptions
-from mavstack.swarm.search.plans import PATTERNS, Share, pattern_tracks, plan_search
 from mavstack.vehicle import Group
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
-    from collections.abc import Awaitable, Callable, Mapping, Sequence
+    from collections.abc import Awaitable, Callable, Collection, Mapping, Sequence
 
+    from mavstack.geodesy import LocalFrame
+    from mavstack.swarm.search.plans import Share
     from mavstack.vehicle import Connection, Vehicle
 
-    SelectVehicles = Callable[[Connection, Namespace], Awaitable[Sequence[Vehicle]]]
+    SelectVehicles = Callable[[Connection, Namespace], Awaitable[Collection[Vehicle]]]
+    #: Plans for vehicles; None: one that is not known.
+    MakePlan = Callable[[Sequence[Vehicle | None]], "Planned"]
 
 
-def add_search_arguments(action: ArgumentParser) -> None:
-    """Declare the options of a search."""
+@dataclass(frozen=True, slots=True)
+class Planned:
+    """The missions of a plan.
+
+    Attributes:
+        shares: The share of each vehicle.
+        frame: The frame of their legs; its origin is the home in files.
+        values: The measures of the plan, the first members of its JSON.
+    """
+
+    shares: Sequence[Share]
+    frame: LocalFrame
+    values: Mapping[str, Any]
+
+
+def add_plan_options(action: ArgumentParser) -> None:
+    """Declare the options of missions that a planner makes."""
     add = action.add_argument
-    add("pattern", choices=tuple(PATTERNS), metavar="PATTERN", help=f"one of {', '.join(PATTERNS)}")
-    add("--center", type=_place, required=True, metavar="LAT,LON", help="centre of the pattern in degrees")
     numbers: tuple[tuple[str, float | None, str, str], ...] = (
-        ("--size", 200.0, "M", "side of the square, or the diameter of a sector search (default: 200)"),
-        ("--spacing", 20.0, "M", "metres between tracks (default: 20)"),
-        ("--bearing", 0.0, "DEGREES", "direction of the pattern (default: 0)"),
+        ("--bearing", None, "DEGREES", "direction of the tracks (default: the plan's own)"),
         ("--altitude", 30.0, "M", "height of the first vehicle above home (default: 30)"),
         ("--layer-spacing", 10.0, "M", "metres by which each vehicle is higher (default: 10)"),
         ("--speed", None, "M/S", "ground speed (default: the vehicle's; times are shown for 5)"),
@@ -55,7 +69,7 @@ def add_search_arguments(action: ArgumentParser) -> None:
     add(
         "--out",
         metavar="FILE",
-        help="write the missions to FILE-SYSTEM.plan, or another format by the suffix",
+        help="write the mission to FILE, those of several vehicles to FILE-SYSTEM; the suffix is the format",
     )
     add(
         "--dry-run",
@@ -65,12 +79,14 @@ def add_search_arguments(action: ArgumentParser) -> None:
     add("--start", action="store_true", help="arm the vehicles, and start the missions")
 
 
-def search(arguments: Namespace, select: SelectVehicles) -> int:
-    """Run `mav swarm search`.
+def run_plan(arguments: Namespace, make: MakePlan, select: SelectVehicles, *, numbered: bool) -> int:
+    """Make a plan, and show, write or upload it.
 
     Args:
         arguments: The parsed arguments.
-        select: Returns the vehicles of the swarm, the first one for the lowest layer.
+        make: Makes the plan.
+        select: Returns the vehicles, the first one for the lowest layer.
+        numbered: True: the file of a single vehicle has its number too.
     """
     planned_only = arguments.dry_run or arguments.out is not None
     if arguments.count is not None and not planned_only:
@@ -79,31 +95,40 @@ def search(arguments: Namespace, select: SelectVehicles) -> int:
         raise UsageError("--start uploads the missions: it cannot be used with --dry-run or --out")
     if planned_only and (arguments.count or not (arguments.url or os.environ.get("MAVSTACK_URL"))):
         count = arguments.count or 1
-        shares = _plan(arguments, [None] * count)
-        return _finish(arguments, dict(zip(range(1, count + 1), shares, strict=True)))
+        plan = make([None] * count)
+        return _finish(arguments, plan, range(1, count + 1), numbered=numbered)
 
-    async def run_search(connection: Connection) -> int:
-        vehicles = await select(connection, arguments)
-        shares = _plan(arguments, vehicles)
+    async def run(connection: Connection) -> int:
+        vehicles = tuple(await select(connection, arguments))
+        plan = make(vehicles)
         if not planned_only:
-            await _upload(dict(zip(vehicles, shares, strict=True)), start=arguments.start)
-        return _finish(arguments, {each.system: share for each, share in zip(vehicles, shares, strict=True)})
+            await _upload(dict(zip(vehicles, plan.shares, strict=True)), start=arguments.start)
+        return _finish(arguments, plan, [each.system for each in vehicles], numbered=numbered)
 
-    return run_on_connection(arguments, run_search)
-
-
-def _plan(arguments: Namespace, vehicles: Sequence[Vehicle | None]) -> list[Share]:
-    latitude, longitude = arguments.center
-    frame = LocalFrame(latitude, longitude, 0.0)
-    tracks = pattern_tracks(arguments.pattern, arguments.size, arguments.spacing, arguments.bearing)
-    options = MissionOptions(arguments.altitude, arguments.layer_spacing, arguments.speed)
-    return plan_search(tracks, [_searcher(arguments, frame, each) for each in vehicles], frame, options)
+    return run_on_connection(arguments, run)
 
 
-def _searcher(arguments: Namespace, frame: LocalFrame, vehicle: Vehicle | None) -> Searcher:
+def searcher_of(arguments: Namespace, frame: LocalFrame, vehicle: Vehicle | None) -> Searcher:
+    """Return a vehicle as the planner takes it: where it is, and how fast it is."""
     position = None if vehicle is None else vehicle.position
     start = None if position is None else frame.to_local(position.latitude, position.longitude, 0.0)[:2]
     return Searcher(arguments.speed or Searcher().speed, start=start)
+
+
+def mission_options(arguments: Namespace) -> MissionOptions:
+    """Return the heights and the speed of the arguments."""
+    return MissionOptions(arguments.altitude, arguments.layer_spacing, arguments.speed)
+
+
+def place(text: str) -> tuple[float, float]:
+    """Parse LAT,LON, for argparse."""
+    try:
+        latitude, longitude = map(float, text.split(","))
+    except ValueError:
+        raise ArgumentTypeError(f"{text!r} is not a place such as 47.3977,8.5456") from None
+    if not (abs(latitude) <= 90.0 and abs(longitude) <= 180.0):
+        raise ArgumentTypeError(f"{text!r} is not a place on Earth")
+    return latitude, longitude
 
 
 async def _upload(shares: Mapping[Vehicle, Share], *, start: bool) -> None:
@@ -114,34 +139,24 @@ async def _upload(shares: Mapping[Vehicle, Share], *, start: bool) -> None:
         if start:
             await vehicle.mission.start(arm=True)
 
-    searching = Group(vehicle for vehicle, share in shares.items() if share.items)
-    (await searching.each(work, name="starting the search" if start else "uploading the mission")).check()
+    flying = Group(vehicle for vehicle, share in shares.items() if share.items)
+    (await flying.each(work, name="starting the mission" if start else "uploading the mission")).check()
 
 
-def _finish(arguments: Namespace, shares: Mapping[int, Share]) -> int:
+def _finish(arguments: Namespace, plan: Planned, systems: Sequence[int], *, numbered: bool) -> int:
+    shares = dict(zip(systems, plan.shares, strict=True))
     if arguments.out is not None:
-        latitude, longitude = arguments.center
+        home = Home(plan.frame.latitude, plan.frame.longitude, 0.0)
         for system, share in shares.items():
             path = Path(arguments.out)
-            path = path.with_name(f"{path.stem}-{system}{path.suffix or '.plan'}")
+            if numbered or len(shares) > 1:
+                path = path.with_name(f"{path.stem}-{system}{path.suffix or '.plan'}")
             if share.items:
-                save(
-                    PlanFile.of(share.items, home=Home(latitude, longitude, 0.0)),
-                    str(path),
-                    None,
-                    force=False,
-                )
+                save(PlanFile.of(share.items, home=home), str(path), None, force=False)
     if arguments.json:
-        echo_json(
-            {
-                "pattern": arguments.pattern,
-                "center": arguments.center,
-                "size_m": arguments.size,
-                "spacing_m": arguments.spacing,
-                "uploaded": not (arguments.dry_run or arguments.out is not None),
-                "vehicles": [_as_json(arguments, system, share) for system, share in shares.items()],
-            }
-        )
+        uploaded = not (arguments.dry_run or arguments.out is not None)
+        vehicles = [_as_json(arguments, system, share) for system, share in shares.items()]
+        echo_json({**plan.values, "uploaded": uploaded, "vehicles": vehicles})
     else:
         echo(*(_line(arguments, system, share) for system, share in shares.items()))
     return 0
@@ -149,8 +164,8 @@ def _finish(arguments: Namespace, shares: Mapping[int, Share]) -> int:
 
 def _line(arguments: Namespace, system: int, share: Share) -> str:
     if not share.items:
-        return f"vehicle {system}: no part of the search"
-    minutes = share.length / (arguments.speed or Searcher().speed) / 60.0
+        return f"vehicle {system}: no part of the plan"
+    minutes = share.way / (arguments.speed or Searcher().speed) / 60.0
     text = f"{len(share.tracks)} legs, {share.length:.0f} m, {minutes:.1f} min at {share.altitude:.0f} m"
     return f"vehicle {system}: {text}"
 
@@ -160,7 +175,7 @@ def _as_json(arguments: Namespace, system: int, share: Share) -> dict[str, Any]:
         "system": system,
         "altitude_m": share.altitude,
         "length_m": round(share.length, 1),
-        "duration_s": round(share.length / (arguments.speed or Searcher().speed), 1),
+        "duration_s": round(share.way / (arguments.speed or Searcher().speed), 1),
         "waypoints": [
             [*params_of(item)[4:]] for item in share.items if item.command == common.MavCmd.NAV_WAYPOINT
         ],
@@ -169,17 +184,6 @@ def _as_json(arguments: Namespace, system: int, share: Share) -> dict[str, Any]:
             for item in share.items
         ],
     }
-
-
-def _place(text: str) -> tuple[float, float]:
-    """Parse LAT,LON, for argparse."""
-    try:
-        latitude, longitude = map(float, text.split(","))
-    except ValueError:
-        raise ArgumentTypeError(f"{text!r} is not a place such as 47.3977,8.5456") from None
-    if not (abs(latitude) <= 90.0 and abs(longitude) <= 180.0):
-        raise ArgumentTypeError(f"{text!r} is not a place on Earth")
-    return latitude, longitude
 
 
 def _count(text: str) -> int:
