@@ -37,9 +37,10 @@ REACHED = {
     "watch hostile.tlog --once", "dialect show hostile.xml", "dialect show hostile.xml BAD_MESSAGE",
     "camera info", "key list",
 }  # fmt: skip
-#: Commands that are attacked by another test, which has the devices for that: tests/cli/radio, tests/cli/msp.
+#: Commands that are attacked by another test, which has the devices for that: tests/cli/radio,
+#: tests/cli/msp, tests/cli/firmware.
 #: Bridges print no text of a vehicle.
-ATTACKED_ELSEWHERE = {"bridge", "msp", "radio"}
+ATTACKED_ELSEWHERE = {"bridge", "firmware", "msp", "radio"}
 #: The only modules that may write to the terminal.
 WRITERS = {"common/output.py", "common/live_display.py"}
 

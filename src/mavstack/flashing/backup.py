@@ -49,6 +49,11 @@ class Restored:
     failed: tuple[str, ...]
 
 
+def dump_path(port: str, folder: Path | None = None) -> Path:
+    """Return the file for the settings of a flight controller at a port."""
+    return (state_directory() / _FOLDER if folder is None else folder) / f"{_name_of(port)}.txt"
+
+
 class ParameterBackup:
     """The file with the parameters of the vehicle at one port.
 
@@ -58,9 +63,8 @@ class ParameterBackup:
     """
 
     def __init__(self, port: str, folder: Path | None = None) -> None:
-        name = re.sub(r"[^A-Za-z0-9]+", "-", port).strip("-") or "port"
         self._folder = state_directory() / _FOLDER if folder is None else folder
-        self.path = self._folder / f"{name}{_SUFFIX}"
+        self.path = self._folder / f"{_name_of(port)}{_SUFFIX}"
 
     @property
     def is_pending(self) -> bool:
@@ -111,3 +115,7 @@ class ParameterBackup:
         outcomes = [each.outcome for each in results]
         failed = tuple(each.name for each in results if not each.ok)
         return Restored(done, outcomes.count(Outcome.SET), outcomes.count(Outcome.UNCHANGED), failed)
+
+
+def _name_of(port: str) -> str:
+    return re.sub(r"[^A-Za-z0-9]+", "-", port).strip("-") or "port"

@@ -6,8 +6,11 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.flashing.board_flasher import BoardFlasher
+from mavstack.flashing.external_tools import flash_esp32, flash_stm32
 from mavstack.flashing.firmware_file import FirmwareKind
 from mavstack.flashing.options import FlashOptions
+from mavstack.flashing.radio_flasher import RadioFlasher
+from mavstack.flashing.sd_card import flash_by_sd_card
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Mapping
@@ -41,6 +44,19 @@ async def _flash_board(firmware: FirmwareFile, port: str, options: FlashOptions)
     return await BoardFlasher(port, options).flash(firmware)
 
 
+async def _flash_radio(firmware: FirmwareFile, port: str, options: FlashOptions) -> FlashResult:
+    return await RadioFlasher(port, options).flash(firmware)
+
+
 _FLASHERS: Final[
     Mapping[FirmwareKind, Callable[[FirmwareFile, str, FlashOptions], Awaitable[FlashResult]]]
-] = MappingProxyType({FirmwareKind.PX4: _flash_board, FirmwareKind.APJ: _flash_board})
+] = MappingProxyType(
+    {
+        FirmwareKind.PX4: _flash_board,
+        FirmwareKind.APJ: _flash_board,
+        FirmwareKind.ABIN: flash_by_sd_card,
+        FirmwareKind.SIK: _flash_radio,
+        FirmwareKind.STM32: flash_stm32,
+        FirmwareKind.ESP32: flash_esp32,
+    }
+)

@@ -151,10 +151,14 @@ class SikModem:
             LinkError: The port cannot be opened at the rate.
         """
         await self.run(AtCommand("ATZ", Reply.NONE, attempts=1))
-        self._session.assume_transparent(self._loop.time())
+        self.assume_restarted()
         await asyncio.sleep(BOOT_TIME)
         if baud is not None and self.url.scheme == "serial":
             await self._open_again(baud)
+
+    def assume_restarted(self) -> None:
+        """Note that the radio has left command mode by a restart, such as that of its boot loader."""
+        self._session.assume_transparent(self._loop.time())
 
     async def _open_again(self, baud: int) -> None:
         url = replace(self.url, options={**self.url.options, "baud": str(baud)})

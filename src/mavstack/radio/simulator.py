@@ -43,6 +43,7 @@ class SimulatedRadio:
         running: The parameters with which the radio booted.
         in_command_mode: True between +++ and ATO.
         powered: False for a radio that is switched off.
+        updating: True once AT&UPDATE has started the boot loader.
     """
 
     values: list[int] = field(default_factory=lambda: list(DEFAULTS))
@@ -51,6 +52,7 @@ class SimulatedRadio:
     in_command_mode: bool = False
     powered: bool = True
     reports: bool = False
+    updating: bool = False
     boots: int = 0
     #: Fails the commands for which it returns true: with ERROR, or ATZ without a restart.
     fails: Callable[[str], bool] = lambda command: False
@@ -116,8 +118,9 @@ class SimulatedRadio:
         """Run a command, with AT at its beginning, and return the lines of its reply."""
         if self.fails(command):
             return [] if command == "ATZ" else ["ERROR"]
+        self.updating = command == "AT&UPDATE"
         body = command[2:]
-        simple = {"": ["OK"], "O": [], "I": [BANNER], "I0": [BANNER], "I7": [self._report()]}
+        simple = {"": ["OK"], "&UPDATE": [], "O": [], "I": [BANNER], "I0": [BANNER], "I7": [self._report()]}
         if body == "O":
             self.in_command_mode, self._last_input = False, now
         if body in simple:

@@ -113,6 +113,18 @@ def test_refusals_are_one_line(mav, board, files, monkeypatch) -> None:
     )
 
 
+def test_texts_of_files_and_boards_do_not_control_the_terminal(mav, board, tmp_path, monkeypatch) -> None:
+    path = tmp_path / "bad.px4"
+    path.write_bytes(make_container(b"1234", 9, summary="\x1b[2Jboard", version="1\x07"))
+    result = mav("firmware", "info", str(path))
+    assert "board" in result.out
+    assert not {"\x1b", "\x07"} & set(result.out)
+    monkeypatch.setattr(command, "list_ports", lambda: [PortInfo("/dev/ttyS0", "", "\x1b]0;x\x07thing")])
+    result = mav("firmware", "list")
+    assert "thing" in result.out
+    assert not {"\x1b", "\x07"} & set(result.out)
+
+
 def test_wrong_usage(mav, files) -> None:
     for words in ([], [str(files / "right.px4"), "--port", PORT]):
         assert mav("firmware", "info", *words).code == 2

@@ -25,6 +25,7 @@ from mavstack.sim.ardupilot.motor_calibration import (
     EscCalibration,
     compass_motor_of,
 )
+from mavstack.sim.ardupilot.sd_card import flash_from_sd_card
 from mavstack.sim.ardupilot.simulation_parameters import SimulationParameters
 from mavstack.sim.ardupilot.terrain import register_terrain
 from mavstack.sim.ardupilot.texts import BootTexts, armed_text, disarmed_text
@@ -122,6 +123,7 @@ class ArdupilotProfile(FirmwareProfile):
     def booted(self, vehicle: SimulatedVehicle) -> None:
         """Send the first status text; `BootTexts` sends the others."""
         vehicle.send_statustext("Initialising ArduPilot", common.MavSeverity.INFO)
+        flash_from_sd_card(vehicle)
 
     # Arming
 
