@@ -63,15 +63,31 @@ def replay_tlog(log: Log) -> bytes:
     Raises:
         LogError: The log cannot be read, or holds neither positions nor attitude.
     """
+    return b"".join(replay_records(log))
+
+
+def replay_records(log: Log) -> Iterator[bytes]:
+    """Yield the records of the tlog that shows the flight of a log, one packet each; see `replay_tlog`.
+
+    Args:
+        log: The log.
+
+    Yields:
+        The time in microseconds since 1970, in 8 bytes, and a packet.
+
+    Raises:
+        LogError: The log cannot be read, or holds neither positions nor attitude.
+    """
     if log.format in _PACKET_FORMATS:
-        return b"".join(_own_packets(log))
+        yield from _own_packets(log)
+        return
     flight = _Flight.read(log)
     if not len(flight.roll or ()) and flight.track is None:
         raise LogError(
             f"replaying {log.path.name} failed: the {log.format} log has neither positions nor attitude; "
             "its report shows what it has"
         )
-    return b"".join(_made_packets(flight))
+    yield from _made_packets(flight)
 
 
 def _own_packets(log: Log) -> Iterator[bytes]:

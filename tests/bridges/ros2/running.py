@@ -56,7 +56,7 @@ async def bridged(url: str, sink: Sink, **options: Any) -> AsyncIterator[tuple[C
     """Run a bridge of the vehicle at a URL."""
     async with (
         connect(url) as connection,
-        Bridge(connection, [sink], role=Role.ADMINISTER, **options) as bridge,
+        Bridge(connection, [sink], **{"role": Role.ADMINISTER, **options}) as bridge,
     ):
         await connection.wait_for_vehicle()
         yield connection, bridge

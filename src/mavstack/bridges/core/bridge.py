@@ -12,11 +12,10 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING, Final
 
+from mavstack.bridges.core.following import follow_vehicles
 from mavstack.bridges.core.names import VehicleNames, checked_namespace
 from mavstack.bridges.core.vehicle_bridge import VehicleBridge
 from mavstack.security.roles import Role
-from mavstack.services.statustext import StatusText
-from mavstack.vehicle import VehicleFound, VehicleLost, VehicleReturned
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -81,7 +80,9 @@ class Bridge:
         for vehicle in self._connection.vehicles.values():
             self._add(vehicle)
         await asyncio.gather(*self._attaching)
-        self._task = asyncio.get_running_loop().create_task(self._follow())
+        self._task = asyncio.get_running_loop().create_task(
+            follow_vehicles(self._connection, self._add, self.vehicles)
+        )
         return self
 
     async def close(self) -> None:
@@ -123,23 +124,6 @@ class Bridge:
             return VehicleNames(self._namespace)
         name = self._names.get(vehicle.system, f"/{DEFAULT_NAME}{vehicle.system}")
         return VehicleNames(self._namespace + name)
-
-    async def _follow(self) -> None:
-        kinds = (VehicleFound, VehicleLost, VehicleReturned, StatusText)
-        async with self._connection.events(*kinds) as events:
-            async for event in events:
-                self._on_event(event)
-
-    def _on_event(self, event: object) -> None:
-        match event:
-            case VehicleFound(vehicle=vehicle):
-                self._add(vehicle)
-            case VehicleLost(vehicle=vehicle) | VehicleReturned(vehicle=vehicle):
-                if (known := self.vehicles.get(vehicle.system)) is not None:
-                    known.set_connected(isinstance(event, VehicleReturned))
-            case StatusText(source=source, severity=severity, text=text):
-                if (known := self.vehicles.get(source.system)) is not None:
-                    known.receive_status_text(severity, text)
 
     async def __aenter__(self) -> Self:
         return await self.open()

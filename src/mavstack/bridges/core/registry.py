@@ -42,5 +42,8 @@ BRIDGES: Final[Registry[BridgeEntry]] = Registry(
     "mavstack.bridges",
     {
         "ros2": "mavstack.bridges.ros2.entry:ENTRY",
+        "foxglove": "mavstack.bridges.foxglove.entry:ENTRY",
+        "mcap": "mavstack.bridges.mcap.entry:ENTRY",
+        "mqtt": "mavstack.bridges.mqtt.entry:ENTRY",
     },
 )

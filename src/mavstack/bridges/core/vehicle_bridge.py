@@ -137,7 +137,7 @@ class VehicleBridge:
         """Publish a status text of the vehicle."""
         self.publish("statustext/recv", (severity, text))
 
-    def set_connected(self, connected: bool) -> None:
+    def set_connected(self, *, connected: bool) -> None:
         """Publish that the vehicle was lost or returned."""
         self.view.connected = connected
         if not connected:

@@ -6,9 +6,8 @@ from argparse import ArgumentTypeError
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any, Final
 
-from mavstack.bridges.core.names import checked_namespace
+from mavstack.bridges.core.naming_options import add_naming_options, make_bridge
 from mavstack.bridges.core.registry import BridgeEntry
-from mavstack.errors import InvalidArgumentError
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -45,39 +44,14 @@ def add_options(parser: ArgumentParser) -> None:
         help=f"with zenoh: the router, may be repeated (default: {DEFAULT_ROUTER})",
     )
     add("--domain", type=domain_number, default=0, metavar="N", help="ROS_DOMAIN_ID (default: 0)")
-    add(
-        "--namespace",
-        type=_namespace,
-        default="",
-        metavar="NAME",
-        help="namespace before /mavros (default: none)",
-    )
-    add("--fleet", action="store_true", help="each vehicle has its name before /mavros, also a single one")
-    add(
-        "--name",
-        action="append",
-        type=_vehicle_name,
-        default=[],
-        metavar="ID=NAME",
-        help="name of a vehicle by its system id, with --fleet (default: uav and the id)",
-    )
+    add_naming_options(parser)
 
 
 @asynccontextmanager
 async def serve(arguments: Namespace, connection: Connection) -> AsyncIterator[str]:
     """Run the bridge; its value is the line that says that it is ready."""
-    from mavstack.bridges.core.bridge import Bridge
-
     sink, where = _sink(arguments)
-    bridge = Bridge(
-        connection,
-        [sink],
-        namespace=arguments.namespace,
-        fleet=arguments.fleet,
-        vehicle_names=dict(arguments.name),
-        role=arguments.role,
-    )
-    async with bridge:
+    async with make_bridge(connection, sink, arguments):
         yield f"ROS 2 domain {arguments.domain} {where}"
 
 
@@ -86,20 +60,6 @@ def domain_number(text: str) -> int:
     if not text.isdecimal() or int(text) > MAX_DOMAIN:
         raise ArgumentTypeError(f"must be from 0 to {MAX_DOMAIN}, got {text}")
     return int(text)
-
-
-def _namespace(text: str) -> str:
-    try:
-        return checked_namespace(text)
-    except InvalidArgumentError as error:
-        raise ArgumentTypeError(str(error)) from None
-
-
-def _vehicle_name(text: str) -> tuple[int, str]:
-    number, _, name = text.partition("=")
-    if not number.isdecimal() or not name:
-        raise ArgumentTypeError(f"must be ID=NAME such as 1=alpha, got {text!r}")
-    return int(number), _namespace(name)
 
 
 def _sink(arguments: Namespace) -> tuple[Sink, str]:

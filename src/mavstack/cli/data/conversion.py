@@ -19,13 +19,16 @@ from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.data.opening import open_file
 from mavstack.cli.data.remote import is_remote, local_copy, local_result
 from mavstack.errors import LogError, MavstackError, MissingExtraError
-from mavstack.logs.export import ExportOptions, export_log
+from mavstack.logs.export import ExportOptions, export_log, exporter
 
 if TYPE_CHECKING:
     from argparse import Namespace
     from collections.abc import Callable, Iterator, Sequence
 
+    from mavstack.logs.export import LogExporter
 
+#: The profile of MCAP whose topics are those of the bridge to ROS 2.
+ROS2: Final = "ros2"
 _KILLED: Final = "a process was killed, perhaps for its memory; try --jobs 1"
 
 
@@ -78,6 +81,15 @@ class ConvertedLogs:
         status = Path(job.source).stat() if Path(job.source).exists() else None
         size, changed = (status.st_size, status.st_mtime_ns) if status is not None else (0, 0)
         return job.source, job.target, size, changed
+
+
+def chosen_exporter(arguments: Namespace) -> LogExporter:
+    """Return the format of `--to`, in the profile of `--profile`."""
+    if arguments.profile == ROS2:
+        from mavstack.bridges.mcap.log_export import ROS2_MCAP
+
+        return ROS2_MCAP
+    return exporter(arguments.to)
 
 
 def run_jobs(jobs: Sequence[Job], arguments: Namespace) -> Iterator[Outcome]:
@@ -152,6 +164,8 @@ def _convert(job: Job, arguments: Namespace, progress: Callable[[int, int], None
         local_result(job.target) as target,
         open_file(source, arguments) as log,
     ):
-        summary = export_log(log, arguments.to, target, names=names, options=options, progress=progress)
+        summary = export_log(
+            log, chosen_exporter(arguments), target, names=names, options=options, progress=progress
+        )
     damage = summary.skipped
     return Outcome(job, summary.to_dict(), damage.describe() if damage else "")

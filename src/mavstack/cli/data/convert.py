@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.output import echo, echo_json
-from mavstack.cli.data.conversion import ConvertedLogs, Job, run_jobs
+from mavstack.cli.data.conversion import ROS2, ConvertedLogs, Job, run_jobs
 from mavstack.cli.data.opening import add_log_options, add_raw_text, add_selection_options
 from mavstack.cli.data.remote import expand, is_remote
 from mavstack.logs.export import exporter, exporter_names
@@ -28,6 +28,9 @@ def add_actions(actions: Actions) -> None:
     add_log_options(parser, several=True)
     parser.add_argument(
         "--to", required=True, choices=exporter_names(), help="format to write", metavar="FORMAT"
+    )
+    parser.add_argument(
+        "--profile", choices=(ROS2,), help="with mcap: the topics of ROS 2, as the bridge publishes them"
     )
     parser.add_argument(
         "-o", "--output", metavar="PATH", help="file or folder to write (default: beside the log)"
@@ -77,6 +80,8 @@ def convert(arguments: Namespace) -> int:
 
 def _jobs_of(arguments: Namespace) -> Iterator[Job]:
     """Yield the conversion of each log."""
+    if arguments.profile is not None and arguments.to != "mcap":
+        raise UsageError(f"--profile is for --to mcap, not for {arguments.to}")
     chosen = exporter(arguments.to)
     files = expand(arguments.files)
     output = arguments.output

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from mavstack.logs.damage import LogDamage
+    from mavstack.logs.export.registry import LogExporter
     from mavstack.logs.export.writer import ExportWriter
     from mavstack.logs.log import Log
 
@@ -48,7 +49,7 @@ class ExportSummary:
 
 def export_log(
     log: Log,
-    to: str,
+    to: str | LogExporter,
     path: str | os.PathLike[str],
     *,
     names: Sequence[str] = (),
@@ -59,7 +60,7 @@ def export_log(
 
     Args:
         log: The log, or a view of it.
-        to: Name of the format, such as "parquet"; see `exporter_names`.
+        to: Name of the format, such as "parquet" (see `exporter_names`), or a format of another package.
         path: The file or, for formats with a file for each message, the folder.
         names: Names of the tables to write; none: all.
         options: Options; None takes the default ones.
@@ -81,7 +82,8 @@ def export_log(
         raise LogError(f"cannot write {path}: it is the log itself; choose another path")
     writer: ExportWriter | None = None
     try:
-        writer = exporter(to).open(log, Path(path), options or ExportOptions())
+        chosen = exporter(to) if isinstance(to, str) else to
+        writer = chosen.open(log, Path(path), options or ExportOptions())
         rows = writer.write_log(names, progress)
         files = writer.finish()
     except OSError as error:

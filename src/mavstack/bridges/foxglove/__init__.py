@@ -1,0 +1,1 @@
+"""Foxglove: a WebSocket server with the topics, services and parameters of vehicles."""
