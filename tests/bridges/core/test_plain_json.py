@@ -65,3 +65,7 @@ def test_limits() -> None:
         parse_object(b"[" * 100_000)
     with pytest.raises(InvalidArgumentError, match="must be a JSON object"):
         parse_object(b"[]")
+
+
+def test_a_lone_surrogate_is_an_escape() -> None:
+    assert json.loads(json_bytes({"text": "\ud800"})) == {"text": "\ud800"}

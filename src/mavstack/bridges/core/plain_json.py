@@ -43,7 +43,8 @@ def plain(value: object) -> Any:
 
 def json_bytes(value: object) -> bytes:
     """Return a value as compact JSON in UTF-8."""
-    return json.dumps(plain(value), ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
+    text = json.dumps(plain(value), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    return text.encode("utf-8", "backslashreplace")  # a lone surrogate becomes its escape in JSON
 
 
 def parse_object(data: bytes) -> dict[str, Any]:

@@ -266,8 +266,12 @@ class Session:
     def _on_message(self, client: Any, data: Any, message: Any) -> None:  # noqa: ANN401
         del client, data
         properties = message.properties
+        try:
+            topic = message.topic
+        except UnicodeDecodeError:
+            return  # a broker that does not check its clients
         arrived = Arrived(
-            message.topic,
+            topic,
             bytes(message.payload),
             bool(message.retain),
             getattr(properties, "ResponseTopic", ""),
