@@ -87,8 +87,8 @@ class Ros2Writer(ExportWriter):
 
     def _receive(self, packet: Packet, time: int) -> None:
         if packet.system == RADIO_SYSTEM and packet.system not in self._vehicles:
-            for vehicle in self._vehicles.values():
-                vehicle.receive(packet, time)
+            for each in self._vehicles.values():
+                each.receive(packet, time)
             return
         vehicle = self._vehicles.get(packet.system)
         if vehicle is None and self._is_vehicle(packet):
