@@ -25,6 +25,7 @@ from mavstack.node.modes import Modes
 from mavstack.node.params import USER_CACHE, Params
 from mavstack.node.parts import Part, clear_caches
 from mavstack.node.plans import Plans
+from mavstack.node.serial_port import SerialPorts
 from mavstack.node.shell import Shell
 from mavstack.node.signing_setup import setup_signing
 from mavstack.node.subscription import DEFAULT_QUEUE
@@ -105,6 +106,7 @@ class RemoteComponent(ReadOnly):
     camera = _part(Camera, "The component as a camera (camera protocol v2).")
     gimbal = _part(Gimbal, "All gimbals that the component manages, as one (gimbal protocol v2).")
     can = _part(Can, "The CAN buses of the component, an autopilot.")
+    serial = _part(SerialPorts, "The serial ports of the component, an autopilot.")
     terrain = _part(
         Terrain, "The terrain that the component, a vehicle, has from ground stations.", offered=True
     )

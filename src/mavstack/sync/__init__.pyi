@@ -112,7 +112,7 @@ from typing import Self
 from typing import TypeVar
 from typing import Unpack
 
-__all__ = ['Actuators', 'Calibration', 'CalibrationSession', 'Camera', 'CameraSettings', 'Can', 'CanBus', 'CommandHandlers', 'Connection', 'ControlStream', 'CorrectionFeed', 'EventListener', 'EventStream', 'ExtendedParams', 'Ftp', 'Gimbal', 'Group', 'GuidedSession', 'Listener', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'Recording', 'RegionOfInterest', 'RemoteComponent', 'Results', 'Rtk', 'Shell', 'Subscription', 'Swarm', 'Terrain', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
+__all__ = ['Actuators', 'Calibration', 'CalibrationSession', 'Camera', 'CameraSettings', 'Can', 'CanBus', 'CommandHandlers', 'Connection', 'ControlStream', 'CorrectionFeed', 'EventListener', 'EventStream', 'ExtendedParams', 'Ftp', 'Gimbal', 'Group', 'GuidedSession', 'Listener', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'Recording', 'RegionOfInterest', 'RemoteComponent', 'Results', 'Rtk', 'SerialPort', 'SerialPorts', 'Shell', 'Subscription', 'Swarm', 'Terrain', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
 AnyEvent = TypeVar('AnyEvent')
 AnyHandler = TypeVar('AnyHandler', bound='Callable[..., Any]')
 AnyMessage = TypeVar('AnyMessage', bound=Message)
@@ -2979,6 +2979,10 @@ class RemoteComponent:
         """The CAN buses of the component, an autopilot."""
 
     @property
+    def serial(self) -> SerialPorts:
+        """The serial ports of the component, an autopilot."""
+
+    @property
     def terrain(self) -> Terrain:
         """The terrain that the component, a vehicle, has from ground stations."""
 
@@ -3404,6 +3408,55 @@ class Rtk:
 
         Raises:
             HealthTimeout: It had no such fix in time.
+        """
+
+class SerialPort:
+    """A serial port: write bytes to it, and iterate over its bytes; a context manager."""
+
+    @property
+    def waiting(self) -> int:
+        """The number of bytes that wait until the link has room for them."""
+
+    def write(self, data: bytes) -> None:
+        """Send bytes to the port.
+
+        Args:
+            data: The bytes.
+
+        Raises:
+            InvalidArgumentError: Too many bytes wait to be sent.
+            SystemIdConflictError: Several vehicles use its system id, and none was chosen.
+        """
+
+    def __enter__(self) -> Self:
+        ...
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        ...
+
+    def __iter__(self) -> Self:
+        ...
+
+    def __next__(self) -> bytes:
+        ...
+
+class SerialPorts:
+    """The serial ports of an autopilot (SERIAL_CONTROL)."""
+
+    def open(self, device: str | int, *, baudrate: int=0, exclusive: bool=True, poll: float=...) -> SerialPort:
+        """Return a context manager during which a port is connected to this program.
+
+        Args:
+            device: The name of the port, such as "gps1" or "telem2", or a SERIAL_CONTROL_DEV.
+            baudrate: The baud rate; 0 leaves it unchanged.
+            exclusive: The autopilot does not use the port meanwhile, so that no byte goes astray.
+            poll: Seconds between two requests for the bytes of the port.
+
+        Returns:
+            The port.
+
+        Raises:
+            InvalidArgumentError: There is no such port, or a value is out of range.
         """
 
 class Shell:

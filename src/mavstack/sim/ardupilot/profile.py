@@ -15,6 +15,7 @@ from mavstack.sim.ardupilot.empty_mission import EmptyMission
 from mavstack.sim.ardupilot.external_gps import register_external_gps
 from mavstack.sim.ardupilot.failsafes import ArdupilotFailsafes
 from mavstack.sim.ardupilot.flight_parameters import flight_parameters_of
+from mavstack.sim.ardupilot.gps_port import GpsPort
 from mavstack.sim.ardupilot.home_updates import watch_home
 from mavstack.sim.ardupilot.identity import VERSION, version_of
 from mavstack.sim.ardupilot.messages import ArdupilotMessages, guided_item
@@ -106,6 +107,7 @@ class ArdupilotProfile(FirmwareProfile):
         SimulationParameters(vehicle)
         register_external_gps(vehicle)
         CanDevices(vehicle)
+        vehicle.engine.add(GpsPort(vehicle))
         register_terrain(vehicle)
         if _QUADPLANE_TYPE in vehicle.parameters:
             vehicle.parameters.on_change(_QUADPLANE_TYPE, lambda _: vehicle.services.refresh_type())
