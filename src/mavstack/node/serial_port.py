@@ -145,4 +145,5 @@ class SerialPort(ReadOnly):
         return self
 
     async def __anext__(self) -> bytes:
-        return (await anext(self._output)).data
+        data: bytes = (await anext(self._output)).data
+        return data
