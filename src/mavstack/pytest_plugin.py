@@ -25,8 +25,13 @@
         flight = firmware("ardupilot", "build/sitl/bin/arduplane", vehicle="plane", speed=10)
         connection = mavutil.mavlink_connection(flight.url)
 
+    def test_my_uploader(bootloader):                       # a board without firmware
+        upload("firmware.px4", bootloader.port)
+        assert bootloader.has_firmware
+
 The marker has the keyword arguments of `mavstack.sim.BackgroundSimulator`, for `virtual_vehicle` those of
-`VirtualVehicle`, for `flight_controller` those of `BackgroundFlightController`.
+`VirtualVehicle`, for `flight_controller` those of `BackgroundFlightController`, for `bootloader` those of
+`mavstack.flashing.background_board.BackgroundBoard`.
 """
 
 from __future__ import annotations
@@ -39,6 +44,7 @@ import pytest
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator
 
+    from mavstack.flashing.background_board import BackgroundBoard
     from mavstack.links import Link
     from mavstack.sim.background import BackgroundSimulator
     from mavstack.sim.background_controller import BackgroundFlightController
@@ -100,6 +106,19 @@ def flight_controller(request: pytest.FixtureRequest) -> Iterator[BackgroundFlig
     from mavstack.sim.background_controller import BackgroundFlightController
 
     with BackgroundFlightController(**_marker_options(request)) as running:
+        yield running
+
+
+@pytest.fixture
+def bootloader(request: pytest.FixtureRequest) -> Iterator[BackgroundBoard]:
+    """Provide a board in its bootloader on a pseudo terminal, in real time.
+
+    Yields:
+        The board; `bootloader.port` is the path of the terminal for uploaders.
+    """
+    from mavstack.flashing.background_board import BackgroundBoard
+
+    with BackgroundBoard(**_marker_options(request)) as running:
         yield running
 
 
