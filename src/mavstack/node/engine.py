@@ -202,14 +202,16 @@ class Engine:
             data = channel.encode(message, source or self.local, now, outgoing.priority)
             self._to_send.append((channel, data))
 
-    def forward(self, packet: Packet, now: float) -> None:
-        """Send a packet of another component unchanged to its target, over all channels that heard it.
+    def forward(self, packet: Packet, now: float, target: Address | None = None) -> None:
+        """Send a packet of another component unchanged, over all channels that heard its target.
+
+        With a `target` it is sent to this one instead, such as a broadcast to one vehicle.
 
         SETUP_SIGNING, which carries a key, is never forwarded, nor RADIO_STATUS, which is about one link.
         """
         if carries_signing_key(packet) or packet.message_id == _RADIO_STATUS:
             return
-        for channel in self.routes.all_channels_to(target_of(packet.message), self.channels):
+        for channel in self.routes.all_channels_to(target or target_of(packet.message), self.channels):
             channel.pacer.sent(len(packet.raw), now, Priority.STREAM)
             self._to_send.append((channel, packet.raw))
 

@@ -184,18 +184,20 @@ def send(node: Node, message: Message, target: Address | None = None) -> None:
     host_of(node).send(message, target)
 
 
-def forward(node: Node, packet: Packet) -> None:
+def forward(node: Node, packet: Packet, target: Address | None = None) -> None:
     """Send a packet of another component unchanged to its target; see `Forwarding`.
 
     A SETUP_SIGNING is dropped, since it carries a signing key.
 
     Args:
         packet: The packet.
+        target: The address to send to; None: the target of the packet. With the address of a vehicle a
+            broadcast goes to this vehicle alone.
 
     Raises:
         InvalidStateError: The node is closed.
     """
-    host_of(node).engine.forward(packet, host_of(node).now())
+    host_of(node).engine.forward(packet, host_of(node).now(), target)
     host_of(node).driver.step()
 
 

@@ -2520,13 +2520,15 @@ class Node:
         EncodeError: The message cannot be encoded in the node's MAVLink version.
     """
 
-    def forward(self, packet: Packet) -> None:
+    def forward(self, packet: Packet, target: Address | None=None) -> None:
         """Send a packet of another component unchanged to its target; see `Forwarding`.
 
     A SETUP_SIGNING is dropped, since it carries a signing key.
 
     Args:
         packet: The packet.
+        target: The address to send to; None: the target of the packet. With the address of a vehicle a
+            broadcast goes to this vehicle alone.
 
     Raises:
         InvalidStateError: The node is closed.

@@ -5,14 +5,14 @@ Other packages add theirs through the entry points `mavstack.bridges`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from mavstack.plugins import Registry
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
     from contextlib import AbstractAsyncContextManager
 
     from mavstack.vehicle import Connection
@@ -29,12 +29,14 @@ class BridgeEntry:
         serve: Returns an async context manager for the parsed options and the open connection: the bridge
             runs inside it. Its value is the line that says that the bridge is ready. The role of the buses
             is `role` of the options (`mavstack.security.roles.Role`).
+        identity: The arguments of `connect` that say what the bridge is on MAVLink; empty: a ground station.
     """
 
     summary: str
     examples: tuple[str, ...]
     add_options: Callable[[ArgumentParser], None]
     serve: Callable[[Namespace, Connection], AbstractAsyncContextManager[str]]
+    identity: Mapping[str, int] = field(default_factory=dict)
 
 
 BRIDGES: Final[Registry[BridgeEntry]] = Registry(
@@ -45,5 +47,6 @@ BRIDGES: Final[Registry[BridgeEntry]] = Registry(
         "foxglove": "mavstack.bridges.foxglove.entry:ENTRY",
         "mcap": "mavstack.bridges.mcap.entry:ENTRY",
         "mqtt": "mavstack.bridges.mqtt.entry:ENTRY",
+        "zenoh": "mavstack.bridges.zenoh.entry:ENTRY",
     },
 )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.bridges.core.naming_options import add_naming_options, make_bridge
 from mavstack.bridges.core.registry import BridgeEntry
+from mavstack.bridges.core.zenoh_session import DEFAULT_ROUTER
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -23,7 +24,6 @@ _EXAMPLES: Final = (
     "mav bridge ros2 udpin://0.0.0.0:14550 --via dds   # topics only, without a ROS installation",
     "mav bridge ros2 udpin://0.0.0.0:14550 --fleet --name 1=alpha --name 2=beta",
 )
-DEFAULT_ROUTER: Final = "tcp/127.0.0.1:7447"
 MAX_DOMAIN: Final = 232
 
 

@@ -8,7 +8,6 @@ of Zenoh come on its own threads, and pass through a `Handoff` into the event lo
 from __future__ import annotations
 
 import asyncio
-import json
 import logging
 import time
 from contextlib import suppress
@@ -17,6 +16,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.bridges.core.qos import SERVICES
 from mavstack.bridges.core.sink import Handoff
+from mavstack.bridges.core.zenoh_session import (
+    SessionOptions,
+    close_session,
+    direct,
+    open_session,
+    zenoh_module,
+)
 from mavstack.bridges.ros2.zenoh_keys import (
     PUBLISHER,
     ROOT,
@@ -30,7 +36,7 @@ from mavstack.bridges.ros2.zenoh_keys import (
     node_token,
     parse_token,
 )
-from mavstack.errors import CdrError, LinkError, MissingExtraError
+from mavstack.errors import CdrError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -39,8 +45,6 @@ if TYPE_CHECKING:
     from mavstack.bridges.core.topic import Topic
 
 logger = logging.getLogger("mavstack.bridges")
-#: Seconds in which the router must answer.
-OPEN_TIMEOUT: Final = 5.0
 #: Requests that are answered at the same time; further ones wait in the queue of the handoff.
 MAX_REQUESTS: Final = 64
 #: Seconds in which the graph answers.
@@ -57,14 +61,9 @@ class ZenohSink:
     """
 
     def __init__(self, domain: int, routers: Sequence[str], *, mode: str = "client") -> None:
-        try:
-            import zenoh
-        except ImportError:
-            raise MissingExtraError("ROS 2 over Zenoh", "ros2") from None
-        self._zenoh: Any = zenoh
+        self._zenoh = zenoh_module("ROS 2 over Zenoh", "ros2")
         self._domain = domain
-        self._routers = list(routers)
-        self._mode = mode
+        self._options = SessionOptions(tuple(routers), mode)
         self._session: Any = None
         self._session_id = ""
         self._numbers = 0
@@ -84,32 +83,8 @@ class ZenohSink:
         self._samples: Handoff[tuple[Inlet, bytes]] = Handoff(loop, _receive_sample)
         self._requests: Handoff[tuple[ServiceEndpoint, str, Any]] = Handoff(loop, self._on_request)
         self._matches: Handoff[tuple[_TopicPublisher, bool]] = Handoff(loop, _set_matching)
-        try:
-            self._session = await loop.run_in_executor(None, self._zenoh.open, self._config())
-        except self._zenoh.ZError as error:
-            where = ", ".join(self._routers)
-            raise LinkError(
-                f"connecting to the Zenoh router {where} failed: {_reason(error)}; start one with "
-                "`ros2 run rmw_zenoh_cpp rmw_zenohd` or `zenohd`, or name it with --connect"
-            ) from None
+        self._session = await open_session(self._zenoh, self._options)
         self._session_id = str(self._session.info.zid())
-
-    def _config(self) -> Any:  # noqa: ANN401 (a type of Zenoh)
-        config = self._zenoh.Config()
-        values: dict[str, object] = {
-            "mode": self._mode,
-            "connect/endpoints": self._routers,
-            "connect/timeout_ms": round(OPEN_TIMEOUT * 1000),
-            "connect/exit_on_failure": True,
-            "scouting/multicast/enabled": False,
-            "timestamping/enabled": True,  # which the cache of advanced publishers needs
-            "metadata": {"name": "mavstack"},
-        }
-        if self._mode == "peer":
-            values["listen/endpoints"] = ["tcp/localhost:0"]
-        for key, value in values.items():
-            config.insert_json5(key, json.dumps(value))
-        return config
 
     async def close(self) -> None:
         """Disconnect. Idempotent."""
@@ -119,7 +94,7 @@ class ZenohSink:
         session, self._session = self._session, None
         self._kept.clear()
         if session is not None:
-            await asyncio.get_running_loop().run_in_executor(None, session.close)
+            await close_session(session)
 
     # Endpoints
 
@@ -153,7 +128,7 @@ class ZenohSink:
         publisher.start(declared)
         put = self._matches.put
         listener = declared.declare_matching_listener(
-            self._direct(lambda status: put((publisher, status.matching)))
+            direct(self._zenoh, lambda status: put((publisher, status.matching)))
         )
         self._kept += [declared, listener]
         publisher.set_matching(matching=declared.matching_status.matching)
@@ -167,7 +142,7 @@ class ZenohSink:
         def receive(sample: Any) -> None:  # noqa: ANN401 (a type of Zenoh)
             put((inlet, bytes(sample.payload)))
 
-        self._kept.append(self._session.declare_subscriber(key, self._direct(receive)))
+        self._kept.append(self._session.declare_subscriber(key, direct(self._zenoh, receive)))
 
     def add_service(self, service: ServiceEndpoint) -> None:
         """Serve a service."""
@@ -178,11 +153,7 @@ class ZenohSink:
         def receive(query: Any) -> None:  # noqa: ANN401 (a type of Zenoh)
             put((service, key, query))
 
-        self._kept.append(self._session.declare_queryable(key, self._direct(receive), complete=True))
-
-    def _direct(self, callback: Callable[[Any], None]) -> Any:  # noqa: ANN401 (a type of Zenoh)
-        """Return a handler that calls in the thread of Zenoh; by default each callback has a thread."""
-        return self._zenoh.handlers.Callback(callback, indirect=False)
+        self._kept.append(self._session.declare_queryable(key, direct(self._zenoh, receive), complete=True))
 
     def _declare(self, node: str, kind: str, name: str, type_name: str, qos: Any) -> str:  # noqa: ANN401
         token = endpoint_token(self._node_tokens[node], self._next_number(), kind, name, type_name, qos=qos)
@@ -272,7 +243,3 @@ def _receive_sample(item: tuple[Inlet, bytes]) -> None:
 def _set_matching(item: tuple[_TopicPublisher, bool]) -> None:
     publisher, matching = item
     publisher.set_matching(matching=matching)
-
-
-def _reason(error: Exception) -> str:
-    return str(error).split(" at ")[0].strip().rstrip(".")

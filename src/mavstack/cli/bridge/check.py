@@ -6,7 +6,8 @@ import asyncio
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from mavstack.bridges.ros2.entry import DEFAULT_ROUTER, domain_number
+from mavstack.bridges.core.zenoh_session import DEFAULT_ROUTER
+from mavstack.bridges.ros2.entry import domain_number
 from mavstack.cli.common.output import coloured, echo, echo_json
 
 if TYPE_CHECKING:

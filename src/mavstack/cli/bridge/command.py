@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.bridges.core.registry import BRIDGES
 from mavstack.cli.bridge.check import add_options, check
@@ -82,7 +82,8 @@ def _serve(arguments: Namespace) -> int:
     arguments.role = Role.from_word(arguments.role) if arguments.allow_control else Role.OBSERVE
 
     async def serve() -> int:
-        async with connect(*with_link_options(arguments.urls, arguments)) as connection:
+        identity: Any = entry.identity
+        async with connect(*with_link_options(arguments.urls, arguments), **identity) as connection:
             announce_exposure("bridge", connection.links)
             async with entry.serve(arguments, connection) as line:
                 control = "control allowed" if arguments.allow_control else "read only"
