@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 DEFAULT_ROUTER: Final = "tcp/127.0.0.1:7447"
 #: Seconds in which the router must answer.
 OPEN_TIMEOUT: Final = 5.0
+#: Milliseconds without any data after which the other end takes a session for dead; Zenoh has 10 s.
+LEASE: Final = 4000
 _START_ROUTER: Final = "start one with `zenohd` or `ros2 run rmw_zenoh_cpp rmw_zenohd`"
 
 
@@ -51,6 +53,9 @@ class SessionOptions:
             "connect/exit_on_failure": True,
             "scouting/multicast/enabled": False,
             "timestamping/enabled": True,  # which the cache of advanced publishers and the age of data need
+            "transport/link/tx/lease": LEASE,
+            # By default a put waits a millisecond for room in a full queue, in the event loop.
+            "transport/link/tx/queue/congestion_control/drop/wait_before_drop": 0,
             "metadata": {"name": "mavstack"},
         }
         if self.mode == "peer":

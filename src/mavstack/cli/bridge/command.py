@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.bridges.core.registry import BRIDGES
+from mavstack.cli.bridge import fleet_config
 from mavstack.cli.bridge.check import add_options, check
 from mavstack.cli.bridge.listing import print_table
 from mavstack.cli.common.actions import Actions
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from mavstack.bridges.core.registry import BridgeEntry
 
 _OTHERS: Final = (
+    *fleet_config.EXAMPLES,
     "mav bridge check                        # peers, wrong type hashes, profiles that do not fit",
     "mav bridge list                                       # the mapping table",
     "mav bridge list --json",
@@ -46,6 +48,11 @@ def add_arguments(parser: ArgumentParser) -> None:
     actions = Actions(parser, "bridge", EXAMPLES)
     for name, entry in BRIDGES.items():
         _add_bridge(actions, name, entry)
+    fleet_config.add_options(
+        actions.add(
+            "zenoh config", "write the configuration and certificates of a router", fleet_config.write_config
+        )
+    )
     add_options(actions.add("check", "who is connected in ROS 2 over Zenoh, and why others are not", check))
     action = actions.add("list", "show the mapping table: topics, services, actions", print_table)
     action.add_argument("--json", action="store_true", help="print one JSON object per row")

@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
-from argparse import RawDescriptionHelpFormatter
-from typing import TYPE_CHECKING
+from argparse import RawDescriptionHelpFormatter, _SubParsersAction
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
     from collections.abc import Callable
+
+
+class _WordsAction(_SubParsersAction):  # type: ignore[type-arg] # not generic at run time
+    """Actions whose names may have two words, such as `zenoh config` beside `zenoh`."""
+
+    def __call__(self, parser: Any, namespace: Any, values: Any, option_string: Any = None) -> None:  # noqa: ANN401
+        """Run the parser of the longest name."""
+        words = " ".join(values[:2])
+        found = [words, *values[2:]] if words in self.choices else values
+        super().__call__(parser, namespace, found, option_string)
 
 
 class Actions:
@@ -17,7 +27,9 @@ class Actions:
         self._command = command
         self._examples = examples.splitlines()
 
-        self._actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+        self._actions = parser.add_subparsers(
+            action=_WordsAction, dest="action", required=True, metavar="ACTION"
+        )
 
     def add(self, name: str, summary: str, run: Callable[[Namespace], int]) -> ArgumentParser:
         """Add an action; its help page shows those of the command's examples that call it."""
