@@ -77,7 +77,7 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
             _entry("radio", "SiK telemetry radios: show, get, set, save, load, signal; both ends together"),
             _entry("firmware", "firmware of autopilots and radios: info, list, flash"),
             _entry("msp", "Betaflight and iNav: info, get, set, osd, vtx, cli, dump, restore, passthrough"),
-            _entry("bridge", "vehicles on the buses of robotics: ROS 2; the mapping table"),
+            _entry("bridge", "vehicles on the buses of robotics: ROS 2, Zenoh; the mapping table"),
             _entry("key", "signing keys: new, list, remove; install one on a vehicle, turn signing off"),
             _entry("rtk", "corrections for satellite navigation, from a caster or a base to vehicles"),
             _entry("serial", "serial ports of a vehicle, and its position as NMEA, for other programs"),

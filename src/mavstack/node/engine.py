@@ -203,9 +203,7 @@ class Engine:
             self._to_send.append((channel, data))
 
     def forward(self, packet: Packet, now: float, target: Address | None = None) -> None:
-        """Send a packet of another component unchanged, over all channels that heard its target.
-
-        With a `target` it is sent to this one instead, such as a broadcast to one vehicle.
+        """Send a packet of another component unchanged, over all channels that heard its target, or `target`.
 
         SETUP_SIGNING, which carries a key, is never forwarded, nor RADIO_STATUS, which is about one link.
         """

@@ -17,3 +17,10 @@ def test_no_bridge_is_a_problem(capsys: pytest.CaptureFixture[str]) -> None:
     (found,) = json.loads(capsys.readouterr().out)
     assert found["ok"] is False
     assert found["text"].startswith("no vehicle is in domain 0")
+
+
+@pytest.mark.interop
+def test_a_fleet_without_a_gateway(capsys: pytest.CaptureFixture[str]) -> None:
+    with zenoh_router() as port:
+        assert main(["bridge", "check", "zenoh", "--connect", f"tcp/127.0.0.1:{port}"]) == 1
+    assert capsys.readouterr().out.startswith("problem  no gateway serves the fleet mavstack")

@@ -35,3 +35,11 @@ def test_a_package_for_ros(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     assert main(["bridge", "package", "mavstack_msgs", str(tmp_path)]) == 0
     assert capsys.readouterr().out.strip() == str(tmp_path / "mavstack_msgs")
     assert main(["bridge", "package", "nonsense", str(tmp_path)]) == 1
+
+
+def test_the_keys_of_a_fleet(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bridge", "list", "zenoh", "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)
+    assert rows[0]["key"] == "<prefix>/<vehicle>/frame/out"
+    assert main(["bridge", "list", "zenoh"]) == 0
+    assert len(capsys.readouterr().out.splitlines()) == len(rows) + 1

@@ -43,7 +43,7 @@ STATE_RATE: Final = 2.0
 
 @dataclass(frozen=True, slots=True)
 class GatewayOptions:
-    """What a gateway does.
+    """The options of a gateway.
 
     Attributes:
         prefix: The prefix of all keys.

@@ -27,6 +27,8 @@ _OTHERS: Final = (
     "mav bridge check                        # peers, wrong type hashes, profiles that do not fit",
     "mav bridge list                                       # the mapping table",
     "mav bridge list --json",
+    "mav bridge list zenoh                                 # the keys of a fleet",
+    "mav bridge check zenoh                  # the gateways of a fleet, and their vehicles",
     "mav bridge package mavstack_msgs ~/ros_ws/src         # its interfaces as a ROS package",
 )
 _NOTE: Final = """
@@ -53,8 +55,11 @@ def add_arguments(parser: ArgumentParser) -> None:
             "zenoh config", "write the configuration and certificates of a router", fleet_config.write_config
         )
     )
-    add_options(actions.add("check", "who is connected in ROS 2 over Zenoh, and why others are not", check))
+    add_options(actions.add("check", "who is connected over Zenoh, and why others are not", check))
     action = actions.add("list", "show the mapping table: topics, services, actions", print_table)
+    action.add_argument(
+        "bus", nargs="?", choices=("ros2", "zenoh"), default="ros2", help="the rows, or the keys of a fleet"
+    )
     action.add_argument("--json", action="store_true", help="print one JSON object per row")
     action = actions.add("package", "write the interfaces of a ROS package, to be built there", _package)
     action.add_argument("name", metavar="NAME", help="such as mavstack_msgs or mavros_msgs")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from mavstack.bridges.core.row import Action, Publication, Service, Subscription
 from mavstack.bridges.core.table import ALL
+from mavstack.bridges.zenoh.keys import TABLE
 from mavstack.cli.common.output import echo, echo_json, table_lines
 from mavstack.services.message_request.interval import name_of
 
@@ -19,6 +20,8 @@ _KINDS = {Publication: "from vehicle", Subscription: "to vehicle", Service: "ser
 
 def print_table(arguments: Namespace) -> int:
     """Run `mav bridge list`."""
+    if arguments.bus == "zenoh":
+        return _print_keys(as_json=arguments.json)
     if arguments.json:
         echo_json([row_fields(row) for row in ALL])
         return 0
@@ -26,6 +29,17 @@ def print_table(arguments: Namespace) -> int:
     head = ("NAME", "KIND", "TYPE", "MAVLINK")
     echo(*table_lines(head, cells, head))
     echo(f"{len(ALL)} rows; names without a slash are below /mavros; --json has units, frames and profiles")
+    return 0
+
+
+def _print_keys(*, as_json: bool) -> int:
+    """Print the keys of a fleet on Zenoh."""
+    head = ("KEY", "KIND", "CONTENT")
+    rows = [(f"<prefix>/<vehicle>/{end}", kind, content) for kind, end, content in TABLE]
+    if as_json:
+        echo_json([dict(zip(map(str.lower, head), row, strict=True)) for row in rows])
+        return 0
+    echo(*table_lines(head, rows, head))
     return 0
 
 
