@@ -53,7 +53,7 @@ class FleetVehicle:
         self.keys = keys
         #: The other gateways that serve a vehicle of this name.
         self.rivals: set[str] = set()
-        #: What passes to the vehicle, and what is refused.
+        #: The filter of packets for the vehicle, with its counters.
         self.guard = FrameGuard(vehicle.system, role, vehicle.connection.dialect)
         #: The requests that were carried out.
         self.requests = RequestLog()

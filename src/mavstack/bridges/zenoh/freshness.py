@@ -16,7 +16,7 @@ from typing import Final
 DRIFT: Final = 0.0001
 #: Seconds that no network holds a sample back: the clock of the source was set.
 MAX_DELAY: Final = 60.0
-#: Seconds of such samples only, before the source is measured anew.
+#: Seconds of such samples only, before the source is measured again.
 RESET_TIME: Final = 5.0
 #: Sources that are remembered.
 MAX_SOURCES: Final = 256

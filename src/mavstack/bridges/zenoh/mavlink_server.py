@@ -116,7 +116,7 @@ class MavlinkServerKeys:
     """
 
     def __init__(self, connection: Connection, bus: Bus, role: Role) -> None:
-        #: What passes to the vehicles, and what is refused.
+        #: The filter of packets for vehicles, with its counters.
         self.guard = FrameGuard(None, role, connection.dialect)
         self._connection = connection
         self._bus = bus

@@ -38,7 +38,7 @@ class MessagePublishers:
         self._known: dict[tuple[int, int], _Publisher] = {}
 
     def publish(self, packet: Packet) -> None:
-        """Publish the message of a packet if somebody subscribes to it."""
+        """Publish the message of a packet if a client subscribes to it."""
         if packet.message is None:
             return
         key = packet.component, packet.message_id
