@@ -85,8 +85,9 @@ lint-rust: | rust
 rust-tests: lint-rust
 	env -u MAKEFLAGS -u MFLAGS $(RUST) cargo test --quiet --profile checks --locked -p mavstack-core -p mavstack-logs -p mavstack-router -p mavstack-swarm
 
-docs: $(VENV)/installed ## Build the documentation site in site/
+docs: $(VENV)/installed ## Build the documentation site in site/, and search it
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	$(BIN)/pytest -q tests/docs/test_search.py
 
 bench: $(VENV)/installed ## Compare speed and memory with the peers
 	$(BIN)/python -m benchmarks

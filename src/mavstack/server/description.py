@@ -50,6 +50,7 @@ class Problem(Struct, omit_defaults=True):
     text: Annotated[str, Meta(description="The error in words.")]
     code: Annotated[int | None, Meta(description="The vehicle's number of its reason.")] = None
     status_texts: tuple[str, ...] = ()
+    events: Annotated[tuple[str, ...], Meta(description="Messages of PX4's events, its other reasons.")] = ()
     systems: Annotated[tuple[int, ...], Meta(description="The vehicles that stopped the swarm.")] = ()
 
 

@@ -84,6 +84,8 @@ def problem_json(error: Exception) -> dict[str, Any]:
         details["code"] = int(error.code)
     if isinstance(error, RemoteError) and error.status_texts:
         details["status_texts"] = list(error.status_texts)
+    if isinstance(error, RemoteError) and error.events:
+        details["events"] = list(error.events)
     if isinstance(error, SwarmStopped):
         details["systems"] = list(error.systems)
     return _problem(type(error).__name__, str(error), **details)
