@@ -306,6 +306,7 @@ PARAMETERS = [
         waits=False,
         silent=ParameterTimeout,
     ),
+    command("Params.commit", lambda h: h.vehicle.params.commit(), CMD.PREFLIGHT_STORAGE, waits=False),
     Call(
         "Params.download",
         lambda h: h.vehicle.params.download(),

@@ -60,6 +60,7 @@ ACCEPTED = {
         )
     ),
     CMD.PREFLIGHT_CALIBRATION: None,
+    CMD.PREFLIGHT_STORAGE: None,
     ardupilotmega.MavCmd.DO_CANCEL_MAG_CAL: None,
     CMD.DO_VTOL_TRANSITION: None,
     CMD.DO_FLIGHTTERMINATION: None,
