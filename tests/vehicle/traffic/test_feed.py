@@ -39,7 +39,7 @@ async def test_traffic_reaches_the_vehicle_and_raises_an_alarm():
                 assert "RYR1427" in found
                 assert found & {"MAV1", "MAV2"}
                 assert feed.reports == 4
-                while not {message.ICAO_address for message in shown} >= {0x4CA2D6, 0xF00001}:
+                while not {each.ICAO_address for each in shown} >= {0x4CA2D6, 0xF00001}:  # noqa: ASYNC110
                     await asyncio.sleep(0.05)
                 await alarms.aclose()
     server.close()
