@@ -33,6 +33,8 @@ logger = logging.getLogger("mavstack.services")
 
 #: Seconds after which a transfer without a timeout must have reached its minimum rate, and its longest time.
 SLOW_START, MAX_DURATION = 120.0, 86400.0
+#: The number of repetitions of an operation whose times are kept.
+MAX_RETRY_TIMES = 100
 
 Result = TypeVar("Result")
 AnyOperation = TypeVar("AnyOperation", bound="Operation[Any]")
@@ -76,6 +78,8 @@ class Operation(Generic[Result]):
         self.done = False
         self.error: MavstackError | None = None
         self.attempts = 0
+        #: The times of the first repetitions, at most `MAX_RETRY_TIMES`.
+        self.retry_times: list[float] = []
         self.timer: float | None = None
         self.parent: Operation[Any] | None = None
         self._result: Result | None = None
@@ -116,6 +120,11 @@ class Operation(Generic[Result]):
     def target(self) -> Address:
         """The remote component."""
         return self.client.target
+
+    @property
+    def launched_at(self) -> float | None:
+        """The time at which the operation was started; None: it waits behind another one."""
+        return self._launched_at
 
     @property
     def has_timeout(self) -> bool:
@@ -229,6 +238,8 @@ class Operation(Generic[Result]):
             attempts = self.attempts
             self.handle_timeout(now)
             if self.attempts > max(attempts, 1):
+                if len(self.retry_times) < MAX_RETRY_TIMES:
+                    self.retry_times.append(now)
                 logger.debug("%s: no answer, attempt %d", self, self.attempts)
 
     def time_out(self, now: float, answer: str = "no answer") -> None:

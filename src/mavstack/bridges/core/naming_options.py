@@ -1,9 +1,10 @@
-"""The options of bridges about the names of vehicles, and the bridge that they describe."""
+"""Options that bridges share: names of vehicles, ports, and the bridge that they describe."""
 
 from __future__ import annotations
 
 from argparse import ArgumentTypeError
-from typing import TYPE_CHECKING
+from ipaddress import ip_address
+from typing import TYPE_CHECKING, Final
 
 from mavstack.bridges.core.bridge import DEFAULT_NAME, Bridge
 from mavstack.bridges.core.names import VehicleNames, checked_namespace
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
 
     from mavstack.bridges.core.sink import Sink
     from mavstack.vehicle import Connection
+
+MAX_PORT: Final = 65535
 
 
 def add_naming_options(parser: ArgumentParser) -> None:
@@ -63,6 +66,21 @@ def vehicle_name(text: str) -> tuple[int, str]:
     if not number.isdecimal() or not name:
         raise ArgumentTypeError(f"must be ID=NAME such as 1=alpha, got {text!r}")
     return int(number), _namespace(name)
+
+
+def port_number(text: str) -> int:
+    """Return a port, for argparse."""
+    if not text.isdecimal() or int(text) > MAX_PORT:
+        raise ArgumentTypeError(f"must be from 0 to {MAX_PORT}, got {text!r:.20}")
+    return int(text)
+
+
+def url_host(host: str) -> str:
+    """Return an address as URLs have it."""
+    try:
+        return f"[{host}]" if ip_address(host).version == 6 else host
+    except ValueError:
+        return host
 
 
 def _namespace(text: str) -> str:

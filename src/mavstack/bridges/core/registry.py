@@ -47,6 +47,8 @@ BRIDGES: Final[Registry[BridgeEntry]] = Registry(
         "foxglove": "mavstack.bridges.foxglove.entry:ENTRY",
         "mcap": "mavstack.bridges.mcap.entry:ENTRY",
         "mqtt": "mavstack.bridges.mqtt.entry:ENTRY",
+        "otel": "mavstack.bridges.otel.entry:ENTRY",
+        "prometheus": "mavstack.bridges.prometheus.entry:ENTRY",
         "zenoh": "mavstack.bridges.zenoh.entry:ENTRY",
     },
 )

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentTypeError
 from contextlib import asynccontextmanager
-from ipaddress import ip_address
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from mavstack.bridges.core.naming_options import add_naming_options, first_namespace, make_bridge
+from mavstack.bridges.core.naming_options import (
+    add_naming_options,
+    first_namespace,
+    make_bridge,
+    port_number,
+    url_host,
+)
 from mavstack.bridges.core.registry import BridgeEntry
 from mavstack.errors import MissingExtraError
 from mavstack.security.roles import Role
@@ -24,7 +28,6 @@ _EXAMPLES: Final = (
     "mav bridge foxglove udpin://0.0.0.0:14550 --layout mavstack.json --allow-control",
 )
 DEFAULT_PORT: Final = 8765
-MAX_PORT: Final = 65535
 
 
 def add_options(parser: ArgumentParser) -> None:
@@ -55,21 +58,6 @@ async def serve(arguments: Namespace, connection: Connection) -> AsyncIterator[s
         write_layout(arguments.layout, first_namespace(arguments))
     async with bridge:
         yield f"Foxglove ws://{url_host(arguments.host)}:{sink.port}"
-
-
-def port_number(text: str) -> int:
-    """Return a port, for argparse."""
-    if not text.isdecimal() or int(text) > MAX_PORT:
-        raise ArgumentTypeError(f"must be from 0 to {MAX_PORT}, got {text!r:.20}")
-    return int(text)
-
-
-def url_host(host: str) -> str:
-    """Return an address as URLs have it."""
-    try:
-        return f"[{host}]" if ip_address(host).version == 6 else host
-    except ValueError:
-        return host
 
 
 ENTRY: Final = BridgeEntry(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
+from mavstack.bridges.core.enum_names import enum_name
 from mavstack.bridges.core.plain_json import plain
 from mavstack.bridges.core.snapshots import snapshot
 from mavstack.dialects import common
@@ -32,10 +33,10 @@ def state(vehicle: Vehicle) -> Group:
     version = vehicle.version
     return {
         **snapshot(vehicle, "status"),
-        "autopilot": _name(common.MavAutopilot, vehicle.autopilot),
+        "autopilot": enum_name(common.MavAutopilot, vehicle.autopilot),
         "type": vehicle.vehicle_type.value,
         "version": None if version is None else str(version.flight),
-        "status": _name(common.MavState, vehicle.system_status),
+        "status": enum_name(common.MavState, vehicle.system_status),
         **snapshot(vehicle, "health"),
         "home": rounded(snapshot(vehicle, "home")),
         "mission_item": None if progress is None else progress.seq,
@@ -80,13 +81,3 @@ def rounded(value: Any, name: str = "") -> Any:
     if isinstance(value, dict):
         return {key: rounded(each, key) for key, each in value.items()}
     return value
-
-
-def _name(kind: Any, value: Any) -> str | None:
-    """Return the name of a member; the number as text for values that the dialect does not know."""
-    if value is None:
-        return None
-    try:
-        return str(kind(value).name).lstrip("_")
-    except ValueError:
-        return str(int(value))

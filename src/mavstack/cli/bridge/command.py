@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -19,8 +20,10 @@ from mavstack.vehicle import connect
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
+    from contextlib import AbstractAsyncContextManager
 
     from mavstack.bridges.core.registry import BridgeEntry
+    from mavstack.vehicle import Connection
 
 _OTHERS: Final = (
     *fleet_config.EXAMPLES,
@@ -80,6 +83,9 @@ def _add_bridge(actions: Actions, name: str, entry: BridgeEntry) -> None:
         default=_ROLES[-1],
         help="with --allow-control: what the bus may do (default: administer)",
     )
+    parser.add_argument(
+        "--otlp", metavar="URL", help="export spans of operations to OpenTelemetry: http://127.0.0.1:4318"
+    )
     add_link_options(parser.add_argument_group("links"))
 
 
@@ -97,13 +103,25 @@ def _serve(arguments: Namespace) -> int:
         identity: Any = entry.identity
         async with connect(*with_link_options(arguments.urls, arguments), **identity) as connection:
             announce_exposure("bridge", connection.links)
-            async with entry.serve(arguments, connection) as line:
+            async with (
+                _exported_spans(arguments.otlp, connection),
+                entry.serve(arguments, connection) as line,
+            ):
                 control = "control allowed" if arguments.allow_control else "read only"
                 echo(f"{line}; {control}; Ctrl-C to end")
                 await connection.serve_forever()
         return 0
 
     return run_until_signal(serve())
+
+
+def _exported_spans(url: str | None, connection: Connection) -> AbstractAsyncContextManager[object]:
+    """Return a context in which the operations of a connection are exported, if a URL is given."""
+    if url is None:
+        return nullcontext()
+    from mavstack.bridges.otel.exporting import exported_spans
+
+    return exported_spans(url, connection)
 
 
 def _package(arguments: Namespace) -> int:

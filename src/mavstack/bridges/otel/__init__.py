@@ -1,0 +1,1 @@
+"""OpenTelemetry: spans of operations, and metrics of vehicles, by OTLP over HTTP."""
