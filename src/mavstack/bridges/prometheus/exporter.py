@@ -79,7 +79,7 @@ class MetricsServer(Collector):
         return self
 
     async def close(self) -> None:
-        """Listen no more. Idempotent."""
+        """Close the port. Idempotent."""
         loop, self._loop = self._loop, None
         server, self._server = self._server, None
         if server is not None and loop is not None:
