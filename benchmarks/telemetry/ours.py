@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from contextlib import suppress
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,10 @@ if TYPE_CHECKING:
     from mavstack.dialects import Message
     from mavstack.node import Subscription
     from mavstack.wire import Packet
+
+
+#: Seconds between two looks at the position.
+READ_INTERVAL = 0.1
 
 
 def _getters() -> dict[type[Message], Callable[[Any], object]]:
@@ -55,10 +60,24 @@ async def _by_iteration(recorder: MessageRecorder) -> None:
             recorder.record(type(message).__mavlink_row__[0])
 
 
+async def _by_reading(recorder: MessageRecorder) -> None:
+    """Read the position ten times a second, and wait for events of vehicles; other messages are not taken."""
+    async with connect(f"udpin://127.0.0.1:{recorder.port}") as connection:
+        vehicle = await connection.wait_for_vehicle()
+        async with connection.events() as events:
+            while True:
+                with suppress(TimeoutError):
+                    async with asyncio.timeout(READ_INTERVAL):
+                        await anext(events)
+                if vehicle.position is not None:
+                    recorder.record()
+
+
 if __name__ == "__main__":
     serve(
         {
             "called": lambda recorder: asyncio.run(_by_callback(recorder)),
+            "read": lambda recorder: asyncio.run(_by_reading(recorder)),
             "iterated": lambda recorder: asyncio.run(_by_iteration(recorder)),
         }
     )

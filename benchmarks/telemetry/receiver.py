@@ -42,6 +42,7 @@ METHODS = (
     Method(BARE_READER, "bare_sockets", "asyncio"),
     Method(OURS, "ours", "called"),
     Method(f"{OURS}, async for", "ours", "iterated"),
+    Method(f"{OURS}, position at 10 Hz", "ours", "read", floods=False),
     Method("pymavlink, recv_match", "peer_pymavlink", "loop", "pymavlink"),
     Method("pymavlink, hooks", "peer_pymavlink", "hooks", "pymavlink"),
     Method("MAVSDK, direct", "peer_mavsdk", "direct", "mavsdk"),

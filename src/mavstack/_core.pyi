@@ -1142,6 +1142,233 @@ class Claims:
         """
 
 @final
+class Intake:
+    """The input of a node: a thread that reads UDP sockets, and the latest packet of each source and message.
+
+    A packet is kept from the program if its source was granted on its channel and the program decided that no part of
+    it waits for its message; all others wait in a queue. The latest packets are kept of systems that are followed.
+
+    Args:
+        dialect: A `mavstack.Dialect` or a dialect module, which defines the messages.
+        boot_fields: The offset of the boot time in the payload of each message that has one, by message id.
+        position_fields: The id of the message with a position, and the offsets of its latitude, longitude and
+            speeds to
+            north and east.
+    """
+
+    def __new__(cls, dialect: HasCoreDialect, boot_fields: dict[int, int], position_fields: Sequence[int]) -> Self: ...
+    def start(self, now: float) -> int:
+        """Start the thread; return a descriptor that is readable while something waits.
+
+        Args:
+            now: The time of the program's clock in seconds.
+
+        Raises:
+            OSError: The system has no more threads or descriptors.
+        """
+
+    def stop(self) -> None:
+        """End the thread, and drop what waits. Idempotent."""
+
+    def add_socket(self, socket: int, descriptor: int) -> None:
+        """Read a UDP socket, whose descriptor is duplicated, from now on.
+
+        Args:
+            socket: The number of the socket, chosen by the program.
+            descriptor: The descriptor.
+
+        Raises:
+            OSError: The descriptor is not open.
+            RuntimeError: The thread does not run.
+        """
+
+    def remove_socket(self, socket: int) -> None:
+        """Read a socket no more; its copy is closed when the call returns. Idempotent.
+
+        Args:
+            socket: The number of the socket.
+        """
+
+    def hurry(self, seconds: float) -> None:
+        """Read without rests for some time, because the program waits for an answer.
+
+        Args:
+            seconds: The time.
+        """
+
+    def attach(self, channel: int, socket: int, address: tuple[Any, ...], parser: Parser) -> bool:
+        """Parse what a peer sends from now on, unless datagrams of it wait for the program.
+
+        Args:
+            channel: The number of the channel, chosen by the program.
+            socket: The number of its socket.
+            address: The address of the peer; port 0: any port of the host.
+            parser: The parser of the channel, which both use.
+
+        Returns:
+            False if its datagrams go on to the program.
+        """
+
+    def detach(self, channel: int) -> tuple[int, int, float, float]:
+        """Give the datagrams of a channel to the program from now on. Idempotent.
+
+        Args:
+            channel: The number of the channel.
+
+        Returns:
+            What was received since the last call, as `activity` does.
+        """
+
+    def activity(self, channel: int) -> tuple[int, int, float, float]:
+        """Return what was received on a channel since the last call.
+
+        Args:
+            channel: The number of the channel.
+
+        Returns:
+            Bytes, datagrams, and the times of the last datagram and of the last valid packet; 0: none.
+        """
+
+    def grant(self, channel: int, source: tuple[int, int]) -> bool:
+        """Let packets of a source on a channel be kept from the program.
+
+        Args:
+            channel: The number of the channel.
+            source: System and component id.
+
+        Returns:
+            False if the intake does not parse that channel.
+        """
+
+    def revoke(self, source: tuple[int, int]) -> list[tuple[int, float]]:
+        """Give every packet of a source to the program again.
+
+        Args:
+            source: System and component id.
+
+        Returns:
+            The channels on which it was granted, with the times of its last packets; 0: none.
+        """
+
+    def revoke_all(self) -> None:
+        """Give every packet to the program again."""
+
+    def expect_boot(self, channel: int, source: tuple[int, int], boot: tuple[int, float] | None) -> None:
+        """Set or take back the boot time that the next packets of a granted source have if it does not reboot.
+
+        Args:
+            channel: The number of the channel.
+            source: System and component id.
+            boot: The boot time in milliseconds, and the time of its packet; None takes it back.
+        """
+
+    def sources(self) -> list[tuple[int, tuple[int, int], float, float]]:
+        """Return the granted sources: channel, source, time of the last packet, time of the last expected boot time or 0."""
+
+    def decide(self, source: tuple[int, int], message_id: int, level: int) -> None:
+        """Decide who waits for a message of a source.
+
+        Args:
+            source: System and component id.
+            message_id: The message id.
+            level: 0: not known, 1: no part of the program, 2: boot times and positions that are not expected,
+                3: every packet soon, 4: at once.
+
+        Raises:
+            ValueError: There is no such level.
+        """
+
+    def forget_decisions(self, message_id: int | None, system: int) -> None:
+        """Forget the decisions about a message.
+
+        Args:
+            message_id: The message id; None: all.
+            system: The system id; 0: all.
+        """
+
+    def take(
+        self,
+    ) -> tuple[
+        list[tuple[int, list[Packet], bool]],
+        list[tuple[int, tuple[Any, ...], bytes, int]],
+        list[tuple[tuple[int, int], int]],
+        list[int],
+    ]:
+        """Remove and return what waits.
+
+        Returns:
+            The packets, in order, as (channel, packets, kept as latest packets already); the datagrams of
+            senders that the
+            intake does not parse, as (socket, address, data, number of datagrams); the messages to `decide` about, as
+            (source, message id); the sockets that the program must read itself from now on, because it did
+            not keep up.
+        """
+
+    def follow(self, system: int) -> None:
+        """Keep the latest packets of a system from now on.
+
+        Args:
+            system: The system id.
+        """
+
+    def unfollow(self, system: int) -> None:
+        """End one `follow`.
+
+        Args:
+            system: The system id.
+        """
+
+    def clear(self, system: int) -> None:
+        """Drop the latest packets of a system.
+
+        Args:
+            system: The system id.
+        """
+
+    def keep(self, packet: Packet, now: float) -> None:
+        """Keep a packet as the latest of its message, if its system is followed.
+
+        Args:
+            packet: The packet.
+            now: The time of its arrival in seconds.
+
+        Raises:
+            TypeError: It is not a packet.
+        """
+
+    def latest(self, source: tuple[int, int], message_id: int) -> tuple[Packet, float] | None:
+        """Return the latest packet of a message, and the time of its arrival.
+
+        Args:
+            source: System and component id.
+            message_id: The message id.
+
+        Returns:
+            The packet, the same object until the next one arrives, and the time; None if there is none.
+        """
+
+    def received_at(self, source: tuple[int, int], message_id: int) -> float | None:
+        """Return the time of the latest packet of a message; None if there is none.
+
+        Args:
+            source: System and component id.
+            message_id: The message id.
+        """
+
+    def newest_time(self, system: int) -> float | None:
+        """Return the time of the latest packet of a system; None if there is none.
+
+        Args:
+            system: The system id.
+        """
+
+    def stored(self, system: int) -> int:
+        """Return the number of messages of a system of which a packet is kept.
+
+        Args:
+            system: The system id.
+        """
+
 class PacketRouter:
     """The decision of the router where each packet goes, without sockets and threads.
 

@@ -8,6 +8,8 @@ from time import time
 
 import pytest
 
+from mavstack._core import Intake
+from mavstack.dialects import Dialect
 from mavstack.errors import LinkError
 from mavstack.links import BytesReceived, ChannelClosed, ChannelOpened, open_link
 from mavstack.links.udp import UdpLink
@@ -15,6 +17,8 @@ from tests.waiting import wait_until
 
 from .conformance import Conformance, receive
 from .peers import UdpPeer
+
+DIALECT = Dialect.load("all")
 
 
 class TestUdpin(Conformance):
@@ -47,6 +51,37 @@ class TestUdpout(Conformance):
 
         yield link, open_peer
         await peer.close()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the event loop waits for no descriptor")
+class TestUdpinReadNatively(TestUdpin):
+    """The datagrams of senders that are not attached take the way over the thread of the core."""
+
+    @asynccontextmanager
+    async def pair(self, query=""):
+        async with super().pair(query) as (link, peer):
+            open_transport, intake = link.open_transport, Intake(DIALECT, {}, (0, 0, 0, 0, 0))
+
+            def pump():
+                _, datagrams, _, overloaded = intake.take()
+                for _, address, data, count in datagrams:
+                    link.receive(data, address, count)
+                for _ in overloaded:
+                    reading.take_over()
+
+            async def open_natively():
+                nonlocal reading
+                await open_transport()
+                asyncio.get_running_loop().add_reader(descriptor, pump)
+                reading = link.read_natively(intake, 1)
+
+            reading, descriptor = None, intake.start(0.0)
+            link.open_transport = open_natively
+            try:
+                yield link, peer
+            finally:
+                asyncio.get_running_loop().remove_reader(descriptor)
+                intake.stop()
 
 
 async def test_the_socket_reader_calls_the_callback_in_order():

@@ -7,7 +7,7 @@ use pyo3::PyTraverseError;
 use pyo3::gc::PyVisit;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// (name, type, array length or 0, offset, true if it reads as an enum)
 type FieldTuple = (String, String, u8, u8, bool);
@@ -28,7 +28,7 @@ pub struct Dialect {
     /// Name of the dialect.
     #[pyo3(get)]
     name: String,
-    pub core: layout::Dialect,
+    pub core: Arc<layout::Dialect>,
     make_class: Py<PyAny>,
     classes: Vec<OnceLock<MessageClass>>,
 }
@@ -62,7 +62,7 @@ impl Dialect {
         let layouts = messages.into_iter().map(layout_from_tuple).collect::<PyResult<Vec<_>>>()?;
         let classes = layouts.iter().map(|_| OnceLock::new()).collect();
         let core = layout::Dialect::new(layouts).map_err(|error| DialectError::new_err(error.0))?;
-        Ok(Self { name, core, make_class, classes })
+        Ok(Self { name, core: Arc::new(core), make_class, classes })
     }
 
     /// The dialect itself, so that a core dialect is accepted where a dialect is expected.

@@ -15,6 +15,7 @@ mod errors;
 mod fields;
 mod freelist;
 mod index;
+mod intake;
 mod mapping_guard;
 mod memory;
 mod message;
@@ -68,6 +69,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<dataflash::DataFlashLayout>()?;
     module.add_class::<ulog::UlogIndex>()?;
     module.add_class::<claims::Claims>()?;
+    module.add_class::<intake::Intake>()?;
     module.add_class::<router::RouterCore>()?;
     module.add_class::<packet_router::PacketRouter>()?;
     module.add("MessageMeta", class::metaclass(py)?)?;

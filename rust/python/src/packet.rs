@@ -13,7 +13,7 @@ use mavstack_core::header::{CHECKSUM, Header, SIGNATURE};
 use mavstack_core::parser::{self, Parser};
 use mavstack_core::signing::link_and_timestamp;
 use pyo3::IntoPyObjectExt;
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::ffi;
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -202,6 +202,12 @@ fn as_packet<'a>(object: &'a Bound<'_, PyAny>) -> Option<(&'a Packet, &'a [u8])>
     let class = packet_class(object.py()).ok()?;
     // SAFETY: the class cannot be subclassed, so all its objects are packets.
     (object.get_type().is(class)).then(|| unsafe { open(object.as_ptr()) })
+}
+
+/// Calls a function with the header and the bytes of an object, if it is a packet.
+pub fn with_parts<T>(object: &Bound<'_, PyAny>, function: impl FnOnce(Header, &[u8]) -> T) -> PyResult<T> {
+    let (packet, raw) = as_packet(object).ok_or_else(|| PyTypeError::new_err("it is not a packet"))?;
+    Ok(function(packet.header, raw))
 }
 
 fn make_class(py: Python<'_>) -> PyResult<Py<PyType>> {

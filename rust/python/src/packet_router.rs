@@ -3,7 +3,6 @@
 use crate::buffers::Bytes;
 use crate::dialect::{AnyDialect, Dialect};
 use mavstack_core::header::Header;
-use mavstack_core::layout;
 use mavstack_core::parser::Packet;
 use mavstack_router::ports::PortId;
 use mavstack_router::router::{Origin, Router, Sink, Time, Unsent};
@@ -34,10 +33,9 @@ impl Sink for Ports {
 #[pymethods]
 impl PacketRouter {
     #[new]
-    fn new(dialect: AnyDialect) -> PyResult<Self> {
-        let layouts = dialect.0.get().core.layouts().to_vec();
-        let core = layout::Dialect::new(layouts).map_err(|error| PyRuntimeError::new_err(error.0))?;
-        Ok(Self { router: Router::new(Arc::new(core), 0), dialect: dialect.0 })
+    fn new(dialect: AnyDialect) -> Self {
+        let core = Arc::clone(&dialect.0.get().core);
+        Self { router: Router::new(core, 0), dialect: dialect.0 }
     }
 
     /// Add a place that packets come from and go to.

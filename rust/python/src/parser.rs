@@ -6,8 +6,10 @@ use crate::packet;
 use crate::signing::{self, Signing};
 use crate::statistics::{Statistics, sources_to_dict};
 use mavstack_core::parser as core;
+use mavstack_intake::channel::SharedParser;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Mean packet length in bytes, for reserving a chunk's list of packets.
 const MEAN_PACKET_LENGTH: usize = 32;
@@ -25,7 +27,8 @@ const MAX_CHUNK_RESERVED: usize = 1 << 20;
 ///     timestamped: True for a tlog, which has 8 bytes of time before each packet.
 #[pyclass(module = "mavstack._core")]
 pub struct Parser {
-    core: core::Parser,
+    /// Shared with an intake that parses the same stream.
+    pub core: SharedParser,
     /// The layout tables of the dialect.
     #[pyo3(get)]
     dialect: Py<Dialect>,
@@ -39,7 +42,7 @@ impl Parser {
     #[new]
     #[pyo3(signature = (dialect, *, signing = None, timestamped = false))]
     fn new(dialect: AnyDialect, signing: Option<Py<Signing>>, timestamped: bool) -> Self {
-        Self { core: core::Parser::new(timestamped), dialect: dialect.0, signing }
+        Self { core: Arc::new(Mutex::new(core::Parser::new(timestamped))), dialect: dialect.0, signing }
     }
 
     /// Parse the next bytes of the stream.
@@ -58,7 +61,7 @@ impl Parser {
     fn feed<'py>(&mut self, py: Python<'py>, data: Bytes<'_>, now: Option<f64>) -> PyResult<Bound<'py, PyList>> {
         let mut sink = Sink::new(py, &self.dialect, self.signing.as_ref(), now)?;
         sink.packets.reserve(data.len().min(MAX_CHUNK_RESERVED) / MEAN_PACKET_LENGTH);
-        self.core.feed(&self.dialect.get().core, &data, |packet| sink.push(&packet));
+        self.lock().feed(&self.dialect.get().core, &data, |packet| sink.push(&packet));
         sink.finish()
     }
 
@@ -75,26 +78,33 @@ impl Parser {
     #[pyo3(signature = (now = None))]
     fn flush<'py>(&mut self, py: Python<'py>, now: Option<f64>) -> PyResult<Bound<'py, PyList>> {
         let mut sink = Sink::new(py, &self.dialect, self.signing.as_ref(), now)?;
-        self.core.flush(&self.dialect.get().core, |packet| sink.push(&packet));
+        self.lock().flush(&self.dialect.get().core, |packet| sink.push(&packet));
         sink.finish()
     }
 
     /// Totals of the stream so far.
     #[getter]
     fn statistics(&self) -> Statistics {
-        self.core.statistics().into()
+        self.lock().statistics().into()
     }
 
     /// Statistics of each source, by (system, component); of 1,024 sources, those with many packets are kept longest.
     #[getter]
     fn sources<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        sources_to_dict(py, self.core.sources())
+        let sources = self.lock().sources().clone();
+        sources_to_dict(py, &sources)
     }
 
     /// Number of bytes kept until more arrive.
     #[getter]
     fn pending(&self) -> usize {
-        self.core.pending()
+        self.lock().pending()
+    }
+}
+
+impl Parser {
+    fn lock(&self) -> MutexGuard<'_, core::Parser> {
+        self.core.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -7,7 +7,6 @@ use crate::router_events::to_tuple;
 use crate::router_rules::{PeerTuple, RuleTuple, action, address, peer_ranges, rules};
 use crate::router_statistics::Statistics;
 use crate::signing::Signing;
-use mavstack_core::layout;
 use mavstack_router::engine::stream::Framing;
 use mavstack_router::engine::udp::UdpOptions;
 use mavstack_router::engine::{Engine, RuleSet};
@@ -38,9 +37,8 @@ fn microseconds(seconds: f64) -> u64 {
 impl RouterCore {
     #[new]
     fn new(dialect: AnyDialect, duplicate_window: f64) -> PyResult<Self> {
-        let layouts = dialect.0.get().core.layouts().to_vec();
-        let dialect = layout::Dialect::new(layouts).map_err(|error| PyRuntimeError::new_err(error.0))?;
-        Ok(Self { engine: Engine::start(Arc::new(dialect), microseconds(duplicate_window))? })
+        let dialect = Arc::clone(&dialect.0.get().core);
+        Ok(Self { engine: Engine::start(dialect, microseconds(duplicate_window))? })
     }
 
     /// Add a UDP socket, whose descriptor is duplicated; return the number of the endpoint.

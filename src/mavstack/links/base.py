@@ -33,8 +33,10 @@ from mavstack.links.settings import LinkSettings
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Coroutine, Generator, Sequence
 
+    from mavstack._core import Intake
     from mavstack.links.channel import Channel, Counters
     from mavstack.links.events import LinkEvent
+    from mavstack.links.native_reading import NativeReading
     from mavstack.links.options import Options
     from mavstack.links.url import LinkURL
 
@@ -174,6 +176,18 @@ class Link(ABC):
         """
         self._require_open()
         await self.inbox.run_reader(callback, direct=direct)
+
+    def read_natively(self, intake: Intake, number: int) -> NativeReading | None:
+        """Let a thread of the core read the link, which then passes it to `read` only in part.
+
+        Args:
+            intake: The intake of the node.
+            number: The number of the link in the intake.
+
+        Returns:
+            The reading; None if the link is read by the event loop.
+        """
+        return None
 
     @abstractmethod
     async def open_transport(self) -> None:

@@ -61,6 +61,11 @@ class Inbox:
         """True if `receive` passes bytes directly now."""
         return self._is_direct and not self._events and not self._ended
 
+    @property
+    def is_read(self) -> bool:
+        """True if a reader has read every event."""
+        return self._callback is not None and not self._events and not self._ended
+
     def add_channel(self, channel: Channel) -> None:
         """Add a channel."""
         self._channels[channel] = None

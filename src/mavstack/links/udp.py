@@ -32,17 +32,18 @@ from mavstack.links.address import Address, format_address, ip_of, resolve_datag
 from mavstack.links.admission import PeerAdmission
 from mavstack.links.backlog import Backlog
 from mavstack.links.base import Link
-from mavstack.links.channel import Channel, Data
 from mavstack.links.flood_filter import ADJUST_INTERVAL, FloodFilter
 from mavstack.links.joined_datagrams import join_datagrams
+from mavstack.links.native_reading import NativeReading
 from mavstack.links.os_errors import open_error
 from mavstack.links.probation import Probation
+from mavstack.links.udp_channel import UdpChannel
 from mavstack.security.admission import Proof
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
+    from mavstack._core import Intake
     from mavstack.links.backlog import Datagram
+    from mavstack.links.channel import Data
     from mavstack.links.options import Options
     from mavstack.links.url import LinkURL
 
@@ -54,29 +55,6 @@ CLOCK_INTERVAL = 8  # datagrams handled between two looks at the clock
 MAX_DATAGRAM = 1 << 16
 _SO_RCVBUFFORCE = 33  # Linux
 _SO_MEMINFO = 55  # Linux; its ninth number counts the datagrams dropped because the socket buffer was full
-
-
-class UdpChannel(Channel):
-    """A channel to one remote address."""
-
-    def __init__(
-        self, name: str, address: Address, on_closed: Callable[[Channel, str], None], link: UdpLink
-    ) -> None:
-        super().__init__(name, format_address(address), on_closed)
-        self.address = address
-        self._link = link
-        #: The limit for a new peer; None: there is no limit.
-        self.probation: Probation | None = None
-
-    def send_bytes(self, data: Data) -> bool:
-        """Send or queue a chunk."""
-        if self.probation is not None and not self.probation.may_send(data):
-            return False
-        return self._link.send_to(data, self.address)
-
-    def close_transport(self) -> None:
-        """Start closing the transport."""
-        self._link.remove_channel(self)
 
 
 class UdpLink(Link):
@@ -91,6 +69,7 @@ class UdpLink(Link):
         self._filter: FloodFilter | None = None
         self._known_drops = 0
         self._filter_timer: asyncio.TimerHandle | None = None
+        self._native: NativeReading | None = None
 
     @property
     def address(self) -> tuple[str, int] | None:
@@ -120,9 +99,37 @@ class UdpLink(Link):
         except OSError:
             return False
 
-    def receive(self, data: bytes, address: Address) -> None:
-        """Receive one datagram from a transport."""
-        self._datagram(data, address, time())
+    def receive(self, data: bytes, address: Address, count: int = 1) -> None:
+        """Receive a datagram, or `count` joined ones, from another reader of the socket."""
+        self._datagram(data, address, time(), count)
+
+    def read_natively(self, intake: Intake, number: int) -> NativeReading | None:
+        """Let an intake read the socket; return None if the link goes on to read it."""
+        if self._socket is None or self._transport is not None or not self._has_plain_peers():
+            return None
+        self._native = NativeReading(self, intake, number)
+        self._native.start()
+        return self._native
+
+    def pass_socket(self) -> int | None:
+        """Stop reading; return the descriptor of the socket, or None if it is closed."""
+        if self._socket is None or self._closed:
+            return None
+        asyncio.get_running_loop().remove_reader(self._socket)
+        return self._socket.fileno()
+
+    def read_itself(self) -> None:
+        """Read the socket by the event loop again."""
+        if self._socket is not None and not self._closed:
+            asyncio.get_running_loop().add_reader(self._socket, self._readable, self._socket)
+
+    @abstractmethod
+    def sender_of(self, channel: UdpChannel) -> Address | None:
+        """Return the address that datagrams of a channel have, port 0 for any; None: they need a look."""
+
+    @abstractmethod
+    def _has_plain_peers(self) -> bool:
+        """Return whether the senders of datagrams are known by their addresses."""
 
     @abstractmethod
     def remove_channel(self, channel: UdpChannel) -> None:
@@ -163,6 +170,8 @@ class UdpLink(Link):
         if not emptied:
             self._fill_backlog(sock)
             self._handle_backlog()
+        elif self._native is not None:
+            self._native.emptied()
 
     def _read_singly(self, sock: socket.socket) -> bool:
         """Pass on datagrams one by one, each before the next is read; return whether all were read."""
@@ -241,6 +250,8 @@ class UdpLink(Link):
 
     async def stop_transport(self) -> None:
         """Stop reading."""
+        if self._native is not None:
+            self._native.stop()
         self._backlog.clear()
         if self._filter_timer is not None:
             self._filter_timer.cancel()
@@ -339,6 +350,13 @@ class UdpListener(UdpLink):
         is_full = len(self._peers) >= self.max_peers
         is_signed = is_full and self.authenticates is not None and self.authenticates(data)
         return Proof.AUTHENTICATED if is_signed else Proof.SILENT
+
+    def sender_of(self, channel: UdpChannel) -> Address | None:
+        """Return the address that datagrams of a channel have."""
+        return channel.address if channel.probation is None else None
+
+    def _has_plain_peers(self) -> bool:
+        return self.trusts_senders
 
     def _knows(self, address: Address) -> bool:
         return address in self._peers and self._peers[address].last_valid > 0

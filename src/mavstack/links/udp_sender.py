@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from mavstack.links.address import Address, format_address, ip_of, local_address, resolve_datagram
 from mavstack.links.os_errors import open_error
-from mavstack.links.udp import UdpChannel, UdpLink
+from mavstack.links.udp import UdpLink
+from mavstack.links.udp_channel import UdpChannel
 
 if TYPE_CHECKING:
     from mavstack.links.options import Options
@@ -49,6 +50,13 @@ class UdpSender(UdpLink):
             f"udpout {format_address(address)}", address, self.inbox.remove_channel, self
         )
         self.inbox.add_channel(self._channel)
+
+    def sender_of(self, channel: UdpChannel) -> Address | None:
+        """Return the address that datagrams of the channel have: that of any port of the peer."""
+        return (channel.address[0], 0)
+
+    def _has_plain_peers(self) -> bool:
+        return not self._accepts_any_sender
 
     def _knows(self, address: Address) -> bool:
         return self._channel is not None and address == self._channel.address

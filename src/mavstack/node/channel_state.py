@@ -19,7 +19,7 @@ from mavstack.services import message_ids
 from mavstack.wire import Encoder, Parser
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from mavstack._core import HasCoreDialect
     from mavstack.dialects import Message
@@ -60,6 +60,8 @@ class ChannelState(LoopBound):
         self.unsendable = 0
         #: True if every packet that is received is verified, except those of ids accepted unsigned.
         self.verifies = signing is not None
+        #: Called when the parser changes, or a second one begins.
+        self.on_parser_changed: Callable[[], None] = lambda: None
         #: Packets refused because another channel verifies their sender.
         self.unverified = 0
         self._dialect = dialect
@@ -78,6 +80,11 @@ class ChannelState(LoopBound):
     def parser(self) -> Parser:
         """The parser of received bytes; see its `statistics`."""
         return self._parser
+
+    @property
+    def is_plain(self) -> bool:
+        """True if received bytes need a parser alone: no signatures, version to follow, or air time."""
+        return not (self._signing or self._other or self.negotiates or self.pacer.half_duplex)
 
     @property
     def version(self) -> int:
@@ -104,6 +111,7 @@ class ChannelState(LoopBound):
         """Start a change of keys: accept packets of this signing state as well (None: unsigned)."""
         self._other, self._uses_new = (signing, Parser(self._dialect, signing=signing)), False
         self.verifies = self._signing is not None and signing is not None
+        self.on_parser_changed()
 
     def use_new(self, new: bool) -> None:
         """Sign with the new state, or with the old one, during a change of keys."""
@@ -119,6 +127,7 @@ class ChannelState(LoopBound):
 
     def _sign_with(self, signing: Signing | None, parser: Parser) -> None:
         self._signing, self._parser = signing, parser
+        self.on_parser_changed()
         self._logged_refusals = signing.refusals.total if signing is not None else 0
         self._renew_encoders()
 

@@ -37,6 +37,8 @@ class ChosenSenders:
         self._channels = channels
         self._chosen: dict[int, str] = {}
         self._only: str | None = None
+        #: Called before a choice or a limit changes.
+        self.before_change: Callable[[], None] = lambda: None
         #: The system ids that several vehicles use.
         self.systems: Container[int] = ()
         #: Returns the vehicles that use a system id; None if no more than one does.
@@ -49,6 +51,7 @@ class ChosenSenders:
 
     def limit_to(self, text: str | None) -> None:
         """Take only packets of this channel, and send to vehicles over it alone; None: of all channels."""
+        self.before_change()
         self._only = text
 
     def choose(self, system: int, text: str | None) -> str | None:
@@ -60,6 +63,7 @@ class ChosenSenders:
         Raises:
             InvalidArgumentError: No open channel is named so, or several senders are received over it.
         """
+        self.before_change()
         if text is None:
             self._chosen.pop(system, None)
             return None

@@ -50,6 +50,8 @@ class PacketDispatch:
         self._by_key: dict[tuple[int, int], list[Listener]] = {}  # message id, system (0: any)
         self._cache: dict[tuple[int, int, int], tuple[Listener, ...]] = {}
         self._open: dict[Subscription[Any], Listener] = {}
+        #: Called with message ids (`ANY`: all) and a system (0: any) whose listeners changed.
+        self.on_change: Callable[[tuple[int, ...], int], None] = lambda ids, system: None
 
     def add(
         self, kinds: Iterable[type[Message]], source: Address, deliver: Callable[[Packet], None]
@@ -60,6 +62,7 @@ class PacketDispatch:
         self._cache.clear()
         for message_id in ids:
             self._by_key.setdefault((message_id, source.system), []).append(listener)
+        self.on_change(ids, source.system)
         return listener
 
     def subscribe(
@@ -107,6 +110,13 @@ class PacketDispatch:
             listeners = self._by_key[message_id, listener.source.system]
             if listener in listeners:
                 listeners.remove(listener)
+        self.on_change(listener.ids, listener.source.system)
+
+    def has_listeners(self, message_id: int, source: tuple[int, int]) -> bool:
+        """Return whether anything listens to a message of a source."""
+        key = (message_id, *source)
+        cached = self._cache.get(key)
+        return bool(self._find(*key) if cached is None else cached)
 
     def _find(self, message_id: int, system: int, component: int) -> tuple[Listener, ...]:
         if len(self._cache) >= MAX_CACHED:

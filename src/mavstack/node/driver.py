@@ -1,9 +1,10 @@
 """The driver that runs an engine over links with asyncio: the only module with an event loop and a clock.
 
-One task per link reads the link's events; one timer wakes the engine for its next deadline. Timers are not
-re-armed for later deadlines, since nearly every packet postpones a deadline; the engine may be woken too
-early, never too late. The clock is the Unix time at which the driver was created, advanced by the loop's own
-clock: it never decreases, and with a loop in virtual time it is virtual too.
+One task per link reads the link's events; a thread of the core may read the socket of a link and leave out
+the packets that are not wanted (see `native_input`). One timer wakes the engine for its next deadline. Timers
+are not re-armed for later deadlines, since nearly every packet postpones a deadline; the engine may be woken
+too early, never too late. The clock is the Unix time at which the driver was created, advanced by the loop's
+own clock: it never decreases, and with a loop in virtual time it is virtual too.
 
 A driver that stops cancels all operations. It goes on receiving for a moment while clients release what their
 remote components keep for them, such as open files: the request or its answer may be lost.
@@ -22,6 +23,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.errors import InvalidStateError, LinkClosedError, LinkError, RemoteCancelled
 from mavstack.links import BytesReceived, Channel, ChannelClosed, ChannelOpened, Link, LinkDown
+from mavstack.node.native_input import NativeInput, is_possible
 from mavstack.services import Client, Operation, OperationEnded, Progress
 
 if TYPE_CHECKING:
@@ -31,6 +33,8 @@ if TYPE_CHECKING:
     from mavstack.links.settings import Version
     from mavstack.node.channel_state import ChannelState
     from mavstack.node.engine import Engine
+    from mavstack.node.host import NodeHost
+    from mavstack.node.native_input import Attached
     from mavstack.services import Service
     from mavstack.wire import Packet
 
@@ -47,12 +51,13 @@ class Driver:
         self,
         engine: Engine,
         *,
-        on_packet: Callable[[Packet], None],
+        on_packet: Callable[[Packet, bool], None],
         on_event: Callable[[object, Service | None], None],
         on_channel: Callable[[ChannelState, Link], None],
         sent_listeners: Sequence[Callable[[bytes], None]] = (),
         version: Version = 2,
         on_error: Callable[[Operation[Any], float], None] = lambda operation, started_at: None,
+        host: NodeHost | None = None,
     ) -> None:
         self.engine = engine
         self.channels: dict[Channel, ChannelState] = {}
@@ -76,6 +81,10 @@ class Driver:
         #: Clients that may release state, while the driver runs and when it stops.
         self._releasing: set[Client] = set()
         self._operation_ended = asyncio.Event()
+        #: The thread that reads links; None: the event loop reads all of them.
+        self.native: NativeInput | None = None
+        if host is not None and is_possible(self._loop):
+            self.native = NativeInput(host, self._deliver_attached, self.step, self.now)
 
     def now(self) -> float:
         """Return the Unix time in seconds; it never decreases."""
@@ -139,6 +148,8 @@ class Driver:
         """Write the engine's data, deliver its events, and set the timer."""
         if self.engine.idle or self._stopped:
             return
+        if self._waiting:
+            self.hurry()
         now = self.now()
         while True:
             for state, data in self.engine.data_to_send(now):
@@ -149,6 +160,11 @@ class Driver:
             for service, event in events:
                 self._deliver(event, service)
         self._set_timer()
+
+    def hurry(self) -> None:
+        """Receive packets without delay for a moment, because an answer is awaited."""
+        if self.native is not None:
+            self.native.hurry()
 
     def stop_receiving(self) -> None:
         """Report no packet to the program from now on; a batch of datagrams may be under way."""
@@ -166,6 +182,8 @@ class Driver:
         self._stopped = True
         if self._timer is not None:
             self._timer.cancel()
+        if self.native is not None:
+            self.native.stop()
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
@@ -220,6 +238,8 @@ class Driver:
     async def _read(self, link: Link) -> None:
         link.authenticates = self._authenticates
         try:
+            if self.native is not None:
+                self.native.add(link)
             await link.read(partial(self._handle_events, link))
         except (InvalidStateError, LinkError) as error:
             self._on_event(LinkDown(str(error), float("inf")), None)
@@ -238,7 +258,20 @@ class Driver:
                     self._handle(link, event)
             except Exception as error:  # noqa: BLE001 (a defect of the program must not stop the link)
                 self._report(f"handling an event of {link.url}", error)
+        if self.native is not None:
+            self.native.settle()
         self.step()
+
+    def _deliver_attached(self, attached: Attached, packets: list[Packet], is_kept: bool) -> None:
+        """Handle packets that the thread received on a channel."""
+        if not self._receiving and not self._is_releasing():
+            return
+        try:
+            accepted = self.engine.handle(attached.state, packets, self.now())
+            for packet in accepted if self._receiving else ():
+                self._on_packet(packet, is_kept)
+        except Exception as error:  # noqa: BLE001 (as above)
+            self._report(f"handling packets of {attached.channel.name}", error)
 
     def _receive(self, event: BytesReceived) -> None:
         state = self.channels[event.channel]
@@ -248,7 +281,7 @@ class Driver:
             event.channel.is_authenticated |= state.verifies
         if self._receiving:
             for packet in packets:
-                self._on_packet(packet)
+                self._on_packet(packet, False)
 
     def _handle(self, link: Link, event: LinkEvent) -> None:
         match event:
@@ -261,10 +294,14 @@ class Driver:
                 )
                 self.channels[channel], self._by_state[state] = state, channel
                 self._on_channel(state, link)
+                if self.native is not None:
+                    self.native.channel_opened(channel, state, link)
             case ChannelClosed(channel):
                 state = self.channels.pop(channel)
                 del self._by_state[state]
                 self.engine.close_channel(state)
+                if self.native is not None:
+                    self.native.channel_closed(channel)
         self._on_event(event, None)
 
     def _set_timer(self) -> None:

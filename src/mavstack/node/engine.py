@@ -5,14 +5,13 @@
     engine.events()                       (service, event), in order
     engine.next_timeout()                 when to call `engine.handle_timeout(now)`
 
-The asyncio driver runs an engine over links; tests run several over a simulated network in virtual time. The
-routing, pacing and services are therefore the same in both. A packet is handled by the services that handle
-its message id, if the packet is addressed to their component or to all. Only services with something to do
-are processed: touched ones, and those whose timer, in a heap, is due.
+The asyncio driver runs an engine over links; tests run several over a simulated network in virtual time, with
+the same routing, pacing and services. A packet is handled by the services that handle its message id, if it is
+addressed to their component or to all. Only services with something to do are processed: touched ones, and
+those whose timer is due.
 
-A service may call a function of the program (a handler, a producer, a policy). If that function raises,
-`on_failure` is called, the service's timer is suspended for a moment, and all other services continue;
-without an `on_failure` the exception is raised.
+If a function of the program that a service calls (a handler, a producer, a policy) raises, `on_failure` is
+called, the service's timer is suspended for a moment, and all others continue; its default raises.
 """
 
 from __future__ import annotations
@@ -91,7 +90,7 @@ class Engine:
         #: Called with each exception raised by a service; see the module's docstring.
         self.on_failure: Callable[[Service, Exception], None] = _raise
         self._services: dict[Service, None] = {}
-        self._index = ServiceIndex()
+        self.service_index = ServiceIndex()
         self._touched: dict[Service, None] = {}
         self._to_send: list[tuple[ChannelState, bytes]] = []
         self._events: list[tuple[Service, Event]] = []
@@ -163,7 +162,7 @@ class Engine:
         """Run a service."""
         if service not in self._services:
             self._services[service] = None
-            self._index.update(service)
+            self.service_index.update(service)
             self.touch(service)
             if isinstance(service, Client):
                 service.refusal = self.senders.refusal
@@ -172,7 +171,7 @@ class Engine:
     def remove(self, service: Service) -> None:
         """Stop running a service; its unsent messages are discarded."""
         if self._services.pop(service, service) is None:
-            self._index.remove(service)
+            self.service_index.remove(service)
             self._timers.set(service, None)
             for register in (self._touched, self._blocked, self._failed):
                 register.pop(service, None)
@@ -186,8 +185,11 @@ class Engine:
 
     def receive(self, channel: ChannelState, data: bytes, now: float) -> list[Packet]:
         """Handle bytes of a channel; return the packets without duplicates."""
-        packets = channel.receive(data, now)
-        return [packet for packet in packets if self._handle(packet, channel, now)] if packets else packets
+        return self.handle(channel, channel.receive(data, now), now)
+
+    def handle(self, channel: ChannelState, packets: list[Packet], now: float) -> list[Packet]:
+        """Handle packets that were received on a channel; return them without duplicates."""
+        return [packet for packet in packets if self._handle(packet, channel, now)]
 
     def send(
         self, message: Message, now: float, target: Address | None = None, *, source: Address | None = None
@@ -268,7 +270,7 @@ class Engine:
             return False
         if message_id == _RADIO_STATUS:
             self._radio_status(packet, channel, now)
-        services = self._index.find(message_id, system)
+        services = self.service_index.find(message_id, system)
         if services and packet.message is not None:
             self.arrived_on = channel
             self._deliver(packet, services, now)
@@ -279,7 +281,7 @@ class Engine:
         """Handle a packet of a sender that was not chosen: it shows only that the sender is there."""
         if packet.message is not None:
             self.arrived_on = channel
-            services = self._index.find(packet.message_id, packet.system)
+            services = self.service_index.find(packet.message_id, packet.system)
             self._deliver(packet, [each for each in services if each.observes_all_senders], now)
             self.arrived_on = None
         return False
@@ -323,7 +325,7 @@ class Engine:
             except Exception as error:  # noqa: BLE001 (as above)
                 self._fail(service, error)
             self._collect_events(service)
-            self._index.update(service)
+            self.service_index.update(service)
             self._set_timer(service, now)
 
     def _collect_events(self, service: Service) -> None:

@@ -10,8 +10,10 @@ import asyncio
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from mavstack._core import Intake
 from mavstack.errors import InvalidStateError
 from mavstack.node.dispatch import EventDispatch, PacketDispatch
+from mavstack.node.message_fields import BOOT_FIELDS, POSITION_FIELDS
 from mavstack.node.silence_timer import SilenceTimer
 from mavstack.security.roles import Role, command_ids
 from mavstack.services.command import CommandOperation
@@ -56,6 +58,8 @@ class NodeHost:
         self.engine = engine
         self.discovery = discovery
         self.packet_dispatch = PacketDispatch()
+        #: The latest packets of followed systems; its thread reads links while the node is open.
+        self.intake = Intake(engine.dialect, BOOT_FIELDS, POSITION_FIELDS)
         self.event_dispatch = EventDispatch()
         #: Called with the bytes that are written to a channel.
         self.sent_listeners: list[Callable[[bytes], None]] = []
@@ -115,7 +119,14 @@ class NodeHost:
     def send(self, message: Message, target: Address | None = None) -> None:
         """Send a message to a target, or to the address in its target fields."""
         self.engine.send(message, self.driver.now(), target)
+        self.driver.hurry()
         self.driver.step()
+
+    def receive_packet(self, packet: Packet, is_kept: bool) -> None:
+        """Keep a packet as the latest of its message, unless it is kept already, and deliver it."""
+        if not is_kept:
+            self.intake.keep(packet, self.now())
+        self.packet_dispatch.deliver(packet)
 
     async def run_operation(
         self,

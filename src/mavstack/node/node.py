@@ -199,12 +199,13 @@ class Node(ReadOnly):
         engine = self._host.engine
         driver = Driver(
             engine,
-            on_packet=self._host.packet_dispatch.deliver,
+            on_packet=self._host.receive_packet,
             on_event=self._on_event,
             on_channel=self._keys.on_channel_opened,
             sent_listeners=self._host.sent_listeners,
             on_error=self._on_operation_error,
             version=self._version,
+            host=self._host,
         )
         self._keys.open(driver.now())
         self._host.open_driver = driver

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 from mavstack.services import Address
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
 Channel = TypeVar("Channel")
 
@@ -96,6 +96,10 @@ class Routes(Generic[Channel]):
         self._systems: dict[int, dict[Address, _Route[Channel]]] = {}
         self._verified: set[tuple[int, int]] = set()
         self._wide: dict[tuple[int, int], None] = {}
+        #: Called with an address before it is learned on another channel, or verified there at first.
+        self.before_change: Callable[[tuple[int, int]], None] = lambda address: None
+        #: Called before addresses are removed because the table is full.
+        self.before_removal: Callable[[], None] = lambda: None
 
     def learn(self, heard: tuple[int, int], channel: Channel, now: float, *, verified: bool = False) -> bool:
         """Record that an address was heard on a channel; return whether it is heard on several.
@@ -105,6 +109,8 @@ class Routes(Generic[Channel]):
         # An address equals a plain tuple, which is created in half the time.
         route: _Route[Channel] | None = self._routes.get(heard)  # type: ignore[call-overload]
         if route is not None:
+            if channel not in route.heard or (verified and channel not in route.verified):
+                self.before_change(heard)
             if verified and channel not in route.verified:
                 self._verified.add(heard)
                 route.verify(channel)
@@ -121,6 +127,17 @@ class Routes(Generic[Channel]):
                 self._verified.add(address)
                 route.verify(channel)
         return False
+
+    def note_heard(self, heard: tuple[int, int], channel: Channel, at: float) -> None:
+        """Record that an address was heard on a channel on which it is known, in time order or not."""
+        route: _Route[Channel] | None = self._routes.get(heard)  # type: ignore[call-overload]
+        if route is not None and route.heard.get(channel, at) < at:
+            route.heard[channel] = at
+
+    def is_heard_only_on(self, heard: tuple[int, int], channel: Channel) -> bool:
+        """Return whether an address is heard on one channel alone."""
+        route: _Route[Channel] | None = self._routes.get(heard)  # type: ignore[call-overload]
+        return route is not None and len(route.heard) == 1 and channel in route.heard
 
     def is_verified(self, heard: tuple[int, int]) -> bool:
         """Return whether an address was verified on an open channel."""
@@ -200,6 +217,7 @@ class Routes(Generic[Channel]):
 
     def _make_room(self) -> None:
         if len(self._routes) >= MAX_ADDRESSES:
+            self.before_removal()
             routes = self._routes
             for address in sorted(routes, key=lambda each: routes[each].removal_order())[:REMOVED_AT_ONCE]:
                 self._remove(address)

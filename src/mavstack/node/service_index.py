@@ -10,6 +10,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from mavstack.services import Service
 
 Key: TypeAlias = tuple[int, int]  # message id, system (0: any)
@@ -25,6 +27,8 @@ class ServiceIndex:
         self._known: dict[Service, frozenset[int]] = {}
         self._by_key: dict[Key, list[Service]] = {}
         self._cache: dict[Key, tuple[Service, ...]] = {}
+        #: Called with message ids and a system (0: any) whose services changed.
+        self.on_change: Callable[[frozenset[int], int], None] = lambda ids, system: None
 
     def update(self, service: Service) -> None:
         """Add a service, or index it again if its `handles` changed."""
@@ -38,12 +42,15 @@ class ServiceIndex:
         for message_id in service.handles - before:
             self._by_key.setdefault((message_id, system), []).append(service)
         self._known[service] = service.handles
+        self.on_change(before ^ service.handles, system)
 
     def remove(self, service: Service) -> None:
         """Remove a service."""
         self._cache.clear()
-        for message_id in self._known.pop(service, frozenset()):
-            self._by_key[message_id, service.source_filter.system].remove(service)
+        ids, system = self._known.pop(service, frozenset()), service.source_filter.system
+        for message_id in ids:
+            self._by_key[message_id, system].remove(service)
+        self.on_change(ids, system)
 
     def find(self, message_id: int, system: int) -> tuple[Service, ...]:
         """Return the services that handle packets of that id from that system."""

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
@@ -23,6 +24,16 @@ def test_all_checks_pass(mav):
         r"the core was built by rustc \d+\.\d+.* of the (system|project.*)", details["toolchain"]
     )
     assert details["mavstack"].endswith(f" in {Path(mavstack.__file__).parent}")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="the event loop waits for no descriptor")
+@pytest.mark.parametrize(("chosen", "reader"), [("native", "a thread of the core"), ("asyncio", "asyncio")])
+def test_the_reader_of_udp_links_is_named(mav, monkeypatch, chosen, reader):
+    monkeypatch.setenv("MAVSTACK_INPUT", chosen)
+    report = json.loads(mav("doctor", "--json").out)
+    details = {check["name"]: check["detail"] for check in report["checks"]}
+    assert details["input"] == f"UDP links are read by {reader}"
+    assert report["ok"] is True
 
 
 def test_missing_extra_is_reported_and_is_no_failure(mav, monkeypatch):

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import asyncio
 from math import pi
-from types import SimpleNamespace
 
 import pytest
 
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, MavstackError, MessageTimeout, RemoteCancelled
-from mavstack.vehicle.telemetry.telemetry import MAX_MESSAGES
 from tests.vehicle.telemetry.harness import RESULT, with_peer, with_telemetry
 
 CAMERA = common.MavComponent.CAMERA
@@ -55,15 +53,25 @@ def test_messages_of_another_vehicle_do_not_count():
 
 
 def test_a_limited_number_of_messages_is_kept_the_newest_ones():
+    kinds = [
+        common.Attitude,
+        common.GpsRawInt,
+        common.ScaledImu,
+        common.RawImu,
+        common.ScaledPressure,
+        common.SysStatus,
+        common.VfrHud,
+        common.ServoOutputRaw,
+        common.MissionCurrent,
+    ]
+
     async def scenario(harness):
         harness.receive(common.SystemTime())
-        for number in range(MAX_MESSAGES):
+        for component in range(2, 252):
             await asyncio.sleep(0.001)
-            harness.receive(common.Attitude(), component=number % 250 + 2)
-            odd = SimpleNamespace(system=1, component=1, message_id=60_000 + number, message=None)
-            harness.node._host.packet_dispatch.deliver(odd)
-        assert len(harness.telemetry._latest) <= MAX_MESSAGES
-        assert harness.vehicle.latest(common.Attitude, 249) is not None
+            harness.receive(*(kind() for kind in kinds), component=component)
+        assert 1000 < harness.node._host.intake.stored(1) <= 2048
+        assert harness.vehicle.latest(common.Attitude, 251) is not None
         assert harness.vehicle.latest(common.SystemTime) is None
 
     with_telemetry(scenario)

@@ -7,16 +7,18 @@
 
 mod attaching;
 #[cfg(target_os = "linux")]
-mod batch_linux;
+#[path = "batch_linux.rs"]
+pub mod batch;
 #[cfg(not(target_os = "linux"))]
-mod batch_std;
+#[path = "batch_std.rs"]
+pub mod batch;
 mod command;
-mod datagrams;
+pub mod datagrams;
 mod framing;
 mod lanes;
 mod links;
 mod moderation;
-mod notify;
+pub mod notify;
 pub mod peer_range;
 pub mod queue;
 mod reading;

@@ -49,15 +49,18 @@ impl Notifier {
     /// Makes the descriptor unreadable.
     pub fn clear(&self) {
         let mut bytes = [0; 64];
-        while matches!((&self.reader).read(&mut bytes), Ok(count) if count > 0) {}
+        // A short read empties it.
+        while matches!((&self.reader).read(&mut bytes), Ok(count) if count == bytes.len()) {}
     }
 
     #[cfg(unix)]
+    #[must_use]
     pub fn descriptor(&self) -> i64 {
         i64::from(std::os::fd::AsRawFd::as_raw_fd(&self.reader))
     }
 
     #[cfg(windows)]
+    #[must_use]
     pub fn descriptor(&self) -> i64 {
         std::os::windows::io::AsRawSocket::as_raw_socket(&self.reader) as i64
     }

@@ -1,10 +1,7 @@
 //! Reading from links: one batch of each that has something, and the admission of new peers.
 
 use crate::counters::Cause;
-#[cfg(target_os = "linux")]
-use crate::engine::batch_linux::Batches;
-#[cfg(not(target_os = "linux"))]
-use crate::engine::batch_std::Batches;
+use crate::engine::batch::Batches;
 use crate::engine::datagrams::{ReceiveBuffer, TURN_BYTES};
 use crate::engine::links::Transport;
 use crate::engine::udp::{Accepted, Sender};

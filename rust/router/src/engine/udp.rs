@@ -1,5 +1,6 @@
 //! UDP endpoints: one fixed peer, or a listening socket whose senders are peers of their own.
 
+use crate::engine::batch;
 use crate::engine::datagrams::{BATCH, ReceiveBuffer, SendQueue, TURN_BYTES};
 use crate::engine::peer_range::PeerRange;
 use crate::ports::PortId;
@@ -8,11 +9,6 @@ use mio::net::UdpSocket;
 use std::collections::{HashMap, HashSet};
 use std::io;
 use std::net::{IpAddr, SocketAddr};
-
-#[cfg(target_os = "linux")]
-use crate::engine::batch_linux as batch;
-#[cfg(not(target_os = "linux"))]
-use crate::engine::batch_std as batch;
 
 /// Datagrams of a batch while few come.
 const MIN_BATCH: usize = 8;

@@ -149,6 +149,21 @@ async def _received(link: Link) -> bytes:
     raise ConnectionError("the link ended")
 
 
+def _input() -> Iterable[Finding]:
+    """Report which part reads the UDP links of a program."""
+
+    async def is_native() -> bool:
+        from mavstack.node.native_input import is_possible
+
+        return is_possible(asyncio.get_running_loop())
+
+    if asyncio.run(is_native()):
+        yield Finding("input", Status.OK, "UDP links are read by a thread of the core")
+    else:
+        remedy = "unset MAVSTACK_INPUT" if "MAVSTACK_INPUT" in os.environ else ""
+        yield Finding("input", Status.NOTE, "UDP links are read by asyncio", remedy)
+
+
 def _serial_ports() -> Iterable[Finding]:
     ports = _found_ports()
     if not ports:
@@ -178,5 +193,6 @@ _CHECKS: Final[tuple[tuple[str, Check], ...]] = (
     ("core", _core),
     ("dialects", _dialects),
     ("udp", _udp),
+    ("input", _input),
     ("serial ports", _serial_ports),
 )

@@ -25,7 +25,7 @@ from mavstack.services.heartbeat.admission import (
     NewComponentLimit,
     components_to_remove,
 )
-from mavstack.services.heartbeat.boot_time_filter import BootTimeFilter
+from mavstack.services.heartbeat.boot_time_filter import BootTimeFilters
 from mavstack.services.heartbeat.boot_tracker import CONFLICT_ENDS_AFTER, MAX_PATH_DELAY, Finding
 from mavstack.services.heartbeat.component_info import HEARTBEAT_TIMEOUT, ComponentInfo
 from mavstack.services.heartbeat.events import (
@@ -62,7 +62,7 @@ _WITH_BOOT_TIME = (
     common.GlobalPositionInt,
     common.LocalPositionNed,
 )
-#: Each position is compared with those before; the others are many.
+#: The messages whose expected boot times need no analysis: each position is compared with those before.
 _FILTERED_IDS = message_ids(*_WITH_BOOT_TIME) - message_ids(common.GlobalPositionInt)
 
 
@@ -104,8 +104,8 @@ class Discovery(Service):
         self._is_excluded = is_excluded
         self._limit = NewComponentLimit()
         self._detectors: dict[Address, AddressConflictDetector] = {}
-        #: The filters of components that send boot times, by system id, component id and channel.
-        self._filters: dict[tuple[int, int, str], BootTimeFilter] = {}
+        #: The filters of components that send boot times.
+        self.filters = BootTimeFilters()
         self._probes = SenderProbes(asks)
         #: The autopilots whose address several vehicles use, by system id.
         self.conflicts: dict[int, Address] = {}
@@ -165,8 +165,8 @@ class Discovery(Service):
 
     def receive(self, packet: Packet, now: float) -> bool | None:
         if packet.message_id in _FILTERED_IDS:
-            boot_time_filter = self._filters.get((packet.system, packet.component, self._channel_name()))
-            if boot_time_filter and boot_time_filter.is_expected(packet.message.time_boot_ms, now):
+            key = packet.system, packet.component, self._channel_name()
+            if self.filters.is_expected(key, packet.message.time_boot_ms, now):
                 return False
         self._analyse(packet, now)
         return None
@@ -229,9 +229,9 @@ class Discovery(Service):
         self._update_probe(address, now)
         key = (*address, channel)
         if detector.is_one_boot:
-            self._filters[key] = BootTimeFilter(boot_ms, now)
+            self.filters.set(key, boot_ms, now)
         else:
-            self._filters.pop(key, None)
+            self.filters.remove(key)
 
     def _update_probe(self, address: Address, now: float) -> None:
         """Ask on each channel of an autopilot that is heard on several, or that may be two."""
@@ -245,10 +245,10 @@ class Discovery(Service):
     def handle_timeout(self, now: float) -> None:
         if self._check_at is None or now < self._check_at:
             return
-        for (system, component, _), boot_time_filter in self._filters.items():
+        for system, component, seen_at in self.filters.last_seen():
             info = self.components[Address(system, component)]
-            if info.last_seen < boot_time_filter.seen_at:
-                self.components[info.address] = replace(info, last_seen=boot_time_filter.seen_at)
+            if info.last_seen < seen_at:
+                self.components[info.address] = replace(info, last_seen=seen_at)
         for info in tuple(self.components.values()):
             if info.alive and now >= info.last_seen + info.timeout:
                 self._lose(info, f"silent for {info.timeout:g} s")
@@ -324,7 +324,7 @@ class Discovery(Service):
             self._check_at = due
 
     def _lose(self, info: ComponentInfo, reason: str) -> None:
-        self._forget_filters(info.address)
+        self.filters.remove_address(info.address)
         self.components[info.address] = lost = replace(info, alive=False)
         self.emit(ComponentLost(lost, reason))
 
@@ -334,16 +334,12 @@ class Discovery(Service):
             self._lose(info, "too many components")
         self._probes.remove(info.address)
         self._forget_conflict(info.address)
-        self._forget_filters(info.address)
+        self.filters.remove_address(info.address)
         del self.components[info.address], self._detectors[info.address]
 
     def _forget_conflict(self, address: Address) -> None:
         if self.conflicts.get(address.system) == address:
             del self.conflicts[address.system]
-
-    def _forget_filters(self, address: Address) -> None:
-        for key in [key for key in self._filters if key[:2] == address]:
-            del self._filters[key]
 
     def _report(self, address: Address, finding: Finding, now: float) -> None:
         match finding:
@@ -351,7 +347,7 @@ class Discovery(Service):
                 self.emit(ComponentRebooted(self.components[address]))
             case Finding.CONFLICT:
                 if (conflict := self.conflict(address, now)) is not None:
-                    self._forget_filters(address)
+                    self.filters.remove_address(address)
                     if self.components[address].is_autopilot and conflict.is_between_vehicles:
                         self.conflicts[address.system] = address
                     self.emit(AddressConflict(self.components[address], conflict.senders, conflict.differs))

@@ -1,8 +1,8 @@
 """The telemetry of one vehicle: the latest packet of each message from each component of its system.
 
-Packets are stored as received and decoded when a value is read, so that messages that no program reads cost
-no more than their place in a dictionary. A value belongs to the autopilot unless a component is named: a
-camera or a gimbal may send an ATTITUDE of its own.
+The core keeps the packets as received (`mavstack._core.Intake`), and they are decoded when a value is read:
+messages that no program reads cost nothing in Python. A value belongs to the autopilot unless a component is
+named: a camera or a gimbal may send an ATTITUDE of its own.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, overload
 from mavstack.dialects import Message, common
 from mavstack.errors import CommandDenied, MavstackError, MessageTimeout
 from mavstack.node.api_object import LoopBound
+from mavstack.node.host import host_of
 from mavstack.services.version import AutopilotVersion
 from mavstack.vehicle.firmware import firmware_class
 from mavstack.vehicle.telemetry.rates import Rates
@@ -27,16 +28,12 @@ AnyMessage = TypeVar("AnyMessage", bound=Message)
 Second = TypeVar("Second", bound=Message)
 Third = TypeVar("Third", bound=Message)
 
-#: The number of messages that are stored, of all components together; beyond it the oldest are dropped.
-MAX_MESSAGES = 2048
 #: The number of ports of RC_CHANNELS_RAW that are stored; each has 8 channels.
 MAX_RC_PORTS = 4
 #: A coarse message counts if the finer one is older by more than this, in seconds.
 FINE_LIFETIME = 10.0
 #: Components that are batteries of their own; the autopilot's report of a battery is preferred.
 _BATTERIES = (common.MavComponent.BATTERY, common.MavComponent.BATTERY2)
-#: The number of bits of a message id; the component id stands above them in a key.
-_ID_BITS = 24
 
 
 class Telemetry(LoopBound):
@@ -58,12 +55,12 @@ class Telemetry(LoopBound):
         self.rebooted_at = 0.0
         #: True if HOME_POSITION was requested and the vehicle had none.
         self.home_refused = False
-        self._latest: dict[int, tuple[Packet, float]] = {}
+        self._intake = host_of(node).intake
         self._batteries: dict[tuple[int, int], common.BatteryStatus] = {}
         self._rc_ports: dict[int, common.RcChannelsRaw] = {}
-        system = component.address.system
+        self._system = system = component.address.system
+        self._intake.follow(system)
         self._listeners: tuple[Listener, ...] = (
-            node.add_packet_listener(None, self._store, system=system),
             node.add_packet_listener(common.Statustext, self.status_texts.receive, system=system),
             node.add_packet_listener(common.BatteryStatus, self._store_battery, system=system),
             node.add_packet_listener(common.RcChannelsRaw, self._store_rc_port, system=system),
@@ -91,21 +88,20 @@ class Telemetry(LoopBound):
 
     def forget(self) -> None:
         """Forget the messages: they may be those of another vehicle with the same system id."""
-        self._latest.clear()
+        self._intake.clear(self._system)
         self._batteries.clear()
 
     # The latest messages
 
     def latest(self, message: type[AnyMessage], component: int | None = None) -> AnyMessage | None:
         """Return the last message of a class, from the autopilot unless a component is named."""
-        stored = self._latest.get(self._key(message, component))
+        stored = self._intake.latest(self._source(component), message.__mavlink_row__[0])
         found = None if stored is None else stored[0].message
         return found if isinstance(found, message) else None
 
     def received_at(self, message: type[Message], component: int | None = None) -> float | None:
         """Return the time when the last message of a class was received, in Unix seconds."""
-        stored = self._latest.get(self._key(message, component))
-        return None if stored is None else stored[1]
+        return self._intake.received_at(self._source(component), message.__mavlink_row__[0])
 
     def age(self, message: type[Message], component: int | None = None) -> float | None:
         """Return the seconds since the last message of a class was received."""
@@ -114,11 +110,7 @@ class Telemetry(LoopBound):
 
     def now(self) -> float:
         """Return the node's time; after the node was closed, the time of the last message."""
-        return (
-            self.node.now()
-            if self.node.is_open
-            else max((time for _, time in self._latest.values()), default=0.0)
-        )
+        return self.node.now() if self.node.is_open else self._intake.newest_time(self._system) or 0.0
 
     @overload
     def newest(self, first: type[AnyMessage], second: type[Second], /) -> AnyMessage | Second | None: ...
@@ -179,19 +171,12 @@ class Telemetry(LoopBound):
         """Unregister all listeners, and request nothing more."""
         for listener in self._listeners:
             listener.close()
+        if self._listeners:
+            self._intake.unfollow(self._system)
+        self._listeners = ()
         await self.rates.close()
 
     # Received packets
-
-    def _store(self, packet: Packet) -> None:
-        latest = self._latest
-        latest[packet.component << _ID_BITS | packet.message_id] = packet, self.node.now()
-        if len(latest) > MAX_MESSAGES:
-            self._drop_oldest()
-
-    def _drop_oldest(self) -> None:
-        by_age = sorted(self._latest.items(), key=lambda item: item[1][1], reverse=True)
-        self._latest = dict(by_age[: MAX_MESSAGES // 2])
 
     def _store_battery(self, packet: Packet) -> None:
         own = self.component.address.component
@@ -211,6 +196,5 @@ class Telemetry(LoopBound):
             self.ready_at = now if ready else self.ready_at
             self.ready_since = (self.ready_since or now) if ready else None
 
-    def _key(self, message: type[Message], component: int | None) -> int:
-        source = self.component.address.component if component is None else component
-        return int(source << _ID_BITS | message.__mavlink_row__[0])
+    def _source(self, component: int | None) -> tuple[int, int]:
+        return self._system, self.component.address.component if component is None else int(component)

@@ -1,0 +1,186 @@
+//! The state of the input, without sockets and clocks: times are seconds of the program's clock.
+
+use crate::channel::{Activity, Boot, Channel, INTERVAL, Position, PositionFields, SharedParser, Source};
+use crate::messages::{Interest, Messages};
+use crate::queue::{Queue, Urgency};
+use mavstack_core::layout::Dialect;
+use mavstack_core::parser::Packet;
+use std::collections::HashMap;
+use std::net::{IpAddr, SocketAddr};
+use std::sync::{Arc, PoisonError};
+
+/// The sender of a channel's datagrams.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Peer {
+    Address(SocketAddr),
+    /// Any port of a host.
+    Host(IpAddr),
+}
+
+impl Peer {
+    fn is_sender(&self, address: SocketAddr) -> bool {
+        match self {
+            Self::Address(own) => *own == address,
+            Self::Host(host) => *host == address.ip(),
+        }
+    }
+}
+
+/// The fields of messages that the program compares with those before.
+#[derive(Debug)]
+pub struct Fields {
+    /// Offset of the boot time in the messages that have one.
+    pub boot: HashMap<u32, usize>,
+    pub position: PositionFields,
+}
+
+/// The input of one node.
+#[derive(Debug)]
+pub struct Intake {
+    dialect: Arc<Dialect>,
+    fields: Fields,
+    pub messages: Messages,
+    pub queue: Queue,
+    channels: HashMap<u32, Channel>,
+    peers: HashMap<(u32, Peer), u32>,
+}
+
+impl Intake {
+    #[must_use]
+    pub fn new(dialect: Arc<Dialect>, fields: Fields) -> Self {
+        let (channels, peers) = (HashMap::new(), HashMap::new());
+        Self { dialect, fields, messages: Messages::default(), queue: Queue::default(), channels, peers }
+    }
+
+    /// Receives a datagram.
+    pub fn receive(&mut self, socket: u32, address: SocketAddr, data: &[u8], now: f64) {
+        let known = self.peers.get(&(socket, Peer::Address(address)));
+        let known = known.or_else(|| self.peers.get(&(socket, Peer::Host(address.ip()))));
+        match known {
+            Some(&channel) => self.parse(channel, data, now),
+            None => self.queue.push_datagram(socket, address, data, now),
+        }
+    }
+
+    fn parse(&mut self, number: u32, data: &[u8], now: f64) {
+        let Self { channels, messages, queue, dialect, fields, .. } = self;
+        let Some(channel) = channels.get_mut(&number) else {
+            return;
+        };
+        let Channel { parser, sources, activity } = channel;
+        activity.bytes += data.len() as u64;
+        activity.datagrams += 1;
+        activity.received_at = now;
+        parser.lock().unwrap_or_else(PoisonError::into_inner).feed(dialect, data, |packet| {
+            activity.valid_at = now;
+            let header = packet.header;
+            let granted = sources.get_mut(&(header.system, header.component)).filter(|_| !header.signed());
+            let Some(source) = granted else {
+                return queue.push_packet(number, &packet, false, Urgency::Soon);
+            };
+            source.heard_at = now;
+            let urgency = match messages.keep(&packet, now) {
+                Interest::Nothing => return,
+                Interest::NewBoot if fields.continues(source, &packet, now) => return,
+                Interest::NewBoot | Interest::Soon => Urgency::Soon,
+                Interest::Unknown => {
+                    messages.ask((header.system, header.component), header.message_id);
+                    Urgency::Now
+                }
+                Interest::Asked | Interest::Now => Urgency::Now,
+            };
+            queue.push_packet(number, &packet, true, urgency);
+        });
+    }
+
+    /// Lets the intake parse what a sender sends, unless datagrams of it wait for the program; returns whether it does.
+    pub fn attach(&mut self, channel: u32, socket: u32, peer: Peer, parser: SharedParser) -> bool {
+        if self.queue.has_datagrams_of(socket, |address| peer.is_sender(address)) {
+            return false;
+        }
+        self.peers.insert((socket, peer), channel);
+        self.channels.insert(channel, Channel { parser, sources: HashMap::new(), activity: Activity::default() });
+        true
+    }
+
+    /// Gives the datagrams of a channel to the program from now on; returns what was received since the last look.
+    pub fn detach(&mut self, channel: u32) -> Activity {
+        self.peers.retain(|_, number| *number != channel);
+        self.channels.remove(&channel).map(|removed| removed.activity).unwrap_or_default()
+    }
+
+    /// Returns what was received on a channel since the last call.
+    pub fn take_activity(&mut self, channel: u32) -> Activity {
+        self.channels.get_mut(&channel).map(|known| std::mem::take(&mut known.activity)).unwrap_or_default()
+    }
+
+    /// Lets packets of a source on a channel be kept from the program.
+    pub fn grant(&mut self, channel: u32, source: (u8, u8)) -> bool {
+        let known = self.channels.get_mut(&channel);
+        known.map(|known| known.sources.entry(source).or_default()).is_some()
+    }
+
+    /// Gives every packet of a source to the program again; returns the channels with the times when it was heard.
+    pub fn revoke(&mut self, source: (u8, u8)) -> Vec<(u32, f64)> {
+        let channels = self.channels.iter_mut();
+        channels.filter_map(|(&number, known)| Some((number, known.sources.remove(&source)?.heard_at))).collect()
+    }
+
+    /// Gives every packet to the program again.
+    pub fn revoke_all(&mut self) {
+        self.channels.values_mut().for_each(|known| known.sources.clear());
+    }
+
+    /// Sets the boot time that the next packets of a source on a channel will have; `None`: it is not known.
+    pub fn expect_boot(&mut self, channel: u32, source: (u8, u8), boot: Option<Boot>) {
+        if let Some(known) = self.channels.get_mut(&channel).and_then(|known| known.sources.get_mut(&source)) {
+            known.boot = boot;
+        }
+    }
+
+    /// The granted sources of all channels.
+    pub fn sources(&self) -> impl Iterator<Item = (u32, (u8, u8), Source)> {
+        let of_channel = |(&number, known): (&u32, &Channel)| {
+            known.sources.iter().map(move |(&source, &state)| (number, source, state)).collect::<Vec<_>>()
+        };
+        self.channels.iter().flat_map(of_channel)
+    }
+}
+
+impl Fields {
+    /// Returns whether a packet has the boot time that is expected of its source, and a position near the one before.
+    fn continues(&self, source: &mut Source, packet: &Packet<'_>, now: f64) -> bool {
+        let Some(&offset) = self.boot.get(&packet.header.message_id) else {
+            return false;
+        };
+        let boot_ms = u32::from_le_bytes(bytes_at(packet, offset));
+        let mut is_near = true;
+        if packet.header.message_id == self.position.message_id {
+            let position = self.position_of(packet, boot_ms);
+            let before = source.position.replace(position);
+            is_near = before.is_some_and(|before| position.continues(&before)) && now < source.position_due;
+            if !is_near {
+                source.position_due = now + INTERVAL;
+            }
+        }
+        source.boot.as_mut().is_some_and(|boot| boot.is_expected(boot_ms, now)) && is_near
+    }
+
+    fn position_of(&self, packet: &Packet<'_>, boot_ms: u32) -> Position {
+        let degrees = |offset| f64::from(i32::from_le_bytes(bytes_at(packet, offset))) / 1e7;
+        let speed = |offset| f64::from(i16::from_le_bytes(bytes_at(packet, offset))) / 100.0;
+        let [north, east] = self.position.speeds.map(speed);
+        Position {
+            time: f64::from(boot_ms) / 1000.0,
+            latitude: degrees(self.position.latitude),
+            longitude: degrees(self.position.longitude),
+            speed: north.hypot(east),
+        }
+    }
+}
+
+/// Returns bytes of a payload; those that were trimmed are zero.
+fn bytes_at<const N: usize>(packet: &Packet<'_>, offset: usize) -> [u8; N] {
+    let payload = packet.payload();
+    std::array::from_fn(|index| payload.get(offset + index).copied().unwrap_or(0))
+}

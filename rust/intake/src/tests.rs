@@ -1,0 +1,226 @@
+//! The decisions about packets, without sockets; and the thread over real ones.
+
+use crate::channel::{Boot, INTERVAL, PositionFields, SharedParser};
+use crate::intake::{Fields, Intake, Peer};
+use crate::messages::{Interest, MAX_STORED};
+use crate::queue::{Item, MAX_WAITING, Urgency};
+use crate::reader::Reader;
+use mavstack_core::encode::{Sender, Version, encode};
+use mavstack_core::layout::{Dialect, Field, FieldType, Layout};
+use mavstack_core::parser::Parser;
+use std::collections::HashMap;
+use std::net::{SocketAddr, UdpSocket};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+const HEARTBEAT: u32 = 0;
+const POSITION: u32 = 33;
+const SOURCE: (u8, u8) = (7, 1);
+
+fn dialect() -> Dialect {
+    let field =
+        |name: &str, kind, offset| Field { name: name.into(), kind, array_length: 0, offset, enumerated: false };
+    let layout = |id, name: &str, crc_extra, length, fields| Layout {
+        id,
+        name: name.into(),
+        crc_extra,
+        base_length: length,
+        length,
+        fields,
+    };
+    Dialect::new(vec![
+        layout(HEARTBEAT, "HEARTBEAT", 50, 9, vec![field("type", FieldType::U8, 4)]),
+        layout(POSITION, "GLOBAL_POSITION_INT", 104, 28, vec![field("time_boot_ms", FieldType::U32, 0)]),
+    ])
+    .expect("a valid dialect")
+}
+
+fn intake() -> Intake {
+    let position = PositionFields { message_id: POSITION, latitude: 4, longitude: 8, speeds: [20, 22] };
+    Intake::new(Arc::new(dialect()), Fields { boot: HashMap::from([(POSITION, 0)]), position })
+}
+
+fn packet(id: u32, payload: &[u8], (system, component): (u8, u8)) -> Vec<u8> {
+    let (dialect, mut out) = (dialect(), Vec::new());
+    let sender = Sender { system, component, sequence: 0 };
+    encode(&mut out, Version::V2, dialect.layout(id).expect("known"), payload, sender, None).expect("fits");
+    out
+}
+
+fn heartbeat() -> Vec<u8> {
+    packet(HEARTBEAT, &[0, 0, 0, 0, 2, 3, 81, 3, 3], SOURCE)
+}
+
+fn position(boot_ms: u32, latitude: f64) -> Vec<u8> {
+    let mut payload = [0; 28];
+    payload[..4].copy_from_slice(&boot_ms.to_le_bytes());
+    payload[4..8].copy_from_slice(&((latitude * 1e7) as i32).to_le_bytes());
+    packet(POSITION, &payload, SOURCE)
+}
+
+fn parser() -> SharedParser {
+    Arc::new(Mutex::new(Parser::new(false)))
+}
+
+fn address(port: u16) -> SocketAddr {
+    ([127, 0, 0, 1], port).into()
+}
+
+/// An intake that parses channel 1, from port 9 of socket 0.
+fn attached() -> Intake {
+    let mut intake = intake();
+    assert!(intake.attach(1, 0, Peer::Address(address(9)), parser()));
+    intake
+}
+
+/// Returns the number of packets that wait and were kept, of those that were not, and of datagrams.
+fn taken(intake: &mut Intake) -> (usize, usize, usize) {
+    let mut counts = (0, 0, 0);
+    for item in intake.queue.take().0 {
+        match item {
+            Item::Packets(run) if run.is_kept => counts.0 += run.packets().count(),
+            Item::Packets(run) => counts.1 += run.packets().count(),
+            Item::Datagrams(datagrams) => counts.2 += datagrams.count,
+        }
+    }
+    counts
+}
+
+#[test]
+fn datagrams_of_unknown_senders_and_packets_of_sources_without_a_grant_come_to_the_program() {
+    let mut intake = attached();
+    intake.receive(0, address(8), &heartbeat(), 1.0);
+    intake.receive(0, address(9), &heartbeat(), 1.0);
+    intake.messages.decide(SOURCE, HEARTBEAT, Interest::Nothing);
+    intake.receive(0, address(9), &heartbeat(), 1.0);
+    assert_eq!(taken(&mut intake), (0, 2, 1));
+}
+
+#[test]
+fn packets_of_a_granted_source_that_are_not_wanted_are_only_kept() {
+    let mut intake = attached();
+    intake.messages.follow(SOURCE.0);
+    assert!(intake.grant(1, SOURCE));
+    assert!(!intake.grant(2, SOURCE), "no such channel");
+    intake.receive(0, address(9), &heartbeat(), 1.0);
+    assert_eq!(intake.messages.take_undecided(), [(SOURCE, HEARTBEAT)]);
+    assert_eq!(intake.queue.urgency, Urgency::Now);
+    intake.receive(0, address(9), &heartbeat(), 2.0);
+    assert!(intake.messages.take_undecided().is_empty(), "the program was asked");
+    assert_eq!(taken(&mut intake), (2, 0, 0));
+    intake.messages.decide(SOURCE, HEARTBEAT, Interest::Nothing);
+    intake.receive(0, address(9), &heartbeat(), 3.0);
+    assert_eq!(taken(&mut intake), (0, 0, 0));
+    let at = intake.messages.latest(SOURCE.0, SOURCE.1, HEARTBEAT).map(|latest| latest.at);
+    assert_eq!(at, Some(3.0));
+    intake.messages.forget_interest(Some(HEARTBEAT), 0);
+    intake.receive(0, address(9), &heartbeat(), 4.0);
+    assert_eq!(taken(&mut intake), (1, 0, 0), "the program decides again");
+    assert_eq!(intake.revoke(SOURCE), [(1, 4.0)]);
+    intake.receive(0, address(9), &heartbeat(), 5.0);
+    assert_eq!(taken(&mut intake), (0, 1, 0));
+}
+
+#[test]
+fn a_channel_is_not_attached_while_datagrams_of_its_peer_wait() {
+    let mut intake = intake();
+    intake.receive(0, address(9), &heartbeat(), 1.0);
+    assert!(intake.attach(2, 0, Peer::Address(address(8)), parser()));
+    assert!(!intake.attach(1, 0, Peer::Host(address(9).ip()), parser()));
+    intake.queue.take();
+    assert!(intake.attach(1, 0, Peer::Host(address(9).ip()), parser()));
+    intake.receive(0, address(7), &heartbeat(), 1.0);
+    assert_eq!(taken(&mut intake), (0, 1, 0), "any port of the host");
+    let length = heartbeat().len() as u64;
+    let activity = intake.detach(1);
+    assert_eq!((activity.bytes, activity.datagrams), (length, 1));
+    intake.receive(0, address(7), &heartbeat(), 1.0);
+    assert_eq!(taken(&mut intake), (0, 0, 1));
+}
+
+/// Returns how many of these positions come to the program, each given as time, boot time and latitude.
+fn passed(positions: &[(f64, u32, f64)]) -> usize {
+    let mut intake = attached();
+    intake.grant(1, SOURCE);
+    intake.messages.decide(SOURCE, POSITION, Interest::NewBoot);
+    intake.expect_boot(1, SOURCE, Some(Boot::new(10_000, 1.0)));
+    for &(now, boot_ms, latitude) in positions {
+        intake.receive(0, address(9), &position(boot_ms, latitude), now);
+    }
+    taken(&mut intake).0
+}
+
+#[test]
+fn positions_that_continue_those_before_come_once_in_an_interval() {
+    let steady: Vec<_> = (0..100).map(|step| (1.0 + f64::from(step) * 0.01, 10_000 + step * 10, 47.0)).collect();
+    let count = passed(&steady);
+    assert!((10..=22).contains(&count), "{count} in ten intervals of {INTERVAL} s");
+}
+
+#[test]
+fn each_position_of_two_vehicles_in_turns_comes_to_the_program() {
+    let turns: Vec<_> = (0..40)
+        .map(|step| (1.0 + f64::from(step) * 0.001, 10_000 + step, if step % 2 == 0 { 47.0 } else { 47.1 }))
+        .collect();
+    assert_eq!(passed(&turns), 40);
+}
+
+#[test]
+fn each_boot_time_that_is_not_expected_comes_to_the_program() {
+    let other_boot: Vec<_> = (0..40).map(|step| (1.01 + f64::from(step) * 0.001, 500_000 + step, 47.0)).collect();
+    assert_eq!(passed(&other_boot), 40);
+}
+
+#[test]
+fn the_latest_packets_of_a_system_are_bounded() {
+    let mut intake = attached();
+    intake.messages.follow(SOURCE.0);
+    let raw: Vec<Vec<u8>> = (1..=250).map(|component| packet(HEARTBEAT, &[0; 9], (SOURCE.0, component))).collect();
+    let dialect = dialect();
+    for number in 0..3000_u32 {
+        let mut parser = Parser::new(false);
+        parser.feed(&dialect, &raw[number as usize % 250], |mut one| {
+            one.header.message_id = 1000 + number / 250;
+            intake.messages.keep(&one, f64::from(number));
+        });
+    }
+    assert!((MAX_STORED / 2..=MAX_STORED).contains(&intake.messages.stored(SOURCE.0)));
+    assert_eq!(intake.messages.newest_time(SOURCE.0), Some(2999.0));
+    intake.messages.unfollow(SOURCE.0);
+    assert_eq!(intake.messages.stored(SOURCE.0), 0);
+}
+
+/// Waits for a condition, which is met in milliseconds on an idle machine.
+fn wait_for(mut is_met: impl FnMut() -> bool) {
+    let end = Instant::now() + Duration::from_secs(20);
+    while !is_met() {
+        assert!(Instant::now() < end, "the condition is not met");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+#[test]
+fn a_thread_reads_sockets_and_gives_one_back_that_the_program_cannot_follow() {
+    let shared = Arc::new(Mutex::new(intake()));
+    let mut reader = Reader::start(Arc::clone(&shared), 100.0).expect("a thread");
+    let socket = UdpSocket::bind(address(0)).expect("a socket");
+    let target = socket.local_addr().expect("an address");
+    reader.add(5, socket.try_clone().expect("a copy")).expect("nonblocking");
+    let sender = UdpSocket::bind(address(0)).expect("a socket");
+    sender.send_to(&heartbeat(), target).expect("sent");
+    wait_for(|| taken(&mut shared.lock().expect("no panic")) == (0, 0, 1));
+    reader.clear();
+    let mut is_given_back = false;
+    wait_for(|| {
+        for _ in 0..MAX_WAITING / 64 {
+            let _ = sender.send_to(&heartbeat(), target);
+        }
+        let intake = shared.lock().expect("no panic");
+        is_given_back = intake.queue.is_full();
+        is_given_back
+    });
+    wait_for(|| shared.lock().expect("no panic").queue.take().1 == [5]);
+    reader.remove(5);
+    reader.close();
+    reader.close();
+}

@@ -1,0 +1,401 @@
+//! Python interface of the input of a node; see `mavstack.node.native_input`.
+
+use crate::dialect::{AnyDialect, Dialect};
+use crate::packet;
+use crate::parser::Parser;
+use crate::router_descriptors::udp_of;
+use mavstack_core::parser::Packet;
+use mavstack_intake::channel::{Activity, Boot, PositionFields};
+use mavstack_intake::intake::{self as core, Peer};
+use mavstack_intake::messages::Interest;
+use mavstack_intake::queue::{Datagrams, Item};
+use mavstack_intake::reader::Reader;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyList, PyTuple};
+use std::collections::HashMap;
+use std::net::{IpAddr, SocketAddr, SocketAddrV6};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+/// Packets that were made into objects, with their numbers: one object for each packet.
+type Made = HashMap<(u8, u8, u32), (u64, Py<PyAny>)>;
+/// Channel or socket number, and the content.
+type Taken<'py> = (Vec<(u32, Bound<'py, PyList>, bool)>, Vec<Bound<'py, PyTuple>>, Vec<((u8, u8), u32)>, Vec<u32>);
+
+/// The input of a node: a thread that reads UDP sockets, and the latest packet of each source and message.
+///
+/// A packet is kept from the program if its source was granted on its channel and the program decided that no part of
+/// it waits for its message; all others wait in a queue. The latest packets are kept of systems that are followed.
+///
+/// Args:
+///     dialect: A `mavstack.Dialect` or a dialect module, which defines the messages.
+///     boot_fields: The offset of the boot time in the payload of each message that has one, by message id.
+///     position_fields: The id of the message with a position, and the offsets of its latitude, longitude and speeds to
+///         north and east.
+#[pyclass(frozen, module = "mavstack._core")]
+pub struct Intake {
+    dialect: Py<Dialect>,
+    core: Arc<Mutex<core::Intake>>,
+    reader: Mutex<Option<Reader>>,
+    made: Mutex<Made>,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn interest(level: u8) -> PyResult<Interest> {
+    [Interest::Unknown, Interest::Nothing, Interest::NewBoot, Interest::Soon, Interest::Now]
+        .get(usize::from(level))
+        .copied()
+        .ok_or_else(|| PyValueError::new_err(format!("there is no interest {level}")))
+}
+
+/// The address of a peer as sockets of Python give it; port 0: any port of the host.
+fn peer(address: &Bound<'_, PyTuple>) -> PyResult<Option<Peer>> {
+    let (host, port): (String, u16) = (address.get_item(0)?.extract()?, address.get_item(1)?.extract()?);
+    let Ok(ip) = host.parse::<IpAddr>() else {
+        return Ok(None);
+    };
+    if port == 0 {
+        return Ok(Some(Peer::Host(ip)));
+    }
+    let address = match ip {
+        IpAddr::V6(v6) if address.len() == 4 => {
+            let (flow, scope): (u32, u32) = (address.get_item(2)?.extract()?, address.get_item(3)?.extract()?);
+            SocketAddr::V6(SocketAddrV6::new(v6, port, flow, scope))
+        }
+        _ => SocketAddr::new(ip, port),
+    };
+    Ok(Some(Peer::Address(address)))
+}
+
+fn to_tuple(py: Python<'_>, address: SocketAddr) -> PyResult<Bound<'_, PyTuple>> {
+    match address {
+        SocketAddr::V4(v4) => (v4.ip().to_string(), v4.port()).into_pyobject(py),
+        SocketAddr::V6(v6) => (v6.ip().to_string(), v6.port(), v6.flowinfo(), v6.scope_id()).into_pyobject(py),
+    }
+}
+
+fn datagrams<'py>(py: Python<'py>, one: &Datagrams) -> PyResult<Bound<'py, PyTuple>> {
+    (one.socket, to_tuple(py, one.address)?, PyBytes::new(py, &one.data), one.count).into_pyobject(py)
+}
+
+#[pymethods]
+impl Intake {
+    #[new]
+    fn new(dialect: AnyDialect, boot_fields: HashMap<u32, usize>, position_fields: [usize; 5]) -> Self {
+        let [message_id, latitude, longitude, north, east] = position_fields;
+        let position = PositionFields { message_id: message_id as u32, latitude, longitude, speeds: [north, east] };
+        let fields = core::Fields { boot: boot_fields, position };
+        let core = core::Intake::new(Arc::clone(&dialect.0.get().core), fields);
+        let (reader, made) = (Mutex::default(), Mutex::default());
+        Self { dialect: dialect.0, core: Arc::new(Mutex::new(core)), reader, made }
+    }
+
+    /// Start the thread; return a descriptor that is readable while something waits.
+    ///
+    /// Args:
+    ///     now: The time of the program's clock in seconds.
+    ///
+    /// Raises:
+    ///     OSError: The system has no more threads or descriptors.
+    fn start(&self, now: f64) -> PyResult<i64> {
+        let reader = Reader::start(Arc::clone(&self.core), now)?;
+        let descriptor = reader.descriptor();
+        *lock(&self.reader) = Some(reader);
+        Ok(descriptor)
+    }
+
+    /// End the thread, and drop what waits. Idempotent.
+    fn stop(&self, py: Python<'_>) {
+        let reader = lock(&self.reader).take();
+        py.detach(|| drop(reader));
+        lock(&self.core).queue.take();
+    }
+
+    /// Read a UDP socket, whose descriptor is duplicated, from now on.
+    ///
+    /// Args:
+    ///     socket: The number of the socket, chosen by the program.
+    ///     descriptor: The descriptor.
+    ///
+    /// Raises:
+    ///     OSError: The descriptor is not open.
+    ///     RuntimeError: The thread does not run.
+    fn add_socket(&self, socket: u32, descriptor: i64) -> PyResult<()> {
+        let copy = udp_of(descriptor)?;
+        let reader = lock(&self.reader);
+        let reader = reader.as_ref().ok_or_else(|| PyRuntimeError::new_err("the thread does not run"))?;
+        Ok(reader.add(socket, copy)?)
+    }
+
+    /// Read a socket no more; its copy is closed when the call returns. Idempotent.
+    ///
+    /// Args:
+    ///     socket: The number of the socket.
+    fn remove_socket(&self, py: Python<'_>, socket: u32) {
+        py.detach(|| {
+            if let Some(reader) = &*lock(&self.reader) {
+                reader.remove(socket);
+            }
+        });
+    }
+
+    /// Read without rests for some time, because the program waits for an answer.
+    ///
+    /// Args:
+    ///     seconds: The time.
+    fn hurry(&self, seconds: f64) {
+        if let Some(reader) = &*lock(&self.reader) {
+            reader.hurry(Duration::from_secs_f64(seconds));
+        }
+    }
+
+    /// Parse what a peer sends from now on, unless datagrams of it wait for the program.
+    ///
+    /// Args:
+    ///     channel: The number of the channel, chosen by the program.
+    ///     socket: The number of its socket.
+    ///     address: The address of the peer; port 0: any port of the host.
+    ///     parser: The parser of the channel, which both use.
+    ///
+    /// Returns:
+    ///     False if its datagrams go on to the program.
+    fn attach(
+        &self,
+        channel: u32,
+        socket: u32,
+        address: &Bound<'_, PyTuple>,
+        parser: PyRef<'_, Parser>,
+    ) -> PyResult<bool> {
+        let Some(peer) = peer(address)? else {
+            return Ok(false);
+        };
+        Ok(lock(&self.core).attach(channel, socket, peer, Arc::clone(&parser.core)))
+    }
+
+    /// Give the datagrams of a channel to the program from now on. Idempotent.
+    ///
+    /// Args:
+    ///     channel: The number of the channel.
+    ///
+    /// Returns:
+    ///     What was received since the last call, as `activity` does.
+    fn detach(&self, channel: u32) -> (u64, u64, f64, f64) {
+        to_activity(lock(&self.core).detach(channel))
+    }
+
+    /// Return what was received on a channel since the last call.
+    ///
+    /// Args:
+    ///     channel: The number of the channel.
+    ///
+    /// Returns:
+    ///     Bytes, datagrams, and the times of the last datagram and of the last valid packet; 0: none.
+    fn activity(&self, channel: u32) -> (u64, u64, f64, f64) {
+        to_activity(lock(&self.core).take_activity(channel))
+    }
+
+    /// Let packets of a source on a channel be kept from the program.
+    ///
+    /// Args:
+    ///     channel: The number of the channel.
+    ///     source: System and component id.
+    ///
+    /// Returns:
+    ///     False if the intake does not parse that channel.
+    fn grant(&self, channel: u32, source: (u8, u8)) -> bool {
+        lock(&self.core).grant(channel, source)
+    }
+
+    /// Give every packet of a source to the program again.
+    ///
+    /// Args:
+    ///     source: System and component id.
+    ///
+    /// Returns:
+    ///     The channels on which it was granted, with the times of its last packets; 0: none.
+    fn revoke(&self, source: (u8, u8)) -> Vec<(u32, f64)> {
+        lock(&self.core).revoke(source)
+    }
+
+    /// Give every packet to the program again.
+    fn revoke_all(&self) {
+        lock(&self.core).revoke_all();
+    }
+
+    /// Set or take back the boot time that the next packets of a granted source have if it does not reboot.
+    ///
+    /// Args:
+    ///     channel: The number of the channel.
+    ///     source: System and component id.
+    ///     boot: The boot time in milliseconds, and the time of its packet; None takes it back.
+    fn expect_boot(&self, channel: u32, source: (u8, u8), boot: Option<(u32, f64)>) {
+        let boot = boot.map(|(boot_ms, now)| Boot::new(boot_ms, now));
+        lock(&self.core).expect_boot(channel, source, boot);
+    }
+
+    /// Return the granted sources: channel, source, time of the last packet, time of the last expected boot time or 0.
+    fn sources(&self) -> Vec<(u32, (u8, u8), f64, f64)> {
+        let core = lock(&self.core);
+        let seen_at = |boot: Option<Boot>| boot.map_or(0.0, |boot| boot.seen_at);
+        core.sources().map(|(channel, source, state)| (channel, source, state.heard_at, seen_at(state.boot))).collect()
+    }
+
+    /// Decide who waits for a message of a source.
+    ///
+    /// Args:
+    ///     source: System and component id.
+    ///     message_id: The message id.
+    ///     level: 0: not known, 1: no part of the program, 2: boot times and positions that are not expected, 3: every packet soon, 4: at once.
+    ///
+    /// Raises:
+    ///     ValueError: There is no such level.
+    fn decide(&self, source: (u8, u8), message_id: u32, level: u8) -> PyResult<()> {
+        lock(&self.core).messages.decide(source, message_id, interest(level)?);
+        Ok(())
+    }
+
+    /// Forget the decisions about a message.
+    ///
+    /// Args:
+    ///     message_id: The message id; None: all.
+    ///     system: The system id; 0: all.
+    fn forget_decisions(&self, message_id: Option<u32>, system: u8) {
+        lock(&self.core).messages.forget_interest(message_id, system);
+    }
+
+    /// Remove and return what waits.
+    ///
+    /// Returns:
+    ///     The packets, in order, as (channel, packets, kept as latest packets already); the datagrams of senders that the
+    ///     intake does not parse, as (socket, address, data, number of datagrams); the messages to `decide` about, as
+    ///     (source, message id); the sockets that the program must read itself from now on, because it did not keep up.
+    fn take<'py>(&self, py: Python<'py>) -> PyResult<Taken<'py>> {
+        if let Some(reader) = &*lock(&self.reader) {
+            reader.clear();
+        }
+        let ((items, overloaded), undecided) = {
+            let mut core = lock(&self.core);
+            (core.queue.take(), core.messages.take_undecided())
+        };
+        let (mut runs, mut received) = (Vec::new(), Vec::new());
+        for item in &items {
+            match item {
+                Item::Packets(run) => {
+                    let packets: Vec<_> =
+                        run.packets().map(|one| packet::create(py, &one, &self.dialect)).collect::<PyResult<_>>()?;
+                    runs.push((run.channel, PyList::new(py, packets)?, run.is_kept));
+                }
+                Item::Datagrams(one) => received.push(datagrams(py, one)?),
+            }
+        }
+        Ok((runs, received, undecided, overloaded))
+    }
+
+    /// Keep the latest packets of a system from now on.
+    ///
+    /// Args:
+    ///     system: The system id.
+    fn follow(&self, system: u8) {
+        lock(&self.core).messages.follow(system);
+    }
+
+    /// End one `follow`.
+    ///
+    /// Args:
+    ///     system: The system id.
+    fn unfollow(&self, system: u8) {
+        lock(&self.core).messages.unfollow(system);
+    }
+
+    /// Drop the latest packets of a system.
+    ///
+    /// Args:
+    ///     system: The system id.
+    fn clear(&self, system: u8) {
+        lock(&self.core).messages.clear(system);
+        let mut made = lock(&self.made);
+        let cleared: Made = made.extract_if(|key, _| key.0 == system).collect();
+        drop(made);
+        drop(cleared); // as above
+    }
+
+    /// Keep a packet as the latest of its message, if its system is followed.
+    ///
+    /// Args:
+    ///     packet: The packet.
+    ///     now: The time of its arrival in seconds.
+    ///
+    /// Raises:
+    ///     TypeError: It is not a packet.
+    fn keep(&self, packet: &Bound<'_, PyAny>, now: f64) -> PyResult<()> {
+        packet::with_parts(packet, |header, raw| {
+            let slot = self.dialect.get().core.entry(header.message_id).map(|entry| entry.slot);
+            lock(&self.core).messages.keep(&Packet { raw, header, slot, timestamp: None }, now);
+        })
+    }
+
+    /// Return the latest packet of a message, and the time of its arrival.
+    ///
+    /// Args:
+    ///     source: System and component id.
+    ///     message_id: The message id.
+    ///
+    /// Returns:
+    ///     The packet, the same object until the next one arrives, and the time; None if there is none.
+    fn latest<'py>(
+        &self,
+        py: Python<'py>,
+        source: (u8, u8),
+        message_id: u32,
+    ) -> PyResult<Option<(Bound<'py, PyAny>, f64)>> {
+        let key = (source.0, source.1, message_id);
+        let core = lock(&self.core);
+        let Some(latest) = core.messages.latest(source.0, source.1, message_id) else {
+            return Ok(None);
+        };
+        if let Some((number, made)) = lock(&self.made).get(&key)
+            && *number == latest.number
+        {
+            return Ok(Some((made.bind(py).clone(), latest.at)));
+        }
+        let one = Packet { raw: &latest.raw, header: latest.header, slot: latest.slot, timestamp: None };
+        let (made, number, at) = (packet::create(py, &one, &self.dialect)?, latest.number, latest.at);
+        drop(core);
+        let before = lock(&self.made).insert(key, (number, made.clone().unbind()));
+        drop(before); // without the lock: it may run a finalizer of the program
+        Ok(Some((made, at)))
+    }
+
+    /// Return the time of the latest packet of a message; None if there is none.
+    ///
+    /// Args:
+    ///     source: System and component id.
+    ///     message_id: The message id.
+    fn received_at(&self, source: (u8, u8), message_id: u32) -> Option<f64> {
+        lock(&self.core).messages.latest(source.0, source.1, message_id).map(|latest| latest.at)
+    }
+
+    /// Return the time of the latest packet of a system; None if there is none.
+    ///
+    /// Args:
+    ///     system: The system id.
+    fn newest_time(&self, system: u8) -> Option<f64> {
+        lock(&self.core).messages.newest_time(system)
+    }
+
+    /// Return the number of messages of a system of which a packet is kept.
+    ///
+    /// Args:
+    ///     system: The system id.
+    fn stored(&self, system: u8) -> usize {
+        lock(&self.core).messages.stored(system)
+    }
+}
+
+fn to_activity(activity: Activity) -> (u64, u64, f64, f64) {
+    (activity.bytes, activity.datagrams, activity.received_at, activity.valid_at)
+}

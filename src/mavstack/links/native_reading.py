@@ -1,0 +1,72 @@
+"""The reading of a UDP socket by a thread of the core, in place of the event loop.
+
+The thread parses the datagrams of attached channels; those of all other senders come to the link, which
+admits new peers as ever. If the program does not keep up, the link reads the socket itself, with its fair
+backlog and its filter against floods, until it has been calm for a moment.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from time import monotonic
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from mavstack._core import Intake, Parser
+    from mavstack.links.address import Address
+    from mavstack.links.udp import UdpChannel, UdpLink
+
+#: Seconds for which the link reads the socket itself after the program did not keep up.
+CALM_TIME: Final = 0.5
+
+
+class NativeReading:
+    """The socket of one link in an intake.
+
+    Args:
+        link: The link; it is open.
+        intake: The intake.
+        number: The number of the socket in the intake.
+    """
+
+    def __init__(self, link: UdpLink, intake: Intake, number: int) -> None:
+        self._link = link
+        self._intake = intake
+        self.number = number
+        self._taken_over_at: float | None = None
+
+    def start(self) -> None:
+        """Let the thread read the socket."""
+        self._taken_over_at = None
+        descriptor = self._link.pass_socket()
+        if descriptor is not None:
+            self._intake.add_socket(self.number, descriptor)
+
+    def stop(self) -> None:
+        """End the reading. Idempotent."""
+        self._intake.remove_socket(self.number)
+
+    def take_over(self) -> None:
+        """Let the link read its socket, which the thread reads no more."""
+        self._taken_over_at = monotonic()
+        self._link.read_itself()
+
+    def emptied(self) -> None:
+        """Return the socket to the thread, if the link has emptied it and was calm for a moment."""
+        if self._taken_over_at is not None and monotonic() - self._taken_over_at >= CALM_TIME:
+            asyncio.get_running_loop().call_soon(self._resume)
+
+    def _resume(self) -> None:
+        if self._taken_over_at is not None and not self._link.closed:
+            self.start()
+
+    def receive(self, data: bytes, address: Address, count: int) -> None:
+        """Receive datagrams of a sender whose packets the thread does not parse."""
+        self._link.receive(data, address, count)
+
+    def attach(self, number: int, channel: UdpChannel, parser: Parser) -> bool:
+        """Let the thread parse what the peer of a channel sends; return whether it does from now on."""
+        address = self._link.sender_of(channel)
+        if address is None or not self._link.inbox.is_read:
+            return False
+        return self._intake.attach(number, self.number, address, parser)

@@ -1,0 +1,21 @@
+"""The places of the fields that the core compares with those before: boot times and positions."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from mavstack.dialects import common
+
+#: Offsets of the boot time in the payload, by message id.
+BOOT_FIELDS: Final = {
+    kind.__mavlink_row__[0]: offset
+    for kind, offset in (
+        (common.SystemTime, 8),
+        (common.Attitude, 0),
+        (common.AttitudeQuaternion, 0),
+        (common.GlobalPositionInt, 0),
+        (common.LocalPositionNed, 0),
+    )
+}
+#: The message with a position, and the offsets of its latitude, longitude, and speeds to north and east.
+POSITION_FIELDS: Final = (common.GlobalPositionInt.__mavlink_row__[0], 4, 8, 20, 22)
