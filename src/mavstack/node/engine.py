@@ -5,10 +5,9 @@
     engine.events()                       (service, event), in order
     engine.next_timeout()                 when to call `engine.handle_timeout(now)`
 
-The asyncio driver runs an engine over links; tests run several over a simulated network in virtual time, with
-the same routing, pacing and services. A packet is handled by the services that handle its message id, if it is
-addressed to their component or to all. Only services with something to do are processed: touched ones, and
-those whose timer is due.
+The asyncio driver runs an engine over links; tests run several over a simulated network in virtual time: the
+routing, pacing and services are the same in both. A packet is handled by the services that handle its message
+id, if it is addressed to their component or to all. Only touched services and those whose timer is due run.
 
 If a function of the program that a service calls (a handler, a producer, a policy) raises, `on_failure` is
 called, the service's timer is suspended for a moment, and all others continue; its default raises.
