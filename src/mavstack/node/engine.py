@@ -245,8 +245,7 @@ class Engine:
                 service.handle_timeout(now)
             except Exception as error:  # noqa: BLE001 (the other services continue)
                 self._fail(service, error)
-        for service in [key for key, due in self._blocked.items() if due <= now]:
-            self._touched[service] = None
+        self._touched.update((service, None) for service, due in self._blocked.items() if due <= now)
 
     # Processing
 
