@@ -24,6 +24,7 @@ from mavstack.bridges.core.view import VehicleView
 from mavstack.dialects import Dialect, common
 from tools import ros_installation
 
+from .bridge_sinks import foxglove_row, mqtt_row
 from .measure import OURS, Ratio, Row
 
 if TYPE_CHECKING:
@@ -97,6 +98,8 @@ def rows(bench: Bench) -> Iterator[Row]:
     parsing, idle = _parsing(count), _receiving(count, None)
     figure = f"{max(idle - parsing, 0.0):.2f} µs"
     yield Row("message whose row has no subscriber", {OURS: figure}, (_under(idle - parsing, MAX_IDLE),))
+    yield foxglove_row(count, _receiving)
+    yield mqtt_row(count)
     try:
         import zenoh
     except ImportError:
@@ -118,13 +121,14 @@ def _under(value: float, limit: float) -> Ratio:
     return Ratio(f"of {limit:g} µs", (limit / max(value, 0.01),), 1.0)
 
 
-def _packets() -> list[bytes]:
+def packets() -> list[bytes]:
+    """Return a bunch of packets."""
     messages = (common.Attitude(time_boot_ms=number, roll=0.1) for number in range(BUNCH))
     return [encode(each, system=1, component=1, sequence=number) for number, each in enumerate(messages)]
 
 
 def _parsing(count: int) -> float:
-    parser, data = Parser(Dialect.load("all")), _packets()
+    parser, data = Parser(Dialect.load("all")), packets()
     start = time.process_time()
     for _ in range(count // BUNCH):
         for each in data:
@@ -144,7 +148,7 @@ def _receiving(count: int, put: Callable[[bytes, int], object] | None) -> float:
     listeners: dict[int, Any] = {}
     if topics := mapper.topics_of(common.Attitude):
         listeners[30] = lambda packet: mapper.receive(packet.message, time.time_ns(), topics)
-    parser, data = Parser(Dialect.load("all")), _packets()
+    parser, data = Parser(Dialect.load("all")), packets()
     start = time.process_time()
     for _ in range(count // BUNCH):
         for each in data:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from typing import IO, TYPE_CHECKING, Final
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from mavstack.bridges.core.endpoints import Inlet, ServiceEndpoint
     from mavstack.bridges.core.topic import Topic
 
+logger = logging.getLogger("mavstack.bridges")
 Sample = tuple["Topic", bytes, int, int]
 #: Samples that wait for the disk; about a minute of one vehicle.
 MAX_SAMPLES: Final = 20_000
@@ -55,6 +57,8 @@ class McapSink:
             self._outbox.close(_CLOSE_TIMEOUT)
         self._file.finish()
         self._stream.close()
+        if self.dropped:
+            logger.warning("%d samples were dropped: the disk was too slow, or failed", self.dropped)
 
     @property
     def dropped(self) -> int:

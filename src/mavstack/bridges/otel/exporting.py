@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from contextlib import asynccontextmanager
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
     from mavstack.vehicle import Connection
 
+logger = logging.getLogger("mavstack.bridges")
 #: Seconds in which the collector must take a batch.
 EXPORT_TIMEOUT: Final = 3
 #: Milliseconds between two exports of metrics, and the seconds between two readings of them.
@@ -50,6 +52,7 @@ async def exported_spans(url: str, connection: Connection) -> AsyncIterator[None
     trace = _library("opentelemetry.sdk.trace")
     export = _library("opentelemetry.sdk.trace.export")
     exporter = _library("opentelemetry.exporter.otlp.proto.http.trace_exporter")
+    _quieten(url)
     provider = trace.TracerProvider(resource=_resource())
     sender = exporter.OTLPSpanExporter(endpoint=place, timeout=EXPORT_TIMEOUT)
     provider.add_span_processor(export.BatchSpanProcessor(sender))
@@ -82,6 +85,7 @@ async def exported_metrics(
     reader = export.PeriodicExportingMetricReader(
         exporter.OTLPMetricExporter(endpoint=place, timeout=EXPORT_TIMEOUT), _METRICS_INTERVAL
     )
+    _quieten(url)
     readings = Readings(connection, names or {})
     await readings.read()
     provider = sdk.MeterProvider([reader], resource=_resource())
@@ -145,6 +149,30 @@ class Readings:
                 yield observation(sample.value, sample.labels)
 
         return observe
+
+
+class _FirstProblem(logging.Handler):
+    """Reports the first problem with the collector; the library logs each attempt."""
+
+    def __init__(self, url: str) -> None:
+        super().__init__(logging.WARNING)
+        self._url = url
+        self._level = logging.WARNING
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Log a record of the library."""
+        text = f"the collector {self._url} takes nothing, is it running? Spans and values are dropped"
+        logger.log(self._level, "%s", text)
+        logger.debug("%s", record.getMessage())
+        self._level = logging.DEBUG
+
+
+def _quieten(url: str) -> None:
+    """Replace the messages of the library by one line."""
+    library = logging.getLogger("opentelemetry")
+    if not any(isinstance(handler, _FirstProblem) for handler in library.handlers):
+        library.addHandler(_FirstProblem(url))
+        library.propagate = False
 
 
 def checked_url(url: str) -> str:
