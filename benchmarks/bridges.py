@@ -105,8 +105,8 @@ def rows(bench: Bench) -> Iterator[Row]:
     except ImportError:
         yield Row("Imu publication, CPU", {OURS: "zenoh is not installed"}, ())
         return
-    with _zenoh_subscriber(zenoh) as put:
-        ours = [_receiving(count, put) for _ in range(3)]
+    with _zenoh_subscriber(zenoh) as (put, flush):
+        ours = [_receiving(count, put, flush) for _ in range(3)]
     theirs = _of_peer(count) if ros_installation.is_complete() else []
     figures = {OURS: f"{statistics.median(ours):.1f} µs"}
     ratios = [_under(statistics.median(ours), MAX_PUBLICATION)]
@@ -137,7 +137,9 @@ def _parsing(count: int) -> float:
     return (time.process_time() - start) / count * 1e6
 
 
-def _receiving(count: int, put: Callable[[bytes, int], object] | None) -> float:
+def _receiving(
+    count: int, put: Callable[[bytes, int], object] | None, flush: Callable[[], None] = lambda: None
+) -> float:
     """Return the microseconds of a message; without a receiver it has no listener, as in the bridge."""
     imu = common.HighresImu(zacc=-9.8)
     view = VehicleView(lambda kind: imu if kind is common.HighresImu else None)  # type: ignore[arg-type, return-value]
@@ -156,13 +158,17 @@ def _receiving(count: int, put: Callable[[bytes, int], object] | None) -> float:
                 if (listener := listeners.get(packet.message_id)) is not None:
                     listener(packet)
         if put is not None:
+            flush()
             time.sleep(PAUSE)
     return (time.process_time() - start) / count * 1e6
 
 
 @contextmanager
-def _zenoh_subscriber(zenoh: Any) -> Iterator[Callable[[bytes, int], object]]:  # noqa: ANN401 (it has no base class)
-    """Run a router with a subscriber as a process; yield a receiver that puts samples as the bridge does."""
+def _zenoh_subscriber(
+    zenoh: Any,  # noqa: ANN401 (it has no base class)
+) -> Iterator[tuple[Callable[[bytes, int], object], Callable[[], None]]]:
+    """Run a router with a subscriber; yield a receiver that puts as the bridge does, and its flush."""
+    from mavstack.bridges.ros2.put_queue import PutQueue
     from mavstack.bridges.ros2.zenoh_keys import attachment_of
 
     endpoint = "tcp/127.0.0.1:17997"
@@ -179,7 +185,17 @@ def _zenoh_subscriber(zenoh: Any) -> Iterator[Callable[[bytes, int], object]]:  
             drop = zenoh.CongestionControl.DROP
             publisher = session.declare_publisher("bench/imu", congestion_control=drop)
             gid = bytes(16)
-            yield lambda payload, stamp: publisher.put(payload, attachment=attachment_of(1, stamp, gid))
+            turn: list[Callable[[], None]] = []
+            queue = PutQueue(turn.append)
+
+            def put(payload: bytes, attachment: bytes) -> None:
+                publisher.put(payload, attachment=attachment)
+
+            def end_of_turn() -> None:
+                while turn:
+                    turn.pop()()
+
+            yield lambda payload, stamp: queue.add(put, payload, attachment_of(1, stamp, gid)), end_of_turn
     finally:
         process.kill()
         process.wait()

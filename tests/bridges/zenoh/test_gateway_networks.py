@@ -123,8 +123,8 @@ def test_cut_and_heal(cable: Cable) -> None:
         with program(NEAR, "network_station") as station:
             figures = scenario(station, near, far, cable)
     print(json.dumps(figures))
-    assert figures["cut seen after"] < 10
-    assert figures["healed after"] < 15
+    assert figures["cut seen after"] < 20  # of a busy machine; four on a quiet one
+    assert figures["healed after"] < 40
 
 
 def scenario(station: Program, near: Program, far: Program, cable: Cable) -> dict[str, float]:

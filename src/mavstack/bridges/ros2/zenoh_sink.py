@@ -11,7 +11,6 @@ import asyncio
 import logging
 import time
 from contextlib import suppress
-from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.bridges.core.qos import SERVICES
@@ -23,6 +22,7 @@ from mavstack.bridges.core.zenoh_session import (
     open_session,
     zenoh_module,
 )
+from mavstack.bridges.ros2.put_queue import PutQueue
 from mavstack.bridges.ros2.zenoh_keys import (
     PUBLISHER,
     ROOT,
@@ -83,6 +83,7 @@ class ZenohSink:
         self._samples: Handoff[tuple[Inlet, bytes]] = Handoff(loop, _receive_sample)
         self._requests: Handoff[tuple[ServiceEndpoint, str, Any]] = Handoff(loop, self._on_request)
         self._matches: Handoff[tuple[_TopicPublisher, bool]] = Handoff(loop, _set_matching)
+        self._outgoing = PutQueue(loop.call_soon)
         self._session = await open_session(self._zenoh, self._options)
         self._session_id = str(self._session.info.zid())
 
@@ -92,6 +93,8 @@ class ZenohSink:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
         session, self._session = self._session, None
+        if session is not None:
+            self._outgoing.clear()
         self._kept.clear()
         if session is not None:
             await close_session(session)
@@ -107,7 +110,7 @@ class ZenohSink:
     def add_topic(self, topic: Topic) -> None:
         """Announce a topic, and publish it while it has subscribers."""
         token = self._declare(topic.node, PUBLISHER, topic.name, topic.type, topic.qos)
-        publisher = _TopicPublisher(topic, gid_of(token))
+        publisher = _TopicPublisher(topic, gid_of(token), self._outgoing)
         key = key_of(self._domain, topic.name, topic.type)
         zenoh = self._zenoh
         reliability = zenoh.Reliability.RELIABLE if topic.qos.reliable else zenoh.Reliability.BEST_EFFORT
@@ -209,15 +212,17 @@ class ZenohSink:
 class _TopicPublisher:
     """A topic on Zenoh: its declared publisher, and the receiver of its samples."""
 
-    def __init__(self, topic: Topic, gid: bytes) -> None:
+    def __init__(self, topic: Topic, gid: bytes, outgoing: PutQueue) -> None:
         self._topic = topic
         self._gid = gid
+        self._outgoing = outgoing
         self._sequence = 0
         self._matching = False
-        self._put: Callable[..., None] | None = None
+        self._put: Callable[[bytes, bytes], None] | None = None
 
     def start(self, publisher: Any) -> None:  # noqa: ANN401 (a type of Zenoh)
-        self._put = partial(publisher.put)
+        put = publisher.put
+        self._put = lambda payload, attachment: put(payload, attachment=attachment)
 
     def set_matching(self, *, matching: bool) -> None:
         """Publish while there are subscribers."""
@@ -232,7 +237,8 @@ class _TopicPublisher:
     def _receive(self, payload: bytes, stamp: int) -> None:
         self._sequence += 1
         if self._put is not None:
-            self._put(payload, attachment=attachment_of(self._sequence, stamp or time.time_ns(), self._gid))
+            attachment = attachment_of(self._sequence, stamp or time.time_ns(), self._gid)
+            self._outgoing.add(self._put, payload, attachment)
 
 
 def _receive_sample(item: tuple[Inlet, bytes]) -> None:
