@@ -82,7 +82,7 @@ class Station:
 def main() -> None:
     station = Station()
     print(json.dumps("ready"), flush=True)
-    calls = {"tokens": station.tokens, "frames": station.wait_for_frames, "arm": station.arm}
+    calls: dict[str, Any] = {"tokens": station.tokens, "frames": station.wait_for_frames, "arm": station.arm}
     for line in sys.stdin:
         name, *words = line.split()
         print(json.dumps(calls[name](*words)), flush=True)
