@@ -81,7 +81,8 @@ WITH_VEHICLE = [
 WITHOUT_VEHICLE = [
     "rtk ntrip://127.0.0.1:9 --list", "traffic sbs://127.0.0.1:9 --count 0",
     "serial --nmea --out udpout://127.0.0.1:9 --rate 99",
-    "swarm list", "simulator list", "simulator hardware udpout://127.0.0.1:9 --for 0.01",
+    "swarm list", "swarm show hostile.skyc --check",
+    "simulator list", "simulator hardware udpout://127.0.0.1:9 --for 0.01",
     "simulator betaflight --listen udpin://127.0.0.1:0 --for 0.01",
     "simulator vehicle ardupilot --to udpout://127.0.0.1:9 --for 0.01",
     "simulator px4 --listen tcpin://127.0.0.1:0 --for 0.01",
@@ -169,6 +170,7 @@ def files(tmp_path, monkeypatch) -> None:
         f"{head}0 1 0 16 0 0 0 0 47 8 488 1\n1 0 3 {name} 0 0 0 0 47 8 10 1\n", "utf-8"
     )
     Path("hostile.plan").write_text('{"fileType": "\\u001b[2J", "\\u009b5n": {"\\u001b[2J": 1}}', "utf-8")
+    Path("hostile.skyc").write_text(f"{name},{name}\n", "utf-8")
     Path("hostile.param").write_text(f"LOG_{name} 1\nRALLY_LIMIT_KM 3\n", "utf-8")
     Path("other.param").write_text("RALLY_LIMIT_KM 4\n", "utf-8")
     Path("hostile.hex").write_text("ab" * 32, "utf-8")

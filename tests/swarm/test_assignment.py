@@ -26,6 +26,27 @@ def test_no_other_assignment_has_a_smaller_sum_of_squared_distances(seed, count)
     assert costs[np.arange(count), chosen].sum() == pytest.approx(best)
 
 
+@pytest.mark.parametrize("shape", ["random", "grids", "equal"])
+def test_large_assignments_have_the_optimum_of_ortools(shape):
+    assignment = pytest.importorskip("ortools.graph.python.linear_sum_assignment")
+    random, count = np.random.default_rng(3), 150
+    starts, slots = random.uniform(-100, 100, (2, count, 3))
+    if shape == "grids":
+        index = np.arange(count)
+        slots = np.column_stack((index // 12 * 10.0, index % 12 * 10.0, 0.0 * index))
+        starts = random.permutation(slots) + np.array((300.0, 0.0, 5.0))
+    if shape == "equal":
+        slots = np.zeros((count, 3))
+    costs = np.rint(squared_distances(starts, slots) * 1000.0).astype(np.int64)
+    solver = assignment.SimpleLinearSumAssignment()
+    rows, columns = np.indices(costs.shape)
+    solver.add_arcs_with_cost(rows.ravel(), columns.ravel(), costs.ravel())
+    assert solver.solve() == solver.OPTIMAL
+    chosen = assign_slots(starts, slots)
+    assert sorted(chosen) == list(range(count))
+    assert costs[np.arange(count), chosen].sum() == pytest.approx(solver.optimal_cost(), rel=1e-6)
+
+
 def test_there_may_be_more_slots_but_not_fewer():
     assert assign_slots(np.zeros((1, 3)), np.array([[9.0, 0, 0], [1.0, 0, 0]])).tolist() == [1]
     with pytest.raises(InvalidArgumentError, match="a slot for each vehicle, got 1 for 2"):

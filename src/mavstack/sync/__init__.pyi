@@ -89,6 +89,7 @@ from mavstack.swarm.arrays import Points
 from mavstack.swarm.formations import Formation
 from mavstack.swarm.search.missions import MissionOptions
 from mavstack.swarm.search.surveys import Survey
+from mavstack.swarm.shows.show import Show
 from mavstack.vehicle.actions.renumber import Renumbered
 from mavstack.vehicle.calibration.kinds import CalibrationKind
 from mavstack.vehicle.calibration.kinds import CalibrationResult
@@ -3642,6 +3643,24 @@ class Swarm:
 
         Raises:
             ContactLost: No position of the leader arrives.
+            SwarmStopped: The guard or `stop` ended the flight.
+        """
+
+    def show(self, show: Show, *, origin: tuple[float, float] | None=None, orientation: float=0.0) -> None:
+        """Fly a show: the part of it in which all its vehicles are in the air.
+
+        The members fly to the first places of that part; who flies which trajectory is assigned so that ways
+        are short. The show is checked first against the margins and limits of the options.
+
+        Args:
+            show: The show, with as many vehicles as the swarm has.
+            origin: Latitude and longitude of the show's origin in degrees; None: so that the middle of the
+                first places is where the middle of the swarm is.
+            orientation: Direction of the show's x axis in degrees, clockwise from north.
+
+        Raises:
+            InvalidArgumentError: The show has another number of vehicles, or passes a limit, or no transition
+                to its begin keeps the planned distance; no vehicle was moved.
             SwarmStopped: The guard or `stop` ended the flight.
         """
 

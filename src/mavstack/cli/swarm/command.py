@@ -17,9 +17,11 @@ from mavstack.cli.common.options import finite_number, system_id
 from mavstack.cli.common.output import echo, echo_json
 from mavstack.cli.common.selection import selected_vehicles
 from mavstack.cli.mission.search import add_search_arguments, search
+from mavstack.cli.swarm.show import add_show_arguments, check, limits, margins, read_show, write_files
 from mavstack.swarm.formations import FORMATIONS, Formation, default_spacing
 from mavstack.vehicle.swarm import Swarm, SwarmOptions
 from mavstack.vehicle.swarm.launch import DEFAULT_ALTITUDE, take_off
+from mavstack.vehicle.swarm.skybrush import upload_show
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -39,6 +41,8 @@ examples:
   mav swarm follow 4 column --spacing 10 --for 20
   mav swarm search parallel --center 47.3977,8.5456 --size 200 --spacing 20 --count 3 --dry-run
   mav swarm search square --center 47.3977,8.5456 --spacing 15 --altitude 30
+  mav swarm show show.skyc --check                        # separation, speeds, accelerations
+  mav swarm show show.skyc --orientation 30               # fly it by setpoints, after a takeoff
   mav swarm land --systems 1,3-4
   mav swarm stop
   mav swarm list                                          # the formations
@@ -100,6 +104,8 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     action = _add(actions, "search", "divide a search pattern among the vehicles, as missions", find)
     add_search_arguments(action)
+    action = _add(actions, "show", "check a show, fly it, or upload it", perform)
+    add_show_arguments(action)
     _add(actions, "land", "land all vehicles where they are", land)
     _add(actions, "stop", "let all vehicles hold where they are", stop)
     action = actions.add("list", "list the formations", show)
@@ -246,6 +252,28 @@ def find(arguments: Namespace) -> int:
     return search(arguments, _vehicles, numbered=True)
 
 
+def perform(arguments: Namespace) -> int:
+    """Run `mav swarm show`."""
+    performance = read_show(arguments)
+    if arguments.check:
+        return check(arguments, performance)
+    if arguments.skyb is not None:
+        return write_files(arguments, performance)
+    if arguments.upload:
+
+        async def upload(group: Group) -> str:
+            (await upload_show(group, performance)).check()
+            return "uploaded"
+
+        return _run_on_group(arguments, upload)
+
+    async def work(swarm: Swarm) -> str:
+        await swarm.show(performance, origin=arguments.origin, orientation=arguments.orientation)
+        return f"performed {performance.name}"
+
+    return _run_on_swarm(arguments, work, options=SwarmOptions(margins(arguments), limits(arguments)))
+
+
 def land(arguments: Namespace) -> int:
     """Run `mav swarm land`."""
 
@@ -288,6 +316,7 @@ def _run_on_swarm(
     arguments: Namespace,
     work: Callable[[Swarm], Awaitable[str]],
     prepare: Callable[[Group], Awaitable[None]] | None = None,
+    options: SwarmOptions | None = None,
 ) -> int:
     from mavstack.vehicle import Group
 
@@ -296,7 +325,7 @@ def _run_on_swarm(
         _announce(arguments, vehicles)
         if prepare is not None:
             await prepare(Group(vehicles))
-        async with Swarm(vehicles, SwarmOptions()) as swarm:
+        async with Swarm(vehicles, options) as swarm:
             text = await work(swarm)
             separation = swarm.smallest_separation
         _report(arguments, vehicles, text, separation)

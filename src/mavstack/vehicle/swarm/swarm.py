@@ -14,6 +14,7 @@ nothing. PX4 and ArduPilot, copters and rovers can be mixed; wings cannot stand 
 from __future__ import annotations
 
 import asyncio
+import math
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final
 
@@ -27,6 +28,8 @@ from mavstack.services.arguments import check_numbers
 from mavstack.swarm.courses import Following, Turn
 from mavstack.swarm.formations import Formation, default_spacing, rotate_to_course
 from mavstack.swarm.leader import LeaderFrame, turn_rate_for
+from mavstack.swarm.shows.check import ShowLimits, check_show
+from mavstack.swarm.shows.show import ShowCourse, placed
 from mavstack.swarm.transitions import Transition, plan_transition, straight_transition
 from mavstack.vehicle.swarm.controller import SwarmController, SwarmOptions
 from mavstack.vehicle.swarm.member import RATE, Member
@@ -37,6 +40,7 @@ if TYPE_CHECKING:
     from typing import Self
 
     from mavstack.swarm.arrays import Points
+    from mavstack.swarm.shows.show import Show
     from mavstack.vehicle.vehicle import Vehicle
 
 
@@ -242,6 +246,42 @@ class Swarm(ReadOnly):
             measure.cancel()
             self._running.stand()
 
+    async def show(
+        self, show: Show, *, origin: tuple[float, float] | None = None, orientation: float = 0.0
+    ) -> None:
+        """Fly a show: the part of it in which all its vehicles are in the air.
+
+        The members fly to the first places of that part; who flies which trajectory is assigned so that ways
+        are short. The show is checked first against the margins and limits of the options.
+
+        Args:
+            show: The show, with as many vehicles as the swarm has.
+            origin: Latitude and longitude of the show's origin in degrees; None: so that the middle of the
+                first places is where the middle of the swarm is.
+            orientation: Direction of the show's x axis in degrees, clockwise from north.
+
+        Raises:
+            InvalidArgumentError: The show has another number of vehicles, or passes a limit, or no transition
+                to its begin keeps the planned distance; no vehicle was moved.
+            SwarmStopped: The guard or `stop` ended the flight.
+        """
+        check_numbers(orientation=orientation)
+        members, starts = self._running.active, self._running.places()
+        options = self._options
+        limits = ShowLimits(options.margins.planned_distance, options.limits, math.inf, math.inf)
+        await asyncio.to_thread(_check_show, show, len(members), limits)
+        first, last = show.airborne(LOWEST_SLOT)
+        slots = placed(show.positions(first), orientation)
+        shift = np.append((starts - slots)[:, :2].mean(axis=0), 0.0)
+        if origin is not None:
+            north, east, _ = self._frame().to_local(*origin, 0.0)
+            shift = np.array((north, east, 0.0))
+        plan = self._plan(starts, slots + shift)
+        await self._running.fly(plan, members)
+        place = (float(shift[0]), float(shift[1]), 0.0)
+        course = ShowCourse(show, first, last, place, orientation, plan.slots.tolist())
+        await self._running.fly(course, members)
+
     async def land(self) -> None:
         """Land all members where they are, and end the swarm's setpoints.
 
@@ -304,6 +344,16 @@ class Swarm(ReadOnly):
 
         results = await Group(self._vehicles).each(work, name=name)
         results.check()
+
+
+def _check_show(show: Show, members: int, limits: ShowLimits) -> None:
+    """Refuse a show that these members cannot fly."""
+    if len(show.vehicles) != members:
+        raise InvalidArgumentError(f"the show has {len(show.vehicles)} vehicles, the swarm has {members}")
+    problems = check_show(show, limits).problems
+    if problems:
+        more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
+        raise InvalidArgumentError(f"the show cannot be flown: {problems[0]}{more}")
 
 
 def _check_heights(slots: Points, starts: Points) -> None:
