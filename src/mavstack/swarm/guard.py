@@ -64,7 +64,7 @@ class GuardLimits:
     radius: float | None = None
     lowest: float = -math.inf
     highest: float = math.inf
-    link_age: float = 3.0
+    link_age: float = 2.5
     fence: Sequence[tuple[float, float]] = field(default=())
 
     def __post_init__(self) -> None:

@@ -84,8 +84,8 @@ class Trajectory:
     def velocities(self, times: Points) -> Points:
         """Return the velocity in m/s at times in seconds."""
         index, share = self._shares(times)
-        degrees = np.arange(MAX_DEGREE + 1)[:, None]
-        slopes = (self._powers[index] * degrees)[:, 1:]
+        degrees = np.arange(MAX_DEGREE + 1, dtype=float)[:, None]
+        slopes: Points = (self._powers[index] * degrees)[:, 1:]
         speed: Points = _horner(slopes, share) / self._durations[index][:, None]
         speed[(np.asarray(times) < self.begin) | (np.asarray(times) > self.end)] = 0.0
         return speed
