@@ -79,6 +79,8 @@ WITH_VEHICLE = [
     "shell --command 'ftp list /bad'", "shell --command 'watch STATUSTEXT 3'",
 ]  # fmt: skip
 WITHOUT_VEHICLE = [
+    "rtk ntrip://127.0.0.1:9 --list", "traffic sbs://127.0.0.1:9 --count 0",
+    "serial --nmea --out udpout://127.0.0.1:9 --rate 99",
     "swarm list", "swarm show hostile.skyc --check",
     "simulator list", "simulator hardware udpout://127.0.0.1:9 --for 0.01",
     "simulator betaflight --listen udpin://127.0.0.1:0 --for 0.01",
