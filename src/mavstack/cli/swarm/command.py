@@ -82,20 +82,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     action.add_argument(
         "--takeoff", action="store_true", help="arm the vehicles on the ground, and take off first"
     )
-    action = _add(actions, "move", "move all vehicles by the same way", move)
-    for name, text in (("north", "metres north"), ("east", "metres east"), ("up", "metres up (default: 0)")):
-        action.add_argument(
-            name, type=finite_number, nargs="?" if name == "up" else None, default=0.0, help=text
-        )
-    action = _add(actions, "goto", "move all vehicles so that the leader arrives at a place", goto)
-    for name, text in (
-        ("latitude", "degrees"),
-        ("longitude", "degrees"),
-        ("altitude", "metres above the leader's home"),
-    ):
-        action.add_argument(name, type=finite_number, nargs="?" if name == "altitude" else None, help=text)
-    action = _add(actions, "rotate", "turn the formation around the leader", rotate)
-    action.add_argument("degrees", type=finite_number, help="degrees, clockwise if positive")
+    _add_moves(actions)
     action = _add(actions, "follow", "follow a vehicle that another program flies", follow)
     action.add_argument("leader", type=system_id, metavar="ID", help="system id of the vehicle to follow")
     _add_formation(action, default="wedge")
@@ -110,6 +97,23 @@ def add_arguments(parser: ArgumentParser) -> None:
     _add(actions, "stop", "let all vehicles hold where they are", stop)
     action = actions.add("list", "list the formations", show)
     action.add_argument("--json", action="store_true", help="print JSON")
+
+
+def _add_moves(actions: Actions) -> None:
+    action = _add(actions, "move", "move all vehicles by the same way", move)
+    for name, text in (("north", "metres north"), ("east", "metres east"), ("up", "metres up (default: 0)")):
+        action.add_argument(
+            name, type=finite_number, nargs="?" if name == "up" else None, default=0.0, help=text
+        )
+    action = _add(actions, "goto", "move all vehicles so that the leader arrives at a place", goto)
+    for name, text in (
+        ("latitude", "degrees"),
+        ("longitude", "degrees"),
+        ("altitude", "metres above the leader's home"),
+    ):
+        action.add_argument(name, type=finite_number, nargs="?" if name == "altitude" else None, help=text)
+    action = _add(actions, "rotate", "turn the formation around the leader", rotate)
+    action.add_argument("degrees", type=finite_number, help="degrees, clockwise if positive")
 
 
 def _add(actions: Actions, name: str, summary: str, run_action: Callable[[Namespace], int]) -> ArgumentParser:
