@@ -107,6 +107,18 @@ def test_components_and_messages_of_an_unknown_firmware():
     run_scenario(scenario)
 
 
+def test_an_autopilot_manages_a_gimbal_once_it_reports_its_control():
+    async def scenario(harness):
+        await harness.add_peer(1, 1)
+        vehicle = await harness.connection.wait_for_vehicle(1)
+        assert vehicle.capabilities.gimbals == ()
+        harness.peers[0].node.send(common.GimbalManagerStatus(gimbal_device_id=1))
+        await vehicle.wait_for_message(common.Heartbeat)
+        assert vehicle.capabilities.gimbals == (1,)
+
+    run_scenario(scenario)
+
+
 def test_only_a_build_with_its_parameters_has_sources_of_the_estimator():
     async def scenario(world, vehicle):
         assert vehicle.capabilities.ekf_sources is None

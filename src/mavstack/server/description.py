@@ -24,6 +24,17 @@ _PATH_PARTS: Final[dict[str, dict[str, Any]]] = {
         "schema": _TEXT,
         "example": "100",
     },
+    "gimbal": {
+        "description": "The device id of a gimbal; behind the component id of its manager, as in 154-1, "
+        "where this is not the autopilot; 0: all of a manager.",
+        "schema": _TEXT,
+        "example": "1",
+    },
+    "component": {
+        "description": "The component id of a payload.",
+        "schema": {"type": "integer", "minimum": 1, "maximum": 255},
+        "example": 100,
+    },
     "path": {
         "description": "The path of a file on the vehicle.",
         "schema": _TEXT,

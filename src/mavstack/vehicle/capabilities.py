@@ -242,6 +242,11 @@ class _Reader:
         """Return whether the board has a bootloader; simulated ones have none."""
         return None if self._version is None else firmware_of(self._vehicle).has_bootloader(self._version)
 
+    def manages_gimbals(self, component: int | None) -> bool:
+        """Return whether a component sent a report of a gimbal manager; None: the autopilot."""
+        reports = (common.GimbalManagerInformation, common.GimbalManagerStatus)
+        return any(self._vehicle.latest(each, component) for each in reports)
+
     def cameras(self) -> Iterator[int]:
         """Yield the component ids of cameras, and the number of one that is attached to the autopilot."""
         for component, info in self._vehicle.components.items():
@@ -254,8 +259,7 @@ class _Reader:
     def gimbals(self) -> Iterator[int]:
         """Yield the component ids of gimbals, and that of an autopilot that manages one."""
         for component, info in self._vehicle.components.items():
-            if info.type == _TYPE.GIMBAL or self._vehicle.latest(common.GimbalManagerInformation, component):
+            if info.type == _TYPE.GIMBAL or self.manages_gimbals(component):
                 yield component
-        managed = self._vehicle.latest(common.GimbalManagerInformation) is not None
-        if managed or self.flag(_FLAG.COMPONENT_IMPLEMENTS_GIMBAL_MANAGER):
+        if self.manages_gimbals(None) or self.flag(_FLAG.COMPONENT_IMPLEMENTS_GIMBAL_MANAGER):
             yield self._vehicle.address.component

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from msgspec import Meta
 
 from mavstack.dialects import common
-from mavstack.errors import MavstackError
+from mavstack.errors import MavstackError, RemoteTimeout
 from mavstack.http.bodies import RefusedError
 from mavstack.http.request_fields import Fields
 from mavstack.http.routes import Wait
 from mavstack.security.roles import Role
 from mavstack.server.api.action_route import summary_of
+from mavstack.server.api.camera_actions import ACTIONS, ADMINISTRATIVE, CameraAction
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call
 from mavstack.server.json_values import to_json
-from mavstack.server.request_types import Timeout
+from mavstack.server.request_types import Text
 
 if TYPE_CHECKING:
     from mavstack.node.camera import Camera
@@ -37,6 +38,8 @@ def camera_json(camera: Camera) -> dict[str, Any]:
         "information": to_json(information),
         "status": to_json(camera.status),
         "capture": to_json(camera.capture_status),
+        "tracked": to_json(camera.tracked),
+        "storages": [to_json(storage) for storage in camera.storages.values()],
         "streams": [_stream(stream) for stream in camera.streams.values()],
     }
 
@@ -79,54 +82,23 @@ async def _find(vehicle: Vehicle) -> tuple[Camera, ...]:
 
 
 async def _ask(camera: Camera) -> None:
-    for request in (camera.get_information, camera.list_streams, camera.get_capture_status):
+    """Ask a camera for its reports; one that lacks a report may have the others."""
+    try:
+        await camera.get_information()
+    except MavstackError:
+        return
+    for request in (
+        camera.get_status,
+        camera.get_capture_status,
+        camera.list_streams,
+        camera.list_storages,
+    ):
         try:
             await request()
-        except MavstackError:
+        except RemoteTimeout:
             return
-
-
-class CameraAction(Fields, kw_only=True):
-    """An action of a camera: its fields are the body of the request."""
-
-    timeout: Timeout = None
-
-    async def run(self, camera: Camera) -> object:
-        """Carry it out, and return the image if there is one."""
-        raise NotImplementedError
-
-
-class TakePhoto(CameraAction):
-    """Take a photo."""
-
-    async def run(self, camera: Camera) -> object:  # noqa: D102
-        return await camera.take_photo(timeout=self.timeout)
-
-
-class SetCameraMode(CameraAction):
-    """Set the mode: photo or video."""
-
-    mode: Annotated[Literal["photo", "video"], Meta(description="The mode.", examples=["video"])]
-
-    async def run(self, camera: Camera) -> object:  # noqa: D102
-        await camera.set_mode(self.mode, timeout=self.timeout)
-        return None
-
-
-class StartVideo(CameraAction):
-    """Begin a video."""
-
-    async def run(self, camera: Camera) -> object:  # noqa: D102
-        await camera.start_video(timeout=self.timeout)
-        return None
-
-
-class StopVideo(CameraAction):
-    """End a video."""
-
-    async def run(self, camera: Camera) -> object:  # noqa: D102
-        await camera.stop_video(timeout=self.timeout)
-        return None
+        except MavstackError:
+            continue
 
 
 def _camera(call: Call[Any, Any]) -> Camera:
@@ -147,12 +119,79 @@ def _route(name: str, action: type[CameraAction]) -> ApiRoute[CameraAction, Wait
         handler=handler,
         summary=summary_of(action),
         tag="cameras",
-        role=Role.OPERATE,
+        role=Role.ADMINISTER if action in ADMINISTRATIVE else Role.OPERATE,
         body=action,
         query=Wait,
         answer={"system": 1, "camera": 100, "image": None},
     )
 
+
+class CameraSetting(Fields):
+    """Set a setting of a camera."""
+
+    value: Annotated[
+        float | Text, Meta(description="The name of an option, or the value.", examples=["Photo"])
+    ]
+
+
+def settings_json(camera: Camera) -> dict[str, Any]:
+    """Return the settings of a camera as JSON, with the options that remain with the present values."""
+    settings, definition = camera.settings, camera.settings.definition
+    described = {} if definition is None else definition.settings
+    available, values = settings.available, settings.values
+    return {
+        "settings": [
+            {
+                "name": name,
+                "description": setting.description,
+                "value": to_json(values.get(name)),
+                "options": to_json(settings.options(name)),
+                "minimum": setting.minimum,
+                "maximum": setting.maximum,
+                "step": setting.step,
+                "unit": setting.unit,
+                "readonly": setting.readonly,
+                "is_bool": setting.is_bool,
+                "available": name in available,
+            }
+            for name, setting in described.items()
+        ]
+    }
+
+
+async def _settings(call: Call[None, CamerasQuery]) -> dict[str, Any]:
+    """Load the definition and the values once; `cached` answers with the values of now."""
+    camera = _camera(call)
+    if not (call.query.cached and camera.settings.definition):
+        await call.read(f"settings of camera {call.path('camera')}", camera.settings.load)
+    return settings_json(camera)
+
+
+async def _set_setting(call: Call[CameraSetting, None]) -> dict[str, Any]:
+    camera, value = _camera(call), call.body.value
+    if isinstance(value, float) and value.is_integer():
+        value = int(value)
+    await camera.settings.set(call.path("name"), value)
+    return settings_json(camera)
+
+
+_SETTINGS_EXAMPLE: Final = {
+    "settings": [
+        {
+            "name": "CAM_MODE",
+            "description": "Camera mode",
+            "value": 0,
+            "options": {"Photo": 0, "Video": 1},
+            "minimum": None,
+            "maximum": None,
+            "step": None,
+            "unit": "",
+            "readonly": False,
+            "is_bool": False,
+            "available": True,
+        }
+    ]
+}
 
 ROUTES: Final[tuple[AnyRoute, ...]] = (
     ApiRoute(
@@ -173,8 +212,25 @@ ROUTES: Final[tuple[AnyRoute, ...]] = (
             }
         ],
     ),
-    _route("photo", TakePhoto),
-    _route("mode", SetCameraMode),
-    _route("video/start", StartVideo),
-    _route("video/stop", StopVideo),
+    *(_route(name, action) for name, action in ACTIONS.items()),
+    ApiRoute(
+        method="GET",
+        path=f"{_CAMERA}/settings",
+        handler=_settings,
+        summary="Download the settings of a camera, with their options",
+        tag="cameras",
+        query=CamerasQuery,
+        answer=_SETTINGS_EXAMPLE,
+    ),
+    ApiRoute(
+        method="PUT",
+        path=f"{_CAMERA}/settings/{{name}}",
+        path_examples={"name": "CAM_MODE"},
+        handler=_set_setting,
+        summary=summary_of(CameraSetting),
+        tag="cameras",
+        role=Role.OPERATE,
+        body=CameraSetting,
+        answer=_SETTINGS_EXAMPLE,
+    ),
 )

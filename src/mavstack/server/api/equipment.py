@@ -86,6 +86,25 @@ class UnwindWinch(Action):
         await vehicle.actuators.unwind(options.pop("length"), **options, wait=wait)
 
 
+class RunWinch(Action):
+    """Run a winch at a rate; 0 stops it."""
+
+    rate: Annotated[float, Meta(description="Metres per second; negative: wind in.", examples=[0.0])]
+    winch: Annotated[int, Meta(description="The number of the winch, from 1.", ge=1, le=MAX_NUMBER)] = 1
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        await vehicle.actuators.run_winch(self.rate, winch=self.winch, wait=wait, timeout=self.timeout)
+
+
+class RelaxWinch(Action):
+    """Let the line of a winch run free."""
+
+    winch: Annotated[int, Meta(description="The number of the winch, from 1.", ge=1, le=MAX_NUMBER)] = 1
+
+    async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102
+        await vehicle.actuators.relax_winch(self.winch, timeout=self.timeout)
+
+
 class Beep(Action):
     """Sound the beeper."""
 
@@ -131,6 +150,8 @@ ACTIONS: Final[dict[str, type[Action]]] = {
     "actuator": SetActuator,
     "gripper": MoveGripper,
     "winch": UnwindWinch,
+    "winch/run": RunWinch,
+    "winch/relax": RelaxWinch,
     "beep": Beep,
     "ekf-source": SetEkfSource,
     "roi": PointAt,

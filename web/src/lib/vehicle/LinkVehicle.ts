@@ -2,6 +2,7 @@
 
 import { AutopilotVersion, HomePosition, MavFrame, MavModeFlag, MavProtocolCapability, MavResult } from '$generated';
 import { StationError } from '$lib/api/errors';
+import type { ActionFields, ActionName } from '$lib/api/requests';
 import type { DecodedMessage } from '$lib/decoder/Decoder';
 import { distance } from '$lib/map/geometry';
 
@@ -11,7 +12,8 @@ import { ConflictDetector, ONE_LINK } from './link/conflict';
 import { commandNumber, sendCommand, type CommandPlace } from './link/commands';
 import * as flight from './link/flight';
 import type { FlightFacts, FlightSteps } from './link/flight';
-import { holdMode, landMode, NOT_SELECTABLE, RETURN_MODES } from './link/modes';
+import { equipmentCommand } from './link/equipment';
+import { holdMode, landMode, modeNumbers, NOT_SELECTABLE, RETURN_MODES } from './link/modes';
 import { PendingCommands } from './link/pending';
 import { encodingOf, type ParameterEncoding } from './link/parameterValue';
 import { readParameter, readParameters, writeParameter } from './link/parameters';
@@ -32,7 +34,6 @@ import type {
   Target,
   Vehicle,
 } from './Vehicle';
-import { ardupilotModes, px4Modes } from './vehicleType';
 
 const DEFAULT_RADIUS = 20;
 const VERSION_DELAY = 500;
@@ -237,7 +238,7 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
   }
 
   modes(): Promise<Mode[]> {
-    const modes = Object.entries(this.modeNumbers());
+    const modes = Object.entries(modeNumbers(this.state));
     return Promise.resolve(
       modes.map(([name, number]) => ({ name, number, selectable: !NOT_SELECTABLE.has(name), advanced: false })),
     );
@@ -259,6 +260,12 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
 
   reboot(): Promise<void> {
     return this.act('rebooting', 'PREFLIGHT_REBOOT_SHUTDOWN', [1]);
+  }
+
+  async perform<Name extends ActionName>(action: Name, fields: ActionFields<Name>): Promise<void> {
+    const found = equipmentCommand(action, fields);
+    if (found === null) throw this.failure('ActionUnsupported', action, 'it needs the station');
+    await this.transmit(`${action} on`, found.command, found.params);
   }
 
   downloadPlan(kind: PlanKind, onProgress?: ProgressListener): Promise<Plan> {
@@ -381,7 +388,7 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
     names: readonly string[],
     action: AbortSignal = this.pending.startAction(),
   ): Promise<void> {
-    const modes = this.modeNumbers();
+    const modes = modeNumbers(this.state);
     const number = names.map((name) => modes[name]).find((value) => value !== undefined);
     if (number === undefined) {
       throw this.failure('ActionUnsupported', operation, `the vehicle has no mode ${names.join(' or ')}`);
@@ -389,10 +396,5 @@ export class LinkVehicle extends ObservedVehicle implements Vehicle {
     const main = this.state.firmware === 'px4' ? (number >>> 16) & 0xff : number;
     const sub = this.state.firmware === 'px4' ? number >>> 24 : 0;
     await this.transmit(operation, 'DO_SET_MODE', [MavModeFlag.CUSTOM_MODE_ENABLED, main, sub], undefined, action);
-  }
-
-  private modeNumbers(): Readonly<Record<string, number>> {
-    if (this.state.firmware === 'px4') return px4Modes();
-    return this.state.firmware === 'ardupilot' ? ardupilotModes(this.state.type) : {};
   }
 }

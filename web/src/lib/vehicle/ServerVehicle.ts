@@ -107,6 +107,8 @@ export class ServerVehicle extends ObservedVehicle implements Vehicle {
 
   async getParameters(onProgress?: ProgressListener): Promise<Parameter[]> {
     const answer = await this.api.longJson<{ parameters: Parameter[] }>('GET', this.path('parameters'), onProgress);
+    // Parameters show further equipment, such as a gripper.
+    void this.readCapabilities();
     return answer.parameters;
   }
 
@@ -193,6 +195,10 @@ export class ServerVehicle extends ObservedVehicle implements Vehicle {
     return this.act('reboot');
   }
 
+  perform<Name extends ActionName>(action: Name, fields: ActionFields<Name>): Promise<void> {
+    return this.act(action, fields);
+  }
+
   async downloadPlan(kind: PlanKind, onProgress?: ProgressListener): Promise<Plan> {
     const plan = await this.api.longJson<ServerPlan>('GET', this.path(kind), onProgress);
     return { items: plan[kind], home: plan.home };
@@ -269,6 +275,7 @@ export class ServerVehicle extends ObservedVehicle implements Vehicle {
     }
     const interval = CAPABILITIES_INTERVALS[this.reads];
     this.reads += 1;
+    if (this.timer !== null) clearTimeout(this.timer);
     if (interval !== undefined) this.timer = setTimeout(() => void this.readCapabilities(), interval);
   }
 }
@@ -291,6 +298,7 @@ const SERVER_NAMES: Readonly<Partial<Record<keyof Capabilities, string>>> = {
   motorTest: 'motor_test',
   terminate: 'termination',
   ekfSources: 'ekf_sources',
+  extendedParameters: 'extended_parameters',
   calibration: 'calibrations',
   manualControl: 'manual_control',
 };

@@ -3,6 +3,8 @@
 import type { Stream } from './streams';
 import type { DecodedMessage } from '$lib/decoder/Decoder';
 
+import type { ActionFields, ActionName } from '$lib/api/requests';
+
 import type { Capabilities } from './capabilities';
 
 export type VehicleType =
@@ -261,6 +263,8 @@ export interface Vehicle {
   /** Flies to an item next; items are counted from 1, as in the plan. */
   setMissionItem(number: number): Promise<void>;
   reboot(): Promise<void>;
+  /** Carries out an action of the station's API by its name, such as `servo`; over USB, those of the equipment. */
+  perform<Name extends ActionName>(action: Name, fields: ActionFields<Name>): Promise<void>;
 
   downloadPlan(kind: PlanKind, onProgress?: ProgressListener): Promise<Plan>;
   uploadPlan(kind: PlanKind, plan: Plan, onProgress?: ProgressListener): Promise<void>;

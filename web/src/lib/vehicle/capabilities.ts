@@ -29,8 +29,13 @@ export interface Capabilities {
   readonly terminate: Capability;
   readonly vtol: Capability;
   readonly ekfSources: Capability;
+  readonly servos: Capability;
+  readonly relays: Capability;
+  readonly actuators: Capability;
   readonly gripper: Capability;
   readonly winch: Capability;
+  /** A payload has extended parameters. */
+  readonly extendedParameters: Capability;
   readonly osd: Capability;
   readonly vtx: Capability;
   /** The vehicle is reached by MSP, not MAVLink. */
@@ -61,8 +66,12 @@ export const UNKNOWN_CAPABILITIES: Capabilities = {
   terminate: null,
   vtol: null,
   ekfSources: null,
+  servos: null,
+  relays: null,
+  actuators: null,
   gripper: null,
   winch: null,
+  extendedParameters: null,
   osd: null,
   vtx: null,
   msp: null,
@@ -95,6 +104,9 @@ const FIRMWARE: Readonly<Record<VehicleState['firmware'], Partial<Capabilities>>
     mission: true,
     logs: true,
     motorTest: true,
+    servos: true,
+    relays: true,
+    actuators: false,
     shell: false,
     events: false,
     manualControl: true,
@@ -105,6 +117,9 @@ const FIRMWARE: Readonly<Record<VehicleState['firmware'], Partial<Capabilities>>
     mission: true,
     logs: true,
     motorTest: true,
+    servos: false,
+    relays: false,
+    actuators: true,
     shell: true,
     manualControl: true,
     ekfSources: false,
@@ -130,6 +145,9 @@ const FIRMWARE: Readonly<Record<VehicleState['firmware'], Partial<Capabilities>>
     terminate: false,
     vtol: false,
     ekfSources: false,
+    servos: false,
+    relays: false,
+    actuators: false,
     gripper: false,
     winch: false,
     msp: true,

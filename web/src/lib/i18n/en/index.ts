@@ -5,6 +5,7 @@ import { fly } from './fly';
 import { generator } from './generator';
 import { inspect } from './inspect';
 import { logs } from './logs';
+import { payload } from './payload';
 import { plan } from './plan';
 import { router } from './router';
 import { setup } from './setup';
@@ -12,4 +13,4 @@ import { shell } from './shell';
 import { sources } from './sources';
 import { ui } from './ui';
 
-export const en = { shell, ui, sources, fly, plan, setup, inspect, logs, dashboards, router, generator };
+export const en = { shell, ui, sources, fly, payload, plan, setup, inspect, logs, dashboards, router, generator };

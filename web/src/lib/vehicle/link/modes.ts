@@ -2,6 +2,7 @@
 
 import uses from '../../../generated/modes.json';
 import type { VehicleState, VehicleType } from '../Vehicle';
+import { ardupilotModes, px4Modes } from '../vehicleType';
 
 type Use = 'noArming' | 'selfStarting' | 'waiting' | 'hold' | 'land';
 type ByType = Readonly<Record<string, string | readonly string[] | undefined>>;
@@ -60,4 +61,10 @@ export function startsByItself(state: Moded): boolean {
 /** Returns the mode in which a vehicle waits on the ground once it is armed, or null. */
 export function waitingMode(state: Typed): string | null {
   return modeFor('waiting', state);
+}
+
+/** Returns the numbers of the modes of a firmware by their names. */
+export function modeNumbers({ firmware, type }: Typed): Readonly<Record<string, number>> {
+  if (firmware === 'px4') return px4Modes();
+  return firmware === 'ardupilot' ? ardupilotModes(type) : {};
 }
