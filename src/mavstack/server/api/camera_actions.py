@@ -19,7 +19,7 @@ Share = Annotated[
 ]
 Stream = Annotated[int, Meta(description="The number of the stream.", ge=0, le=255)]
 Seconds = Annotated[float, Meta(description="Seconds between two images.", gt=0, le=86400, examples=[2])]
-#: What a value of a zoom or a focus means, by its word.
+#: The kinds of values of a zoom and of a focus, by their words.
 ZOOMS: Final = {
     "range": common.CameraZoomType.RANGE,
     "step": common.CameraZoomType.STEP,
