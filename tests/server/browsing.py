@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from contextlib import contextmanager
@@ -39,8 +40,8 @@ def web_station(folder: Path, *words: str) -> Iterator[str]:
 
 
 def is_problem(message: Any) -> bool:
-    """Return whether a line of the console is an error; Chromium logs refusals of the vehicle as such."""
-    return bool(message.type == "error") and "status of 409" not in message.text
+    """Return whether a line of the console is an error; Chromium logs refused requests as such."""
+    return bool(message.type == "error") and not re.search("status of (400|409)", message.text)
 
 
 @contextmanager

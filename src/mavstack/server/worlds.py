@@ -109,6 +109,11 @@ class Worlds:
         self._numbers = count(1)
         self._worlds: dict[str, StationWorld] = {}
 
+    @property
+    def physics(self) -> tuple[str, ...]:
+        """The kinds of physics that clients may choose."""
+        return tuple(name for name in PHYSICS if name not in _FILES)
+
     def list(self) -> list[StationWorld]:
         """Return the worlds, oldest first."""
         return list(self._worlds.values())
@@ -136,7 +141,7 @@ class Worlds:
             raise RefusedError(409, f"there are {MAX_WORLDS} simulators already: remove one")
         kind = (options.physics or "copter").partition(":")[0]
         if kind not in PHYSICS or kind in _FILES:
-            known = ", ".join(name for name in PHYSICS if name not in _FILES)
+            known = ", ".join(self.physics)
             raise RefusedError(403, f"clients may choose the physics {known}, not {kind[:40]}")
         if program is not None and program not in self.programs:
             known = ", ".join(self.programs) or "none; mav web --program NAME=PATH gives one a name"

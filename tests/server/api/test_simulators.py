@@ -14,6 +14,18 @@ from tests.simulators.test_firmware_session import SITL, options
 FREE = {"firmware": "ardupilot", "vehicle": "rover", "listen": "udpin://127.0.0.1:0"}
 
 
+def test_the_choices_of_a_world() -> None:
+    async def scenario(ground: Ground) -> None:
+        found = (await ground.api.get("/api/simulator-options")).json
+        assert found["firmwares"] == ["px4", "ardupilot", "betaflight"]
+        assert "gps-lost" in found["faults"]
+        assert "copter" in found["physics"]
+        assert "mujoco" not in found["physics"]  # its models are files of the machine
+        assert found["programs"] == []
+
+    serve([], scenario)
+
+
 def test_a_world_is_started_paused_disturbed_and_stopped() -> None:
     async def scenario(ground: Ground) -> None:
         started = await ground.api.post("/api/simulators", FREE)

@@ -12,7 +12,7 @@ export interface View {
   readonly load: () => Promise<{ default: Component }>;
 }
 
-export type ViewName = 'fly' | 'plan' | 'setup' | 'inspect' | 'logs' | 'dashboards' | 'router' | 'generator';
+export type ViewName = 'fly' | 'plan' | 'swarm' | 'setup' | 'inspect' | 'logs' | 'dashboards' | 'router' | 'generator';
 
 export const views: readonly View[] = [
   { name: 'fly', icon: 'fly', key: '1', load: () => import('./fly/index.svelte') },
@@ -22,5 +22,6 @@ export const views: readonly View[] = [
   { name: 'logs', icon: 'logs', key: '5', load: () => import('./logs/index.svelte') },
   { name: 'dashboards', icon: 'dashboards', key: '6', load: () => import('./dashboards/index.svelte') },
   { name: 'router', icon: 'router', key: '7', load: () => import('./router/index.svelte') },
+  { name: 'swarm', icon: 'group', key: '9', load: () => import('./swarm/index.svelte') },
   { name: 'generator', icon: 'generator', key: '8', load: () => import('./generator/index.svelte') },
 ];

@@ -11,7 +11,9 @@ from mavstack.security.roles import Role
 from mavstack.server.api.action_route import summary_of
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.request_types import Positive, Text
-from mavstack.simulators.firmware_session import FirmwareOptions
+from mavstack.simulators.faults import FAULTS
+from mavstack.simulators.firmware_command import VEHICLES
+from mavstack.simulators.firmware_session import FIRMWARES, FirmwareOptions
 
 
 class StartSimulator(Fields):
@@ -58,6 +60,17 @@ class InjectFault(Fields):
 
 async def _list(call: PlainCall) -> list[dict[str, Any]]:
     return [world.values() for world in call.station.worlds.list()]
+
+
+async def _options(call: PlainCall) -> dict[str, Any]:
+    worlds = call.station.worlds
+    return {
+        "firmwares": list(FIRMWARES),
+        "vehicles": list(VEHICLES),
+        "physics": worlds.physics,
+        "faults": dict(FAULTS),
+        "programs": list(worlds.programs),
+    }
 
 
 async def _start(call: Call[StartSimulator, None]) -> dict[str, Any]:
@@ -115,6 +128,20 @@ _EXAMPLE: Final = {
 }
 
 ROUTES: Final[tuple[AnyRoute, ...]] = (
+    ApiRoute(
+        method="GET",
+        path="/api/simulator-options",
+        handler=_options,
+        summary="List the firmwares, vehicles, physics, faults and programs of simulated worlds",
+        tag="simulators",
+        answer={
+            "firmwares": ["px4"],
+            "vehicles": ["copter"],
+            "physics": ["copter"],
+            "faults": {"gps-lost": "no fix"},
+            "programs": [],
+        },
+    ),
     ApiRoute(
         method="GET",
         path="/api/simulators",

@@ -136,7 +136,9 @@ describe('ApiClient', () => {
     vi.stubGlobal('EventSource', FakeEvents);
     const { client, calls } = clientOf([json({ task: '3' }, 202), json({ parameters: [] })]);
     const progress: (number | null)[][] = [];
-    expect(await client.longJson('GET', 'vehicles/1/parameters', (...step) => progress.push(step))).toEqual({
+    expect(
+      await client.longJson('GET', 'vehicles/1/parameters', (done, total) => progress.push([done, total])),
+    ).toEqual({
       parameters: [],
     });
     expect(progress).toEqual([[3, 9]]);

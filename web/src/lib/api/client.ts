@@ -3,7 +3,7 @@
 import { StationError } from './errors';
 
 export type Query = Readonly<Record<string, string | number | boolean | undefined>>;
-export type Progress = (done: number, total: number | null) => void;
+export type Progress = (done: number, total: number | null, step?: unknown) => void;
 
 /** State of long work. */
 export interface Task {
@@ -12,6 +12,8 @@ export interface Task {
   readonly state: 'running' | 'done' | 'failed' | 'cancelled';
   readonly done: number;
   readonly total: number | null;
+  /** The step at which the work is, where it has steps. */
+  readonly step?: unknown;
 }
 
 interface Started {
@@ -137,7 +139,8 @@ export class ApiClient {
       };
       const report = (event: MessageEvent<string>): void => {
         const state = JSON.parse(event.data) as Task;
-        onProgress?.(state.done, state.total);
+        if (state.step === undefined) onProgress?.(state.done, state.total);
+        else onProgress?.(state.done, state.total, state.step);
       };
       const end = (): void => {
         close();

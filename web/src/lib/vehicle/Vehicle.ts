@@ -171,6 +171,8 @@ export interface Parameter {
   readonly text: string;
   /** MAV_PARAM_TYPE without its prefix, such as `REAL32`. */
   readonly type: string;
+  /** False: a restart of the vehicle reverts it, until the parameters are saved. */
+  readonly saved?: boolean;
 }
 
 export interface CommandResult {

@@ -45,6 +45,12 @@ class ParameterSet {
   private loads = 0;
 
   readonly rows: Row[] = $derived(rowsOf(this.parameters, this.metadata));
+  /** The names of parameters that a restart of the vehicle reverts, until they are saved. */
+  readonly unsaved: readonly string[] = $derived(
+    Object.values(this.parameters)
+      .filter(({ saved }) => saved === false)
+      .map(({ name }) => name),
+  );
   readonly isEmpty: boolean = $derived(Object.keys(this.parameters).length === 0);
   readonly needsReboot: boolean = $derived(this.vehicle !== null && this.rebooting.includes(this.vehicle));
 
@@ -183,6 +189,16 @@ class ParameterSet {
       return held === undefined || Math.fround(held) !== Math.fround(value);
     });
     if (changed.length < Object.keys(this.before).length) this.before = Object.fromEntries(changed);
+  }
+
+  /** Saves all parameters of the vehicle, so that they outlast a restart; resolves to its success. */
+  async save(): Promise<void> {
+    const { vehicle } = this;
+    if (!vehicle) return;
+    await vehicle.perform('commit-parameters', {});
+    if (vehicle !== this.vehicle) return;
+    const saved = Object.values(this.parameters).map((each) => [each.name, { ...each, saved: true }]);
+    this.parameters = Object.fromEntries(saved) as ParameterTable;
   }
 
   requireReboot(vehicle: Vehicle): void {

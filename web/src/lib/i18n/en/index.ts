@@ -11,6 +11,21 @@ import { router } from './router';
 import { setup } from './setup';
 import { shell } from './shell';
 import { sources } from './sources';
+import { swarm } from './swarm';
 import { ui } from './ui';
 
-export const en = { shell, ui, sources, fly, payload, plan, setup, inspect, logs, dashboards, router, generator };
+export const en = {
+  shell,
+  ui,
+  sources,
+  fly,
+  payload,
+  plan,
+  swarm,
+  setup,
+  inspect,
+  logs,
+  dashboards,
+  router,
+  generator,
+};

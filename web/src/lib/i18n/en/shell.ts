@@ -3,6 +3,7 @@ export const shell = {
   pageTitle: '{view} – Mavstack',
   fly: 'Fly',
   plan: 'Plan',
+  swarm: 'Swarm',
   setup: 'Set-up',
   inspect: 'Inspect',
   logs: 'Logs',

@@ -11,6 +11,7 @@ describe('equipment over USB', () => {
     expect(equipmentCommand('relay', { relay: 0, on: true })?.params).toEqual([0, 1]);
     expect(equipmentCommand('gripper', { open: true })?.params).toEqual([1, 0]);
     expect(equipmentCommand('winch', { length: -2 })?.params).toEqual([1, 1, -2, 0]);
+    expect(equipmentCommand('commit-parameters', {})).toEqual({ command: 'PREFLIGHT_STORAGE', params: [1] });
     expect(equipmentCommand('transition', { to: 'fixed-wing' })?.params).toEqual([4]);
   });
 

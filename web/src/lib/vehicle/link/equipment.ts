@@ -31,6 +31,7 @@ const COMMANDS: Commands = {
     command: 'DO_VTOL_TRANSITION',
     params: [to === 'fixed-wing' ? MavVtolState.FW : MavVtolState.MC],
   }),
+  'commit-parameters': () => ({ command: 'PREFLIGHT_STORAGE', params: [1] }),
   terminate: () => ({ command: 'DO_FLIGHTTERMINATION', params: [1] }),
 };
 /** Actuators of one command; the index that chooses further ones is its seventh parameter. */

@@ -1,0 +1,158 @@
+/** The swarm of the station: its state, the preview of a formation, and the plan of a search. */
+
+import { api } from '$lib/api/client';
+import { textOf } from '$lib/api/errors';
+import type { Place } from '$lib/map/geometry';
+import { fleet } from '$lib/store/fleet.svelte';
+import type { PlanItem } from '$lib/vehicle/Vehicle';
+
+import { positiveOrNull, type Slot } from './slots';
+
+export interface SwarmState {
+  readonly active: boolean;
+  readonly action: string | null;
+  readonly reason: string | null;
+  readonly leader: number | null;
+  readonly systems: readonly number[];
+  readonly course_deg: number | null;
+  readonly separation_m: number | null;
+  readonly nearest_pair: readonly [number, number] | null;
+  readonly smallest_separation_m: number | null;
+  readonly limit_m: number;
+  readonly members: readonly { readonly system: number; readonly follows: boolean }[];
+}
+
+export interface Share {
+  readonly system: number | null;
+  readonly altitude_m: number;
+  readonly length_m: number;
+  readonly duration_s: number;
+  readonly legs: readonly (readonly (readonly [number, number])[])[];
+  readonly items: readonly PlanItem[];
+}
+
+export const PATTERNS = ['parallel', 'creeping', 'square', 'sector'] as const;
+
+class SwarmView {
+  state: SwarmState | null = $state.raw(null);
+  formations: Readonly<Record<string, string>> = $state.raw({});
+  slots: readonly Slot[] = $state.raw([]);
+  shares: readonly Share[] = $state.raw([]);
+  problem: string | null = $state(null);
+  /** The place that was clicked. */
+  place: Place | null = $state.raw(null);
+  /** System ids of the members; empty: all vehicles. */
+  chosen: readonly number[] = $state.raw([]);
+  lead: number | null = $state(null);
+  shape = $state('wedge');
+  spacing: number | null = $state(10);
+  angle = $state(45);
+  rotation = $state(0);
+  layers = $state(1);
+  layerSpacing = $state(0);
+  text = $state('');
+  altitude: number | null = $state(null);
+  takeoff = $state(false);
+  pattern: (typeof PATTERNS)[number] = $state('parallel');
+  size: number | null = $state(200);
+  track: number | null = $state(20);
+
+  readonly systems: readonly number[] = $derived(
+    this.chosen.length > 0
+      ? this.chosen
+      : fleet.vehicles.filter(({ state }) => state.alive).map(({ system }) => system),
+  );
+  readonly leader: number | null = $derived(
+    this.lead !== null && this.systems.includes(this.lead)
+      ? this.lead
+      : (this.state?.leader ?? this.systems[0] ?? null),
+  );
+
+  /** The fields of a formation, as requests have them. */
+  get fields(): object {
+    return {
+      shape: this.shape,
+      spacing: positiveOrNull(this.spacing),
+      angle: this.angle,
+      rotation: this.rotation,
+      layers: this.layers,
+      layer_spacing: this.layerSpacing,
+      text: this.text,
+    };
+  }
+
+  /** The members of a call. */
+  get members(): object {
+    return { systems: this.chosen.length > 0 ? this.chosen : null, lead: this.lead };
+  }
+
+  async refresh(): Promise<void> {
+    this.state = await api.get<SwarmState>('swarm');
+  }
+
+  async readFormations(): Promise<void> {
+    const found = await api.get<Record<string, string>>('swarm/formations');
+    // Points are those of programs.
+    this.formations = Object.fromEntries(Object.entries(found).filter(([name]) => name !== 'points'));
+  }
+
+  async preview(): Promise<void> {
+    const count = Math.max(1, this.systems.length);
+    try {
+      this.slots = (await api.post<{ slots: Slot[] }>('swarm/preview', { ...this.fields, count })).slots;
+      this.problem = null;
+    } catch (error) {
+      this.slots = [];
+      this.problem = textOf(error);
+    }
+  }
+
+  /** Flies an action; resolves when the members have arrived. */
+  async fly(action: string, fields: object = {}): Promise<void> {
+    await api.longJson('POST', `swarm/${action}`, undefined, { ...this.members, ...fields });
+    await this.refresh();
+  }
+
+  async formUp(): Promise<void> {
+    await this.fly('formation', {
+      ...this.fields,
+      altitude: positiveOrNull(this.altitude),
+      takeoff: this.takeoff,
+    });
+  }
+
+  async stop(): Promise<void> {
+    await api.post('swarm/stop', this.members);
+    await this.refresh();
+  }
+
+  async end(): Promise<void> {
+    this.state = await api.delete<SwarmState>('swarm');
+  }
+
+  /** Divides a search around a place among the members. */
+  async planSearch(centre: Place): Promise<void> {
+    const vehicles = this.systems.map((system) => ({ system }));
+    const body = {
+      pattern: this.pattern,
+      center: [centre.latitude, centre.longitude],
+      size: positiveOrNull(this.size),
+      spacing: positiveOrNull(this.track),
+      ...(positiveOrNull(this.altitude) === null ? {} : { altitude: this.altitude }),
+      vehicles,
+    };
+    this.shares = (await api.post<{ shares: Share[] }>('searches', body)).shares;
+  }
+
+  /** Uploads each share to its vehicle; those that fly start it. */
+  async uploadSearch(): Promise<void> {
+    for (const { system, items } of this.shares) {
+      const vehicle = system === null ? null : fleet.vehicle(system);
+      if (!vehicle) continue;
+      await vehicle.uploadPlan('mission', { items, home: null });
+      if (vehicle.state.armed === true) await vehicle.startMission();
+    }
+  }
+}
+
+export const swarm = new SwarmView();
