@@ -9,6 +9,7 @@ from contextlib import ExitStack
 import pytest
 
 from mavstack.sim.background import BackgroundSimulator
+from mavstack.sim.fleet import Fleet
 from tests.server.browsing import hold, open_pages, web_station
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
@@ -19,7 +20,9 @@ playwright = pytest.importorskip("playwright.sync_api")
 def world(tmp_path_factory):
     """Three copters; the URL of their station, and a function for pages."""
     with ExitStack() as steps:
-        simulator = steps.enter_context(BackgroundSimulator(count=3, speed=4))
+        simulator = BackgroundSimulator(count=0, speed=4)
+        Fleet(count=3).add_to(simulator.simulation)
+        steps.enter_context(simulator)
         url = steps.enter_context(web_station(tmp_path_factory.mktemp("station"), simulator.url))
         yield url, steps.enter_context(open_pages())
 
