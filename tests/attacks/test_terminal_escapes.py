@@ -45,6 +45,7 @@ ATTACKED_ELSEWHERE = {"bridge", "firmware", "msp", "radio"}
 WRITERS = {"common/output.py", "common/live_display.py"}
 
 WITH_VEHICLE = [
+    "rid status", "rid send --operator 47,8 --for 1",
     "vehicle arm --system 1",
     "vehicle disarm", "vehicle takeoff 10", "vehicle land --no-wait", "vehicle rtl --no-wait",
     "vehicle hold", "vehicle goto 47.3 8.5 10", "vehicle orbit 47.3 8.5 10", "vehicle mode LOITER",

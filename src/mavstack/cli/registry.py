@@ -82,6 +82,7 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
             _entry("rtk", "corrections for satellite navigation, from a caster or a base to vehicles"),
             _entry("serial", "serial ports of a vehicle, and its position as NMEA, for other programs"),
             _entry("traffic", "aircraft of an ADS-B receiver to vehicles, with alarms"),
+            _entry("rid", "Remote ID: may a vehicle arm, and why not; the messages of its operator"),
             _entry("terrain", "heights of the terrain: serve them to vehicles, check what a vehicle has"),
             _entry("shell", "interactive console: arm, mode, takeoff, wp, param, ftp, log"),
             _entry("dialect", "list, show, check, compare and import message definitions"),

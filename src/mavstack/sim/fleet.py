@@ -49,6 +49,7 @@ class Fleet:
     gimbal: bool = False
     rangefinders: Sequence[Rangefinder] = ()
     terrain: TerrainSource = TerrainSource.FLAT
+    remote_id: bool = False
     #: The version of ArduPilot; None for the newest.
     version: FirmwareVersion | None = None
     #: Firmwares of vehicles that speak MSP, for `add_flight_controllers_to`.
@@ -78,6 +79,7 @@ class Fleet:
                 gimbal=self.gimbal,
                 rangefinders=self.rangefinders,
                 terrain=self.terrain,
+                remote_id=self.remote_id,
                 version=self.version if firmware is Firmware.ARDUPILOT else None,
             )
             for number, ((vehicle_type, firmware), home) in enumerate(zip(types, self.homes(), strict=True))

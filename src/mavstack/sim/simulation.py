@@ -116,6 +116,7 @@ class Simulation:
         rangefinders: Sequence[Rangefinder] = (),
         proximity: bool | None = None,
         terrain: TerrainSource | str = TerrainSource.FLAT,
+        remote_id: bool = False,
         version: FirmwareVersion | None = None,
     ) -> SimulatedVehicle:
         """Add a vehicle to the world.
@@ -130,19 +131,17 @@ class Simulation:
             rangefinders: Its rangefinders, at most six; none for the firmware's default.
             proximity: Give the vehicle a proximity sensor; None if there are obstacles.
             terrain: Where an ArduPilot vehicle has the heights of the terrain from.
-            version: The version of ArduPilot; None for the newest. Rovers before 4.2 report the altitude
-                above the sea as the one above home, planes before 4.3 ignore the radius of DO_REPOSITION.
+            remote_id: Give the vehicle a Remote ID module (component id 236).
+            version: The version of ArduPilot, 4.1 for one with other altitudes and radii; None: the newest.
 
         Returns:
             The vehicle, disarmed on the ground.
 
         Raises:
-            InvalidArgumentError: The system id is taken or out of range, there are too many rangefinders, or
-                the version is one of PX4.
+            InvalidArgumentError: The system id is taken, a value is out of range, or the version is of PX4.
         """
+        _check_rangefinders(rangefinders)
         system = self._free_system(system)
-        if len(rangefinders) > MAX_RANGEFINDERS:
-            raise InvalidArgumentError(f"a vehicle has at most {MAX_RANGEFINDERS} rangefinders")
         vehicle_type, firmware = VehicleType(vehicle_type), Firmware(firmware)
         vehicle = SimulatedVehicle(
             self.world.add(vehicle_type, home),
@@ -158,6 +157,7 @@ class Simulation:
             rangefinders=rangefinders,
             proximity=bool(self.world.obstacles) if proximity is None else proximity,
             terrain=_terrain_of(firmware, terrain),
+            remote_id=remote_id,
             serial=_serial(self.site, len(self.vehicles) + 1),
         )
         _enable_equipment(vehicle)
@@ -258,6 +258,11 @@ class Simulation:
 def _serial(site: int, number: int) -> bytes:
     """Return the unique id of a board, which stays if its vehicle gets another system id."""
     return b"Mv" + site.to_bytes(SITE_BITS // 8, "big") + bytes([number & 0xFF])
+
+
+def _check_rangefinders(rangefinders: Sequence[Rangefinder]) -> None:
+    if len(rangefinders) > MAX_RANGEFINDERS:
+        raise InvalidArgumentError(f"a vehicle has at most {MAX_RANGEFINDERS} rangefinders")
 
 
 def _terrain_of(firmware: Firmware, terrain: TerrainSource | str) -> TerrainMap | None:

@@ -26,6 +26,7 @@ from mavstack.sim.faults import Faults
 from mavstack.sim.payloads import SimulatedCamera, SimulatedGimbal
 from mavstack.sim.port import Port
 from mavstack.sim.recorder import Recorder
+from mavstack.sim.remote_id import RemoteIdModule
 from mavstack.sim.services import Services
 from mavstack.sim.signing_keys import SigningKeys
 from mavstack.sim.storage import Storage
@@ -68,6 +69,7 @@ class SimulatedVehicle:
         body: The physical body: true motion, estimate, sensors.
         rangefinders: The chosen rangefinders; empty for those of the firmware's default.
         proximity: True if the vehicle has a proximity sensor.
+        has_remote_id: True if the vehicle has a Remote ID module.
         terrain: The terrain that the vehicle has from ground stations; None: it knows the flat ground.
         serial: The unique id of the board, eight bytes.
     """
@@ -91,6 +93,7 @@ class SimulatedVehicle:
         rangefinders: Sequence[Rangefinder] = (),
         proximity: bool = False,
         terrain: TerrainMap | None = None,
+        remote_id: bool = False,
         serial: bytes = b"Mavstack",
     ) -> None:
         self.body, self.vehicle_type, self.firmware, self.address = body, vehicle_type, firmware, address
@@ -99,6 +102,7 @@ class SimulatedVehicle:
         self.board_id: int | None = None
         self.rangefinders: Sequence[Rangefinder] = tuple(rangefinders)
         self.proximity, self.terrain, self.serial = proximity, terrain, serial
+        self.has_remote_id = remote_id
         self.parameters = parameters
         self.plans = PlanStore()
         self.now = self.booted_at = now
@@ -134,6 +138,8 @@ class SimulatedVehicle:
         self.autopilot: SimulatedAutopilot = SimulatedAutopilot(self, self.profile)
         self.profile.register(self)
         self.profile.provide(self)
+        #: The Remote ID module; None if the vehicle has none.
+        self.remote_id = RemoteIdModule(self) if self.has_remote_id else None
         self._attach_payloads()
         self.profile.booted(self)
         for port in self.ports:

@@ -114,6 +114,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         default=TerrainSource.FLAT,
         help="heights of the terrain: flat ground, or requests to ground stations (ArduPilot; default: flat)",
     )
+    add("--remote-id", action="store_true", help="give each vehicle a Remote ID module (component id 236)")
     add(
         "--ardupilot-version",
         type=version,
@@ -235,6 +236,7 @@ def _fleet(
         gimbal=arguments.gimbal,
         rangefinders=arguments.rangefinder,
         terrain=arguments.terrain,
+        remote_id=arguments.remote_id,
         version=arguments.ardupilot_version,
         controllers=controllers,
     )

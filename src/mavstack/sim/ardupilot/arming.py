@@ -208,6 +208,15 @@ def _fence(autopilot: SimulatedAutopilot) -> Iterator[str]:
     yield from autopilot.fence.problems()
 
 
+def _remote_id(autopilot: SimulatedAutopilot) -> Iterator[str]:
+    """Check the Remote ID module, if DID_ENABLE requires one."""
+    vehicle = autopilot.vehicle
+    if int(_number(vehicle.parameters, "DID_ENABLE")):
+        problem = "transmitter not available" if vehicle.remote_id is None else vehicle.remote_id.problem
+        if problem:
+            yield f"OpenDroneID: {problem}"
+
+
 def _mission(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check the items that ARMING_MIS_ITEMS requires."""
     required = int(_number(autopilot.vehicle.parameters, "ARMING_MIS_ITEMS"))
@@ -230,6 +239,7 @@ _CHECKS: Final[tuple[tuple[int | None, Check], ...]] = (
     (_MISSION, _mission),
     (_PARAMETERS, terrain_problems),
     (None, _fence),
+    (None, _remote_id),
     (None, _mode_before_arming),
 )
 _ARM_CHECKS: Final[tuple[tuple[int | None, Check], ...]] = ((None, _mode), (_RC, _throttle))

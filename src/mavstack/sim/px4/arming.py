@@ -33,6 +33,8 @@ ARMING_DENIED: Final = "Arming denied: Resolve system health failures first"
 _FIX_3D: Final = 3  # GPS_FIX_TYPE_3D_FIX
 _GATE: Final = 1.0
 _IN_AIRPLANE_MODE: Final = 0.5
+#: COM_ARM_ODID.
+_DENY_WITHOUT_ID = 2
 #: COM_ARM_WO_GPS.
 _DENY = 0
 
@@ -137,6 +139,16 @@ def _fence(autopilot: SimulatedAutopilot) -> Iterator[str]:
     yield from autopilot.fence.problems()
 
 
+def _remote_id(autopilot: SimulatedAutopilot) -> Iterator[str]:
+    """Check the Remote ID module, if COM_ARM_ODID denies arming without it."""
+    vehicle = autopilot.vehicle
+    if int(vehicle.parameters["COM_ARM_ODID"]) == _DENY_WITHOUT_ID:
+        if vehicle.remote_id is None:
+            yield "Preflight Fail: Open Drone ID system missing"
+        elif vehicle.remote_id.problem:
+            yield "Preflight Fail: Open Drone ID system not ready"
+
+
 def _ground_station(autopilot: SimulatedAutopilot) -> Iterator[str]:
     """Check the ground station link, if NAV_DLL_ACT is set."""
     if int(autopilot.vehicle.parameters["NAV_DLL_ACT"]) > 0:
@@ -155,6 +167,7 @@ _CHECKS: Final[tuple[Check, ...]] = (
     _mission,
     _fence,
     _ground_station,
+    _remote_id,
 )
 
 
