@@ -65,7 +65,7 @@ class Delays:
         return sorted(self.times)
 
 
-def test_commands_wait_for_one_fragment_at_most():
+def test_commands_are_hardly_delayed():
     without, corrected = Delays(corrected=False), Delays(corrected=True)
     before, after = without.run(), corrected.run()
     growth = after[int(0.95 * SECONDS)] - before[int(0.95 * SECONDS)]
