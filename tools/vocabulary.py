@@ -121,7 +121,11 @@ class Vocabulary:
                     yield Finding(path, line, name, replacement)
 
     def _in_prose(self, path: str, prose: Iterable[tuple[int, str]]) -> Iterator[Finding]:
+        # One search for all patterns leaves few lines to the search for each.
+        any_pattern = re.compile("|".join(f"(?:{pattern})" for pattern in self.prose), re.IGNORECASE)
         for line, text in prose:
+            if any_pattern.search(text) is None:
+                continue
             for pattern, replacement in self.prose.items():
                 match = re.search(pattern, text, re.IGNORECASE)
                 if match and not self._is_allowed(pattern, path):
@@ -138,10 +142,11 @@ def parts_of(name: str) -> list[str]:
 
 def python_text(text: str) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
     """Return the names that a Python module defines and its prose, each with its line."""
-    tree = ast.parse(text)
-    names = [found for node in ast.walk(tree) if (found := _defined(node)) is not None]
+    names: list[tuple[int, str]] = []
     prose: list[tuple[int, str]] = []
-    for node in ast.walk(tree):
+    for node in ast.walk(ast.parse(text)):
+        if (found := _defined(node)) is not None:
+            names.append(found)
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
             prose += _docstring(node)
         elif isinstance(node, ast.Raise):
