@@ -29,9 +29,21 @@ def test_px4(program):
     )
     with pytest.raises(InvalidArgumentError, match="PX4 has no model of a sub"):
         px4_command(str(program), vehicle="sub")
+    boat = px4_command(str(program), vehicle="boat").environment
+    assert (boat["PX4_SIM_MODEL"], boat["PX4_SIMULATOR"]) == ("sihsim_rover_ackermann", "mavlink")
     (program.parent.parent / "etc").rmdir()
     with pytest.raises(InvalidArgumentError, match="has no folder etc"):
         px4_command(str(program))
+
+
+def test_px4_gets_the_parameters_of_its_vehicle_and_body(program):
+    cessna = {"physics": "jsbsim:c172x", "parameters": {"FW_R_LIM": 35}}
+    plane = px4_command(str(program), vehicle="plane", **cessna).environment
+    outputs = [plane[f"PX4_PARAM_PWM_MAIN_FUNC{number}"] for number in range(1, 6)]
+    assert outputs == ["202", "203", "101", "204", "0"]
+    assert (plane["PX4_PARAM_FW_AIRSPD_TRIM"], plane["PX4_PARAM_FW_R_LIM"]) == ("38", "35")
+    own = px4_command(str(program), vehicle="plane", model="own").environment
+    assert not [name for name in own if name.startswith("PX4_PARAM_")]
 
 
 def test_ardupilot(program):

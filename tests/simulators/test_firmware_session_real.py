@@ -8,6 +8,7 @@ import time
 import pytest
 
 from mavstack import sync
+from mavstack.sim.vehicle_types import Home
 from tests.simulators.firmwares import free_port
 from tests.simulators.quadrotor import QUADROTOR
 
@@ -47,6 +48,32 @@ def test_px4_takes_off_flies_a_square_and_lands(firmware, tmp_path, physics):
     with sync.connect(flight.url) as connection:
         fly(connection.wait_for_vehicle(timeout=60))
     assert flight.simulator.interface.extra_answers == 0
+
+
+@pytest.mark.parametrize("physics", ["plane", "jsbsim:c172x", "vtol"])
+def test_px4_takes_off_with_wings_and_stays_in_the_air(firmware, physics):
+    flight = firmware("px4", program("MAVSTACK_PX4"), physics=physics, speed=0.0, home=Home(52.3, 4.7, 2.0))
+    with sync.connect(flight.url) as connection:
+        vehicle = connection.wait_for_vehicle(timeout=60)
+        vehicle.wait_until_ready()
+        vehicle.arm()
+        vehicle.takeoff(40)
+        end = flight.simulator.time + 60.0
+        while flight.simulator.time < end:
+            assert flight.simulator.state.position[2] < -15.0, flight.simulator.state
+            time.sleep(0.05)
+
+
+def test_px4_drives_our_rover(firmware):
+    flight = firmware("px4", program("MAVSTACK_PX4"), vehicle="rover", speed=0.0)
+    with sync.connect(flight.url) as connection:
+        vehicle = connection.wait_for_vehicle(timeout=60)
+        vehicle.wait_until_ready()
+        vehicle.arm()
+        home = vehicle.position
+        vehicle.goto(home.latitude + 0.0003, home.longitude + 0.0002)
+        north, east, _ = flight.simulator.state.position
+        assert (north, east) == pytest.approx((33.4, 15.1), abs=5.0)
 
 
 def test_arduplane_takes_off_on_jsbsim(firmware):

@@ -9,7 +9,7 @@ import pytest
 from mavstack.errors import InvalidArgumentError, MissingExtraError
 from mavstack.sim.vehicle_types import DEFAULT_HOME
 from mavstack.simulators.outputs import Outputs
-from mavstack.simulators.physics import PHYSICS, load_physics
+from mavstack.simulators.physics import PHYSICS, load_physics, vehicle_of
 from mavstack.simulators.state import State
 
 BALLOON = """
@@ -67,6 +67,20 @@ def test_a_missing_program_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "jsbsim", None)
     with pytest.raises(MissingExtraError, match=r"pip install 'mavstack\[simulators\]'"):
         load_physics("jsbsim:c172x")
+
+
+@pytest.mark.parametrize(
+    ("physics", "vehicle"),
+    [
+        (None, "copter"),
+        ("jsbsim:c172x", "plane"),
+        ("boat", "boat"),
+        ("vtol", "vtol"),
+        ("own:Class", "copter"),
+    ],
+)
+def test_the_vehicle_follows_the_physics(physics, vehicle):
+    assert vehicle_of(physics) == vehicle
 
 
 def test_every_entry_names_itself():

@@ -139,6 +139,16 @@ def test_shaking_reaches_the_inertial_sensors():
     } | {"imu-shaken"}
 
 
+def test_a_vehicle_that_moves_shakes_its_gyroscope():
+    def spread(state):
+        sensors = Sensors(DEFAULT_HOME, seed=3)
+        rates = [sensors.sample(state, number * 0.004).rates[0] for number in range(500)]
+        return stdev(rates)
+
+    assert spread(State()) == pytest.approx(0.003, rel=0.2)
+    assert spread(State(velocity=(5.0, 0.0, 0.0))) == pytest.approx(0.024, rel=0.2)
+
+
 def test_unknown_equipment_is_refused():
     with pytest.raises(InvalidArgumentError, match="there is no equipment 'sonar'"):
         Sensors(DEFAULT_HOME, equipment=["sonar"])

@@ -67,8 +67,8 @@ class StationWorld:
         return {
             "id": self.id,
             "firmware": options.firmware,
-            "vehicle": options.vehicle,
-            "physics": options.physics or options.vehicle,
+            "vehicle": self.session.vehicle,
+            "physics": options.physics or self.session.vehicle,
             "port": simulator.port,
             "source": self.source,
             "time": round(simulator.time, 6),

@@ -21,9 +21,40 @@ if TYPE_CHECKING:
 
 #: The physics of each kind of vehicle, which is also its default.
 VEHICLES: Final = ("copter", "plane", "vtol", "rover", "boat", "sub")
-#: PX4's model of each vehicle for a simulator that connects over TCP.
+#: PX4's model of each vehicle. Some are models of PX4's own simulator, in whose place it connects over TCP.
 _PX4_MODELS: Final = MappingProxyType(
-    {"copter": "none_iris", "plane": "jsbsim_rascal", "rover": "none_rover", "vtol": "none_standard_vtol"}
+    {
+        "copter": "none_iris",
+        "plane": "jsbsim_rascal",
+        "vtol": "sihsim_standard_vtol",
+        "rover": "sihsim_rover_ackermann",
+        "boat": "sihsim_rover_ackermann",
+    }
+)
+#: PX4's functions of outputs: 101 is the first motor, 201 the first servo. The models have other orders than
+#: `mavstack.simulators.outputs`; the second servo of the plane is its right aileron, the fourth its rudder.
+_PX4_FUNCTIONS: Final = MappingProxyType(
+    {"plane": (202, 203, 101, 204, 0, 0, 0, 0, 0), "vtol": (101, 102, 103, 104, 105, 201, 202, 203)}
+)
+#: Parameters of PX4 for bodies that are faster and turn wider than its model.
+_PX4_BODIES: Final = MappingProxyType(
+    {
+        "jsbsim:c172x": {
+            "FW_AIRSPD_MIN": 28,
+            "FW_AIRSPD_TRIM": 38,
+            "FW_AIRSPD_MAX": 60,
+            "FW_AIRSPD_STALL": 25,
+            "FW_PR_P": 0.05,
+            "FW_P_TC": 0.8,
+            "FW_RR_I": 0.03,
+            "FW_RR_P": 0.04,
+            "FW_R_LIM": 30,
+            "FW_R_TC": 0.8,
+            "FW_THR_TRIM": 0.7,
+            "NAV_LOITER_RAD": 400,
+            "RWTO_ROT_AIRSPD": 32,
+        },
+    }
 )
 #: Parameters of all ArduPilots: steps in a second, of which its default has thrice as many.
 _RATE: Final = MappingProxyType({"SIM_RATE_HZ": 400})
@@ -75,16 +106,25 @@ def program_words(program: str) -> list[str]:
 
 
 def px4_command(
-    program: str, *, vehicle: str = "copter", instance: int = 0, speed: float = 1.0, model: str | None = None
+    program: str,
+    *,
+    vehicle: str = "copter",
+    physics: str | None = None,
+    instance: int = 0,
+    speed: float = 1.0,
+    model: str | None = None,
+    parameters: Mapping[str, float] = MappingProxyType({}),
 ) -> FirmwareCommand:
     """Return the command line of PX4's SITL, in `build/px4_sitl…/bin`.
 
     Args:
         program: The path of `bin/px4`, with the folder `etc` beside `bin`.
         vehicle: The vehicle, for its default model.
+        physics: The name of the body, for the parameters that it needs.
         instance: The number of the instance; its port is 4560 plus this number.
         speed: Simulated seconds in a real second, by which PX4 lengthens its timeouts; 0: not known.
         model: PX4's model; None: the one of the vehicle.
+        parameters: Parameters of this start, beside those of vehicle and body.
 
     Raises:
         InvalidArgumentError: There is no such program, no folder `etc`, or no model of the vehicle.
@@ -96,7 +136,12 @@ def px4_command(
     model = model or _PX4_MODELS.get(vehicle)
     if model is None:
         raise InvalidArgumentError(f"PX4 has no model of a {vehicle}: give one (--model)")
-    environment = {"PX4_SIM_MODEL": model, "PX4_SIM_HOSTNAME": "127.0.0.1"}
+    environment = {"PX4_SIM_MODEL": model, "PX4_SIM_HOSTNAME": "127.0.0.1", "PX4_SIMULATOR": "mavlink"}
+    values: dict[str, float] = dict(_PX4_BODIES.get(physics or "", {}))
+    if model == _PX4_MODELS.get(vehicle):
+        functions = enumerate(_PX4_FUNCTIONS.get(vehicle, ()), 1)
+        values |= {f"PWM_MAIN_FUNC{number}": function for number, function in functions}
+    environment |= {f"PX4_PARAM_{name}": f"{value:g}" for name, value in {**values, **parameters}.items()}
     if speed not in (0.0, 1.0):
         environment["PX4_SIM_SPEED_FACTOR"] = f"{speed:g}"
     return FirmwareCommand((*words, "-i", str(instance), "-d", str(etc)), environment=environment)

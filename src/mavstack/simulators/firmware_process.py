@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import re
 import sys
 from contextlib import suppress
 from pathlib import Path
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 #: Seconds that a program gets to end by itself.
 GRACE: Final = 3.0
 MAX_LINE: Final = 1 << 20
+#: The colours of PX4's messages.
+_COLOUR: Final = re.compile(r"\x1b\[[0-9;]*m")
 
 
 class FirmwareProcess:
@@ -108,7 +111,7 @@ class FirmwareProcess:
                 continue
             if not line:
                 return
-            self._on_line(line.decode(errors="replace").rstrip())
+            self._on_line(_COLOUR.sub("", line.decode(errors="replace")).rstrip())
 
     def _signal(self, process: asyncio.subprocess.Process, signal: Signals) -> None:
         """Send a signal to the program and its children."""

@@ -28,6 +28,7 @@ from mavstack.simulators.firmware_command import (
     px4_command,
 )
 from mavstack.simulators.firmware_process import FirmwareProcess
+from mavstack.simulators.physics import vehicle_of
 from mavstack.simulators.px4_simulator import PX4_PORT, Px4Simulator
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ class FirmwareOptions:
     Attributes:
         firmware: "px4", "ardupilot" or "betaflight".
         binary: The program; None: the user starts it.
-        vehicle: The kind of the vehicle.
+        vehicle: The kind of the vehicle; None: the one that the physics moves.
         physics: The name of the physics; None: the body of the vehicle.
         home: The place and heading at the start.
         listen: Where the firmware connects; None: its usual port.
@@ -66,14 +67,14 @@ class FirmwareOptions:
         folder: The folder of the program; None: a temporary one.
         model: PX4's model; None: the one of the vehicle.
         out: URLs where a router offers ArduPilot's vehicle; empty: port 14550 of this machine.
-        parameters: Parameters of ArduPilot's first start.
+        parameters: Parameters of ArduPilot's first start, or of each start of PX4.
         bridge: What Betaflight's build expects, "gazebo" or "legacy".
         motors: The order of Betaflight's motors, "betaflight" or "gazebo".
     """
 
     firmware: str
     binary: str | None = None
-    vehicle: str = "copter"
+    vehicle: str | None = None
     physics: str | None = None
     home: Home = DEFAULT_HOME
     listen: str | None = None
@@ -100,6 +101,7 @@ class FirmwareSession:
     Attributes:
         options: The options.
         simulator: The world.
+        vehicle: The kind of the vehicle.
 
     Raises:
         InvalidArgumentError: An option is wrong; the text says which.
@@ -114,12 +116,13 @@ class FirmwareSession:
     ) -> None:
         if options.firmware not in FIRMWARES:
             raise InvalidArgumentError(f"there is no firmware {options.firmware!r}: {', '.join(FIRMWARES)}")
-        if options.vehicle not in VEHICLES:
-            raise InvalidArgumentError(f"there is no vehicle {options.vehicle!r}: {', '.join(VEHICLES)}")
+        self.vehicle = options.vehicle or vehicle_of(options.physics)
+        if self.vehicle not in VEHICLES:
+            raise InvalidArgumentError(f"there is no vehicle {self.vehicle!r}: {', '.join(VEHICLES)}")
         if options.instance < 0:
             raise InvalidArgumentError(f"the instance must be 0 or more, got {options.instance}")
         self.options = options
-        self.simulator: Simulator = _simulator(options, on_event)
+        self.simulator: Simulator = _simulator(options, options.physics or self.vehicle, on_event)
         self._on_line = on_line
         self._serves = asyncio.Event()
         self._process: FirmwareProcess | None = None
@@ -191,14 +194,20 @@ class FirmwareSession:
         if options.firmware == "px4":
             instance = port - PX4_PORT if port else options.instance
             return px4_command(
-                binary, vehicle=options.vehicle, instance=instance, speed=options.speed, model=options.model
+                binary,
+                vehicle=self.vehicle,
+                physics=options.physics,
+                instance=instance,
+                speed=options.speed,
+                model=options.model,
+                parameters=options.parameters,
             )
         if options.firmware == "betaflight":
             return betaflight_command(binary)
         return ardupilot_command(
             binary,
             home=options.home,
-            vehicle=options.vehicle,
+            vehicle=self.vehicle,
             instance=options.instance,
             speed=options.speed,
             port=port or None,
@@ -219,9 +228,8 @@ class FirmwareSession:
         await stack.enter_async_context(Router(RouterConfig(tuple(endpoints))))
 
 
-def _simulator(options: FirmwareOptions, on_event: Callable[[str], None]) -> Simulator:
+def _simulator(options: FirmwareOptions, physics: str, on_event: Callable[[str], None]) -> Simulator:
     """Return the world of a firmware."""
-    physics = options.physics or options.vehicle
     home, seed, equipment = options.home, options.seed, options.equipment
     if options.firmware == "px4":
         return Px4Simulator(

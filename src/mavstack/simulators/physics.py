@@ -96,6 +96,16 @@ def _adapter(module: str, name: str) -> Callable[[str], Physics]:
     return make
 
 
+#: The vehicle of each kind of outputs.
+_VEHICLES: Final = MappingProxyType(
+    {
+        Outputs.MOTORS: "copter",
+        Outputs.SURFACES: "plane",
+        Outputs.VTOL: "vtol",
+        Outputs.STEERING: "rover",
+        Outputs.THRUSTERS: "sub",
+    }
+)
 #: The kinds of physics by name; any other name with a colon is `module:Class`.
 PHYSICS: Final[Mapping[str, PhysicsEntry]] = MappingProxyType(
     {
@@ -165,6 +175,15 @@ def load_physics(name: str) -> tuple[Physics, Outputs]:
             f"there is no physics {name!r}: {', '.join(PHYSICS)}, or module:Class of your own"
         )
     return _load_class(kind, model)
+
+
+def vehicle_of(physics: str | None) -> str:
+    """Return the kind of vehicle that a physics moves; a copter where its name does not say it."""
+    kind = (physics or "copter").partition(":")[0]
+    entry = PHYSICS.get(kind)
+    if entry is None:
+        return "copter"
+    return kind if kind == "boat" else _VEHICLES[entry.outputs]  # rovers steer by the same outputs
 
 
 def _load_class(module: str, name: str) -> tuple[Physics, Outputs]:

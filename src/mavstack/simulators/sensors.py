@@ -35,6 +35,9 @@ MIN_RANGE, MAX_RANGE, _MIN_COSINE = 0.1, 40.0, 0.5
 BATTERY: Final = (16.2, 1.0)
 _BIASES: Final = ((2.0, 0.0, 0.0), (0.2, 0.0, 0.0))
 _JUMP, _SHAKING, _SAG = 50.0, 50.0, 0.8
+#: Noise of the gyroscope of a vehicle that moves, in shares of its noise at rest: motors and wheels shake it.
+#: Without it PX4 takes a smooth run on the ground for rest, and holds its estimate of the velocity at zero.
+_VIBRATION: Final = 8.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,8 +217,10 @@ class Sensors:
         if "imu-biased" in active:
             force, turn = _sum(force, _BIASES[0]), _sum(turn, _BIASES[1])
         if "imu-shaken" in active:
-            force = self._shaken(force, self._models.accelerometer.noise)
-            turn = self._shaken(turn, self._models.gyroscope.noise)
+            force = self._shaken(force, _SHAKING * self._models.accelerometer.noise)
+            turn = self._shaken(turn, _SHAKING * self._models.gyroscope.noise)
+        elif _is_fast(state.velocity):
+            turn = self._shaken(turn, _VIBRATION * self._models.gyroscope.noise)
         old = self._frozen
         acceleration = cast("Vector | None", self._accelerometer.measure(time, force)) or old[0]
         rates = cast("Vector | None", self._gyroscope.measure(time, turn)) or old[1]
@@ -223,8 +228,8 @@ class Sensors:
         return self._frozen
 
     def _shaken(self, values: Vector, noise: float) -> Vector:
-        gauss, much = self._gauss, _SHAKING * noise
-        return (values[0] + gauss(0.0, much), values[1] + gauss(0.0, much), values[2] + gauss(0.0, much))
+        gauss = self._gauss
+        return (values[0] + gauss(0.0, noise), values[1] + gauss(0.0, noise), values[2] + gauss(0.0, noise))
 
     def _magnetic(self, state: State, time: float) -> Vector | None:
         field, active = self.field, self.faults.active
@@ -312,3 +317,8 @@ def _distance(state: State) -> float:
 
 def _sum(a: Vector, b: Vector) -> Vector:
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def _is_fast(velocity: Vector) -> bool:
+    """Return whether a velocity is more than 1 m/s in some axis."""
+    return max(velocity) > 1.0 or min(velocity) < -1.0

@@ -33,7 +33,7 @@ examples:
   mav simulator px4                                     # a quadrotor; PX4 connects to TCP port 4560
   mav simulator px4 --physics copter --speed 0          # as fast as PX4 answers
   mav simulator px4 --binary build/px4_sitl_default/bin/px4 --web      # starts PX4 and the ground station
-  mav simulator px4 --binary build/px4_sitl_default/bin/px4 --physics jsbsim:c172x --vehicle plane
+  mav simulator px4 --binary build/px4_sitl_default/bin/px4 --physics jsbsim:c172x   # a plane
   mav simulator ardupilot --physics rover               # SITL: --model JSON:127.0.0.1
   mav simulator ardupilot --physics jsbsim:c172x        # a Cessna of JSBSim
   mav simulator ardupilot --binary build/sitl/bin/arduplane --vehicle plane
@@ -52,6 +52,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     action = actions.add("px4", "simulate the world of a PX4, in lockstep over TCP", fly_firmware)
     _add_firmware(action, "px4", "PX4", f"tcpin://127.0.0.1:{PX4_PORT}")
     action.add_argument("--model", metavar="NAME", help="PX4's model (default: by vehicle, as none_iris)")
+    _add_parameter(action, "a parameter of each start of --binary; may be repeated")
     action = actions.add(
         "ardupilot", "simulate the world of an ArduPilot, by its JSON interface", fly_firmware
     )
@@ -63,13 +64,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="URL",
         help="where to offer the vehicle of --binary; may be repeated (default: udpout://127.0.0.1:14550)",
     )
-    action.add_argument(
-        "--parameter",
-        action="append",
-        default=[],
-        metavar="NAME=VALUE",
-        help="a parameter of the first start of --binary; may be repeated",
-    )
+    _add_parameter(action, "a parameter of the first start of --binary; may be repeated")
     action = actions.add("betaflight", "simulate the world of a Betaflight, by its UDP packets", fly_firmware)
     _add_firmware(action, "betaflight", "Betaflight", f"udpin://127.0.0.1:{BETAFLIGHT_PORT}")
     action.add_argument(
@@ -90,6 +85,10 @@ def add_arguments(parser: ArgumentParser) -> None:
     action.add_argument("--json", action="store_true", help="print JSON")
 
 
+def _add_parameter(action: ArgumentParser, description: str) -> None:
+    action.add_argument("--parameter", action="append", default=[], metavar="NAME=VALUE", help=description)
+
+
 def _add_firmware(action: ArgumentParser, firmware: str, name: str, listen: str) -> None:
     """Add what all firmwares of this machine have."""
     add = action.add_argument
@@ -98,8 +97,7 @@ def _add_firmware(action: ArgumentParser, firmware: str, name: str, listen: str)
     add(
         "--vehicle",
         choices=VEHICLES,
-        default="copter",
-        help="the vehicle, for body, model and parameters (default: copter)",
+        help="the vehicle, for body, model and parameters (default: by --physics, or copter)",
     )
     add(
         "--speed",

@@ -73,7 +73,7 @@ async def _fly_one(arguments: Namespace, number: int, report: Report) -> int:
     _inject(session.simulator, arguments.fault)
     async with AsyncExitStack() as stack:
         await stack.enter_async_context(session)
-        report.ready(session.simulator, _READY[options.firmware], options.physics or options.vehicle)
+        report.ready(session.simulator, _READY[options.firmware], options.physics or session.vehicle)
         if arguments.web:
             await stack.enter_async_context(_station(session, report))
         watching = asyncio.ensure_future(report.watch(session.simulator))
@@ -112,16 +112,13 @@ def _options(arguments: Namespace, number: int) -> FirmwareOptions:
         instance=number,
         folder=arguments.folder and arguments.folder / str(number),
     )
-    if arguments.firmware == "px4":
-        return replace(options, equipment=tuple(arguments.equipment), model=arguments.model)
     if arguments.firmware == "betaflight":
         return replace(options, bridge=arguments.bridge, motors=arguments.motors)
-    return replace(
-        options,
-        equipment=tuple(arguments.equipment),
-        out=tuple(arguments.out),
-        parameters=dict(map(_parameter, arguments.parameter)),
-    )
+    parameters = dict(map(_parameter, arguments.parameter))
+    options = replace(options, equipment=tuple(arguments.equipment), parameters=parameters)
+    if arguments.firmware == "px4":
+        return replace(options, model=arguments.model)
+    return replace(options, out=tuple(arguments.out))
 
 
 def _parameter(text: str) -> tuple[str, float]:

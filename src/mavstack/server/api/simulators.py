@@ -20,7 +20,9 @@ class StartSimulator(Fields):
     """Start a simulated world, in which real firmware flies."""
 
     firmware: Annotated[Text, Meta(description="px4, ardupilot or betaflight.", examples=["ardupilot"])]
-    vehicle: Annotated[Text, Meta(description="copter, plane, vtol, rover, boat or sub.")] = "copter"
+    vehicle: Annotated[
+        Text | None, Meta(description="copter, plane, vtol, rover, boat or sub; null: the one of the body.")
+    ] = None
     physics: Annotated[
         Text | None,
         Meta(description="The body, such as jsbsim:c172x; null: the one of the vehicle.", examples=["rover"]),

@@ -47,20 +47,16 @@ class JsbsimPhysics:
     """
 
     def __init__(self, model: str) -> None:
-        try:
-            import jsbsim
-        except ImportError:
-            raise MissingExtraError("jsbsim", "simulators") from None
-        base: Any = jsbsim.FGJSBBase
-        base().debug_lvl = 0  # it would greet on the terminal
-        self._exec: Any = jsbsim.FGFDMExec(None)
-        if model not in _models(self._exec) or not self._exec.load_model(model):
-            raise InvalidArgumentError(f"JSBSim has no aircraft {model!r}")
-        _discard_output(self._exec)
+        self._model = model
+        self._exec = _loaded(model)
+        self._is_new = True
         self._frame = LocalFrame(0.0, 0.0, 0.0)
 
     def reset(self, home: Home, heading: float) -> State:
         """Put it on its wheels at home; see `Physics`."""
+        if not self._is_new:  # JSBSim opens the logs of a model at each start, and cannot open them again
+            self._exec = _loaded(self._model)
+        self._is_new = False
         fdm = self._exec
         for name, value in (
             ("ic/lat-geod-deg", home.latitude),
@@ -113,6 +109,21 @@ class JsbsimPhysics:
             tuple(_FEET * fdm[f"accelerations/a-pilot-{axis}-ft_sec2"] for axis in "xyz"),
             airspeed=_FEET * fdm["velocities/vt-fps"],
         )
+
+
+def _loaded(model: str) -> Any:  # noqa: ANN401 (jsbsim has no types)
+    """Return a JSBSim with this aircraft."""
+    try:
+        import jsbsim
+    except ImportError:
+        raise MissingExtraError("jsbsim", "simulators") from None
+    base: Any = jsbsim.FGJSBBase
+    base().debug_lvl = 0  # it would greet on the terminal
+    fdm: Any = jsbsim.FGFDMExec(None)
+    if model not in _models(fdm) or not fdm.load_model(model):
+        raise InvalidArgumentError(f"JSBSim has no aircraft {model!r}")
+    _discard_output(fdm)
+    return fdm
 
 
 def _discard_output(fdm: Any) -> None:  # noqa: ANN401 (jsbsim has no types)
