@@ -30,6 +30,7 @@ def test_px4(program):
     with pytest.raises(InvalidArgumentError, match="PX4 has no model of a sub"):
         px4_command(str(program), vehicle="sub")
     boat = px4_command(str(program), vehicle="boat").environment
+    assert boat["PX4_PARAM_RO_SPEED_LIM"] == "5"
     assert (boat["PX4_SIM_MODEL"], boat["PX4_SIMULATOR"]) == ("sihsim_rover_ackermann", "mavlink")
     (program.parent.parent / "etc").rmdir()
     with pytest.raises(InvalidArgumentError, match="has no folder etc"):

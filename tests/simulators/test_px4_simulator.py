@@ -36,6 +36,23 @@ async def test_px4_flies_in_lockstep():
     assert "lockstep" in lines[1]
 
 
+class FalteringPx4(Px4):
+    """PX4 with a rover: it answers only every third packet of sensors."""
+
+    def answer(self, motors):
+        if len(self.times) % 3 == 0:
+            super().answer(motors)
+
+
+async def test_a_rover_needs_no_answer_to_each_step():
+    async with Px4Simulator("rover", listen=FREE, speed=0.0) as world:
+        flying = asyncio.ensure_future((await FalteringPx4.connect(world.port)).fly(10**6))
+        await world.run(until=0.2)
+        assert world.time == pytest.approx(0.2)
+        assert world.interface.phase is Phase.LOCKSTEP
+    await flying
+
+
 async def test_a_run_is_continued():
     async with simulator() as world:
         flying = asyncio.ensure_future((await Px4.connect(world.port)).fly(10**6))

@@ -36,7 +36,7 @@ _PX4_MODELS: Final = MappingProxyType(
 _PX4_FUNCTIONS: Final = MappingProxyType(
     {"plane": (202, 203, 101, 204, 0, 0, 0, 0, 0), "vtol": (101, 102, 103, 104, 105, 201, 202, 203)}
 )
-#: Parameters of PX4 for bodies that are faster and turn wider than its model.
+#: Parameters of PX4 for bodies that are faster and turn wider than its models.
 _PX4_BODIES: Final = MappingProxyType(
     {
         "jsbsim:c172x": {
@@ -54,6 +54,8 @@ _PX4_BODIES: Final = MappingProxyType(
             "NAV_LOITER_RAD": 400,
             "RWTO_ROT_AIRSPD": 32,
         },
+        "rover": {"RO_MAX_THR_SPEED": 11, "RO_SPEED_LIM": 5},
+        "boat": {"RO_MAX_THR_SPEED": 11, "RO_SPEED_LIM": 5},
     }
 )
 #: Parameters of all ArduPilots: steps in a second, of which its default has thrice as many.
@@ -137,7 +139,7 @@ def px4_command(
     if model is None:
         raise InvalidArgumentError(f"PX4 has no model of a {vehicle}: give one (--model)")
     environment = {"PX4_SIM_MODEL": model, "PX4_SIM_HOSTNAME": "127.0.0.1", "PX4_SIMULATOR": "mavlink"}
-    values: dict[str, float] = dict(_PX4_BODIES.get(physics or "", {}))
+    values: dict[str, float] = dict(_PX4_BODIES.get(physics or vehicle, {}))
     if model == _PX4_MODELS.get(vehicle):
         functions = enumerate(_PX4_FUNCTIONS.get(vehicle, ()), 1)
         values |= {f"PWM_MAIN_FUNC{number}": function for number, function in functions}

@@ -1,7 +1,7 @@
 """The world of one PX4, in lockstep over TCP.
 
 Steps are made by callbacks: an answer of PX4 moves the body, and sends the next sensors at once or by the
-pace. Until PX4 answers, steps follow each other after a short wait.
+pace. Until PX4 answers, steps follow each other after a short wait; with rovers and boats later too.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final, cast
 from mavstack.dialects import Dialect
 from mavstack.errors import LinkError
 from mavstack.sim.vehicle_types import DEFAULT_HOME
+from mavstack.simulators.outputs import Outputs
 from mavstack.simulators.px4 import STEP, Phase, Px4Interface
 from mavstack.simulators.simulator import Simulator, listen_address, log
 
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 PX4_PORT: Final = 4560
 #: Seconds to wait for an answer of PX4 before it drives its outputs.
 START_UP_WAIT: Final = 0.02
+#: Seconds to wait for an answer of PX4 with a rover or boat, whose outputs it sends only when it sets them.
+STEERING_WAIT: Final = 0.002
 #: Real seconds without an answer in lockstep after which the log says so.
 SILENCE: Final = 5.0
 
@@ -165,12 +168,19 @@ class Px4Simulator(Simulator):
             return
         self._connection.write(self.interface.step(self.state))
         self._waits = True
-        if self.interface.phase is Phase.START_UP:
+        wait = self._longest_wait()
+        if wait is not None:
             loop = asyncio.get_running_loop()
-            self._start_up = loop.call_later(START_UP_WAIT, self._skip_answer, self.interface.steps)
+            self._start_up = loop.call_later(wait, self._skip_answer, self.interface.steps)
+
+    def _longest_wait(self) -> float | None:
+        """Return the real seconds after which the next step follows without an answer; None: it does not."""
+        if self.interface.phase is Phase.START_UP:
+            return START_UP_WAIT
+        return STEERING_WAIT if self._outputs is Outputs.STEERING else None
 
     def _skip_answer(self, step: int) -> None:
-        if self._waits and step == self.interface.steps and self.interface.phase is Phase.START_UP:
+        if self._waits and step == self.interface.steps and self._longest_wait() is not None:
             self._finish()
 
     def _finish(self) -> None:
