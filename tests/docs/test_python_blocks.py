@@ -113,6 +113,24 @@ def test_few_blocks_are_skipped():
     assert len([block for block in BLOCKS if block.skipped]) <= MAX_SKIPPED
 
 
+NEEDED_FILES = [
+    block
+    for block in BLOCKS
+    if block.directive.startswith("file: ")
+    and any(
+        block.directive.removeprefix("file: ") in each.text for each in PROGRAMS if each.page == block.page
+    )
+]
+
+
+@pytest.mark.parametrize("block", NEEDED_FILES, ids=lambda block: block.name)
+def test_the_page_names_the_files_that_its_programs_need(block):
+    """The comment with the name of the file is not on the page that readers see."""
+    name = block.directive.removeprefix("file: ")
+    text = re.sub(r"<!--.*?-->", "", (ROOT / "docs" / block.page).read_text("utf-8"), flags=re.DOTALL)
+    assert name in re.sub(r"^```.*?^```$", "", text, flags=re.MULTILINE | re.DOTALL)
+
+
 def free_port() -> int:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("127.0.0.1", 0))
