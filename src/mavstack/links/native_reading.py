@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from mavstack._core import Intake, Parser
     from mavstack.links.address import Address
-    from mavstack.links.udp import UdpChannel, UdpLink
+    from mavstack.links.udp import UdpLink
+    from mavstack.links.udp_channel import UdpChannel
 
 #: Seconds for which the link reads the socket itself after the program did not keep up.
 CALM_TIME: Final = 0.5

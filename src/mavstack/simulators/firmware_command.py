@@ -37,7 +37,7 @@ _PX4_FUNCTIONS: Final = MappingProxyType(
     {"plane": (202, 203, 101, 204, 0, 0, 0, 0, 0), "vtol": (101, 102, 103, 104, 105, 201, 202, 203)}
 )
 #: Parameters of PX4 for bodies that are faster and turn wider than its models.
-_PX4_BODIES: Final = MappingProxyType(
+_PX4_BODIES: Final[Mapping[str, Mapping[str, float]]] = MappingProxyType(
     {
         "jsbsim:c172x": {
             "FW_AIRSPD_MIN": 28,

@@ -168,19 +168,19 @@ class Px4Simulator(Simulator):
             return
         self._connection.write(self.interface.step(self.state))
         self._waits = True
-        wait = self._longest_wait()
+        wait = self._answer_timeout()
         if wait is not None:
             loop = asyncio.get_running_loop()
             self._start_up = loop.call_later(wait, self._skip_answer, self.interface.steps)
 
-    def _longest_wait(self) -> float | None:
+    def _answer_timeout(self) -> float | None:
         """Return the real seconds after which the next step follows without an answer; None: it does not."""
         if self.interface.phase is Phase.START_UP:
             return START_UP_WAIT
         return STEERING_WAIT if self._outputs is Outputs.STEERING else None
 
     def _skip_answer(self, step: int) -> None:
-        if self._waits and step == self.interface.steps and self._longest_wait() is not None:
+        if self._waits and step == self.interface.steps and self._answer_timeout() is not None:
             self._finish()
 
     def _finish(self) -> None:

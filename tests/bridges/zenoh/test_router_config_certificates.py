@@ -45,7 +45,7 @@ def test_certificates_decide(tmp_path: Path) -> None:
     path = tmp_path / "router.json5"
     files = {"certificate": "router.pem", "private_key": "router.key", "ca": "ca.pem"}
     named = {key: str(tmp_path / name) for key, name in files.items()}
-    path.write_text(router_config(owners, listen=[f"tls/127.0.0.1:{port}"], **named), "utf-8")  # type: ignore[arg-type]
+    path.write_text(router_config(owners, listen=[f"tls/127.0.0.1:{port}"], **named), "utf-8")
 
     async def scenario(url: str, stack: ExitStack) -> None:
         session = secure_options(tmp_path, "alpha", port)

@@ -12,6 +12,7 @@ from __future__ import annotations
 import asyncio
 from dataclasses import dataclass
 from math import atan2, degrees
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import LinkURLError
@@ -21,7 +22,7 @@ from mavstack.services.traffic import TrafficSender
 from mavstack.traffic import Aircraft, AircraftTable, BeastReader, Gdl90Reader, SbsReader, closest_approach
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Sequence
+    from collections.abc import AsyncIterator, Mapping, Sequence
     from types import TracebackType
     from typing import Self
 
@@ -43,6 +44,9 @@ ALARM_INTERVAL: Final = 10.0
 #: The addresses of vehicles, which have no transponder: none of ICAO's.
 _FLEET_ADDRESS: Final = 0xF00000
 _PORTS: Final = {"sbs": 30003, "beast": 30005, "gdl90": 4000}
+_READERS: Final[Mapping[str, type[SbsReader | BeastReader | Gdl90Reader]]] = MappingProxyType(
+    {"sbs": SbsReader, "beast": BeastReader, "gdl90": Gdl90Reader}
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +93,7 @@ class TrafficFeed(ApiObject):
             raise LinkURLError(f"a source of traffic is sbs://, beast:// or gdl90://HOST:PORT, got {url!r}")
         place = place if place.rpartition("]")[2].count(":") else f"{place}:{_PORTS[scheme]}"
         self._link = open_link(f"{'udpin' if scheme == 'gdl90' else 'tcpout'}://{place}")
-        self._reader = {"sbs": SbsReader, "beast": BeastReader, "gdl90": Gdl90Reader}[scheme]()
+        self._reader: SbsReader | BeastReader | Gdl90Reader = _READERS[scheme]()
         self._count, self._reach, self._fleet = count, reach, fleet
         #: The aircraft that were reported.
         self.aircraft = AircraftTable()
