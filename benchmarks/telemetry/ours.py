@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from mavstack import connect
 from mavstack.dialects import Dialect
+from mavstack.vehicle import VehicleLost, VehicleReturned
 
 from .child import FIELDS, MessageRecorder, serve
 
@@ -64,7 +65,7 @@ async def _by_reading(recorder: MessageRecorder) -> None:
     """Read the position ten times a second, and wait for events of vehicles; other messages are not taken."""
     async with connect(f"udpin://127.0.0.1:{recorder.port}") as connection:
         vehicle = await connection.wait_for_vehicle()
-        async with connection.events() as events:
+        async with connection.events(VehicleLost, VehicleReturned) as events:
             while True:
                 with suppress(TimeoutError):
                     async with asyncio.timeout(READ_INTERVAL):
