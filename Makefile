@@ -4,7 +4,7 @@ PYTHON ?= python3
 # A named interpreter has its own environment: .venv-3.13.
 VENV ?= .venv$(if $(filter command line,$(origin PYTHON)),-$(shell $(PYTHON) -c "import sys; print('%d.%d' % sys.version_info[:2])"))
 BIN := $(VENV)/bin
-SOURCES := $(shell find rust/core rust/logs rust/router rust/swarm rust/python -name '*.rs' -o -name Cargo.toml) Cargo.toml pyproject.toml
+SOURCES := $(shell find rust/core rust/intake rust/logs rust/router rust/swarm rust/python -name '*.rs' -o -name Cargo.toml) Cargo.toml pyproject.toml
 
 # A toolchain of the system, or one in .tools (MAVSTACK_NO_DOWNLOAD=1: none is downloaded).
 RUST := $(PYTHON) backend/mavstack_rust.py
@@ -15,11 +15,14 @@ FAST_WORKERS := $(or $(WORKERS),$(shell $(PYTHON) -c "import os; print((os.cpu_c
 # Hundreds of tests talk over real sockets in real time: a failed test runs once more, and the summary names it.
 PYTEST := $(BIN)/pytest --reruns 1 -r fER
 
+# The target for which the core is built with a sanitizer, so that build scripts are not.
+SANITIZED_HOST = $(shell uname -m)-unknown-linux-gnu
+
 # Modules are compiled once, not by every worker and every `mav` that a test starts.
 unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: rust demo station station-tests test flights interop nightly check newest lint lint-python lint-rust lint-station rust-tests test-programs docs format bench \
-	fuzz generate clean
+	sanitize fuzz generate clean
 
 demo: $(VENV)/package ## Fly eight simulated vehicles and show their live picture; WEB=1: in the browser too
 	@$(if $(WEB),$(MAKE) --no-print-directory station)
@@ -83,7 +86,7 @@ lint-rust: | rust
 	$(RUST) cargo clippy --quiet --all-targets --profile checks --locked -- -D warnings
 
 rust-tests: lint-rust
-	env -u MAKEFLAGS -u MFLAGS $(RUST) cargo test --quiet --profile checks --locked -p mavstack-core -p mavstack-logs -p mavstack-router -p mavstack-swarm
+	env -u MAKEFLAGS -u MFLAGS $(RUST) cargo test --quiet --profile checks --locked -p mavstack-core -p mavstack-intake -p mavstack-logs -p mavstack-router -p mavstack-swarm
 
 docs: $(VENV)/installed ## Build the documentation site in site/, and search it
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
@@ -91,6 +94,15 @@ docs: $(VENV)/installed ## Build the documentation site in site/, and search it
 
 bench: $(VENV)/installed ## Compare speed and memory with the peers
 	$(BIN)/python -m benchmarks
+
+sanitize: $(VENV)/installed ## Run tests of the core under AddressSanitizer (Linux, gcc); TESTS="tests/logs …": those of some folders
+	$(RUST) env RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=address cargo build --quiet --profile checks --locked -p mavstack-python \
+	  --target $(SANITIZED_HOST) --target-dir target/sanitized
+	rm -rf target/sanitized/package && mkdir -p target/sanitized/package && cp -r src/mavstack target/sanitized/package
+	cp target/sanitized/$(SANITIZED_HOST)/checks/lib_core.so target/sanitized/package/mavstack/_core.abi3.so
+	LD_PRELOAD=$$(gcc -print-file-name=libasan.so) ASAN_OPTIONS=detect_leaks=0 PYTHONMALLOC=malloc \
+	  PYTHONPATH=target/sanitized/package:. $(BIN)/python -c "import gc, sys, pytest; gc.set_threshold(1); sys.exit(pytest.main(sys.argv[1:]))" \
+	  -q -p no:xdist -m "not properties and not interop and not nightly and not seeds" $(or $(TESTS),tests/wire tests/node/test_native_input.py)
 
 fuzz: $(VENV)/installed ## Fuzz each target for SECONDS (600)
 	rust/fuzz/run $(or $(SECONDS),600)
