@@ -11,6 +11,7 @@ from mavstack.cli.swarm.command import EXAMPLES
 from mavstack.swarm.formations import FORMATIONS
 from tests.cli.harness import COPTER, PX4_COPTER, examples_of
 from tests.docs.blocks import BLOCKS
+from tests.swarm.shows.samples import skyc
 
 KINDS = (COPTER, PX4_COPTER, COPTER)
 GUIDE = [
@@ -68,7 +69,10 @@ def test_vehicles_on_the_ground_and_a_wrong_leader_are_refused(simulate, mav):
 @pytest.mark.nightly
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize("examples", [examples_of(EXAMPLES), GUIDE], ids=["help", "guide"])
-def test_examples_run_one_after_the_other(simulate, mav, examples):
+def test_examples_run_one_after_the_other(simulate, mav, examples, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("show.skyc", "circle.skyc"):
+        (tmp_path / name).write_bytes(skyc(len(KINDS) + 1))
     simulate(*KINDS, COPTER, apart=True)
     assert examples
     for words in examples:
