@@ -47,6 +47,7 @@ WRITERS = {"common/output.py", "common/live_display.py"}
 WITH_VEHICLE = [
     "rid status", "rid send --operator 47,8 --for 1",
     "vehicle arm --system 1",
+    "vehicle check", "vehicle airframe", "vehicle ports",
     "vehicle disarm", "vehicle takeoff 10", "vehicle land --no-wait", "vehicle rtl --no-wait",
     "vehicle hold", "vehicle goto 47.3 8.5 10", "vehicle orbit 47.3 8.5 10", "vehicle mode LOITER",
     "vehicle mode NOSUCH", "vehicle modes", "vehicle speed 5", "vehicle yaw 90 --no-wait", "vehicle home",

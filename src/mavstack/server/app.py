@@ -46,6 +46,7 @@ from mavstack.server.api import (
     station,
     surveys,
     swarms,
+    vehicle_setup,
     vehicles,
 )
 from mavstack.server.api.session import LogIn, Sessions
@@ -102,6 +103,7 @@ ROUTES: Final[tuple[AnyRoute, ...]] = (
     *gimbals.ROUTES,
     *parameters.ROUTES,
     *extended_parameters.ROUTES,
+    *vehicle_setup.ROUTES,
     *plans.ROUTES,
     *surveys.ROUTES,
     *swarms.ROUTES,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.options import finite_number, seconds, system_id
-from mavstack.cli.vehicle import calibrate, equipment, events
+from mavstack.cli.vehicle import calibrate, equipment, events, setup
 from mavstack.cli.vehicle.arguments import (
     add_action,
     add_flight,
@@ -67,6 +67,11 @@ examples:
   mav vehicle calibrate
   mav vehicle calibrate gyroscope
   mav vehicle calibrate accelerometer --yes --pause 10
+  mav vehicle check
+  mav vehicle airframe
+  mav vehicle airframe 2 1 --dry-run
+  mav vehicle ports
+  mav vehicle ports SERIAL0 --baud 115200
   mav vehicle terminate
   mav vehicle reboot --systems 1,3-5
   mav vehicle renumber --channel 192.168.1.20:14550
@@ -98,6 +103,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     equipment.add_actions(actions)
     calibrate.add_actions(actions)
+    setup.add_actions(actions)
     add_flight(actions, "reboot", "reboot the autopilot, and wait until it is back", reboot)
     action = add_timed(actions, "renumber", "give the vehicle another system id", renumber)
     action.add_argument("id", nargs="?", type=system_id, metavar="ID", help="system id (default: a free one)")

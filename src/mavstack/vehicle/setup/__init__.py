@@ -1,0 +1,33 @@
+"""Setting a vehicle up: its airframe, its serial ports, and the check list before its first flight.
+
+    from mavstack.vehicle.setup import first_flight, get_airframe, get_serial_ports
+
+    for item in await first_flight(vehicle):
+        print(item)
+
+These are functions of the parameters of ArduPilot and PX4; values that were set are saved by the firmware.
+"""
+
+from mavstack.vehicle.setup.airframe import (
+    Airframe,
+    AirframeChange,
+    get_airframe,
+    plan_airframe,
+    set_airframe,
+)
+from mavstack.vehicle.setup.first_flight import CheckItem, CheckState, first_flight
+from mavstack.vehicle.setup.serial_ports import SerialPort, get_serial_ports, set_serial_port
+
+__all__ = [
+    "Airframe",
+    "AirframeChange",
+    "CheckItem",
+    "CheckState",
+    "SerialPort",
+    "first_flight",
+    "get_airframe",
+    "get_serial_ports",
+    "plan_airframe",
+    "set_airframe",
+    "set_serial_port",
+]
