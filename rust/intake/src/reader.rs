@@ -19,7 +19,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// The longest rest after a turn: the longest delay of a packet that is not urgent.
-pub const REST: Duration = Duration::from_millis(2);
+pub const REST: Duration = Duration::from_micros(500);
 /// Datagrams that may collect during a rest: a small socket buffer holds as many.
 const MAX_RESTING: f64 = 64.0;
 /// Batches of one socket in a turn.

@@ -78,7 +78,7 @@ def send(arguments: Namespace) -> int:
     """Run `mav rid send`."""
     try:
         operator = Operator(
-            *arguments.operator,
+            **arguments.operator,
             operator_id=arguments.operator_id,
             uas_id=arguments.serial,
             description=arguments.description,
@@ -118,8 +118,8 @@ def _lines(found: RemoteIdStatus) -> list[str]:
     return lines
 
 
-def _position(text: str) -> tuple[float, ...]:
-    numbers = tuple(float(word) for word in text.split(","))
+def _position(text: str) -> dict[str, float]:
+    numbers = [float(word) for word in text.split(",")]
     if len(numbers) not in (2, 3):
         raise ValueError(text)
-    return numbers
+    return dict(zip(("latitude", "longitude", "altitude"), numbers, strict=False))
