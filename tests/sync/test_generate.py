@@ -21,6 +21,7 @@ VALUES = {
     "mavstack.vehicle.capabilities.Capabilities",
     "mavstack.vehicle.connection.NodeOptions",
     "mavstack.vehicle.health.Health",
+    "mavstack.vehicle.rtk.rtk.RtkStatus",
     "mavstack.vehicle.swarm.controller.SwarmOptions",
     "mavstack.vehicle.telemetry.values",
     "mavstack.vehicle.telemetry.values.HomePosition",
