@@ -187,7 +187,6 @@ async def search(
     from mavstack.swarm.search.missions import MissionOptions
     from mavstack.swarm.search.plans import pattern_tracks, plan_search
     from mavstack.swarm.search.surveys import frame_of
-    from mavstack.vehicle.group import Group
 
     frame = frame_of([center])
     options = mission or MissionOptions(altitude=30.0, layer_spacing=10.0)
@@ -202,7 +201,9 @@ async def search(
             await vehicle.mission.start(arm=True, timeout=timeout)
         return uploaded
 
-    return await Group(missions).each(fly, name="starting the search" if start else "uploading the mission")
+    return await type(group)(missions).each(
+        fly, name="starting the search" if start else "uploading the mission"
+    )
 
 
 async def land_all(group: Group, *, timeout: float | None = None) -> Results[None]:

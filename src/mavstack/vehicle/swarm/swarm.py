@@ -35,7 +35,7 @@ from mavstack.vehicle.swarm.controller import SwarmController, SwarmOptions
 from mavstack.vehicle.swarm.member import RATE, Member
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Awaitable, Callable, Iterable
     from types import TracebackType
     from typing import Self
 
@@ -339,11 +339,13 @@ class Swarm(ReadOnly):
         await vehicle.set_message_rate(common.GlobalPositionInt, RATE)
         await vehicle.wait_for_message(common.GlobalPositionInt)
 
-    async def _call(self, name: str, work: Any) -> None:  # noqa: ANN401
-        from mavstack.vehicle.group import Group
-
-        results = await Group(self._vehicles).each(work, name=name)
-        results.check()
+    async def _call(self, name: str, work: Callable[[Vehicle], Awaitable[None]]) -> None:
+        """Run a function for each vehicle; raises GroupError with the errors of all."""
+        outcomes = await asyncio.gather(*map(work, self._vehicles), return_exceptions=True)
+        ended = zip(self._vehicles, outcomes, strict=True)
+        errors = {each.system: outcome for each, outcome in ended if isinstance(outcome, Exception)}
+        if errors:
+            raise GroupError(name, errors, len(outcomes))
 
 
 def _check_show(show: Show, members: int, limits: ShowLimits) -> None:
