@@ -76,8 +76,8 @@ lint-python: $(VENV)/installed
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .
 	$(BIN)/python -m tools.vocabulary
 	$(BIN)/mypy
-	$(BIN)/lint-imports
-	$(BIN)/lint-imports run-time-imports.toml
+	$(BIN)/lint-imports --no-cache
+	$(BIN)/lint-imports --no-cache run-time-imports.toml
 	$(BIN)/python -m mavstack.dialects.generate --check
 	$(BIN)/python -m mavstack.sync.generate --check
 
