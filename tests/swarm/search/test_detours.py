@@ -16,6 +16,10 @@ def test_a_free_way_is_straight():
     assert detour(AREA, (10.0, 100.0), (70.0, 100.0)) == []
 
 
+def test_a_way_along_an_edge_within_the_smallest_numbers():
+    assert detour(AREA, (-2.38198603827e-312, 10.0), (-2.381986038273e-312, 100.0)) is not None
+
+
 def test_the_way_between_the_arms_goes_around_both_corners():
     assert detour(AREA, (190.0, 30.0), (190.0, 170.0)) == [(80.0, 60.0), (80.0, 140.0)]
 
