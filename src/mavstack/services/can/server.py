@@ -83,7 +83,7 @@ class CanServer(Service):
         if number == 0:
             self._end()
             return common.MavResult.ACCEPTED
-        if number != int(number) or not 1 <= number <= self.buses:
+        if not 1 <= number <= self.buses or number != int(number):
             return common.MavResult.FAILED
         if (int(number), request.source) != (self.bus, self._client):
             self._filter = frozenset()
