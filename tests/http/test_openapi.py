@@ -68,6 +68,13 @@ def test_null_is_the_default_of_a_body_but_not_of_a_query() -> None:
     assert wait["schema"] == {"type": "boolean", "default": True}
 
 
+def test_a_field_of_a_query_without_a_default_is_required() -> None:
+    route = Route(method="GET", path="/turn/{id}", summary="Show", tag="a", query=Turn, answer={})
+    (_, heading, fast) = describe([route], API)["paths"]["/turn/{id}"]["get"]["parameters"]
+    assert (heading["name"], heading["required"]) == ("heading", True)
+    assert "required" not in fast
+
+
 def test_long_work_may_be_a_task() -> None:
     plain = Route(method="GET", path="/turn/{id}", summary="Show", tag="a", answer={"b": 1, "a": None})
     paths = describe([TURN, plain], API)["paths"]["/turn/{id}"]

@@ -236,7 +236,11 @@ def test_a_cancelled_download_closes_its_session() -> None:
 def test_ardupilot_parameters_are_downloaded_as_one_file() -> None:
     async def work(pair: VehiclePair) -> None:
         async with pair.ground.packets(common.ParamValue) as values:
+            await pair.remote.params.get("P_03")
+            assert not pair.remote.params.is_complete
+            values.drain()
             fetched = await pair.remote.params.download()
+            assert pair.remote.params.is_complete
             assert len(values.drain()) == 0
         assert {name: parameter.value for name, parameter in fetched.items()} == {
             f"P_{number:02}": number for number in range(40)

@@ -139,9 +139,12 @@ def _query_parameters(route: Route[Any, Any]) -> list[dict[str, Any]]:
     if route.query is None:
         return []
     _, named = schema_components([route.query], ref_template=_REFERENCE)
-    properties: dict[str, dict[str, Any]] = named[route.query.__name__]["properties"]
+    query = named[route.query.__name__]
+    required: list[str] = query.get("required", [])
+    properties: dict[str, dict[str, Any]] = query["properties"]
     return [
         {"name": name, "in": "query", "description": each.pop("description", ""), "schema": _not_null(each)}
+        | ({"required": True} if name in required else {})
         for name, each in properties.items()
     ]
 

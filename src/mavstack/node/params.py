@@ -78,6 +78,7 @@ class Params(ReadOnly):
         self._version_requested = False
         self._metadata = NO_METADATA
         self._unsaved: dict[str, None] = {}
+        self._is_complete = False
         self._metadata_files = MetadataFiles(clients)
 
     @property
@@ -88,6 +89,11 @@ class Params(ReadOnly):
     def cached(self) -> Mapping[str, Parameter]:
         """Every parameter received so far, by name, with changes made by any component."""
         return self._client.parameters
+
+    @property
+    def is_complete(self) -> bool:
+        """True if `cached` has all parameters: they were downloaded, and no reboot came since."""
+        return self._is_complete
 
     def __getitem__(self, name: str) -> Parameter:
         """Return a parameter that was received before, such as by `download`; nothing is sent.
@@ -238,6 +244,7 @@ class Params(ReadOnly):
         if not (packed and await self._download_packed(budget, progress)):
             operation = client.download(host.now(), known=known, timeout=budget.remaining())
             await host.finish(client, operation, progress)
+        self._is_complete = True
         return self.cached
 
     async def download_metadata(
@@ -321,7 +328,7 @@ class Params(ReadOnly):
 
     def clear_cache(self) -> None:
         """Discard version and unsaved names from before a reboot; metadata stays until the next download."""
-        self._version, self._version_requested = None, False
+        self._version, self._version_requested, self._is_complete = None, False, False
         self._unsaved.clear()
         self._metadata_files.clear_cache()
 

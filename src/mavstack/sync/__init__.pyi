@@ -2624,6 +2624,10 @@ class Params:
     def cached(self) -> Mapping[str, Parameter]:
         """Every parameter received so far, by name, with changes made by any component."""
 
+    @property
+    def is_complete(self) -> bool:
+        """True if `cached` has all parameters: they were downloaded, and no reboot came since."""
+
     def __getitem__(self, name: str) -> Parameter:
         """Return a parameter that was received before, such as by `download`; nothing is sent.
 

@@ -217,7 +217,6 @@ EXAMPLES = [line.strip() for line in command.EXAMPLES.splitlines()[1:]]
 
 
 @pytest.mark.flight
-@pytest.mark.xfail(reason="an example needs field.plan", strict=False)
 def test_examples_of_the_help_run(mav, copter, capsys):
     ran = 0
     for line in [EXAMPLES[0], *EXAMPLES]:

@@ -116,6 +116,7 @@ def speed_params(harness: ArdupilotHarness) -> tuple[float, ...]:
 
 
 CASES: dict[int, Case] = {
+    CMD.CAN_FORWARD: Case((1,), has_sent(common.CanFrame)),
     # arming
     CMD.COMPONENT_ARM_DISARM: Case((1, 21196), lambda harness: harness.autopilot.armed),
     CMD.RUN_PREARM_CHECKS: Case(

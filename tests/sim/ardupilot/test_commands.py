@@ -26,7 +26,6 @@ def cases() -> list[tuple[VehicleType, int]]:
         for command in sorted(ArdupilotHarness(vehicle_type, settle=0).vehicle.commands.supported)
         if vehicle_type != "boat"  # same firmware as the rover
         and command not in NEVER_ACCEPTED
-        and command != CMD.CAN_FORWARD  # its own tests: tests/services/can, tests/sim/can
         and not (vehicle_type == "plane" and command == CMD.NAV_TAKEOFF)
     ]
 

@@ -44,6 +44,14 @@ def test_a_port_is_set(baud, stored) -> None:
     serve(COPTER, scenario)
 
 
+def test_one_known_parameter_is_not_all() -> None:
+    async def scenario(ground: Ground) -> None:
+        await ground.api.get("/api/vehicles/1/parameters/RTL_ALT")
+        assert (await ground.api.get("/api/vehicles/1/serial-ports")).json["ports"]
+
+    serve(COPTER, scenario)
+
+
 def test_refusals() -> None:
     async def scenario(ground: Ground) -> None:
         unknown = await ground.api.put("/api/vehicles/1/serial-ports/SERIAL9", {"baud": 9600})

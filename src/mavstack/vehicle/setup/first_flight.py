@@ -174,7 +174,7 @@ async def first_flight(vehicle: Vehicle) -> tuple[CheckItem, ...]:
     Raises:
         RemoteError: The parameters cannot be downloaded.
     """
-    if firmware_of(vehicle).FEATURES.get("parameters", True) and not vehicle.params.cached:
+    if firmware_of(vehicle).FEATURES.get("parameters", True) and not vehicle.params.is_complete:
         await vehicle.params.download()
     values = {name: each.value for name, each in vehicle.params.cached.items()}
     return (*parameter_checks(int(vehicle.autopilot or 0), values), *_telemetry_checks(vehicle))

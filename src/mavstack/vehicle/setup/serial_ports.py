@@ -86,7 +86,7 @@ async def get_serial_ports(vehicle: Vehicle) -> tuple[SerialPort, ...]:
         RemoteError: The vehicle does not answer.
     """
     _check(vehicle)
-    if not vehicle.params.cached:
+    if not vehicle.params.is_complete:
         await vehicle.params.download()
     values = {name: each.value for name, each in vehicle.params.cached.items()}
     return serial_ports_of(values)

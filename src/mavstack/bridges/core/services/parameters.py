@@ -56,7 +56,7 @@ async def pull(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
     """Download all parameters (mavros_msgs/ParamPull)."""
     del context
     known = vehicle.params.cached
-    if request["force_pull"] or not known:
+    if request["force_pull"] or not vehicle.params.is_complete:
         known = await vehicle.params.download()
     return {"success": True, "param_received": len(known)}
 
@@ -71,7 +71,7 @@ async def set_parameter(vehicle: Vehicle, request: Fields, context: Any) -> Fiel
 async def list_parameters(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
     """List the names of parameters (rcl_interfaces/ListParameters)."""
     del context
-    known = vehicle.params.cached or await vehicle.params.download()
+    known = vehicle.params.cached if vehicle.params.is_complete else await vehicle.params.download()
     prefixes = request["prefixes"]
     names = [name for name in known if not prefixes or any(name.startswith(each) for each in prefixes)]
     return {"result": {"names": sorted(names)}}
