@@ -34,6 +34,7 @@ class Method:
     method: str
     distribution: str = "mavstack"
     floods: bool = True  # true if it counts every message, as a flood needs
+    is_called: bool = True  # false if it reads values at its own times: then it has no delay and no loss
 
 
 BARE_READER = "socket, asyncio"
@@ -42,7 +43,7 @@ METHODS = (
     Method(BARE_READER, "bare_sockets", "asyncio"),
     Method(OURS, "ours", "called"),
     Method(f"{OURS}, async for", "ours", "iterated"),
-    Method(f"{OURS}, position at 10 Hz", "ours", "read", floods=False),
+    Method(f"{OURS}, position at 10 Hz", "ours", "read", floods=False, is_called=False),
     Method("pymavlink, recv_match", "peer_pymavlink", "loop", "pymavlink"),
     Method("pymavlink, hooks", "peer_pymavlink", "hooks", "pymavlink"),
     Method("MAVSDK, direct", "peer_mavsdk", "direct", "mavsdk"),

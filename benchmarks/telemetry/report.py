@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from benchmarks.measure import OURS
 
-from .receiver import BARE_READER
+from .receiver import BARE_READER, METHODS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -22,6 +22,7 @@ PACED_HEAD = (
     *("receiver", "CPU µs", "min … max", "bare", "times ours", "idle ms/s"),
     *("median ms", "added", "p99 ms", "added", "first s", "lost"),
 )
+_CALLED = frozenset(method.name for method in METHODS if method.is_called)
 FLOOD_HEAD = ("receiver", "msg/s", "min … max", "of ours", "CPU µs", "times ours", "lost")
 
 
@@ -57,12 +58,9 @@ def _paced(pace: str, turns: dict[str, list[Paced]]) -> str:
             _against(each, bare, lambda turn: turn.cpu * MICRO, "{:+.1f}"),
             _times(each, ours, lambda turn: turn.cpu),
             f"{_median(each, lambda turn: turn.idle) * MILLI:.2f}",
-            f"{_median(each, lambda turn: turn.median) * MILLI:.3f}",
-            _against(each, bare, lambda turn: turn.median * MILLI, "{:+.3f}"),
-            f"{_median(each, lambda turn: turn.p99) * MILLI:.3f}",
-            _against(each, bare, lambda turn: turn.p99 * MILLI, "{:+.3f}"),
+            *(_delays(each, bare) if name in _CALLED else ("",) * 4),
             f"{_median(each, lambda turn: turn.first):.3f}",
-            f"{_median(each, lambda turn: turn.lost):.1%}",
+            f"{_median(each, lambda turn: turn.lost):.1%}" if name in _CALLED else "",
         )
         for name, each in turns.items()
     ]
@@ -104,6 +102,16 @@ def _median(turns: Sequence[Paced] | Sequence[Flooded], of: Callable[..., float]
 
 def _range(values: Sequence[float], digits: int) -> str:
     return f"{min(values):,.{digits}f} … {max(values):,.{digits}f}"
+
+
+def _delays(turns: Sequence[Paced], bare: Sequence[Paced] | None) -> tuple[str, ...]:
+    """Return median and 99 % of the delay, each with the difference to the bare reader."""
+    return (
+        f"{_median(turns, lambda turn: turn.median) * MILLI:.3f}",
+        _against(turns, bare, lambda turn: turn.median * MILLI, "{:+.3f}"),
+        f"{_median(turns, lambda turn: turn.p99) * MILLI:.3f}",
+        _against(turns, bare, lambda turn: turn.p99 * MILLI, "{:+.3f}"),
+    )
 
 
 def _against(
