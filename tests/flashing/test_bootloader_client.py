@@ -195,6 +195,12 @@ def test_signed_images() -> None:
         Line(Ours(SimulatedBootloader(SMALL))).flash(firmware(image_signed=True))
 
 
+def test_signed_images_of_ardupilot_are_verified_at_their_start() -> None:
+    bootloader = SimulatedBootloader(SMALL)
+    Line(Ours(bootloader)).flash(firmware(kind=FirmwareKind.APJ, signed_firmware=True))
+    assert bootloader.started
+
+
 def test_a_board_that_does_not_answer() -> None:
     class Silent(Ours):
         def take(self, data: bytes, now: float) -> bytes:

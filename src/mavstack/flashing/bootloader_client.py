@@ -22,6 +22,7 @@ from mavstack.flashing.conversation import (
     refusable,
 )
 from mavstack.flashing.failures import BootloaderError
+from mavstack.flashing.firmware_file import FirmwareKind
 from mavstack.flashing.progress import Phase, ReportProgress, no_progress
 
 if TYPE_CHECKING:
@@ -191,7 +192,8 @@ def _verify(firmware: FirmwareFile, board: Board) -> Steps[None]:
     else:
         found = yield from _number(Op.GET_CRC, operation="verifying", timeout=CRC_TIMEOUT)
         _compare(found, flash_crc(firmware.image, board.flash_size))
-    if firmware.signed:
+    # ArduPilot's bootloaders verify the signature themselves, before they start a firmware.
+    if firmware.signed and firmware.kind is FirmwareKind.PX4:
         yield from _verify_signature()
 
 
