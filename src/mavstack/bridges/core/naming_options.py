@@ -30,13 +30,18 @@ def add_naming_options(parser: ArgumentParser) -> None:
         help="namespace before /mavros (default: none)",
     )
     add("--fleet", action="store_true", help="each vehicle has its name before /mavros, also a single one")
-    add(
+    add_names_option(parser, ", with --fleet (default: uav and the id)")
+
+
+def add_names_option(parser: ArgumentParser, details: str = " (default: uav and the id)") -> None:
+    """Declare `--name`; its value is a list of system ids with names."""
+    parser.add_argument(
         "--name",
         action="append",
         type=vehicle_name,
         default=[],
         metavar="ID=NAME",
-        help="name of a vehicle by its system id, with --fleet (default: uav and the id)",
+        help=f"name of a vehicle by its system id{details}",
     )
 
 

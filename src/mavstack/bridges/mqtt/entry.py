@@ -8,7 +8,7 @@ from argparse import ArgumentTypeError
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Final
 
-from mavstack.bridges.core.naming_options import vehicle_name
+from mavstack.bridges.core.naming_options import add_names_option
 from mavstack.bridges.core.registry import BridgeEntry
 from mavstack.bridges.mqtt.broker import Broker
 from mavstack.bridges.mqtt.home_assistant import DEFAULT_PREFIX
@@ -36,14 +36,7 @@ def add_options(parser: ArgumentParser) -> None:
     add("--ca", default="", metavar="FILE", help="certificate of the authority, for mqtts (default: system)")
     add("--prefix", type=_prefix, default="mavstack", metavar="TOPIC", help="before all topics")
     add("--rate", type=_rate, default=2.0, metavar="HZ", help="telemetry per second, 1 to 5 (default: 2)")
-    add(
-        "--name",
-        action="append",
-        type=vehicle_name,
-        default=[],
-        metavar="ID=NAME",
-        help="name of a vehicle by its system id (default: uav and the id)",
-    )
+    add_names_option(parser)
     add(
         "--home-assistant",
         nargs="?",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Final
 
-from mavstack.bridges.core.naming_options import vehicle_name
+from mavstack.bridges.core.naming_options import add_names_option
 from mavstack.bridges.core.registry import BridgeEntry
 
 if TYPE_CHECKING:
@@ -22,14 +22,7 @@ DEFAULT_COLLECTOR: Final = "http://127.0.0.1:4318"
 def add_options(parser: ArgumentParser) -> None:
     """Declare the options; `--otlp` is an option of all bridges."""
     parser.set_defaults(otlp=DEFAULT_COLLECTOR)
-    parser.add_argument(
-        "--name",
-        action="append",
-        type=vehicle_name,
-        default=[],
-        metavar="ID=NAME",
-        help="name of a vehicle by its system id (default: uav and the id)",
-    )
+    add_names_option(parser)
 
 
 @asynccontextmanager

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from mavstack.atomic_file import write_file_atomically
-from mavstack.bridges.core.naming_options import port_number, url_host, vehicle_name
+from mavstack.bridges.core.naming_options import add_names_option, port_number, url_host
 from mavstack.bridges.core.registry import BridgeEntry
 
 if TYPE_CHECKING:
@@ -34,14 +34,7 @@ def add_options(parser: ArgumentParser) -> None:
     add("--host", default="127.0.0.1", metavar="ADDRESS", help="address to listen on (default: 127.0.0.1)")
     add("--dashboard", type=Path, metavar="FILE", help="write a dashboard for Grafana")
     add("--alerts", type=Path, metavar="FILE", help="write rules for alerts of Prometheus")
-    add(
-        "--name",
-        action="append",
-        type=vehicle_name,
-        default=[],
-        metavar="ID=NAME",
-        help="name of a vehicle by its system id (default: uav and the id)",
-    )
+    add_names_option(parser)
 
 
 @asynccontextmanager
