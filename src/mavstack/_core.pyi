@@ -1168,7 +1168,7 @@ class Intake:
         """
 
     def stop(self) -> None:
-        """End the thread, and drop what waits. Idempotent."""
+        """End the thread, and drop the packets that wait. Idempotent."""
 
     def add_socket(self, socket: int, descriptor: int) -> None:
         """Read a UDP socket, whose descriptor is duplicated, from now on.
@@ -1197,7 +1197,7 @@ class Intake:
         """
 
     def attach(self, channel: int, socket: int, address: tuple[Any, ...], parser: Parser) -> bool:
-        """Parse what a peer sends from now on, unless datagrams of it wait for the program.
+        """Parse the datagrams of a peer from now on, unless some of them wait for the program.
 
         Args:
             channel: The number of the channel, chosen by the program.
@@ -1220,7 +1220,7 @@ class Intake:
         """
 
     def activity(self, channel: int) -> tuple[int, int, float, float]:
-        """Return what was received on a channel since the last call.
+        """Return the activity of a channel since the last call.
 
         Args:
             channel: The number of the channel.
@@ -1294,7 +1294,7 @@ class Intake:
         list[tuple[tuple[int, int], int]],
         list[int],
     ]:
-        """Remove and return what waits.
+        """Remove and return the packets and datagrams that wait.
 
         Returns:
             The packets, in order, as (channel, packets, kept as latest packets already); the datagrams of

@@ -108,7 +108,7 @@ impl Intake {
         Ok(descriptor)
     }
 
-    /// End the thread, and drop what waits. Idempotent.
+    /// End the thread, and drop the packets that wait. Idempotent.
     fn stop(&self, py: Python<'_>) {
         let reader = lock(&self.reader).take();
         py.detach(|| drop(reader));
@@ -153,7 +153,7 @@ impl Intake {
         }
     }
 
-    /// Parse what a peer sends from now on, unless datagrams of it wait for the program.
+    /// Parse the datagrams of a peer from now on, unless some of them wait for the program.
     ///
     /// Args:
     ///     channel: The number of the channel, chosen by the program.
@@ -187,7 +187,7 @@ impl Intake {
         to_activity(lock(&self.core).detach(channel))
     }
 
-    /// Return what was received on a channel since the last call.
+    /// Return the activity of a channel since the last call.
     ///
     /// Args:
     ///     channel: The number of the channel.
@@ -267,7 +267,7 @@ impl Intake {
         lock(&self.core).messages.forget_interest(message_id, system);
     }
 
-    /// Remove and return what waits.
+    /// Remove and return the packets and datagrams that wait.
     ///
     /// Returns:
     ///     The packets, in order, as (channel, packets, kept as latest packets already); the datagrams of senders that the

@@ -113,7 +113,7 @@ def sync(attempts: int = SYNC_ATTEMPTS) -> Steps[None]:
 
 
 def identify(attempts: int = SYNC_ATTEMPTS) -> Steps[Board]:
-    """Find the bootloader, and read what the board is."""
+    """Find the bootloader, and identify the board."""
     yield from sync(attempts)
     revision = yield from _device(Device.PROTOCOL_REVISION)
     chip = chip_name = serial = None
@@ -305,7 +305,7 @@ def _serial() -> Steps[str]:
 
 
 def _detail(steps: Steps[T]) -> Steps[T | None]:
-    """Read what an old bootloader does not know; None then."""
+    """Read a value that old bootloaders do not know; None then."""
     try:
         return (yield from steps)
     except BootloaderError:

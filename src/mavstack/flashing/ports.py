@@ -1,4 +1,4 @@
-"""The serial ports of this machine, and what their USB ids say about the boards behind them."""
+"""The serial ports of this machine, and the boards that their USB ids name."""
 
 from __future__ import annotations
 

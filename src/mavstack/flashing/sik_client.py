@@ -83,7 +83,7 @@ def check_radio(firmware: FirmwareFile, board: RadioBoard, name: str | None) -> 
 
 
 def identify(attempts: int = _ATTEMPTS) -> Steps[RadioBoard]:
-    """Find the bootloader, and read what the radio is."""
+    """Find the bootloader, and identify the radio."""
     for attempt in range(1, attempts + 1):
         try:
             yield Request(_PADDING + bytes((SYNC, END)), "finding the bootloader of the radio", timeout=0.5)

@@ -179,7 +179,7 @@ class SimulatedBootloader:
         return self.internal.content[:4] != b"\xff" * 4
 
     def power_cycle(self) -> None:
-        """Lose the power for a moment: what is not in the flash is lost."""
+        """Lose the power for a moment: only the flash keeps its content."""
         self._input = bytearray()
         self._output = bytearray()
         self._deadline: float | None = None

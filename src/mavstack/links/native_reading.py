@@ -66,7 +66,7 @@ class NativeReading:
         self._link.receive(data, address, count)
 
     def attach(self, number: int, channel: UdpChannel, parser: Parser) -> bool:
-        """Let the thread parse what the peer of a channel sends; return whether it does from now on."""
+        """Let the thread parse the datagrams of a channel; return whether it does from now on."""
         address = self._link.sender_of(channel)
         if address is None or not self._link.inbox.is_read:
             return False

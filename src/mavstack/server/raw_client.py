@@ -49,7 +49,7 @@ class RawClient:
         self._role = role
         self._websocket = websocket
         self._rules = SenderRules(station.connection, role)
-        # One parser decides where packets begin: a second one could find others in what the first allowed.
+        # One parser decides where packets begin: a second one could find others in the allowed bytes.
         self._packets: Callable[[bytes], Iterable[Packet]] = (
             Parser(station.connection.dialect).feed if role is Role.ADMINISTER else RoleFilter(role).packets
         )

@@ -125,7 +125,7 @@ class StationSwarm:
         return self.values(vehicles)
 
     async def land(self, vehicles: Sequence[Vehicle]) -> dict[str, Any]:
-        """End the swarm, and let its vehicles land; what flies is stopped."""
+        """End the swarm, and let its vehicles land; a running flight is stopped."""
         await self._interrupt()
 
         async def work() -> None:
@@ -136,7 +136,7 @@ class StationSwarm:
         return self.values(vehicles)
 
     async def stop(self, vehicles: Sequence[Vehicle]) -> dict[str, Any]:
-        """Stop what flies, end the swarm, and let armed vehicles hold where they are."""
+        """Stop the running flight, end the swarm, and let armed vehicles hold where they are."""
         await self._interrupt()
         await self.end()
         moving = Group(each for each in vehicles if each.armed is not False)
@@ -152,7 +152,7 @@ class StationSwarm:
             await swarm.__aexit__(None, None, None)
 
     async def close(self) -> None:
-        """Stop what flies, and end the swarm."""
+        """Stop the running flight, and end the swarm."""
         await self._interrupt()
         await self.end()
 

@@ -59,7 +59,7 @@ class FaultTarget(Protocol):
         """Restart the autopilot."""
 
     def power_cycle(self) -> None:
-        """Restart the autopilot without what it did not save."""
+        """Restart the autopilot without its unsaved parameters."""
 
     def switch_transmitter(self, on: bool) -> bool:
         """Switch the pilot's transmitter on or off; returns whether the pilot has lost it."""

@@ -75,7 +75,7 @@ class FoxgloveParameters:
         return ""
 
     async def close(self) -> None:
-        """Cancel what is under way."""
+        """Cancel the running work."""
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)

@@ -85,7 +85,7 @@ class LogTopics:
         return [topic for topic in found if topic.row.source in allowed]
 
     def _add_others(self, packet: Packet, time: int) -> None:
-        """Write what no row converts: texts, rows of time, raw packets."""
+        """Write the values that no row converts: texts, rows of time, raw packets."""
         self._texts.receive(packet, time / 1e9)
         self._texts.handle_timeout(time / 1e9)
         for event in self._texts.events():

@@ -50,7 +50,7 @@ class McapSink:
         self._outbox = Outbox(lambda sample: self._file.add(*sample), MAX_SAMPLES, name="mcap")
 
     async def close(self) -> None:
-        """Write what waits, and complete the file. Idempotent."""
+        """Write the values that wait, and complete the file. Idempotent."""
         if self._stream.closed:
             return
         if self._outbox is not None:

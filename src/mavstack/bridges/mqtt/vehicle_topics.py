@@ -128,7 +128,7 @@ class VehicleTopics:
     # Publishing
 
     def _greet(self) -> None:
-        """Publish what is retained, after each connection."""
+        """Publish the retained topics, after each connection."""
         self._publish_status(online=self._vehicle.alive)
         self._state = {}
         self.update_state()

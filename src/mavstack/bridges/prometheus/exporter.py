@@ -1,4 +1,4 @@
-"""The metrics of a connection for Prometheus, read at each scrape by a server with threads of its own.
+"""The metrics of a connection for Prometheus, read at each scrape by a server with its own threads.
 
 A scrape asks the event loop for the values, vehicle by vehicle, with other work in between.
 """

@@ -68,7 +68,7 @@ class ZenohSink:
         self._session_id = ""
         self._numbers = 0
         self._node_tokens: dict[str, str] = {}
-        self._kept: list[Any] = []  # what is declared lives as long as its object
+        self._kept: list[Any] = []  # a declaration lives as long as its object
         self._publishers: list[_TopicPublisher] = []
         self._tasks: set[asyncio.Task[None]] = set()
         self._slots = asyncio.Semaphore(MAX_REQUESTS)

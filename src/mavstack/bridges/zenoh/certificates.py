@@ -1,4 +1,4 @@
-"""Certificates of a fleet: an authority of its own, and a certificate for each router, gateway and station.
+"""Certificates of a fleet: its own authority, and a certificate for each router, gateway and station.
 
 An existing authority is used again, and existing certificates are kept, so that a fleet grows.
 """

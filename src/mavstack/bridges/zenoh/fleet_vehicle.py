@@ -68,7 +68,7 @@ class FleetVehicle:
         self._frames: Any = None
         self._listeners: dict[str, Listener] = {}
         self._token: Any = None
-        self._kept: list[Any] = []  # what is declared lives as long as its object
+        self._kept: list[Any] = []  # a declaration lives as long as its object
 
     def open(self) -> None:
         """Declare the endpoints."""

@@ -62,7 +62,7 @@ class FrameGuard:
         self.accepted = 0
         self._system = system
         self._freshness = Freshness()
-        # One parser decides where packets begin: a second one could find others in what the first allowed.
+        # One parser decides where packets begin: a second one could find others in the allowed bytes.
         self._packets: Callable[[bytes], Iterable[Packet]] = (
             Parser(dialect).feed if role is Role.ADMINISTER else RoleFilter(role).packets
         )

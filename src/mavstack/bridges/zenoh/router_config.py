@@ -46,7 +46,7 @@ _ALL: Final = (
 
 @dataclass(frozen=True, slots=True)
 class Fleet:
-    """The owners of certificates, and what they may do.
+    """The owners of certificates, and their rights.
 
     Attributes:
         gateways: The names of the vehicles of each gateway; one with a single vehicle has its name.

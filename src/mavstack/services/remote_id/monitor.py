@@ -106,7 +106,7 @@ class RemoteIdMonitor(Service):
         return self._described(module[0], may_arm, tuple(reasons), now)
 
     def _missing(self, now: float) -> list[str]:
-        """Return what was not heard that a module needs."""
+        """Return the messages that a module needs and did not get."""
         missing = []
         if self._newest(common.OpenDroneIdBasicId, now, 60.0) is None:
             missing.append("no OPEN_DRONE_ID_BASIC_ID was heard")

@@ -45,7 +45,7 @@ class Px4MaintenanceCommands(MaintenanceCommands):
         return _RESULT.ACCEPTED
 
     def store(self, request: CommandRequest) -> common.MavResult:
-        """Answer PREFLIGHT_STORAGE: save now what would be saved after a delay, or reset."""
+        """Answer PREFLIGHT_STORAGE: save the parameters that wait for their delay, or reset."""
         requested = whole(request.command.param1)
         if self.autopilot.armed:
             return _RESULT.TEMPORARILY_REJECTED

@@ -1,4 +1,4 @@
-"""The check list before a first flight: what is set up, what is missing, and what to do.
+"""The check list before a first flight: settings that are done, missing or advised, and how to mend them.
 
 It is advice from the parameters and the telemetry; the vehicle's own checks decide whether it arms.
 """
