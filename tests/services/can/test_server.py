@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import nan
+
 from mavstack.dialects import common
 from mavstack.services import Address
 from mavstack.services.can import CanFrame, CanFrameReceived, CanServer, to_message
@@ -51,9 +53,9 @@ def test_a_bus_is_forwarded_until_it_lapses():
 
 def test_wrong_buses_and_the_end():
     can = Forwarding()
-    assert [can.forward(bus, now=START + n) for n, bus in enumerate((3, -1, 1.5))] == [
-        common.MavResult.FAILED
-    ] * 3
+    wrong = (3, -1, 1.5, nan)
+    results = [can.forward(bus, now=START + n) for n, bus in enumerate(wrong)]
+    assert results == [common.MavResult.FAILED] * 4
     can.forward(2, now=START + 4)
     assert can.transmitted(STATUS, bus=2) == [STATUS.id]
     assert can.forward(0, now=START + 5) == common.MavResult.ACCEPTED
