@@ -15,9 +15,10 @@ PATH = "/api/vehicles/1/airframe"
 
 def test_ardupilot() -> None:
     async def scenario(ground: Ground) -> None:
-        assert (await ground.api.get(PATH)).json == {
-            "name": "quad, X", "values": {"FRAME_CLASS": 1, "FRAME_TYPE": 1}, "defined": True,
-        }  # fmt: skip
+        found = (await ground.api.get(PATH)).json
+        assert {"number": 2, "name": "hexa"} in found.pop("airframes")
+        assert {"number": 0, "name": "plus"} in found.pop("types")
+        assert found == {"name": "quad, X", "values": {"FRAME_CLASS": 1, "FRAME_TYPE": 1}, "defined": True}
         planned = (await ground.api.put(PATH, {"airframe": 2, "dry_run": True})).json
         assert planned == {"sets": {"FRAME_CLASS": 2}, "resets": False, "keeps": [], "airframe": None}
         vehicle = ground.simulation.vehicles[0]
@@ -31,6 +32,8 @@ def test_ardupilot() -> None:
 
 def test_px4_shows_what_is_reset() -> None:
     async def scenario(ground: Ground) -> None:
+        found = (await ground.api.get(PATH)).json
+        assert ({"number": 6001, "name": "hexacopter X"} in found["airframes"], found["types"]) == (True, [])
         planned = (await ground.api.put(PATH, {"airframe": 6001, "dry_run": True})).json
         assert planned["sets"] == {"SYS_AUTOSTART": 6001, "SYS_AUTOCONFIG": 1}
         assert planned["resets"]

@@ -34,8 +34,9 @@ def test_ports_of_px4() -> None:
 @pytest.mark.parametrize(("baud", "stored"), [(57600, 57), (250000, 250000)])
 def test_a_port_is_set(baud, stored) -> None:
     async def scenario(ground: Ground) -> None:
-        listed = (await ground.api.get("/api/vehicles/1/serial-ports")).json["ports"]
-        assert listed[0]["name"] == "SERIAL0"
+        listed = (await ground.api.get("/api/vehicles/1/serial-ports")).json
+        assert listed["ports"][0]["name"] == "SERIAL0"
+        assert {"number": 5, "name": "GPS"} in listed["protocols"]
         changed = await ground.api.put("/api/vehicles/1/serial-ports/SERIAL0", {"protocol": 1, "baud": baud})
         assert (changed.json["protocol"], changed.json["baud"]) == ("MAVLink 1", baud)
         parameters = ground.simulation.vehicles[0].parameters

@@ -12,14 +12,16 @@ from mavstack.security.roles import Role
 from mavstack.server.api.action_route import summary_of
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call
 from mavstack.vehicle.setup import (
+    airframe_choices,
     first_flight,
     get_airframe,
     get_serial_ports,
     plan_airframe,
+    serial_protocols,
     set_airframe,
     set_serial_port,
 )
-from mavstack.vehicle.setup.json_text import airframe_json, check_json, port_json
+from mavstack.vehicle.setup.json_text import airframe_json, check_json, choices_json, port_json
 
 _VEHICLE: Final = "/api/vehicles/{system}"
 
@@ -39,12 +41,26 @@ class CheckList(Struct):
     items: list[CheckListItem]
 
 
+class Choice(Struct):
+    """A number with its name."""
+
+    number: int
+    name: str
+
+
 class AirframeFacts(Struct):
     """The airframe: its parameters by name."""
 
     name: str
     values: dict[str, int]
     defined: bool
+
+
+class AirframeAnswer(AirframeFacts):
+    """The airframe, and the ones that have names; `types` are those of FRAME_TYPE."""
+
+    airframes: list[Choice]
+    types: list[Choice]
 
 
 class PlannedAirframe(Struct):
@@ -67,9 +83,10 @@ class SerialPortFacts(Struct):
 
 
 class SerialPorts(Struct):
-    """The serial ports of the board."""
+    """The serial ports of the board; `protocols` are those of ArduPilot."""
 
     ports: list[SerialPortFacts]
+    protocols: list[Choice]
 
 
 class SetAirframe(Fields):
@@ -107,7 +124,9 @@ async def _check(call: Call[None, Wait]) -> dict[str, Any]:
 
 async def _airframe(call: Call[None, Wait]) -> dict[str, Any]:
     vehicle = call.vehicle
-    return airframe_json(await call.read("airframe", lambda: get_airframe(vehicle)))
+    choices = airframe_choices(vehicle)
+    found = airframe_json(await call.read("airframe", lambda: get_airframe(vehicle)))
+    return {**found, "airframes": choices_json(choices.airframes), "types": choices_json(choices.types)}
 
 
 async def _set_airframe(call: Call[SetAirframe, Wait]) -> dict[str, Any]:
@@ -121,7 +140,8 @@ async def _set_airframe(call: Call[SetAirframe, Wait]) -> dict[str, Any]:
 async def _ports(call: Call[None, Wait]) -> dict[str, Any]:
     vehicle = call.vehicle
     found = await call.read("serial ports", lambda: get_serial_ports(vehicle))
-    return {"ports": [port_json(each) for each in found]}
+    ports = [port_json(each) for each in found]
+    return {"ports": ports, "protocols": choices_json(serial_protocols(vehicle))}
 
 
 async def _set_port(call: Call[SetSerialPort, None]) -> dict[str, Any]:
@@ -156,8 +176,12 @@ ROUTES: Final[tuple[AnyRoute, ...]] = (
         summary="Show the airframe",
         tag="setup",
         query=Wait,
-        answer=_AIRFRAME,
-        answer_model=AirframeFacts,
+        answer={
+            **_AIRFRAME,
+            "airframes": [{"number": 1, "name": "quad"}],
+            "types": [{"number": 1, "name": "X"}],
+        },
+        answer_model=AirframeAnswer,
     ),
     ApiRoute(
         method="PUT",
@@ -179,7 +203,7 @@ ROUTES: Final[tuple[AnyRoute, ...]] = (
         summary="List the serial ports of the board with their protocols",
         tag="setup",
         query=Wait,
-        answer={"ports": [_PORT]},
+        answer={"ports": [_PORT], "protocols": [{"number": 2, "name": "MAVLink 2"}]},
         answer_model=SerialPorts,
     ),
     ApiRoute(

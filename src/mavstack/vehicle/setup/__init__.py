@@ -11,23 +11,33 @@ These are functions of the parameters of ArduPilot and PX4; values that were set
 from mavstack.vehicle.setup.airframe import (
     Airframe,
     AirframeChange,
+    AirframeChoices,
+    airframe_choices,
     get_airframe,
     plan_airframe,
     set_airframe,
 )
 from mavstack.vehicle.setup.first_flight import CheckItem, CheckState, first_flight
-from mavstack.vehicle.setup.serial_ports import SerialPort, get_serial_ports, set_serial_port
+from mavstack.vehicle.setup.serial_ports import (
+    SerialPort,
+    get_serial_ports,
+    serial_protocols,
+    set_serial_port,
+)
 
 __all__ = [
     "Airframe",
     "AirframeChange",
+    "AirframeChoices",
     "CheckItem",
     "CheckState",
     "SerialPort",
+    "airframe_choices",
     "first_flight",
     "get_airframe",
     "get_serial_ports",
     "plan_airframe",
+    "serial_protocols",
     "set_airframe",
     "set_serial_port",
 ]

@@ -108,6 +108,19 @@ class Airframe:
 
 
 @dataclass(frozen=True, slots=True)
+class AirframeChoices:
+    """The airframes that have names; a firmware accepts further numbers.
+
+    Attributes:
+        airframes: Names by number: SYS_AUTOSTART of PX4, FRAME_CLASS of ArduPilot.
+        types: Names by FRAME_TYPE of ArduPilot; empty for PX4.
+    """
+
+    airframes: Mapping[int, str]
+    types: Mapping[int, str]
+
+
+@dataclass(frozen=True, slots=True)
 class AirframeChange:
     """The change to another airframe.
 
@@ -144,9 +157,26 @@ async def get_airframe(vehicle: Vehicle) -> Airframe:
     """
     names = _parameters_of(vehicle)
     values = {name: int((await vehicle.params.get(name)).value) for name in names}
-    return _airframe(
-        values, is_rover="rover" in str(vehicle.vehicle_type) or "boat" in str(vehicle.vehicle_type)
-    )
+    return _airframe(values, airframe_choices(vehicle))
+
+
+def airframe_choices(vehicle: Vehicle) -> AirframeChoices:
+    """Return the airframes that a vehicle may have; nothing is sent.
+
+    Args:
+        vehicle: The vehicle.
+
+    Returns:
+        Their names by number.
+
+    Raises:
+        ActionUnsupported: The firmware or the vehicle type has no parameter for it.
+    """
+    if _parameters_of(vehicle) == (AUTOSTART,):
+        return AirframeChoices(PX4_AIRFRAMES, MappingProxyType({}))
+    if str(vehicle.vehicle_type) in ("rover", "boat"):
+        return AirframeChoices(_ROVER_CLASSES, _ROVER_TYPES)
+    return AirframeChoices(COPTER_CLASSES, COPTER_TYPES)
 
 
 def plan_airframe(
@@ -214,11 +244,10 @@ def _parameters_of(vehicle: Vehicle) -> tuple[str, ...]:
     raise firmware_of(vehicle).unsupported("select an airframe", "it has no parameter for that")
 
 
-def _airframe(values: Mapping[str, int], *, is_rover: bool) -> Airframe:
+def _airframe(values: Mapping[str, int], choices: AirframeChoices) -> Airframe:
     if AUTOSTART in values:
         number = values[AUTOSTART]
-        return Airframe(values, PX4_AIRFRAMES.get(number, f"airframe {number}"), number != 0)
-    classes, types = (_ROVER_CLASSES, _ROVER_TYPES) if is_rover else (COPTER_CLASSES, COPTER_TYPES)
+        return Airframe(values, choices.airframes.get(number, f"airframe {number}"), number != 0)
     number, kind = values[FRAME_CLASS], values[FRAME_TYPE]
-    name = f"{classes.get(number, f'class {number}')}, {types.get(kind, f'type {kind}')}"
+    name = f"{choices.airframes.get(number, f'class {number}')}, {choices.types.get(kind, f'type {kind}')}"
     return Airframe(values, name, number != 0)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from mavstack.vehicle.setup.airframe import Airframe
     from mavstack.vehicle.setup.first_flight import CheckItem
     from mavstack.vehicle.setup.serial_ports import SerialPort
@@ -29,3 +31,8 @@ def port_json(port: SerialPort) -> dict[str, Any]:
         "baud": port.baud,
         "parameters": list(port.parameters),
     }
+
+
+def choices_json(names: Mapping[int, str]) -> list[dict[str, Any]]:
+    """Return named numbers for JSON."""
+    return [{"number": number, "name": name} for number, name in names.items()]

@@ -110,6 +110,22 @@ def serial_ports_of(values: Mapping[str, float]) -> tuple[SerialPort, ...]:
     return tuple(_px4_port(port, users, values) for port in ports)
 
 
+def serial_protocols(vehicle: Vehicle) -> Mapping[int, str]:
+    """Return the protocols that a port of a vehicle can be set to; nothing is sent.
+
+    Args:
+        vehicle: The vehicle.
+
+    Returns:
+        Their names by number; empty for PX4, whose drivers select their ports.
+    """
+    return (
+        ARDUPILOT_PROTOCOLS
+        if vehicle.autopilot == common.MavAutopilot.ARDUPILOTMEGA
+        else MappingProxyType({})
+    )
+
+
 async def set_serial_port(
     vehicle: Vehicle, name: str, protocol: int | None = None, baud: int | None = None
 ) -> SerialPort:

@@ -12,6 +12,13 @@ import type { Parameter, Vehicle } from '$lib/vehicle/Vehicle';
 
 import { EMPTY_METADATA, rowsOf, type MetadataTable, type ParameterTable, type Row } from './logic/parameters';
 
+/** A value that was changed on this page. */
+export interface Change {
+  readonly name: string;
+  readonly from: number;
+  readonly to: number;
+}
+
 /** Values that were not written, of which vehicle. */
 export interface Refusals {
   readonly vehicle: Vehicle;
@@ -32,6 +39,8 @@ class ParameterSet {
   problem: string | null = $state(null);
   /** The values before they were changed on this page. */
   before: Readonly<Record<string, number>> = $state.raw({});
+  /** The changes of this page in their order, so that the last ones can be undone. */
+  history: readonly Change[] = $state.raw([]);
   /** The values of the last file that the vehicle refused. */
   refused: Refusals | null = $state.raw(null);
   /** Vehicles of which a change takes effect after a reboot. */
@@ -59,7 +68,7 @@ class ParameterSet {
     if (this.vehicle === vehicle) return;
     this.vehicle = vehicle;
     this.loads += 1;
-    [this.parameters, this.metadata, this.before] = [{}, {}, {}];
+    [this.parameters, this.metadata, this.before, this.history] = [{}, {}, {}, []];
     [this.problem, this.metadataProblem, this.isLoading, this.isWriting] = [null, '', false, false];
     this.changes.clear();
     this.endListening?.();
@@ -134,6 +143,22 @@ class ParameterSet {
       toastError(error);
       return false;
     }
+  }
+
+  /** Sets the parameter of the last change back; resolves to its success. */
+  async undo(): Promise<boolean> {
+    const { history } = this;
+    const last = history.at(-1);
+    if (!last || !(await this.set(last.name, last.from))) return false;
+    // Setting it back is not a change to undo.
+    this.history = history.slice(0, -1);
+    return true;
+  }
+
+  /** Sets all parameters that this page changed back to their values of before. */
+  async undoAll(): Promise<void> {
+    await this.setAll(new Map(Object.entries(this.before)));
+    if (Object.keys(this.before).length === 0) this.history = [];
   }
 
   /** Sets several parameters one after the other, also while another vehicle is shown; tells what was refused. */
@@ -214,6 +239,9 @@ class ParameterSet {
   private take(vehicle: Vehicle, held: Parameter): void {
     if (vehicle !== this.vehicle) return;
     const before = this.parameters[held.name];
+    if (before && Math.fround(before.value) !== Math.fround(held.value)) {
+      this.history = [...this.history, { name: held.name, from: before.value, to: held.value }];
+    }
     if (before && !(held.name in this.before)) this.before = { ...this.before, [held.name]: before.value };
     this.parameters = { ...this.parameters, [held.name]: held };
     this.forgetRestored();

@@ -19,10 +19,16 @@ export type GroupTitle =
   | 'groupReturn'
   | 'groupArming'
   | 'groupMotors'
-  | 'groupOutputs'
   | 'groupSource'
   | 'groupVtx'
-  | 'groupOsd';
+  | 'groupOsd'
+  | 'groupMonitor'
+  | 'groupReceiver'
+  | 'groupSticks'
+  | 'groupRateLoop'
+  | 'groupAngleLoop'
+  | 'groupPilotRates'
+  | 'groupFilters';
 
 const group = (title: GroupTitle, ...names: RegExp[]): Group => ({ title, names });
 
@@ -74,7 +80,6 @@ export const OUTPUTS: readonly Group[] = [
     /^PWM_(MAIN|AUX)_(TIM|RATE)/,
     /^BF_MOTOR_/,
   ),
-  group('groupOutputs', /^SERVO\d+_FUNCTION$/, /^PWM_(MAIN|AUX)_FUNC\d+$/),
 ];
 
 export const ESTIMATOR: readonly Group[] = [
@@ -86,6 +91,57 @@ export const ESTIMATOR: readonly Group[] = [
   ),
   group('groupSource', /^EK3_SRC\d_/, /^EK3_SRC_OPTIONS$/),
 ];
+
+export const BATTERY: readonly Group[] = [
+  group('groupMonitor', /^BATT\d?_(?!FS_|LOW_|CRT_|ARM_)/, /^BAT\d?_(?!LOW_|CRIT_|EMERGEN_)/),
+  FAILSAFES[0]!,
+];
+
+export const RECEIVER: readonly Group[] = [
+  group(
+    'groupReceiver',
+    /^RC_(PROTOCOLS|OPTIONS|SPEED|CHAN_CNT|FAILS_THR|INPUT_PROTO|PORT_CONFIG)$/,
+    /^COM_RC_IN_MODE$/,
+    /^RC_MAP_FAILSAFE$/,
+    /^RSSI_/,
+    /^RC_RSSI_/,
+  ),
+  group('groupSticks', /^RCMAP_/, /^RC_MAP_(ROLL|PITCH|YAW|THROTTLE)$/, /^RC\d+_(REVERSED|REV)$/),
+];
+
+export const TUNED_AXES = ['roll', 'pitch', 'yaw'] as const;
+export type TunedAxis = (typeof TUNED_AXES)[number];
+
+/** The abbreviations of an axis in the parameters of ArduPilot, and of PX4 and MSP. */
+const AXIS_NAMES: Readonly<Record<TunedAxis, { ardupilot: string; servo: string; plane: string; whole: string }>> = {
+  roll: { ardupilot: 'RLL', servo: 'RLL2SRV', plane: 'R', whole: 'ROLL' },
+  pitch: { ardupilot: 'PIT', servo: 'PTCH2SRV', plane: 'P', whole: 'PITCH' },
+  yaw: { ardupilot: 'YAW', servo: 'YAW2SRV', plane: 'Y', whole: 'YAW' },
+};
+
+/** Returns the parameters that decide how a vehicle follows its set-points about an axis. */
+export function tuningGroups(axis: TunedAxis): readonly Group[] {
+  const { ardupilot, servo, plane, whole } = AXIS_NAMES[axis];
+  const acro = axis === 'yaw' ? 'Y' : 'RP';
+  return [
+    group(
+      'groupRateLoop',
+      new RegExp(`^(Q_A|ATC)_RAT_${ardupilot}_(P|I|D|FF|D_FF|IMAX|SMAX|PDMX)$`),
+      new RegExp(`^(${servo}|${ardupilot === 'PIT' ? 'PTCH' : ardupilot}_RATE)_`),
+      new RegExp(`^MC_${whole}RATE_[PIDK]$|^MC_${whole}RATE_FF$|^FW_${plane}R_(P|I|D|FF|IMAX)$`),
+      new RegExp(`^(BF|INAV)_[PIDF]_${whole}$|^INAV_(MC|FW)_[PID]_${whole}$|^BF_D_MIN_${whole}$`),
+      ...(axis === 'yaw' ? [/^ATC_STR_RAT_/] : []),
+    ),
+    group('groupAngleLoop', new RegExp(`^(Q_A|ATC)_ANG_${ardupilot}_P$|^MC_${whole}_P$|^FW_${plane}_(TC|RMAX)$`)),
+    group(
+      'groupPilotRates',
+      new RegExp(`^ACRO_${acro}_|^MC_ACRO_${plane}_MAX$|^MC_${whole}RATE_MAX$`),
+      new RegExp(`^(Q_A|ATC)_(ACCEL|RATE)_${plane}_MAX$`),
+      new RegExp(`^BF_${whole}_(RC_RATE|EXPO|SRATE|RATE_LIMIT)$|^INAV_(MC_)?${whole}_RATE$`),
+    ),
+    group('groupFilters', new RegExp(`^(Q_A|ATC)_RAT_${ardupilot}_FLT[TED]$`), /^INS_GYRO_FILTER$/),
+  ];
+}
 
 export const VTX: readonly Group[] = [group('groupVtx', /^BF_VTX_/, /^VTX_/)];
 export const OSD: readonly Group[] = [group('groupOsd', /^BF_OSD_(?!\d)/, /^OSD_(?!\d)/)];

@@ -1,0 +1,144 @@
+"""The pages of the set-up in a browser: check list, airframe, ports, outputs, receiver, battery, tuning."""
+
+from __future__ import annotations
+
+import re
+from contextlib import ExitStack
+
+import pytest
+
+from mavstack.sim.background import BackgroundSimulator
+from mavstack.sim.vehicle_types import Firmware, VehicleType
+from tests.server.browsing import hold, open_pages, web_station
+
+pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
+playwright = pytest.importorskip("playwright.sync_api")
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory):
+    """A copter of ArduPilot and one of PX4; the simulation, the URL, and a function for pages."""
+    simulator = BackgroundSimulator(count=0)
+    simulator.simulation.add(VehicleType.COPTER, Firmware.ARDUPILOT)
+    simulator.simulation.add(VehicleType.COPTER, Firmware.PX4)
+    with ExitStack() as steps:
+        steps.enter_context(simulator)
+        url = steps.enter_context(web_station(tmp_path_factory.mktemp("station"), simulator.url))
+        yield simulator.simulation, url, steps.enter_context(open_pages())
+
+
+@pytest.fixture(scope="module")
+def page(world):
+    _, url, new_page = world
+    page = new_page(f"{url}#/setup")
+    playwright.expect(page.get_by_role("button", name="Choose a vehicle")).to_contain_text("Copter 1")
+    return page
+
+
+def open_section(page, name: str) -> None:
+    page.get_by_role("navigation", name="Set-up").get_by_role("button", name=name, exact=True).click()
+
+
+def wait_until(page, condition) -> None:
+    while not condition():
+        page.wait_for_timeout(100)
+
+
+def test_the_check_list_leads_to_what_is_missing(page) -> None:
+    open_section(page, "First flight")
+    playwright.expect(page.get_by_role("status").first).to_contain_text("missing")
+    battery = page.get_by_role("listitem").filter(has_text="low battery")
+    playwright.expect(battery).to_contain_text("nothing happens")
+    battery.get_by_role("button", name="Open Failsafes").click()
+    page.get_by_role("heading", name="Failsafes").wait_for()
+    field = page.get_by_label("BATT_FS_LOW_ACT")
+    field.wait_for()
+    if field.evaluate("field => field.tagName") == "SELECT":
+        field.select_option("2")
+    else:
+        field.fill("2")
+        field.press("Enter")
+    page.get_by_role("button", name=re.compile("Undo: set BATT_FS_LOW_ACT")).wait_for()
+    open_section(page, "First flight")
+    playwright.expect(battery).to_contain_text("the vehicle acts")
+
+
+def test_the_airframe_says_what_it_changes(world, page) -> None:
+    copter = world[0].vehicles[0]
+    open_section(page, "Airframe")
+    page.get_by_role("combobox", name="Airframe").select_option(label="2: hexa")
+    page.get_by_role("combobox", name="Arrangement of the motors").select_option(label="0: plus")
+    playwright.expect(page.get_by_text("Sets FRAME_CLASS = 2, FRAME_TYPE = 0.")).to_be_visible()
+    assert copter.parameters["FRAME_CLASS"] == 1
+    hold(page, page.get_by_role("button", name="Change the airframe"), 1800)
+    playwright.expect(page.get_by_text("The airframe is now: hexa, plus.")).to_be_visible()
+    assert (copter.parameters["FRAME_CLASS"], copter.boots) == (2, 2)
+
+
+def test_serial_ports_are_set_and_need_a_reboot(world, page) -> None:
+    open_section(page, "Serial ports")
+    page.get_by_role("combobox", name="Protocol of SERIAL2").select_option(label="rangefinder")
+    page.get_by_role("combobox", name="Bits per second of SERIAL2").select_option("115200")
+    page.get_by_role("button", name="Set SERIAL2").click()
+    playwright.expect(page.get_by_role("button", name="Set SERIAL2")).to_be_disabled()
+    parameters = world[0].vehicles[0].parameters
+    assert (parameters["SERIAL2_PROTOCOL"], parameters["SERIAL2_BAUD"]) == (9, 115)
+    playwright.expect(page.get_by_text("A change takes effect after a reboot.").last).to_be_visible()
+    hold(page, page.get_by_role("button", name="Reboot"))
+    wait_until(page, lambda: world[0].vehicles[0].boots == 3)
+    # The answer comes once the vehicle has started.
+    assert page.request.get(f"{world[1]}api/vehicles/1/parameters/SERVO3_REVERSED").ok
+
+
+def test_outputs_receiver_and_battery(world, page) -> None:
+    open_section(page, "Motors and outputs")
+    parameters = world[0].vehicles[0].parameters
+    page.get_by_role("checkbox", name="Output 3 is reversed").check()
+    function = page.get_by_role("spinbutton", name="Function of output 5", exact=True)
+    function.fill("10")
+    function.press("Enter")
+    wait_until(page, lambda: (parameters["SERVO3_REVERSED"], parameters["SERVO5_FUNCTION"]) == (1, 10))
+    open_section(page, "Receiver")
+    page.get_by_role("meter", name="Channel 1", exact=True).wait_for()
+    playwright.expect(page.get_by_text("RC1_REVERSED")).to_be_visible()
+    open_section(page, "Battery")
+    playwright.expect(page.locator("dd").first).to_contain_text(" V")
+    playwright.expect(page.get_by_text("BATT_MONITOR", exact=True)).to_be_visible()
+
+
+def test_tuning_is_plotted_and_undone(world, page) -> None:
+    parameters = world[0].vehicles[0].parameters
+    before = parameters["ATC_RAT_PIT_P"]
+    open_section(page, "Tuning")
+    page.get_by_role("button", name="Pitch").click()
+    playwright.expect(page.get_by_text(re.compile("Mean difference .* °/s, delay"))).to_be_visible()
+    page.get_by_role("button", name="Angles in °").click()
+    page.get_by_role("img", name="Set-point and response, Pitch").locator("canvas").wait_for()
+    for value in ("0.2", "0.25"):
+        field = page.get_by_label("ATC_RAT_PIT_P", exact=True)
+        field.fill(value)
+        field.press("Enter")
+        playwright.expect(field).to_have_value(value)
+        page.get_by_role("button", name="Undo ATC_RAT_PIT_P", exact=True).wait_for()
+    page.get_by_role("button", name="Undo ATC_RAT_PIT_P", exact=True).click()
+    playwright.expect(field).to_have_value("0.2")
+    page.get_by_role("button", name="Pause the plot").click()
+    page.get_by_role("button", name="Continue the plot").click()
+    page.get_by_role("button", name=re.compile("Undo all")).click()
+    playwright.expect(page.get_by_role("button", name=re.compile("Undo all"))).to_have_count(0)
+    assert parameters["ATC_RAT_PIT_P"] == pytest.approx(before)
+
+
+def test_px4_resets_parameters_only_if_asked_on_a_phone(world) -> None:
+    simulation, url, new_page = world
+    page = new_page(f"{url}#/setup", phone=True, dark=False)
+    page.get_by_role("button", name="Choose a vehicle").click()
+    page.get_by_role("option", name="Copter 2").click()
+    open_section(page, "Airframe")
+    page.get_by_role("combobox", name="Airframe").select_option(label="6001: hexacopter X")
+    playwright.expect(page.get_by_text("Resets all other parameters.")).to_be_visible()
+    page.get_by_role("checkbox", name="Reset the parameters").uncheck()
+    playwright.expect(page.get_by_text("All other parameters stay as they are.")).to_be_visible()
+    hold(page, page.get_by_role("button", name="Change the airframe"), 1800)
+    playwright.expect(page.get_by_text("The airframe is now: hexacopter X.")).to_be_visible()
+    assert simulation.vehicles[1].parameters["SYS_AUTOSTART"] == 6001

@@ -1,0 +1,31 @@
+import { describe, expect, it } from 'vitest';
+
+import { isReversed, outputsOf, reversed } from './outputs';
+import type { ParameterTable } from './parameters';
+
+const table = (values: Record<string, number>): ParameterTable =>
+  Object.fromEntries(
+    Object.entries(values).map(([name, value]) => [name, { name, value, text: String(value), type: 'INT16' }]),
+  );
+
+describe('outputs', () => {
+  it('of ArduPilot have a parameter for the direction of each', () => {
+    const parameters = table({ SERVO10_FUNCTION: 0, SERVO2_FUNCTION: 34, SERVO2_REVERSED: 1 });
+    const [second, tenth] = outputsOf(parameters);
+    expect([second?.label, tenth?.label]).toEqual(['2', '10']);
+    expect([isReversed(second!, parameters), isReversed(tenth!, parameters)]).toEqual([true, null]);
+    expect(reversed(second!, 1)).toBe(0);
+  });
+
+  it('of PX4 share bits', () => {
+    const parameters = table({ PWM_MAIN_FUNC1: 101, PWM_MAIN_FUNC3: 103, PWM_AUX_FUNC1: 201, PWM_MAIN_REV: 4 });
+    const outputs = outputsOf(parameters);
+    expect(outputs.map(({ label, number }) => [label, number])).toEqual([
+      ['MAIN 1', 1],
+      ['MAIN 3', 3],
+      ['AUX 1', 9],
+    ]);
+    expect(outputs.map((each) => isReversed(each, parameters))).toEqual([false, true, null]);
+    expect([reversed(outputs[1]!, 4), reversed(outputs[0]!, 4)]).toEqual([0, 5]);
+  });
+});
