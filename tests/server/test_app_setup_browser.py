@@ -63,7 +63,7 @@ def test_the_check_list_leads_to_what_is_missing(page) -> None:
     playwright.expect(battery).to_contain_text("the vehicle acts")
 
 
-def test_the_airframe_says_what_it_changes(world, page) -> None:
+def test_a_change_of_the_airframe_is_shown_first(world, page) -> None:
     copter = world[0].vehicles[0]
     open_section(page, "Airframe")
     page.get_by_role("combobox", name="Airframe").select_option(label="2: hexa")
