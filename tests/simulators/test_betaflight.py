@@ -63,7 +63,7 @@ def test_the_default_build_gets_what_it_expects():
         (math.cos(nose) * math.cos(heading), -math.cos(nose) * math.sin(heading), math.sin(nose))
     )
     # Betaflight's pitch is positive for nose down.
-    assert gyroscope == pytest.approx((0.1, -0.2, 0.3))
+    assert gyroscope == pytest.approx((0.1, -0.2, -0.3))
     # The accelerometer is the specific force in forward, left, up.
     assert accelerometer == pytest.approx((state.specific_force[0], 0.0, 9.80665 * math.cos(nose)))
     assert place[0] == pytest.approx(DEFAULT_HOME.latitude + 100.0 / 111_200, abs=2e-5)
@@ -73,9 +73,13 @@ def test_the_default_build_gets_what_it_expects():
     assert values[17] == pytest.approx(95_000, rel=0.01)
 
 
+def test_the_clock_of_a_packet_can_differ_from_the_time_of_the_simulation():
+    assert struct.unpack("<18d", interface().step(State(), 3.0, clock=0.5))[0] == 0.5
+
+
 def test_builds_for_other_simulators_get_true_values():
     values = struct.unpack("<18d", interface(bridge="legacy").step(State(rates=(0.1, 0.2, 0.3)), 0.0))
-    assert values[1:4] == pytest.approx((0.1, 0.2, -0.3))
+    assert values[1:4] == pytest.approx((0.1, 0.2, 0.3))
     assert values[7:11] == pytest.approx((1.0, 0.0, 0.0, 0.0))
     assert values[15] == pytest.approx(DEFAULT_HOME.latitude)
 

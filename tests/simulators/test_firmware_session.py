@@ -100,4 +100,4 @@ def test_wrong_options_are_refused(changes, problem):
 def test_urls_of_the_vehicles():
     assert FirmwareSession(FirmwareOptions("px4", instance=2)).url == "udpin://127.0.0.1:14542"
     assert FirmwareSession(FirmwareOptions("ardupilot")).url == "udpin://127.0.0.1:14550"
-    assert FirmwareSession(FirmwareOptions("betaflight")).url == "msp+tcpout://127.0.0.1:5761"
+    assert FirmwareSession(FirmwareOptions("betaflight")).url == "msp+tcp://127.0.0.1:5761"

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
+import sys
 import time
 
 import pytest
 
 from mavstack import sync
 from mavstack.sim.vehicle_types import Home
+from mavstack.simulators.firmware_session import FirmwareOptions, FirmwareSession
+from tests.interop.betaflight import URL, betaflight_sitl
 from tests.simulators.firmwares import free_port
 from tests.simulators.quadrotor import QUADROTOR
+from tests.waiting import wait_until
 
 pytestmark = [pytest.mark.interop, pytest.mark.timeout(300)]
 
@@ -112,3 +117,26 @@ def test_ardurover_drives_our_body(firmware):
         north, east, _ = flight.simulator.state.position
         assert (north, east) == pytest.approx((33.4, 15.1), abs=5.0)
     assert flight.events == ["ArduPilot is connected"]
+
+
+async def test_betaflight_arms_and_lifts_our_body(tmp_path):
+    binary = program("MAVSTACK_BETAFLIGHT_SITL")
+    with betaflight_sitl(tmp_path) as sitl:
+        await sitl.start()
+        switch = "aux 0 0 0 1700 2100 0 0"
+        setting = await asyncio.create_subprocess_exec(
+            sys.executable, "-m", "mavstack", "msp", "cli", URL, "-c", switch, "--save"
+        )
+        await sitl.wait_for_exit()
+        await asyncio.wait_for(setting.wait(), 60)
+        options = FirmwareOptions("betaflight", binary=binary, folder=tmp_path)
+        async with FirmwareSession(options) as session:
+            run = asyncio.ensure_future(session.run())
+            world = session.simulator
+            await wait_until(lambda: world.time > 8.0, "Betaflight has started")
+            world.set_sticks((1500, 1500, 1000, 1500, 2000))
+            await wait_until(lambda: min(world.interface.controls) > 0.04, "Betaflight is armed")
+            world.set_sticks((1500, 1500, 1600, 1500, 2000))
+            await wait_until(lambda: world.state.position[2] < -10.0, "it is 10 m up")
+            assert abs(world.state.rates[2]) < 0.2, "it does not spin"
+            run.cancel()

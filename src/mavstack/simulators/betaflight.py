@@ -7,9 +7,11 @@
 | 9004 | to Betaflight | a double (time) and 16 channels of the transmitter in microseconds |
 
 Betaflight is not in lockstep: it runs by its own clock and takes the latest packet. Its default build expects
-what Gazebo's plugin sends: a gyroscope in forward, right, down; an accelerometer whose forward axis is turned
-round; an attitude that is turned by 90 degrees; a position in degrees that is mirrored around the first one.
-Builds for X-Plane and RealFlight (`ENABLE_GAZEBO_BRIDGE` 0) expect the true values, and yaw turned round.
+what Gazebo's plugin sends: a gyroscope in forward and right whose yaw is positive to the left; an
+accelerometer whose forward axis is turned round; an attitude that is turned by 90 degrees; a position in
+degrees that is mirrored around the first one. Builds for X-Plane and RealFlight (`ENABLE_GAZEBO_BRIDGE` 0)
+expect the true values. Comments of the build take the default's yaw for positive to the right; but then its
+controller spins a body whose propellers turn as its own mixer assumes (front ones inward), as flights showed.
 
 Motors come in Betaflight's order (rear right, front right, rear left, front left); before 2026 the SITL sent
 them in the order of ArduPilot and PX4.
@@ -91,12 +93,13 @@ class BetaflightInterface:
         self.answers += 1
         return True
 
-    def step(self, state: State, time: float) -> bytes:
+    def step(self, state: State, time: float, *, clock: float | None = None) -> bytes:
         """Return the packet of a step.
 
         Args:
             state: The state of the body.
             time: Seconds of the simulation.
+            clock: The time in the packet, by which Betaflight sets its clock; None: `time`.
         """
         readings = self._sensors.sample(state, time)
         self._fix = readings.fix or self._fix
@@ -105,10 +108,10 @@ class BetaflightInterface:
         p, q, r = readings.rates
         ax, ay, az = readings.acceleration
         return _FDM.pack(
-            time,
+            time if clock is None else clock,
             p,
             q,
-            r if self._is_gazebo else -r,
+            -r if self._is_gazebo else r,
             -ax,
             ay,
             az,

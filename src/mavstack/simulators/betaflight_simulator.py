@@ -71,6 +71,7 @@ class BetaflightSimulator(Simulator):
         self._steps, self._port = 0, 0
         self._channels: tuple[int, ...] = NEUTRAL_STICKS
         self._heard: float | None = None
+        self._has_set_clock = False
         self._transport: asyncio.DatagramTransport | None = None
 
     @property
@@ -138,12 +139,22 @@ class BetaflightSimulator(Simulator):
             return
         self._steps += 1
         self._move(self.interface.controls, STEP)
-        state = self.interface.step(self.state, self.time)
+        state = self.interface.step(self.state, self.time, clock=self._clock())
         self._transport.sendto(state, (self._target, self._port + _STATE))
         if self._steps % _STICK_STEPS == 1:
             sticks = encode_sticks(self._channels, self.time)
             self._transport.sendto(sticks, (self._target, self._port + _STICKS))
         asyncio.get_running_loop().call_soon(self._begin, self._step)
+
+    def _clock(self) -> float:
+        """Return the time that Betaflight sees.
+
+        It sets the rate of its clock by the times of the last two packets over the real time between them.
+        Two that arrive at once, as on a busy machine, let it race fifty times faster until the next one:
+        transmitter and GPS time out, and it disarms. Packets of one time leave its clock at the real rate.
+        """
+        self._has_set_clock = self._has_set_clock or self.pace.speed != 1.0
+        return self.time if self._has_set_clock else 0.0
 
 
 class _Datagrams(asyncio.DatagramProtocol):

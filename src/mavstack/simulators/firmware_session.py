@@ -137,7 +137,7 @@ class FirmwareSession:
         if options.firmware == "px4":
             return f"udpin://127.0.0.1:{PX4_API_PORT + options.instance}"
         if options.firmware == "betaflight":
-            return f"msp+tcpout://127.0.0.1:{_BETAFLIGHT_SERIAL}"
+            return f"msp+tcp://127.0.0.1:{_BETAFLIGHT_SERIAL}"
         return self._outputs()[0].replace("udpout://", "udpin://").replace("tcpin://", "tcpout://")
 
     async def run(self, *, until: float | None = None) -> None:
