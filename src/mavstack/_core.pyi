@@ -75,6 +75,7 @@ def new_message_class(
     namespace: dict[str, Any],
     layout: MessageLayout,
     template: Buffer | None = None,
+    members: Sequence[tuple[str, bool]] | None = None,
 ) -> type[MessageBase]:
     """Create a message class whose fields read and write the payload bytes.
 
@@ -87,12 +88,34 @@ def new_message_class(
         namespace: The class attributes.
         layout: The layout of the message.
         template: The payload of a message created without arguments, padded with zeros; all zeros if None.
+        members: The name of each field in JSON, and whether its value is hidden there; None: the names of the
+            layout, nothing hidden.
 
     Returns:
         The new class.
 
     Raises:
         DialectError: The layout contradicts itself.
+        ValueError: There is not one member for each field.
+    """
+
+def fields_json(source: Packet | MessageBase, *, strict: bool = False, ascii: bool = True) -> str | None:
+    """Return the fields of a packet or of a message as a JSON object, written from its bytes.
+
+    Enum values are integers, byte arrays are arrays of numbers, secret values are "(hidden)".
+
+    Args:
+        source: The packet or the message.
+        strict: No spaces, null for numbers that are not finite, and floats as Python shows them. Otherwise a
+            space after commas and colons, the strings "NaN", "Infinity" and "-Infinity", and float32 values with
+            the fewest digits that read back to the same float32.
+        ascii: Escape the characters outside ASCII.
+
+    Returns:
+        The JSON text; None for a packet whose message is not in its dialect.
+
+    Raises:
+        TypeError: The object is neither a packet nor a message.
     """
 
 @dataclass_transform(eq_default=False)

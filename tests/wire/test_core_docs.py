@@ -53,7 +53,7 @@ def test_classes_have_a_signature_and_document_their_arguments(name):
         assert f"\n    {argument}: " in text
 
 
-@pytest.mark.parametrize("name", ["crc16", "encode", "looks_timestamped", "new_message_class"])
+@pytest.mark.parametrize("name", ["crc16", "encode", "fields_json", "looks_timestamped", "new_message_class"])
 def test_functions_document_their_arguments(name):
     function = getattr(_core, name)
     text = inspect.getdoc(function)

@@ -12,6 +12,7 @@ pub mod encode;
 pub mod header;
 pub mod index_set;
 pub mod jobs;
+pub mod json;
 pub mod layout;
 pub mod parser;
 mod running_crc;

@@ -10,8 +10,9 @@ use crate::construct;
 use crate::dialect::{LayoutTuple, layout_from_tuple};
 use crate::fields::FieldAccess;
 use crate::message;
+use mavstack_core::json::Member;
 use mavstack_core::layout::{FieldType, Layout};
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -49,6 +50,8 @@ pub struct ClassData {
     pub has_gc_header: bool,
     /// Payload of a message created without arguments.
     pub template: Vec<u8>,
+    /// The members of the message as a JSON object, by field.
+    pub members: Vec<Member>,
     /// Fields by the address of their interned names: an open-addressing hash table.
     by_name: Box<[NameEntry]>,
     /// The fields in definition order; boxed, because descriptors point into the slice.
@@ -265,14 +268,17 @@ pub fn class_data(py: Python<'_>, class: *mut ffi::PyTypeObject) -> Option<&Clas
 ///     namespace: The class attributes.
 ///     layout: The layout of the message.
 ///     template: The payload of a message created without arguments, padded with zeros; all zeros if None.
+///     members: The name of each field in JSON, and whether its value is hidden there; None: the names of the layout,
+///         nothing hidden.
 ///
 /// Returns:
 ///     The new class.
 ///
 /// Raises:
 ///     DialectError: The layout contradicts itself.
+///     ValueError: There is not one member for each field.
 #[pyfunction]
-#[pyo3(signature = (name, bases, namespace, layout, template = None))]
+#[pyo3(signature = (name, bases, namespace, layout, template = None, members = None))]
 pub fn new_message_class<'py>(
     py: Python<'py>,
     name: &str,
@@ -280,10 +286,12 @@ pub fn new_message_class<'py>(
     namespace: Bound<'py, PyDict>,
     layout: LayoutTuple,
     template: Option<Bytes<'py>>,
+    members: Option<Vec<(String, bool)>>,
 ) -> PyResult<Bound<'py, PyType>> {
     let layout = layout_from_tuple(layout)?;
     let mut default = template.map_or_else(Vec::new, |template| template.to_vec());
     default.resize(layout.length.into(), 0);
+    let members = json_members(&layout, members)?;
     let meta = meta(py)?;
     if !namespace.contains("__slots__")? {
         namespace.set_item("__slots__", PyTuple::empty(py))?;
@@ -302,6 +310,7 @@ pub fn new_message_class<'py>(
         class: class.as_type_ptr(),
         has_gc_header,
         template: default,
+        members,
         by_name: name_table(&fields),
         fields,
     }));
@@ -315,6 +324,16 @@ pub fn new_message_class<'py>(
         field.install(&class)?;
     }
     Ok(class)
+}
+
+fn json_members(layout: &Layout, members: Option<Vec<(String, bool)>>) -> PyResult<Vec<Member>> {
+    let Some(members) = members else {
+        return Ok(layout.fields.iter().map(|field| Member::new(&field.name, false)).collect());
+    };
+    if members.len() != layout.fields.len() {
+        return Err(PyValueError::new_err("members must have one item for each field"));
+    }
+    Ok(members.iter().map(|(name, hidden)| Member::new(name, *hidden)).collect())
 }
 
 /// Returns the data of a class if it was made by `new_message_class`, not derived from such a class by a user.

@@ -16,6 +16,7 @@ mod fields;
 mod freelist;
 mod index;
 mod intake;
+mod json;
 mod mapping_guard;
 mod memory;
 mod message;
@@ -78,6 +79,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(crc16, module)?)?;
     module.add_function(wrap_pyfunction!(class::new_message_class, module)?)?;
     module.add_function(wrap_pyfunction!(encode::encode, module)?)?;
+    module.add_function(wrap_pyfunction!(json::fields_json, module)?)?;
     module.add_function(wrap_pyfunction!(index::looks_timestamped, module)?)?;
     module.add_function(wrap_pyfunction!(swarm::avoiding_velocities, module)?)?;
     Ok(())

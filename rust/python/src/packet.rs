@@ -5,7 +5,7 @@
 //! refer only to their dialect and their message, and neither can refer back to them.
 
 use crate::buffers::Bytes;
-use crate::class::{self, slot};
+use crate::class::{self, ClassData, slot};
 use crate::dialect::{AnyDialect, Dialect};
 use crate::freelist;
 use crate::message::{self, into_result_pointer};
@@ -202,6 +202,24 @@ fn as_packet<'a>(object: &'a Bound<'_, PyAny>) -> Option<(&'a Packet, &'a [u8])>
     let class = packet_class(object.py()).ok()?;
     // SAFETY: the class cannot be subclassed, so all its objects are packets.
     (object.get_type().is(class)).then(|| unsafe { open(object.as_ptr()) })
+}
+
+/// Calls a function with the data of the message class and the payload of an object, if it is a packet; with None if the
+/// dialect does not define its message.
+pub fn with_payload<T>(
+    object: &Bound<'_, PyAny>,
+    function: impl FnOnce(Option<(&ClassData, &[u8])>) -> T,
+) -> PyResult<Option<T>> {
+    let Some((packet, raw)) = as_packet(object) else {
+        return Ok(None);
+    };
+    let Some(slot) = packet.slot else {
+        return Ok(Some(function(None)));
+    };
+    let py = object.py();
+    let class = packet.dialect.get().class(py, slot)?.class.bind(py).as_type_ptr();
+    let data = class::class_data(py, class).ok_or_else(message::payload_mismatch)?;
+    Ok(Some(function(Some((data, &raw[packet.header.payload()])))))
 }
 
 /// Calls a function with the header and the bytes of an object, if it is a packet.

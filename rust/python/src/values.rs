@@ -4,6 +4,7 @@
 //! other arrays. Values outside the range of the field are refused with an error that names the range.
 
 use crate::errors::{FieldRangeError, FieldTypeError};
+use mavstack_core::json;
 use mavstack_core::layout::{Field, FieldType};
 use pyo3::buffer::PyBuffer;
 use pyo3::exceptions::{PyOverflowError, PyTypeError};
@@ -13,7 +14,7 @@ use pyo3::types::{PyBytes, PyFloat, PyInt, PyString, PyTuple};
 /// Converts the bytes of `field` to a Python value.
 pub fn read<'py>(py: Python<'py>, field: &Field, bytes: &[u8]) -> PyResult<Bound<'py, PyAny>> {
     match field.kind {
-        FieldType::Char => Ok(read_text(py, bytes).into_any()),
+        FieldType::Char => Ok(PyString::new(py, &json::text(bytes)).into_any()),
         _ if field.array_length == 0 => read_number(py, field.kind, bytes),
         FieldType::U8 => Ok(PyBytes::new(py, bytes).into_any()),
         kind => read_array(py, kind, bytes),
@@ -39,16 +40,6 @@ fn read_array<'py>(py: Python<'py>, kind: FieldType, bytes: &[u8]) -> PyResult<B
         FieldType::F64 => tuple!(f64),
     };
     Ok(tuple?.into_any())
-}
-
-/// Converts bytes to text up to the NUL: a truncated last character is dropped, other invalid UTF-8 becomes U+FFFD.
-fn read_text<'py>(py: Python<'py>, bytes: &[u8]) -> Bound<'py, PyString> {
-    let mut text = bytes.split(|&byte| byte == 0).next().unwrap_or(&[]);
-    let last_start = text.iter().rposition(|&byte| byte & 0xC0 != 0x80).unwrap_or(0);
-    if std::str::from_utf8(&text[last_start..]).is_err_and(|error| error.error_len().is_none()) {
-        text = &text[..last_start];
-    }
-    PyString::new(py, &String::from_utf8_lossy(text))
 }
 
 /// Converts bytes to a number; `bytes` must have the size of `kind`.

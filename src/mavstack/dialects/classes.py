@@ -5,6 +5,7 @@ from __future__ import annotations
 from mavstack._core import MessageMeta, new_message_class
 from mavstack.dialects.message import Message
 from mavstack.dialects.names import class_name, to_identifier
+from mavstack.dialects.secrets import secret_fields
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -49,9 +50,15 @@ def make_class(
     namespace |= _absent_fields(parents, attributes)
     template = _version_template(row, field_metadata, table.header["version"])
     message_class: Any = new_message_class(
-        class_name(row[1]), bases, namespace, dialect.layout(row), template
+        class_name(row[1]), bases, namespace, dialect.layout(row), template, _json_members(row)
     )
     return message_class  # type: ignore[no-any-return]
+
+
+def _json_members(row: MessageRow) -> list[tuple[str, bool]]:
+    """Return the name of each field in JSON, and whether its value is hidden."""
+    secret = secret_fields(row[1])
+    return [(field[0], field[0] in secret) for field in row[5]]
 
 
 def _version_template(row: MessageRow, field_metadata: dict[str, Any], version: int | None) -> bytes | None:

@@ -12,7 +12,7 @@ import json
 from math import isfinite, isnan
 from struct import pack, unpack
 
-from mavstack._core import MessageBase
+from mavstack._core import MessageBase, fields_json
 from mavstack.dialects.enums import EnumReader, MavEnum, MavFlag, enum_reader
 from mavstack.dialects.secrets import HIDDEN, secret_fields
 from mavstack.errors import FieldNameError, FieldTypeError
@@ -135,6 +135,8 @@ class Message(MessageBase):
         Returns:
             The JSON text, without NaN or Infinity literals.
         """
+        if enums != "name" and not secrets:
+            return fields_json(self) or ""
         fields = self.to_dict(enums="value" if enums == "member" else enums, secrets=secrets)
         types = {row[0]: row[1] for row in self.__mavlink_row__[5]}
         return json.dumps(

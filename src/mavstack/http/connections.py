@@ -20,6 +20,8 @@ from contextvars import ContextVar
 from time import monotonic
 from typing import TYPE_CHECKING, Final
 
+from mavstack.http.early_answers import read_request
+from mavstack.http.idle_timer import IdleTimer
 from mavstack.http.request_lane import RequestLane, has_whole_head, read_head
 from mavstack.security.admission import Admission, Place, Proof
 
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
 
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+    from mavstack.http.early_answers import EarlyAnswer
     from mavstack.http.request_lane import ComesFirst
 
 #: Open connections; the bound leaves descriptors to the links of the program.
@@ -59,10 +62,14 @@ class Connections:
 
     Args:
         comes_first: Decides which requests wait for no others; None: all wait for their turn.
+        answer_early: Answers requests by their heads alone; None: the application answers all.
     """
 
-    def __init__(self, comes_first: ComesFirst | None = None) -> None:
+    def __init__(
+        self, comes_first: ComesFirst | None = None, answer_early: EarlyAnswer | None = None
+    ) -> None:
         self.lane = RequestLane()
+        self.answer_early = answer_early
         self._comes_first = comes_first
         self._admission = Admission(MAX_CONNECTIONS, min_stay=0)
         self._open: set[Connection] = set()
@@ -158,6 +165,7 @@ class Connection(asyncio.Protocol):
         self._connections = connections
         self._transport: asyncio.Transport | None = None
         self._deadline: asyncio.TimerHandle | None = None
+        self._idle = IdleTimer()
         self._used_at = monotonic()
         self._answering = 0  # requests of which the application has not sent the whole answer
         self._awaits_head = True
@@ -183,6 +191,7 @@ class Connection(asyncio.Protocol):
     def data_received(self, data: bytes) -> None:
         """Take bytes of a request."""
         self._used_at = monotonic()
+        self._idle.end()
         if self._answering and not self._awaits_body:
             self._has_next_head = True
         if self._server_has_part and not self._answering:
@@ -203,10 +212,31 @@ class Connection(asyncio.Protocol):
             return
         self._awaits_head = not has_whole_head(self._head, looked)
         self._watch_request()
+        if not self._awaits_head and self._answer_early():
+            self._head = bytearray()
+            return
         if not self._awaits_head and self._transport is not None:
             self._is_waiting = True
             self._transport.pause_reading()
             self._connections.begin(self._head, self._begin_request)
+
+    def _answer_early(self) -> bool:
+        """Answer a request by its head alone, if that is possible; not while the client reads slowly."""
+        answer_early, transport = self._connections.answer_early, self._transport
+        if answer_early is None or transport is None or transport.get_write_buffer_size():
+            return False
+        request = read_request(self._head)
+        if request is None:
+            return False
+        token = _current.set(self)
+        try:
+            answer = answer_early(request)
+        finally:
+            _current.reset(token)
+        if answer is not None:
+            transport.write(answer)
+            self._idle.begin(transport)
+        return answer is not None
 
     def _begin_request(self) -> None:
         """Hand the request over to the server."""
@@ -239,6 +269,7 @@ class Connection(asyncio.Protocol):
 
     def connection_lost(self, exc: Exception | None) -> None:
         """End the deadline of the request."""
+        self._idle.stop()
         self._stop_watching()
         self._connections.remove(self)
         self._protocol.connection_lost(exc)
@@ -256,12 +287,14 @@ class Connection(asyncio.Protocol):
     def begin_websocket(self) -> None:
         """Note that the connection is a WebSocket, whose number the application limits: it is in use."""
         self._is_websocket, self._awaits_head = True, False
+        self._idle.stop()
         self._stop_watching()
 
     async def answer(self, app: ASGIApp, scope: Scope, receive: Receive, send: Send) -> None:
         """Run the application for a request whose head has arrived."""
         has_turn, self._has_begun = self._has_begun, False
         self._answering += 1
+        self._idle.end()
         self._server_has_part = False
         self._awaits_head, self._awaits_body = False, _has_body(scope)
         self._watch_request()
@@ -291,6 +324,8 @@ class Connection(asyncio.Protocol):
 
     def _end_answer(self) -> None:
         self._answering -= 1
+        if not self._answering and self._transport is not None:
+            self._idle.begin(self._transport)
         self._awaits_body = False
         self._awaits_head = self._server_has_part = self._has_next_head
         self._has_next_head = False

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from starlette.applications import Starlette
     from starlette.types import ASGIApp, Receive, Scope, Send
 
+    from mavstack.http.early_answers import EarlyAnswer
     from mavstack.http.request_lane import ComesFirst
 
 logger = logging.getLogger("mavstack.http")
@@ -34,6 +35,7 @@ logger = logging.getLogger("mavstack.http")
 MAX_WEBSOCKET_MESSAGE: Final = 1 << 20
 #: Seconds between two pings of a WebSocket, and for their answers: a client that has vanished is closed.
 PING_INTERVAL: Final = 20.0
+_NEVER: Final = 1_000_000_000
 
 
 class Certificate(NamedTuple):
@@ -53,6 +55,7 @@ async def serving(
     websockets: bool = False,
     proxy: str = "",
     comes_first: ComesFirst | None = None,
+    answer_early: EarlyAnswer | None = None,
 ) -> AsyncIterator[tuple[str, int]]:
     """Serve an application while the block runs.
 
@@ -65,6 +68,7 @@ async def serving(
         proxy: The address of a proxy in front, whose headers X-Forwarded-For and X-Forwarded-Proto name the
             client; empty: none, and these headers are not believed.
         comes_first: Decides by their heads which requests wait for no others; None: all wait for their turn.
+        answer_early: Answers requests by their heads alone; None: the application answers all.
 
     Yields:
         Host and port on which it listens.
@@ -82,7 +86,7 @@ async def serving(
         raise LinkError(
             f"cannot serve {name} with TLS: {files} is not a certificate with its key ({_reason(error)})"
         ) from None
-    connections = Connections(comes_first)
+    connections = Connections(comes_first, answer_early)
     config = _config(connections.tracking(app), websockets=websockets, proxy=proxy)
     connect = connection_factory(config.http_protocol_class, connections)
     config.http_protocol_class = _with_tls(connect, context, handshakes)  # type: ignore[assignment]
@@ -117,6 +121,7 @@ def _config(app: ASGIApp, *, websockets: bool, proxy: str) -> uvicorn.Config:
         access_log=False,
         lifespan="off",
         server_header=False,
+        timeout_keep_alive=_NEVER,  # connections end themselves: the server does not see all requests
         http="h11",
         ws="websockets-sansio" if websockets else "none",
         ws_max_size=MAX_WEBSOCKET_MESSAGE,

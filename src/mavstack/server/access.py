@@ -147,9 +147,13 @@ class Access:
         Raises:
             RefusedError: A page of another site sent it, or the client has no session.
         """
-        self.check_page(request.headers)
-        self._check_site(request.headers)
-        return self._client(request.headers, request.cookies.get(COOKIE, ""))
+        return self.check_headers(request.headers, request.cookies.get(COOKIE, ""))
+
+    def check_headers(self, headers: Mapping[str, str], cookie: str) -> Client:
+        """Return the client of a request by its headers and its cookie; see `check_request`."""
+        self.check_page(headers)
+        self._check_site(headers)
+        return self._client(headers, cookie)
 
     def comes_first(self, head: RequestHead) -> bool:
         """Return whether a request waits for no others: its session may act.
@@ -158,8 +162,7 @@ class Access:
         """
         if self.is_open:
             return head.method not in ("GET", "HEAD")
-        cookie = _COOKIE.search(head.cookie)
-        role = self.role_of(_token(head.authorization, "" if cookie is None else cookie[1]))
+        role = self.role_of(_token(head.authorization, cookie_of(head.cookie)))
         return role is not None and role > Role.OBSERVE
 
     def check_websocket(self, headers: Headers, cookies: Mapping[str, str]) -> Client:
@@ -181,7 +184,7 @@ class Access:
             return self._client_of_ticket(ticket)
         return self._client(headers, cookies.get(COOKIE, ""))
 
-    def check_page(self, headers: Headers) -> None:
+    def check_page(self, headers: Mapping[str, str]) -> None:
         """Refuse requests of pages of other sites; raises `RefusedError`."""
         host, origin = headers.get("host", ""), headers.get("origin")
         if self._local and not is_local_host(host):
@@ -191,7 +194,7 @@ class Access:
         if origin is not None and origin not in self.origins and not is_own_origin(origin, host):
             raise RefusedError(403, "requests of pages of other sites are refused")
 
-    def _check_site(self, headers: Headers) -> None:
+    def _check_site(self, headers: Mapping[str, str]) -> None:
         """Refuse requests that a page of another site or port makes without an `Origin`, as for a picture."""
         if "origin" not in headers and headers.get("sec-fetch-site") in _OTHER_SITES:
             raise RefusedError(403, "requests of pages of other sites are refused")
@@ -269,7 +272,7 @@ class Access:
         finally:
             session.listeners.discard(listener)
 
-    def _client(self, headers: Headers, cookie: str) -> Client:
+    def _client(self, headers: Mapping[str, str], cookie: str) -> Client:
         if self.is_open:
             return Client(Role.ADMINISTER)
         token = _token(headers.get("authorization", ""), cookie)
@@ -324,6 +327,12 @@ class Access:
             raise InvalidArgumentError(f"a password needs {MIN_PASSWORD} characters or more")
         if len(set(self._passwords.values())) < len(self._passwords):
             raise InvalidArgumentError("each role needs a password of its own")
+
+
+def cookie_of(header: str) -> str:
+    """Return the token of a session in a `Cookie` header; empty if there is none."""
+    found = _COOKIE.search(header)
+    return "" if found is None else found[1]
 
 
 def _token(authorization: str, cookie: str) -> str:

@@ -52,6 +52,7 @@ from mavstack.server.api import (
 from mavstack.server.api.session import LogIn, Sessions
 from mavstack.server.description import API
 from mavstack.server.dispatch import endpoint_of, problem_response
+from mavstack.server.latest_answers import LatestAnswers
 from mavstack.server.page_files import PageFiles
 from mavstack.server.websockets import websocket_endpoint
 
@@ -60,6 +61,7 @@ if TYPE_CHECKING:
 
     from starlette.types import ASGIApp, Receive, Scope, Send
 
+    from mavstack.http.early_answers import EarlyAnswer
     from mavstack.server.access import Access
     from mavstack.server.api_route import AnyRoute
     from mavstack.server.station import Station
@@ -165,6 +167,11 @@ def make_app(
         )
     app.add_middleware(_SecurityHeaders)
     return app
+
+
+def make_early_answers(ground: Station, access: Access) -> EarlyAnswer:
+    """Return the function that answers frequent requests of a station by their heads alone."""
+    return LatestAnswers(ground, access, _HEADERS.items()).answer
 
 
 class _SecurityHeaders:

@@ -48,18 +48,25 @@ class LatestMessages:
 
     def __init__(self) -> None:
         self._latest: dict[tuple[int, int, int], LatestMessage] = {}
+        #: The message received last of each system and id, of any component.
+        self._newest: dict[tuple[int, int], LatestMessage] = {}
 
     def store(self, packet: Packet, time: float) -> None:
         """Store a received packet."""
         key = (packet.system, packet.component, packet.message_id)
         known = self._latest.get(key)
-        if known is not None:
+        if known is None:
+            known = self._latest[key] = LatestMessage(packet, time)
+            self._drop_old()
+        else:
             known.update(packet, time)
-            return
-        self._latest[key] = LatestMessage(packet, time)
+        self._newest[key[0], key[2]] = known
+
+    def _drop_old(self) -> None:
         if len(self._latest) > MAX_MESSAGES:
             newest = sorted(self._latest.items(), key=lambda item: item[1].time, reverse=True)
             self._latest = dict(newest[: MAX_MESSAGES // 2])
+            self._newest = {(key[0], key[2]): each for key, each in reversed(self._latest.items())}
 
     def of_system(self, system: int) -> Iterator[LatestMessage]:
         """Yield the latest message of each kind from each component of a system."""
@@ -67,9 +74,6 @@ class LatestMessages:
 
     def find(self, system: int, message_id: int, component: int | None = None) -> LatestMessage | None:
         """Return the latest message of an id; from several components the one received last."""
-        found = (
-            each
-            for (of_system, of_component, of_id), each in self._latest.items()
-            if of_system == system and of_id == message_id and component in (None, of_component)
-        )
-        return max(found, key=lambda each: each.time, default=None)
+        if component is None:
+            return self._newest.get((system, message_id))
+        return self._latest.get((system, component, message_id))

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from mavstack.dialects import Dialect
 from mavstack.http.bodies import RefusedError
-from mavstack.server.json_values import to_json
 from mavstack.server.sender_rules import may_send
+from mavstack.wire import fields_json
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -22,21 +22,32 @@ if TYPE_CHECKING:
     from mavstack._core import HasCoreDialect
     from mavstack.dialects import Message
     from mavstack.security.roles import Role
+    from mavstack.server.latest_messages import LatestMessage
     from mavstack.wire import Packet
 
 
-def packet_json(packet: Packet, time: float) -> dict[str, Any]:
-    """Return a received packet as JSON."""
-    message = packet.message
-    values: dict[str, Any] = {
-        "message": packet.name,
-        "system": packet.system,
-        "component": packet.component,
-        "time": time,
-    }
-    if message is None:
-        return values | {"id": packet.message_id, "raw": packet.raw.hex()}
-    return values | {"fields": to_json(message.to_dict(enums="value"))}
+def packet_json(packet: Packet, time: float, *, ascii: bool = True) -> str:  # noqa: A002 (the word of fields_json)
+    """Return a received packet as JSON, written from its bytes.
+
+    Args:
+        packet: The packet.
+        time: The time of receipt, in Unix seconds.
+        ascii: Escape the characters outside ASCII.
+
+    Returns:
+        The JSON text, without spaces.
+    """
+    fields = fields_json(packet, strict=True, ascii=ascii)
+    sender = f'"system":{packet.system},"component":{packet.component},"time":{time!r}'
+    if fields is None:
+        return f'{{"message":null,{sender},"id":{packet.message_id},"raw":"{packet.raw.hex()}"}}'
+    return f'{{"message":"{packet.name}",{sender},"fields":{fields}}}'
+
+
+def latest_json(latest: LatestMessage, now: float) -> str:
+    """Return a latest message as JSON with its count and its rate in hertz."""
+    packet = packet_json(latest.packet, latest.time, ascii=False)
+    return f'{packet[:-1]},"count":{latest.count},"rate":{round(latest.rate(now), 3)!r}}}'
 
 
 def message_class(dialect: HasCoreDialect, name: str) -> type[Message]:

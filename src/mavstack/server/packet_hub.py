@@ -8,7 +8,6 @@ The moment is longer for more clients, each of which costs a message per batch.
 from __future__ import annotations
 
 import asyncio
-import json
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, Protocol
 
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
 MIN_INTERVAL: Final = 0.005
 MAX_INTERVAL: Final = 0.02
 CLIENT_INTERVAL: Final = 0.001
-_ENCODER: Final = json.JSONEncoder(separators=(",", ":"))
 
 
 class Batch:
@@ -46,7 +44,7 @@ class Batch:
         """Return one packet as JSON, which is made once for all clients."""
         text = self._texts.get(index)
         if text is None:
-            text = self._texts[index] = _ENCODER.encode(packet_json(*self.packets[index]))
+            text = self._texts[index] = packet_json(*self.packets[index])
         return text
 
 

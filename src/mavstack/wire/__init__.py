@@ -4,7 +4,8 @@ A `Parser` takes the bytes of one channel in chunks of any size and returns `Pac
 mixed. Bytes that are no valid packet never raise: they are counted in `Parser.statistics` and skipped. After
 a false start the search continues one byte after the false magic. A packet keeps its bytes unchanged. An
 `Encoder` encodes the messages of one component for one link, and counts their sequence numbers. `Signing` is
-the state of one link, shared by its parser and its encoder; time is an argument.
+the state of one link, shared by its parser and its encoder; time is an argument. `fields_json` writes the
+fields of a packet as JSON, without an object for each field.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from mavstack._core import (
     Statistics,
     crc16,
     encode,
+    fields_json,
 )
 
 TYPE_CHECKING = False
@@ -36,4 +38,5 @@ __all__ = [
     "Statistics",
     "crc16",
     "encode",
+    "fields_json",
 ]

@@ -28,7 +28,7 @@ async def station_served(link: Link, port: int) -> AsyncIterator[str]:
     """
     from mavstack.http.server import serving
     from mavstack.server.access import Access
-    from mavstack.server.app import make_app
+    from mavstack.server.app import make_app, make_early_answers
     from mavstack.server.station import Station
     from mavstack.vehicle import Connection
 
@@ -40,6 +40,7 @@ async def station_served(link: Link, port: int) -> AsyncIterator[str]:
             name="the ground station",
             websockets=True,
             comes_first=access.comes_first,
+            answer_early=make_early_answers(station, access),
         )
         async with listening as (host, used_port):
             yield f"http://{host}:{used_port}/"

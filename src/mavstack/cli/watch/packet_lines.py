@@ -7,6 +7,7 @@ from datetime import datetime
 from typing import TYPE_CHECKING
 
 from mavstack.cli.common.field_values import field_texts, raw_hex
+from mavstack.wire import fields_json
 
 if TYPE_CHECKING:
     from mavstack.wire import Packet
@@ -19,15 +20,15 @@ def json_line(packet: Packet, time: float | None, source: str = "") -> str:
 
     `source` is the link or file of the packet, if there are several.
     """
-    message = packet.message
+    fields = fields_json(packet)
     # Formatted directly: the json module takes several times as long, and numbers need no escapes.
     head = (
         f'{{"time": {"null" if time is None else repr(time)}, {_source(source)}"system": {packet.system}, '
         f'"component": {packet.component}, "id": {packet.message_id}, "message": '
     )
-    if message is None:
+    if fields is None:
         return f'{head}null, "raw": "{raw_hex(packet)}"}}'
-    return f'{head}"{packet.name}", "fields": {message.to_json()}}}'
+    return f'{head}"{packet.name}", "fields": {fields}}}'
 
 
 def _source(source: str) -> str:

@@ -95,7 +95,7 @@ def run(arguments: Namespace) -> int:
 async def _serve(arguments: Namespace) -> int:
     with no_collection():  # it would take a sixth of the time of these imports, and delay packets later
         from mavstack.http.server import Certificate, serving
-        from mavstack.server.app import make_app
+        from mavstack.server.app import make_app, make_early_answers
         from mavstack.server.rows.urls import is_row_url
         from mavstack.server.station import Station
         from mavstack.vehicle import Connection
@@ -127,6 +127,7 @@ async def _serve(arguments: Namespace) -> int:
             websockets=True,
             proxy=arguments.proxy,
             comes_first=access.comes_first,
+            answer_early=make_early_answers(station, access),
         )
         async with listening as (_, port):
             _announce(arguments, port, secure=tls is not None)

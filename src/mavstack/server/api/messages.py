@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Final, TypeAlias
 
 from msgspec import Meta
+from starlette.responses import Response
 
 from mavstack.http.bodies import RefusedError
 from mavstack.http.request_fields import Fields
@@ -12,7 +13,7 @@ from mavstack.security.roles import Role
 from mavstack.server.api.action_route import summary_of
 from mavstack.server.api.events import EventsQuery, EventStream
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
-from mavstack.server.message_json import message_class, message_of, packet_json
+from mavstack.server.message_json import latest_json, message_class, message_of
 from mavstack.server.message_stream import MessageStream
 from mavstack.server.observed_requests import check_request
 from mavstack.server.request_types import SendMessage
@@ -57,15 +58,15 @@ async def _list(call: PlainCall) -> list[dict[str, Any]]:
     return sorted(found, key=lambda each: (each["message"] or "", each["id"], each["component"]))
 
 
-async def _show(call: Call[None, LatestQuery]) -> dict[str, Any]:
+async def _show(call: Call[None, LatestQuery]) -> Response:
     vehicle, connection = call.vehicle, call.station.connection
     kind = message_class(connection.dialect, call.path("name"))
     number = int(kind.__mavlink_row__[0])
     found = call.station.packets.latest.find(vehicle.system, number, call.query.component)
     if found is None:
         raise RefusedError(404, f"{call.path('name')[:60]} of system {vehicle.system} was not received")
-    rate = round(found.rate(connection.now()), 3)
-    return {**packet_json(found.packet, found.time), "count": found.count, "rate": rate}
+    text = latest_json(found, connection.now())
+    return Response(text, headers={"Cache-Control": "no-store"}, media_type="application/json")
 
 
 async def _stream(call: Call[None, StreamQuery]) -> EventStream:
