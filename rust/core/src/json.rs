@@ -163,7 +163,7 @@ fn round_tie(text: &mut [u8], value: f64) {
     let end = text.iter().position(|&byte| byte == b'e').unwrap_or(text.len());
     let significant = text[..end].iter().filter(|byte| byte.is_ascii_digit()).skip_while(|&&byte| byte == b'0').count();
     let last = text[end - 1];
-    if significant < TIE_DIGITS || last % 2 == 0 {
+    if significant < TIE_DIGITS || last.is_multiple_of(2) {
         return;
     }
     let mut exact = Vec::with_capacity(32);
@@ -190,13 +190,14 @@ fn shortest(value: f32) -> f64 {
     let digits = text.iter().take_while(|&&byte| byte != b'e').filter(|byte| byte.is_ascii_digit()).count();
     // A float32 distinguishes all numbers of 6 digits, so that rounding to 6 digits gives these; not if it is subnormal.
     let first = if digits <= 6 && (value.is_normal() || value == 0.0) { 0 } else { 5 };
+    let is_same = |candidate: f64| (candidate as f32).to_bits() == value.to_bits();
     for precision in first..8 {
         if precision > 0 {
             text.clear();
             append(&mut text, format_args!("{:.precision$e}", f64::from(value)));
         }
         match parsed(&text) {
-            Some(candidate) if candidate.abs() < MAX_SHORTENED && candidate as f32 == value => return candidate,
+            Some(candidate) if candidate.abs() < MAX_SHORTENED && is_same(candidate) => return candidate,
             _ => {}
         }
     }
