@@ -72,7 +72,14 @@ SUBJECTS = {
     "sim/storage": {"log_downloads"},
     "sync": {"vehicle"},
     "vehicle": {"arguments", "empty_missions", "flying", "modes", "quadplane", "whole_missions"},
-    "wire": {"core_docs", "fields_json", "object_lifetime", "parser_properties", "signing", "signing_pitfalls"},
+    "wire": {
+        "core_docs",
+        "fields_json",
+        "object_lifetime",
+        "parser_properties",
+        "signing",
+        "signing_pitfalls",
+    },
 }
 
 
