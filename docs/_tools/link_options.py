@@ -78,8 +78,8 @@ class RecordingOptions(Options):
         return super().choice(name, choices)
 
     def parsed(self, name: str, parse: Callable[[str], Value], expected: str) -> Value | None:
-        kinds = {"id": "ids", "mavlink": "1, 2 or auto", "heartbeat_rate": "hertz"}
-        self._note(name, kinds[name], "that of the node")
+        kinds = {"id": "ids", "mavlink": "1, 2 or auto", "heartbeat_rate": "hertz", "secret": expected}
+        self._note(name, kinds[name], "none" if name == "secret" else "that of the node")
         return super().parsed(name, parse, expected)
 
     def prefixed(self, prefix: str) -> dict[str, str]:

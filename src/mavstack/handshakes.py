@@ -63,6 +63,11 @@ class TlsHandshake(asyncio.Protocol):
         self._handshakes = handshakes
         self._task: asyncio.Task[None] | None = None
 
+    @property
+    def protocol(self) -> object:
+        """The sans-IO protocol of a WebSocket, which its library looks for when it chooses a subprotocol."""
+        return getattr(self._protocol, "protocol", None)
+
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Start the handshake."""
         transport.pause_reading()  # the first bytes are for the TLS layer, which is not there yet

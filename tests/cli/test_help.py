@@ -33,6 +33,7 @@ WITH_VEHICLE = (
     "gimbal",
     "rtk",
     "traffic",
+    "relay",
     "rid",
     "serial",
     "terrain",

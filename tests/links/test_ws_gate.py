@@ -13,6 +13,8 @@ from mavstack.links.ws_gate import WsGate
 from mavstack.security.roles import Role
 from mavstack.security.tickets import SUBPROTOCOL, make_ticket
 
+from .certificates import certificates  # noqa: F401 - a fixture
+
 pytest.importorskip("websockets")
 
 from websockets.asyncio.client import connect
@@ -133,3 +135,11 @@ def test_a_missing_key_is_named_but_never_shown(tmp_path, scheme):
     with pytest.raises(LinkError, match="cannot read the API key") as error:
         open_link(f"{scheme}://127.0.0.1:5770?ticket_key={tmp_path}/no.key")
     assert "ticket_key=***" in str(error.value)
+
+
+async def test_a_ticket_opens_a_gate_over_tls(key_file, certificates):  # noqa: F811
+    files = f"cert={certificates}/cert.pem&key={certificates}/key.pem"
+    async with open_link(f"wssin://127.0.0.1:0?{files}&ticket_key={key_file}") as server:
+        url = f"wss://127.0.0.1:{server.address[1]}?ca={certificates}/ca.pem&ticket_key={key_file}"
+        async with open_link(url):
+            assert isinstance(await anext(server), ChannelOpened)

@@ -63,6 +63,7 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
             _entry("watch", "messages of a link or a file: rates, values, link quality"),
             _entry("record", "record the packets of links to a file that survives a crash"),
             _entry("route", "join links: forward, filter, record; control a running router", mixed=True),
+            _entry("relay", "a meeting place for vehicles and stations that both dial out: serve, invite"),
             _entry("web", "ground station in the browser, with an HTTP and WebSocket API"),
             _entry("data", "logs on disk: facts, conversion, queries, reports, charts"),
             _entry("vehicle", "act on a vehicle: arm, takeoff, goto, mode, info and others"),

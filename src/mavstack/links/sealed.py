@@ -49,6 +49,8 @@ TICK: Final = 0.1
 WARN_ATTEMPTS: Final = 5
 MAX_CHUNK: Final = 60_000
 CIPHERS: Final = ("chacha20", "aes256")
+#: Bytes of a shared key.
+SECRET_SIZE: Final = 32
 #: Bytes of a joined datagram: whole on the Internet, short on radios, where a damaged byte loses all of it.
 _DATAGRAM_MTU: Final = 1200
 _STREAM_MTU: Final = 8192
@@ -132,20 +134,30 @@ class SealedChannel(Channel):
 
 
 class SealedLink(Link):
-    """A link that seals another one."""
+    """A link that seals another one.
 
-    def __init__(self, url: LinkURL, options: Options) -> None:
+    Args:
+        url: The URL.
+        options: Its options.
+        inner: The link to seal; None: that of the scheme behind the `+`.
+        answers: True for an end that answers handshakes; None: by the scheme.
+    """
+
+    def __init__(
+        self, url: LinkURL, options: Options, inner: Link | None = None, *, answers: bool | None = None
+    ) -> None:
         super().__init__(url, options)
         carrier = SCHEMES.get(url.scheme.removeprefix(SEALED))
         inner_url = LinkURL(carrier.name, url.host, url.port, url.path, url.options)
-        self._inner = impaired_link(inner_url, options)
+        self._inner = impaired_link(inner_url, options) if inner is None else inner
         self._inner.trust_senders()  # the handshake proves the address of a peer before packets are sent
         #: Bytes of a joined datagram.
         self.mtu = max(options.size("mtu", _default_mtu(carrier)), OVERHEAD + 1)
         self._config = _read_config(url, options)
-        self._initiates = not carrier.listens
-        answers = carrier.listens or carrier.is_device
-        self._responder = Responder(self._config, os.urandom) if answers else None
+        only_answers = carrier.listens if answers is None else answers
+        self._initiates = not only_answers
+        has_responder = only_answers or carrier.is_device
+        self._responder = Responder(self._config, os.urandom) if has_responder else None
         if self._initiates and not carrier.is_device and not self._config.can_connect:
             raise LinkURLError(f"{url.redacted}: an end that connects needs one public key in peer=")
         #: True if the inner link carries a stream.
@@ -257,16 +269,27 @@ def _default_mtu(carrier: LinkScheme) -> int:
 
 def _read_config(url: LinkURL, options: Options) -> SealConfig:
     shared, private, peer = options.text("shared_key"), options.text("private_key"), options.text("peer")
+    secret = options.parsed("secret", _read_secret, "64 hexadecimal digits")
     hybrid = options.flag("hybrid", default=False)
     aes = options.choice("cipher", CIPHERS) == "aes256"
-    if bool(shared) == bool(private) or bool(private) != bool(peer):
+    if sum(map(bool, (shared, secret, private))) != 1 or bool(private) != bool(peer):
         raise LinkURLError(
             f"{url.redacted}: a sealed link needs a key: shared_key=NAME at both ends, or private_key=NAME "
             "of its own and peer= with the public key of the other end"
         )
     try:
+        if secret is not None:
+            return SealConfig.shared(secret, hybrid=hybrid, aes=aes)
         if shared:
             return SealConfig.shared(find_key(shared).secret_bytes(), hybrid=hybrid, aes=aes)
         return SealConfig.pinned(read_private_key(private), read_peers(peer), hybrid=hybrid, aes=aes)
     except (SigningError, InvalidArgumentError) as error:
         raise LinkError(f"cannot open {url.redacted}: {error}") from None
+
+
+def _read_secret(text: str) -> bytes:
+    """Return the shared key of its digits; raises `ValueError`."""
+    secret = bytes.fromhex(text)
+    if len(secret) != SECRET_SIZE:
+        raise ValueError(text)
+    return secret

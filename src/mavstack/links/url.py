@@ -80,7 +80,9 @@ class LinkURL:
 
 
 _PATH_SAFE = "/:\\,.~@+=&[]"  # brackets: other schemes may carry the address of a host
-_SECRET_OPTION = re.compile(r"([?&][^=&]*(?:pass|secret|token|key|header\.)[^=&]*=)[^&]+", re.IGNORECASE)
+_SECRET_OPTION = re.compile(
+    r"([?&][^=&]*(?:pass|secret|ticket|token|key|header\.)[^=&]*=)[^&]+", re.IGNORECASE
+)
 
 
 def redact_options(text: str) -> str:

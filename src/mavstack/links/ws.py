@@ -241,10 +241,17 @@ class WsServer(ServerLink):
 
 
 class WsClient(ClientLink):
-    """A link that connects to a WebSocket server; the option `timeout` limits each attempt in seconds."""
+    """A link that connects to a WebSocket server; the option `timeout` limits each attempt in seconds.
 
-    def __init__(self, url: LinkURL, options: Options) -> None:
+    Args:
+        url: The URL.
+        options: Its options.
+        scheme: The scheme of the WebSocket, `ws` or `wss`; empty: that of the URL.
+    """
+
+    def __init__(self, url: LinkURL, options: Options, scheme: str = "") -> None:
         super().__init__(url, options)
+        self._scheme = scheme or url.scheme
         self._timeout = options.seconds("timeout", 5.0)
         self._settings: dict[str, Any] = {
             "compression": None,
@@ -257,15 +264,15 @@ class WsClient(ClientLink):
         self._ticket_key = ticket_key(url, options)
         query = urlencode(options.prefixed("query."))
         self._target = quote(url.path) + (f"?{query}" if query else "")
-        if url.scheme == "wss":
+        if self._scheme == "wss":
             self._settings["ssl"] = client_context(url, options)
 
     async def _connect(self) -> ConnectionChannel:
         host = f"[{self.url.host}]" if ":" in self.url.host else self.url.host
-        address = f"{self.url.scheme}://{host}:{self.url.port}{self._target}"
+        address = f"{self._scheme}://{host}:{self.url.port}{self._target}"
         try:
             socket = await connect(
-                address, open_timeout=self._timeout, subprotocols=self._offer() or None, **self._settings
+                address, open_timeout=self._timeout, subprotocols=self.offer() or None, **self._settings
             )
         except InvalidHandshake as error:
             raise LinkError(
@@ -275,7 +282,7 @@ class WsClient(ClientLink):
             raise LinkError(f"cannot open {self.url.redacted}: {error}") from error
         return WsChannel(self.url.scheme, self.inbox.remove_channel, self._send_queue, socket)
 
-    def _offer(self) -> list[Subprotocol]:
+    def offer(self) -> list[Subprotocol]:
         """Return the subprotocols of one attempt, with a new ticket if the URL names a key."""
         if not self._ticket_key:
             return self._subprotocols

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 #: The prefix of the schemes of sealed links, in front of the scheme of the link that they use.
 SEALED: Final = "sealed+"
 
-_OPTIONS: Final[Mapping[str, str]] = MappingProxyType(
+#: Options of the keys and of the joining of packets, which links through a relay have too.
+SEAL_OPTIONS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "cipher": "the cipher, equal at both ends",
         "hybrid": "add ML-KEM-768 to the key exchange, at both ends",
@@ -22,6 +23,7 @@ _OPTIONS: Final[Mapping[str, str]] = MappingProxyType(
         "peer": "public keys of the peers: digits, or a file with a line for each; "
         "an end that connects has one",
         "private_key": "file or name of the own key for sealed links",
+        "secret": "the shared key itself, as 64 hexadecimal digits, for URLs that are copied",
         "shared_key": "file or name of a signing key that both ends have, from which the key is derived",
     }
 )
@@ -36,7 +38,7 @@ def _sealed(carrier: LinkScheme, example: str, purpose: str, alias: str = "") ->
         purpose=purpose,
         listens=carrier.listens,
         aliases={f"{SEALED}{alias}": {}} if alias else {},
-        options={**carrier.options, **_OPTIONS},
+        options={**carrier.options, **SEAL_OPTIONS},
     )
 
 
