@@ -1,6 +1,6 @@
 """The compiled core: parsing, encoding, signing, and the fields of messages."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Protocol, Self, TypeAlias, dataclass_transform, final
 
 from typing_extensions import Buffer
@@ -56,7 +56,7 @@ class Dialect:
     """
 
     def __new__(
-        cls, name: str, messages: Sequence[MessageLayout], make_class: Callable[[int], type[MessageBase]]
+        cls, name: str, messages: Iterable[MessageLayout], make_class: Callable[[int], type[MessageBase]]
     ) -> Self: ...
     @property
     def name(self) -> str:

@@ -58,8 +58,9 @@ pub fn layout_from_tuple((id, name, crc_extra, base_length, length, fields): Lay
 #[pymethods]
 impl Dialect {
     #[new]
-    fn new(name: String, messages: Vec<LayoutTuple>, make_class: Py<PyAny>) -> PyResult<Self> {
-        let layouts = messages.into_iter().map(layout_from_tuple).collect::<PyResult<Vec<_>>>()?;
+    fn new(name: String, messages: &Bound<'_, PyAny>, make_class: Py<PyAny>) -> PyResult<Self> {
+        let layouts = messages.try_iter()?.map(|each| layout_from_tuple(each?.extract()?));
+        let layouts = layouts.collect::<PyResult<Vec<_>>>()?;
         let classes = layouts.iter().map(|_| OnceLock::new()).collect();
         let core = layout::Dialect::new(layouts).map_err(|error| DialectError::new_err(error.0))?;
         Ok(Self { name, core: Arc::new(core), make_class, classes })

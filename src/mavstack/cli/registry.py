@@ -30,12 +30,14 @@ class CommandEntry(NamedTuple):
         summary: The line.
         logs: False if nothing that the command runs writes to the log.
         mixed: True if options may stand between its words.
+        tls_on_use: True if its memory matters, and few of its runs use TLS.
     """
 
     module: str
     summary: str
     logs: bool = True
     mixed: bool = False
+    tls_on_use: bool = False
 
 
 class CommandModule(Protocol):
@@ -50,8 +52,8 @@ class CommandModule(Protocol):
         """Run the command and return its exit code."""
 
 
-def _entry(name: str, summary: str, *, logs: bool = True, mixed: bool = False) -> tuple[str, CommandEntry]:
-    return name, CommandEntry(f"mavstack.cli.{name}.command", summary, logs, mixed)
+def _entry(name: str, summary: str, **options: bool) -> tuple[str, CommandEntry]:
+    return name, CommandEntry(f"mavstack.cli.{name}.command", summary, **options)
 
 
 COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
@@ -62,7 +64,12 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
             _entry("demo", "a simulated fleet with a live display, without hardware"),
             _entry("watch", "messages of a link or a file: rates, values, link quality"),
             _entry("record", "record the packets of links to a file that survives a crash"),
-            _entry("route", "join links: forward, filter, record; control a running router", mixed=True),
+            _entry(
+                "route",
+                "join links: forward, filter, record; control a running router",
+                mixed=True,
+                tls_on_use=True,
+            ),
             _entry("relay", "a meeting place for vehicles and stations that both dial out: serve, invite"),
             _entry("web", "ground station in the browser, with an HTTP and WebSocket API"),
             _entry("data", "logs on disk: facts, conversion, queries, reports, charts"),
@@ -98,6 +105,10 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
 def load_command(name: str) -> CommandModule:
     """Import the module of a command."""
     with ended_by_sigint():
+        if COMMANDS[name].tls_on_use:
+            from mavstack.cli.common.tls_on_use import load_tls_on_use
+
+            load_tls_on_use()
         return cast("CommandModule", import_module(COMMANDS[name].module))
 
 

@@ -148,7 +148,7 @@ def decode_table(table: Table) -> DialectDefinition:
         version=table.header["version"],
         number=table.header["number"],
         includes=table.includes,
-        messages=tuple(decode_message(row, table) for row in table.rows),
+        messages=tuple(decode_message(row, table) for row in table.rows()),
         enums=tuple(decode_enum(name, table) for name in table.enum_names),
         path=table.path,
     )

@@ -116,8 +116,9 @@ class Dialect:
 
     @cached_property
     def _core_dialect(self) -> CoreDialect:
-        rows = [row for dialect in self.with_includes for row in dialect.table.rows]
-        return CoreDialect(self.name, [self.layout(row) for row in rows], self.message_class)
+        # One by one: the layouts of all messages as Python's objects would take a megabyte.
+        layouts = (self.layout(row) for dialect in self.with_includes for row in dialect.table.rows())
+        return CoreDialect(self.name, layouts, self.message_class)
 
     @property
     def dialect(self) -> Dialect:

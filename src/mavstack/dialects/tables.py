@@ -62,11 +62,9 @@ class Table:
         """Names of the enums that the file defines or extends."""
         return self._enums.keys()
 
-    @property
-    def rows(self) -> list[MessageRow]:
-        """Rows of all messages."""
-        rows: list[MessageRow] = json.loads(f"[{','.join(self._rows.values())}]")
-        return rows
+    def rows(self) -> Iterator[MessageRow]:
+        """Yield the rows of all messages."""
+        return map(json.loads, self._rows.values())
 
     def content(self) -> Iterator[str]:
         """Yield the messages and enums as lines of text, the same for equal definitions."""

@@ -18,7 +18,6 @@ import math
 from dataclasses import dataclass, fields
 from heapq import heappop, heappush
 from itertools import count
-from random import Random
 from typing import TYPE_CHECKING, Self
 
 from mavstack.errors import InvalidArgumentError
@@ -120,6 +119,8 @@ class Flow:
     """
 
     def __init__(self, impairment: Impairment, name: str = "") -> None:
+        from random import Random  # it loads hashes, which links without impairments do not need
+
         self.stats = FlowStats()
         self._model = impairment
         self._random = Random(f"{impairment.seed}/{name}")

@@ -111,10 +111,10 @@ class Options:
 
     def refuse_unknown(self) -> None:
         """Raise `LinkURLError` if an option was not read by any of the other methods."""
-        from difflib import get_close_matches
-
         for name in self._url.options:
             if name not in self._known:
+                from difflib import get_close_matches
+
                 near = get_close_matches(name, self._known, n=1)
                 hint = (
                     f"did you mean {near[0]}?" if near else "known options: " + ", ".join(sorted(self._known))

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from mavstack.router.config import EndpointConfig
     from mavstack.router.endpoints.base import Endpoint
     from mavstack.router.engine import RouterEngine
-    from mavstack.router.firewall import Peer
+    from mavstack.router.peer import Peer
 
 _log = logging.getLogger("mavstack.router")
 

@@ -71,12 +71,14 @@ class Gateway:
         self._states = SigningStates()
         self._keys: dict[str, SigningKey] = {}
         self._clock = 0
+        self._next_store = 0.0
         self._next_link_id = 0
         self._is_open = False
 
     def _open(self, now: float) -> None:
         """Load the timestamps of the last run, when the first key is used."""
         self._is_open = True
+        self._next_store = now + STORE_INTERVAL
         present = 0 if time_if_set(now) is None else timestamp_at(now)
         if self._make_store is not None:
             self._timestamps = self._make_store()
@@ -131,6 +133,13 @@ class Gateway:
             allow_unsigned=sorted(config.allow_unsigned),
             strip=config.strip,
         )
+
+    def is_store_due(self, now: float) -> bool:
+        """Return whether the timestamps should be stored again; True once in `STORE_INTERVAL` seconds."""
+        is_due = self._is_open and now >= self._next_store
+        if is_due:
+            self._next_store = now + STORE_INTERVAL
+        return is_due
 
     def store(self, *, running: bool = True) -> None:
         """Store the timestamps, every `STORE_INTERVAL` seconds and at the end.

@@ -9,7 +9,8 @@
     guard.close()
 
 Alerts are logged by `mavstack.router.firewall`, counted, passed to `on_alert`, and sent to ground stations as
-STATUSTEXT if the configuration says so. Nothing here blocks or waits; the caller has the clock.
+STATUSTEXT if the configuration says so. Nothing here blocks or waits; the caller has the clock. The modules
+of the firewall and of the gateway are imported when a configuration needs them.
 """
 
 from __future__ import annotations
@@ -20,13 +21,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import RouterConfigError, SigningError
 from mavstack.router.config.names import Names
-from mavstack.router.firewall import Alert, Firewall, Peer, Traffic, read_firewall
-from mavstack.router.firewall.compiler import ambiguous_rules, peer_ranges
-from mavstack.router.firewall.quarantine import Remote
-from mavstack.router.gateway import STORE_INTERVAL, Gateway
 from mavstack.router.rules import RuleSet
-from mavstack.security.senders import Authority
-from mavstack.services import Address
 from mavstack.wire import Encoder, Packet
 
 if TYPE_CHECKING:
@@ -37,21 +32,23 @@ if TYPE_CHECKING:
     from mavstack.router.config import EndpointConfig, RouterConfig
     from mavstack.router.engine import RouterEngine
     from mavstack.router.engine_events import RouterEvent
-    from mavstack.router.engine_statistics import EndpointStatistics
+    from mavstack.router.firewall import Alert, Firewall
     from mavstack.router.firewall.id_store import IdStore
+    from mavstack.router.gateway import Gateway
+    from mavstack.router.peer import Peer
     from mavstack.security import TimestampStore
 
 logger = logging.getLogger("mavstack.router.firewall")
 
 #: System and component id of the router's own status texts: a bridge beside ground stations.
 OWN_ADDRESS: Final = (254, 240)
-#: Causes of dropped packets whose sender did not prove that it has the key.
-SIGNATURE_CAUSES: Final = ("unsigned", "forged", "replayed", "stale", "future", "too_many_streams")
 _NOTHING: Final = RuleSet(default_incoming="drop", default_outgoing="drop")
 
 
 @dataclass(slots=True)
 class _Link:
+    """A link of the engine."""
+
     name: str
     peer: Peer | None
     listening: bool
@@ -88,11 +85,12 @@ class Guard:
         self._ids = ids
         self.firewall = _firewall(config, names, self._known_ids(config))
         self._stored_ids = self._assigned_ids()
-        self.gateway = Gateway(timestamps)
+        self._timestamps = timestamps
+        self._gateway: Gateway | None = None
         #: Called with each alert.
         self.on_alert: Callable[[Alert], None] = lambda alert: None
         self._links: dict[int, _Link] = {}
-        self._next_store = self._now = 0.0
+        self._now = 0.0
         self._encoder = Encoder(*OWN_ADDRESS)
         self._own: int | None = None
 
@@ -101,6 +99,11 @@ class Guard:
         """Number of alerts by detector or rule."""
         return {} if self.firewall is None else self.firewall.counts
 
+    @property
+    def needs_timer(self) -> bool:
+        """True if `handle_timer` has something to do."""
+        return self.firewall is not None or self._gateway is not None
+
     def open(self, now: float) -> None:
         """Open the endpoint that status texts come from.
 
@@ -108,7 +111,6 @@ class Guard:
             now: Unix time in seconds.
         """
         self._now = now
-        self._next_store = now + STORE_INTERVAL
         self._open_own()
 
     def _open_own(self) -> None:
@@ -136,14 +138,12 @@ class Guard:
         """
         self._links[number] = _Link(name, peer, listening, credential)
         if credential:
+            from mavstack.security.senders import Authority
+
             self._engine.set_authority(number, Authority.CERTIFICATE)
 
     def configure(self, number: int, config: EndpointConfig) -> None:
-        """Set the rules and the keys of a link.
-
-        Args:
-            number: Its number in the engine.
-            config: The configuration of its endpoint.
+        """Set the rules and the keys of a link by the configuration of its endpoint.
 
         Raises:
             SigningError: A key cannot be read.
@@ -155,20 +155,29 @@ class Guard:
             self._admit_peers(number, config.name)
             self._block_peers(number, link)
         if (keys := config.keys) is not None or was_signed:
-            self.gateway.apply(self._engine, number, keys, self._now)
+            self._open_gateway().apply(self._engine, number, keys, self._now)
+
+    def _open_gateway(self) -> Gateway:
+        if self._gateway is None:
+            from mavstack.router.gateway import Gateway
+
+            self._gateway = Gateway(self._timestamps)
+        return self._gateway
 
     def _block_peers(self, number: int, link: _Link) -> None:
         """Cut off the peers of a listening UDP socket that are in quarantine."""
-        if link.listening and self.firewall is not None and self.firewall.knows(link.name):
-            self._engine.set_blocked_peers(number, self.firewall.blocked(link.name))
-        elif link.listening:
-            self._engine.set_blocked_peers(number, ())
+        if link.listening:
+            known = self.firewall is not None and self.firewall.knows(link.name)
+            blocked = self.firewall.blocked(link.name) if self.firewall is not None and known else ()
+            self._engine.set_blocked_peers(number, blocked)
 
     def _admit_peers(self, number: int, endpoint: str) -> None:
         """Limit the peers of a listening UDP socket to those that the firewall allows."""
         if self.firewall is None:
             self._engine.set_allowed_peers(number, None)
             return
+        from mavstack.router.firewall.compiler import ambiguous_rules, peer_ranges
+
         self._engine.set_allowed_peers(number, peer_ranges(self.firewall.config, endpoint))
         for rule in ambiguous_rules(self.firewall.config, endpoint):
             text = "endpoint %s: rule %s differs by peer; give these peers an endpoint of their own"
@@ -186,7 +195,8 @@ class Guard:
         Raises:
             SigningError: A key cannot be read; the keys in use stay.
         """
-        return self.gateway.load_keys(keys for each in config.endpoints if (keys := each.keys))
+        signed = [keys for each in config.endpoints if (keys := each.keys)]
+        return bool(signed) and self._open_gateway().load_keys(signed)
 
     def reload(self, config: RouterConfig) -> None:
         """Replace the firewall, whose quarantines stay; the caller configures all links afterwards.
@@ -206,11 +216,7 @@ class Guard:
         self._open_own()
 
     def remove(self, number: int) -> None:
-        """Forget a link that was closed. Idempotent.
-
-        Args:
-            number: Its number in the engine.
-        """
+        """Forget a link that was closed. Idempotent."""
         link = self._links.pop(number, None)
         if link is not None and self.firewall is not None:
             self.firewall.close_endpoint(link.name)
@@ -224,8 +230,7 @@ class Guard:
         """
         match event:
             case ("inspect", token, number, raw, peer, verified):
-                remote = Remote(*peer) if peer is not None else None
-                self._engine.decide(token, self._passes(number, raw, now, remote, verified=verified))
+                self._engine.decide(token, self._passes(number, raw, now, peer, verified=verified))
             case ("inspect_out", token, *_):
                 self._engine.decide(token, passed=True)
             case ("closed", number, _):
@@ -233,36 +238,40 @@ class Guard:
             case ("rule", number, key, name, False, dry_run):
                 self._matched(number, key, name, dry_run=dry_run, now=now)
             case ("contested", number, (system, component, _)):
-                self._log_contest(number, Address(system, component))
+                self._log_contest(number, system, component)
                 return
             case _:
                 return
         self._report(now)
 
     def handle_timer(self, now: float) -> None:
-        """Measure the links, end quarantines and store timestamps; call it once a second.
+        """Measure the links, end quarantines and store timestamps.
+
+        Call it once a second while `needs_timer` is true, and before a configuration changes.
 
         Args:
             now: Unix time in seconds.
         """
         self._now = now
         if self.firewall is not None:
-            for number, counters in self._engine.statistics().endpoints.items():
-                link = self._links.get(number)
-                if link is not None:
-                    self.firewall.measure(link.name, _traffic(link, counters), now)
-                    for each in counters.peers:
-                        of_peer = Traffic(each.accepted, each.bad_bytes)
-                        self.firewall.measure(link.name, of_peer, now, peer=Remote(each.host, each.port))
+            self._measure(self.firewall, now)
             self.firewall.handle_timeout(now)
             self._report(now)
-        if now >= self._next_store:
-            self._next_store = now + STORE_INTERVAL
-            self._store(running=True)
+        if self._gateway is not None and self._gateway.is_store_due(now):
+            self._store(self._gateway, running=True)
+
+    def _measure(self, firewall: Firewall, now: float) -> None:
+        from mavstack.router.firewall.measuring import measure_link
+
+        for number, counters in self._engine.statistics().endpoints.items():
+            if (link := self._links.get(number)) is not None:
+                one_signer = not link.listening and _verifies(link.config)
+                measure_link(firewall, link.name, counters, now, one_signer=one_signer)
 
     def close(self) -> None:
         """Store the timestamps for the last time. Idempotent."""
-        self._store(running=False)
+        if self._gateway is not None:
+            self._store(self._gateway, running=False)
 
     def _rules(self, link: _Link, config: EndpointConfig) -> RuleSet:
         own = self._rules_of(config)
@@ -292,32 +301,39 @@ class Guard:
             bytes_per_second=own.bytes_per_second,
         )
 
-    def _passes(self, number: int, raw: bytes, now: float, peer: Remote | None, *, verified: bool) -> bool:
+    def _passes(
+        self, number: int, raw: bytes, now: float, peer: tuple[str, int] | None, *, verified: bool
+    ) -> bool:
         link = self._links.get(number)
         if link is None or self.firewall is None:
             return False
+        from mavstack.router.firewall.quarantine import Remote
+
         try:
             packet = Packet(raw, self._dialect)
         except ValueError:
             return False
-        return self.firewall.decide(link.name, packet, now, peer=peer, verified=verified)
+        remote = Remote(*peer) if peer is not None else None
+        return self.firewall.decide(link.name, packet, now, peer=remote, verified=verified)
 
     def _matched(
         self, number: int, key: tuple[int, int, int], rule: str, *, dry_run: bool, now: float
     ) -> None:
         link = self._links.get(number)
         if link is not None and self.firewall is not None:
+            from mavstack.services import Address
+
             system, component, message = key
             source, text = Address(system, component), self._message(message)
             self.firewall.matched(link.name, rule, source, text, dry_run=dry_run, now=now)
 
-    def _log_contest(self, number: int, address: Address) -> None:
+    def _log_contest(self, number: int, system: int, component: int) -> None:
         link = self._links.get(number)
         text = (
-            "several senders claim %s, the last one on %s: packets for it go to the first one; "
+            "several senders claim %d/%d, the last one on %s: packets for it go to the first one; "
             "give redundant links the same group"
         )
-        logger.warning(text, address, link.name if link is not None else f"link {number}")
+        logger.warning(text, system, component, link.name if link is not None else f"link {number}")
 
     def _report(self, now: float) -> None:
         """Raise the alerts, and give the engine the rules that changed by them."""
@@ -348,9 +364,9 @@ class Guard:
         except RouterConfigError as error:
             logger.error("%s", error)
 
-    def _store(self, *, running: bool) -> None:
+    def _store(self, gateway: Gateway, *, running: bool) -> None:
         try:
-            self.gateway.store(running=running)
+            gateway.store(running=running)
         except SigningError as error:
             logger.error("%s", error)
 
@@ -360,14 +376,6 @@ class Guard:
 
 def _verifies(config: EndpointConfig | None) -> bool:
     return config is not None and config.keys is not None and bool(config.keys.incoming)
-
-
-def _traffic(link: _Link, counters: EndpointStatistics) -> Traffic:
-    """Return the traffic of a link; if signatures are verified, that of others who send on it is left out."""
-    if link.listening or not _verifies(link.config):
-        return Traffic(counters.received, counters.bad_bytes)
-    refused = sum(counters.dropped.get(cause, 0) for cause in SIGNATURE_CAUSES)
-    return Traffic(counters.received - refused, 0)
 
 
 def check_firewall(config: RouterConfig) -> None:
@@ -385,5 +393,7 @@ def check_firewall(config: RouterConfig) -> None:
 def _firewall(config: RouterConfig, names: Names, ids: Mapping[str, int]) -> Firewall | None:
     if config.firewall is None:
         return None
+    from mavstack.router.firewall import Firewall, read_firewall
+
     endpoints = [endpoint.name for endpoint in config.endpoints]
     return Firewall(read_firewall(config.firewall, names, endpoints), ids)

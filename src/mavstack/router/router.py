@@ -26,10 +26,7 @@ from mavstack.router.config.names import Names
 from mavstack.router.endpoints import make_endpoint
 from mavstack.router.engine import ENDED, RouterEngine
 from mavstack.router.filters import rules_of
-from mavstack.router.firewall.id_store import IdStore, ids_path
-from mavstack.router.gateway import timestamps_path
 from mavstack.router.guard import Guard
-from mavstack.security import TimestampStore
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -41,6 +38,8 @@ if TYPE_CHECKING:
     from mavstack.router.engine_events import RouterEvent
     from mavstack.router.engine_statistics import RouterStatistics
     from mavstack.router.firewall import Alert
+    from mavstack.router.firewall.id_store import IdStore
+    from mavstack.security import TimestampStore
 
 _log = logging.getLogger("mavstack.router")
 #: Seconds between two attempts to open an endpoint of a reload that could not be opened.
@@ -130,7 +129,6 @@ class Router:
             guard.load_keys(self.config)
             self._attachments = Attachments(self._engine, dialect, guard)
             guard.open(time())
-            self._timer = asyncio.get_running_loop().create_task(self._run_timer(guard))
             self._start_reading()
             for config in self.config.endpoints:
                 await self._open_endpoint(config)
@@ -150,7 +148,8 @@ class Router:
             self._timer.cancel()
             await asyncio.gather(self._timer, return_exceptions=True)
             self._timer = None
-            self.attachments.guard.close()
+        if self._attachments is not None:
+            self._attachments.guard.close()
         for name in list(self._endpoints):
             await self._endpoints.pop(name).close()
         if self._poll is not None:
@@ -245,6 +244,7 @@ class Router:
         """
         notes: list[str] = []
         async with self._changing:
+            self._handle_timer()
             guard, has_changed = self.attachments.guard, config.firewall != self.config.firewall
             has_new_keys = guard.load_keys(config)
             if has_changed:
@@ -263,6 +263,7 @@ class Router:
             self.config = applicable(self.config, config)
             if has_changed or has_new_keys:
                 self.attachments.configure_all()
+            self._start_timer()
         return tuple(notes)
 
     async def _try_to_open(self, config: EndpointConfig) -> list[str]:
@@ -290,6 +291,7 @@ class Router:
                         await self._open_endpoint(config)
 
     async def _open_endpoint(self, config: EndpointConfig) -> None:
+        self._handle_timer()
         endpoint = make_endpoint(config, self.attachments)
         try:
             await endpoint.open()
@@ -300,6 +302,7 @@ class Router:
             raise
         self._endpoints[config.name] = endpoint
         self.problems.pop(config.name, None)
+        self._start_timer()
         self.engine.statistics()  # waits until the engine has the endpoint, so that the next packet finds it
 
     async def _close_endpoint(self, name: str) -> None:
@@ -321,10 +324,18 @@ class Router:
     def _with_endpoints(self, endpoints: tuple[EndpointConfig, ...]) -> RouterConfig:
         return replace(self.config, endpoints=endpoints)
 
-    async def _run_timer(self, guard: Guard) -> None:
+    def _start_timer(self) -> None:
+        """Call the guard once a second from now on, if it has a firewall or keys."""
+        if self._timer is None and self.attachments.guard.needs_timer:
+            self._timer = asyncio.get_running_loop().create_task(self._run_timer())
+
+    async def _run_timer(self) -> None:
         while True:
             await asyncio.sleep(TIMER_INTERVAL)
-            guard.handle_timer(time())
+            self._handle_timer()
+
+    def _handle_timer(self) -> None:
+        self.attachments.guard.handle_timer(time())
 
     def _take_alert(self, alert: Alert) -> None:
         self.recent_alerts.append((time(), alert))
@@ -372,8 +383,13 @@ class Router:
 
 def _timestamps() -> TimestampStore:
     """Return the store of this user's routers; a router without keys needs no folder for it."""
+    from mavstack.router.gateway import timestamps_path
+    from mavstack.security import TimestampStore
+
     return TimestampStore(timestamps_path())
 
 
 def _ids() -> IdStore:
+    from mavstack.router.firewall.id_store import IdStore, ids_path
+
     return IdStore(ids_path())

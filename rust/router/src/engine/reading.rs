@@ -48,14 +48,14 @@ impl Worker {
     }
 
     /// Reads one batch from each of these links.
-    pub(super) fn read_links(&mut self, ready: &[usize]) {
+    pub(super) fn read_links(&mut self, ready: &[usize], time: Time) {
         for &index in ready {
             let Some(link) = self.links.all.get(index).filter(|link| link.is_started) else {
                 continue;
             };
             let number = link.number;
             let is_closing = link.is_closing;
-            match self.read_link(index) {
+            match self.read_link(index, time) {
                 Progress::More => self.mark_ready(index),
                 Progress::Drained if is_closing => self.remove(number, None),
                 Progress::Drained => {}
@@ -64,8 +64,7 @@ impl Worker {
         }
     }
 
-    fn read_link(&mut self, index: usize) -> Progress {
-        let time = self.time();
+    fn read_link(&mut self, index: usize, time: Time) -> Progress {
         let mut reading = self.reading.take().unwrap_or_default();
         let progress = match &self.links.all[index].transport {
             Transport::Udp(_) => self.read_datagrams(index, &mut reading, time),
@@ -250,7 +249,8 @@ impl Worker {
             && link.is_started
         {
             queue.collect();
-            if matches!(self.read_link(index), Progress::More) {
+            let time = self.time();
+            if matches!(self.read_link(index, time), Progress::More) {
                 self.links.all[index].is_closing = true;
                 return self.mark_ready(index);
             }

@@ -122,12 +122,12 @@ impl Worker {
         if !self.execute_commands() {
             return false;
         }
-        self.read_links(&ready);
+        let time = self.time(); // one look at the clocks for each turn: a vehicle's packets come one by one
+        self.read_links(&ready, time);
         self.spare = ready;
         self.note_progress();
         self.flush();
-        let now = self.time().now;
-        self.expire_peers(now);
+        self.expire_peers(time.now);
         let events = self.router.events.take();
         if !events.is_empty() {
             self.shared.emit(events);
@@ -136,7 +136,7 @@ impl Worker {
             // A program that does not wait any more has no use for it.
             let _ = request.try_send(self.snapshot());
         }
-        if self.moderation.needs_rest(std::mem::take(&mut self.datagrams), now) {
+        if self.moderation.needs_rest(std::mem::take(&mut self.datagrams), time.now) {
             std::thread::sleep(REST);
         }
         true

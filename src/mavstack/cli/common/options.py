@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from argparse import ArgumentTypeError
-from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from math import isfinite
 from types import MappingProxyType
@@ -88,6 +87,8 @@ def system_id(text: str) -> int:
 def _matching(dialect: Dialect, pattern: str) -> set[int]:
     ids = {message.definition.id for message in _named(dialect, pattern)}
     if not ids:
+        from difflib import get_close_matches
+
         near = get_close_matches(pattern, dialect.names, n=1)
         hint = f"; did you mean {near[0]}?" if near else ""
         raise UsageError(f"dialect {dialect.name} has no message {pattern}{hint}")

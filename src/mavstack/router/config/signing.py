@@ -8,18 +8,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from mavstack.dialects import common
 from mavstack.errors import LinkURLError, MissingExtraError, SigningError
-from mavstack.security.key_store import find_key
-from mavstack.services import message_ids
 
 if TYPE_CHECKING:
     from mavstack.links import Link
     from mavstack.router.config.names import Names
     from mavstack.router.config.tables import Table
 
-#: Messages that are accepted unsigned: radios send them themselves and have no key.
-UNSIGNED: Final = message_ids(common.RadioStatus)
+#: Ids of the messages that are accepted unsigned: RADIO_STATUS, which radios send themselves, without a key.
+UNSIGNED: Final = frozenset({109})
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +59,7 @@ def read_signing(table: Table, names: Names) -> SigningConfig:
     for key, name in (("in", config.incoming), ("out", config.outgoing)):
         try:
             if name:
-                find_key(name)
+                _find_key(name)
         except (SigningError, MissingExtraError) as error:
             table.refuse(key, f"is no key: {error}")
     if not config.incoming and not config.outgoing:
@@ -84,6 +81,12 @@ def check_link_settings(link: Link) -> None:
         raise LinkURLError(f"{shown}: a router sends no packets of its own: leave {own[0]} out")
     try:
         if settings.signing_key:
-            find_key(settings.signing_key)
+            _find_key(settings.signing_key)
     except (SigningError, MissingExtraError) as error:
         raise LinkURLError(f"{shown}: signing_key is no key: {error}") from None
+
+
+def _find_key(name: str) -> None:
+    from mavstack.security.key_store import find_key
+
+    find_key(name)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from mavstack.router.attachments import Attachments
     from mavstack.router.config import EndpointConfig
-    from mavstack.router.firewall import Peer
+    from mavstack.router.peer import Peer
 
 #: The states of an endpoint.
 CLOSED: Final = "closed"

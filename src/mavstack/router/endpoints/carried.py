@@ -18,8 +18,8 @@ from mavstack.links.events import BytesReceived, ChannelClosed, ChannelOpened
 from mavstack.links.scheme_table import find_scheme
 from mavstack.router.endpoints.base import DOWN, ENDED, LISTENING, OPEN, Endpoint
 from mavstack.router.endpoints.client_proofs import ClientProofs
-from mavstack.router.firewall import Peer
 from mavstack.router.high_latency import HighLatency
+from mavstack.router.peer import Peer
 from mavstack.security.admission import Proof
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from mavstack.errors import LinkError
 from mavstack.links.os_errors import open_error
 from mavstack.links.stream import send_at_once
 from mavstack.router.endpoints.base import DOWN, ENDED, Endpoint
-from mavstack.router.firewall import Peer
+from mavstack.router.peer import Peer
 
 if TYPE_CHECKING:
     from serial import Serial

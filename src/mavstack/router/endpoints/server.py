@@ -14,7 +14,7 @@ from mavstack.links.tcp import TcpServer
 from mavstack.links.unix import UnixServer
 from mavstack.router.endpoints.base import LISTENING, Endpoint
 from mavstack.router.endpoints.client_proofs import ClientProofs
-from mavstack.router.firewall import Peer
+from mavstack.router.peer import Peer
 from mavstack.security.admission import Admission
 
 if TYPE_CHECKING:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from mavstack.router.firewall.alerts import Alert
-from mavstack.router.firewall.config import FirewallConfig, FirewallRule, Peer, read_firewall
+from mavstack.router.firewall.config import FirewallConfig, FirewallRule, read_firewall
 from mavstack.router.firewall.detector import Detector, Traffic, detector_names, make_detector
 from mavstack.router.firewall.firewall import Firewall
 from mavstack.router.firewall.ids import IdAssignment
+from mavstack.router.peer import Peer
 
 __all__ = [
     "Alert",

@@ -18,7 +18,8 @@ from mavstack.services import message_ids
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from mavstack.router.firewall.config import FirewallConfig, FirewallRule, Peer
+    from mavstack.router.firewall.config import FirewallConfig, FirewallRule
+    from mavstack.router.peer import Peer
     from mavstack.wire import Packet
 
 #: Beginning of the names of all rules of the firewall in the engine's statistics.

@@ -29,24 +29,12 @@ if TYPE_CHECKING:
     from mavstack.router.config import Table
     from mavstack.router.config.names import Names
     from mavstack.router.firewall.sources import Network
+    from mavstack.router.peer import Peer
 
 Verdict: TypeAlias = Literal["allow", "deny", "tell"]
 #: Rules of one firewall.
 MAX_RULES: Final = 1000
 _NO_PORTS: Final = range(65536)
-
-
-@dataclass(frozen=True, slots=True)
-class Peer:
-    """The other end of a link that has an address; serial ports have none.
-
-    Attributes:
-        host: IP address, without a scope.
-        port: Its port.
-    """
-
-    host: str
-    port: int
 
 
 @dataclass(frozen=True, slots=True)

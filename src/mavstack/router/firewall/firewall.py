@@ -43,8 +43,9 @@ from mavstack.wire import Packet
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from mavstack.router.firewall.config import FirewallConfig, Peer
+    from mavstack.router.firewall.config import FirewallConfig
     from mavstack.router.firewall.detector import Detector, Traffic
+    from mavstack.router.peer import Peer
 
 logger = logging.getLogger("mavstack.router.firewall")
 

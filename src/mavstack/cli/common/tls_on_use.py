@@ -1,0 +1,47 @@
+"""`ssl` on first use: asyncio imports it with OpenSSL, which costs a program without TLS five megabytes.
+
+A module of a subclass with `__getattr__` stands in until one of its attributes is read. `asyncio.sslproto`
+reads some of `ssl` while it is imported, so it is loaded on first use too. `importlib.util.LazyLoader` is not
+lazy enough: the second import of its module reads `__spec__`, and thereby loads it.
+"""
+
+from __future__ import annotations
+
+import sys
+import threading
+from importlib.machinery import PathFinder
+from importlib.util import find_spec, module_from_spec
+from types import ModuleType
+
+
+class _OnUse(ModuleType):
+    """A module that is executed when an attribute is read that it does not have yet."""
+
+    _loading = threading.RLock()
+
+    def __getattr__(self, name: str) -> object:
+        with self._loading:
+            if type(self) is _OnUse and self.__spec__ is not None and self.__spec__.loader is not None:
+                self.__class__ = ModuleType  # type: ignore[assignment]
+                self.__spec__.loader.exec_module(self)
+        return getattr(self, name)
+
+
+def load_tls_on_use() -> None:
+    """Let `ssl` and the TLS of asyncio be loaded when they are used; call it before asyncio is imported.
+
+    A program that has imported asyncio already is left as it is.
+    """
+    package = find_spec("asyncio")
+    if "asyncio" in sys.modules or package is None:
+        return
+    _load_on_use("ssl")
+    _load_on_use("asyncio.sslproto", package.submodule_search_locations)
+
+
+def _load_on_use(name: str, path: list[str] | None = None) -> None:
+    spec = PathFinder.find_spec(name, path)
+    if spec is not None and name not in sys.modules:
+        module = module_from_spec(spec)
+        module.__class__ = _OnUse
+        sys.modules[name] = module
