@@ -33,6 +33,6 @@ def test_the_layers_are_those_of_the_contract(document: str) -> None:
     assert found == contract()
 
 
-def test_both_documents_say_the_same() -> None:
+def test_both_documents_have_the_same_rows() -> None:
     first, second = map(rows, DOCUMENTS)
     assert first == second
