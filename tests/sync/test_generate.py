@@ -22,6 +22,7 @@ VALUES = {
     "mavstack.vehicle.calibration.kinds.CalibrationStep",
     "mavstack.vehicle.capabilities.Capabilities",
     "mavstack.vehicle.connection.NodeOptions",
+    "mavstack.vehicle.external.diagnosis.ExternalStatus",
     "mavstack.vehicle.health.Health",
     "mavstack.vehicle.rtk.rtk.RtkStatus",
     "mavstack.vehicle.swarm.controller.SwarmOptions",

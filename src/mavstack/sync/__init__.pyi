@@ -46,6 +46,9 @@ from mavstack.services.events import EventDefinition
 from mavstack.services.extended_parameters import ExtendedParameter
 from mavstack.services.extended_parameters import ExtendedParameterChanged
 from mavstack.services.extended_parameters import ExtendedValue
+from mavstack.services.external import StreamMonitor
+from mavstack.services.external.frames import Quaternion
+from mavstack.services.external.frames import Vector
 from mavstack.services.ftp import Entry
 from mavstack.services.gimbal import GimbalAttitude
 from mavstack.services.gimbal import GimbalDevice
@@ -96,6 +99,7 @@ from mavstack.vehicle.calibration.kinds import CalibrationResult
 from mavstack.vehicle.calibration.kinds import CalibrationStep
 from mavstack.vehicle.capabilities import Capabilities
 from mavstack.vehicle.connection import NodeOptions
+from mavstack.vehicle.external.diagnosis import ExternalStatus
 from mavstack.vehicle.health import Health
 from mavstack.vehicle.rtk.rtk import RtkStatus
 from mavstack.vehicle.swarm.controller import SwarmOptions
@@ -113,7 +117,7 @@ from typing import Self
 from typing import TypeVar
 from typing import Unpack
 
-__all__ = ['Actuators', 'Calibration', 'CalibrationSession', 'Camera', 'CameraSettings', 'Can', 'CanBus', 'CommandHandlers', 'Connection', 'ControlStream', 'CorrectionFeed', 'EventListener', 'EventStream', 'ExtendedParams', 'Ftp', 'Gimbal', 'Group', 'GuidedSession', 'Listener', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'Recording', 'RegionOfInterest', 'RemoteComponent', 'Results', 'Rtk', 'SerialPort', 'SerialPorts', 'Shell', 'Subscription', 'Swarm', 'Terrain', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
+__all__ = ['Actuators', 'Calibration', 'CalibrationSession', 'Camera', 'CameraSettings', 'Can', 'CanBus', 'CommandHandlers', 'Connection', 'ControlStream', 'CorrectionFeed', 'EventListener', 'EventStream', 'ExtendedParams', 'External', 'Ftp', 'Gimbal', 'Group', 'GuidedSession', 'Listener', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'Recording', 'RegionOfInterest', 'RemoteComponent', 'Results', 'Rtk', 'SerialPort', 'SerialPorts', 'Shell', 'Subscription', 'Swarm', 'Terrain', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
 AnyEvent = TypeVar('AnyEvent')
 AnyHandler = TypeVar('AnyHandler', bound='Callable[..., Any]')
 AnyMessage = TypeVar('AnyMessage', bound=Message)
@@ -1173,6 +1177,190 @@ class ExtendedParams:
 
     def changes(self) -> Subscription[ExtendedParameterChanged]:
         """Subscribe to changes of extended parameters, made by any component."""
+
+class External:
+    """Data of a companion computer for a vehicle; `vehicle.external`.
+
+    Every call that sends raises `InvalidStateError` if the connection is closed, and `InvalidArgumentError`
+    for numbers that are not possible.
+    """
+    vehicle: Vehicle
+    monitor: StreamMonitor
+
+    def odometry(self, position: Vector | None=None, orientation: Quaternion | None=None, *, velocity: Vector | None=None, rotation: Vector | None=None, frame: str=..., body_frame: str=..., pose_covariance: Sequence[float]=..., velocity_covariance: Sequence[float]=..., reset_counter: int=0, quality: int=0, time: float | None=None) -> None:
+        """Send an estimate of pose and velocity (ODOMETRY).
+
+        Args:
+            position: Metres in `frame`; None: not known.
+            orientation: The rotation from the body into `frame` as w, x, y, z; None: not known.
+            velocity: Metres per second in `body_frame`; None: not known.
+            rotation: Radians per second around the axes of `body_frame`; None: not known.
+            frame: The axes of the world: "NED" or "ENU" if it knows north; "FRD", "FLU" or the optical axes
+                "RDF" if it starts with the heading of the vehicle.
+            body_frame: The axes of the body: "FRD", "FLU", or "RDF" of a camera.
+            pose_covariance: 36 numbers row by row or the 21 of the upper right triangle, m² and rad²; empty:
+                not known.
+            velocity_covariance: The same of velocity and rotation.
+            reset_counter: Changes with each jump of the estimate, 0 to 255.
+            quality: Percent, 0: not known, -1: the source has failed.
+            time: The time of the measurement, Unix seconds; None: now.
+
+        Raises:
+            InvalidArgumentError: A number or a frame is not possible.
+            InvalidStateError: The connection is closed.
+        """
+
+    def vision(self, position: Vector | None=None, orientation: Quaternion | None=None, *, velocity: Vector | None=None, frame: str=..., body_frame: str=..., covariance: Sequence[float]=..., reset_counter: int=0, time: float | None=None) -> None:
+        """Send an estimate of a camera (VISION_POSITION_ESTIMATE, VISION_SPEED_ESTIMATE).
+
+        Args:
+            position: Metres in `frame`; None: not known.
+            orientation: The rotation from the body into `frame` as w, x, y, z; None: not known.
+            velocity: Metres per second in `body_frame`, which needs the orientation; None: not known.
+            frame: The axes of the world, as for `odometry`.
+            body_frame: The axes of the body, as for `odometry`.
+            covariance: 36 or 21 numbers, as for `odometry`; empty: not known.
+            reset_counter: Changes with each jump of the estimate, 0 to 255.
+            time: The time of the measurement, Unix seconds; None: now.
+
+        Raises:
+            InvalidArgumentError: A number or a frame is not possible.
+            InvalidStateError: The connection is closed.
+        """
+
+    def mocap(self, position: Vector, orientation: Quaternion, *, frame: str=..., body_frame: str=..., covariance: Sequence[float]=..., time: float | None=None) -> None:
+        """Send the pose that a motion capture system measures (ATT_POS_MOCAP).
+
+        Args:
+            position: Metres in `frame`.
+            orientation: The rotation from the body into `frame` as w, x, y, z.
+            frame: The axes of the world, as for `odometry`.
+            body_frame: The axes of the body, as for `odometry`.
+            covariance: 36 or 21 numbers, as for `odometry`; empty: not known.
+            time: The time of the measurement, Unix seconds; None: now.
+
+        Raises:
+            InvalidArgumentError: A number or a frame is not possible.
+            InvalidStateError: The connection is closed.
+        """
+
+    def set_origin(self, latitude: float, longitude: float, altitude: float=0.0) -> None:
+        """Tell the estimator where its local frame begins (SET_GPS_GLOBAL_ORIGIN), as it needs without GPS.
+
+    Args:
+        latitude: Degrees.
+        longitude: Degrees.
+        altitude: Metres above mean sea level.
+
+    Raises:
+        InvalidArgumentError: The place is not on Earth.
+        InvalidStateError: The connection is closed.
+    """
+
+    def gps(self, latitude: float, longitude: float, altitude: float, *, velocity: Vector | None=None, fix: int=3, satellites: int=12, accuracy: tuple[float, float]=..., yaw: float | None=None, time: float | None=None) -> None:
+        """Send a position as that of a GPS receiver: GPS_INPUT, or HIL_GPS to PX4.
+
+    Args:
+        latitude: Degrees.
+        longitude: Degrees.
+        altitude: Metres above mean sea level.
+        velocity: Metres per second north, east, down; None: not known.
+        fix: The GPS_FIX_TYPE.
+        satellites: The number of satellites.
+        accuracy: The horizontal and the vertical accuracy in metres.
+        yaw: The heading of two antennas in degrees; None: not known.
+        time: The time of the measurement, Unix seconds; None: now.
+
+    Raises:
+        InvalidArgumentError: The place is not on Earth.
+        ActionUnsupported: PX4 takes it from components of its own system alone.
+        InvalidStateError: The connection is closed.
+    """
+
+    def obstacles(self, distances: Sequence[float], *, min_distance: float=0.2, max_distance: float=40.0, increment: float | None=None, angle_offset: float=0.0, kind: int=..., time: float | None=None) -> None:
+        """Send the distances of obstacles around the vehicle (OBSTACLE_DISTANCE), at 10 Hz or more.
+
+    Args:
+        distances: Metres in up to 72 sectors, clockwise; infinity: free, NaN: not known. For a laser scan
+            of ROS `mavstack.services.external.scan_sectors` makes them.
+        min_distance: The smallest distance that the sensor measures, metres.
+        max_distance: The largest distance that the sensor measures, metres.
+        increment: The width of a sector, degrees; None: the sectors go around.
+        angle_offset: The direction of the first sector, degrees from forward, clockwise.
+        kind: The MAV_DISTANCE_SENSOR.
+        time: The time of the measurement, Unix seconds; None: now.
+
+    Raises:
+        InvalidArgumentError: A number is not possible.
+        InvalidStateError: The connection is closed.
+    """
+
+    def distance(self, distance: float, *, orientation: int=..., min_distance: float=0.2, max_distance: float=40.0, kind: int=..., number: int=0, time: float | None=None) -> None:
+        """Send the distance that a rangefinder measures (DISTANCE_SENSOR).
+
+    Args:
+        distance: Metres; infinity: nothing in range.
+        orientation: The MAV_SENSOR_ORIENTATION; 25 (PITCH_270) looks down, 0 forward.
+        min_distance: The smallest distance that the sensor measures, metres.
+        max_distance: The largest distance that the sensor measures, metres.
+        kind: The MAV_DISTANCE_SENSOR.
+        number: The id of the sensor.
+        time: The time of the measurement, Unix seconds; None: now.
+
+    Raises:
+        InvalidArgumentError: A number is not possible.
+        InvalidStateError: The connection is closed.
+    """
+
+    def landing_target(self, forward: float, right: float, down: float, *, number: int=0, time: float | None=None) -> None:
+        """Send the place to land on as the vehicle sees it (LANDING_TARGET), at 10 Hz or more.
+
+    ArduPilot gets it in the axes of the body; PX4 gets it in the local frame while the pose of the vehicle
+    is known, otherwise as angles.
+
+    Args:
+        forward: Metres from the vehicle along its nose.
+        right: Metres to the right of it.
+        down: Metres below it.
+        number: The number of the target.
+        time: The time of the measurement, Unix seconds; None: now.
+
+    Raises:
+        InvalidArgumentError: A number is not possible.
+        InvalidStateError: The connection is closed.
+    """
+
+    def follow_target(self, latitude: float, longitude: float, altitude: float, *, velocity: Vector | None=None, acceleration: Vector | None=None, orientation: Quaternion | None=None, time: float | None=None) -> None:
+        """Send the position of a target to follow (FOLLOW_TARGET); the mode of the vehicle is not changed.
+
+    Args:
+        latitude: Degrees.
+        longitude: Degrees.
+        altitude: Metres above mean sea level.
+        velocity: Metres per second north, east, down; None: not known.
+        acceleration: Metres per second squared north, east, down; None: not known.
+        orientation: The quaternion of the target w, x, y, z, FRD in NED; None: not known.
+        time: The time of the measurement, Unix seconds; None: now.
+
+    Raises:
+        InvalidArgumentError: The place is not on Earth.
+        InvalidStateError: The connection is closed.
+    """
+
+    def check(self, *, timeout: float | None=None) -> ExternalStatus:
+        """Find out whether the estimator uses the estimates of this program, and why not.
+
+    Parameters are requested, and the status of the estimator if none was received lately.
+
+    Args:
+        timeout: Seconds for each request; None: a few seconds.
+
+    Returns:
+        The status: rate, delay, and the reasons.
+
+    Raises:
+        RemoteCancelled: The connection was closed.
+    """
 
 class Ftp:
     """The files of a remote component, by MAVLink FTP (FILE_TRANSFER_PROTOCOL).
@@ -3792,6 +3980,10 @@ class Vehicle:
     @property
     def roi(self) -> RegionOfInterest:
         """The region of interest: the point that the gimbal or the nose keeps pointing at."""
+
+    @property
+    def external(self) -> External:
+        """The data of a companion computer: estimates, obstacles, targets."""
 
     @property
     def rtk(self) -> Rtk:

@@ -32,6 +32,7 @@ from mavstack.vehicle.actions import (
 from mavstack.vehicle.actuators import Actuators
 from mavstack.vehicle.calibration import Calibration
 from mavstack.vehicle.capabilities import Capabilities, capabilities_of
+from mavstack.vehicle.external import External
 from mavstack.vehicle.firmware import Firmware, firmware_of
 from mavstack.vehicle.health import Health, health_of
 from mavstack.vehicle.mission import Mission, VehiclePlan
@@ -97,6 +98,7 @@ class Vehicle(ReadOnly):
         "The region of interest: the point that the gimbal or the nose keeps pointing at.",
     )
 
+    external = Part(External, "The data of a companion computer: estimates, obstacles, targets.")
     rtk = Part(Rtk, "The corrections of its satellite navigation, from a caster or a base.")
 
     def __init__(self, connection: Node, component: RemoteComponent) -> None:

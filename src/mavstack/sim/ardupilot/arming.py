@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from mavstack.dialects import common
+from mavstack.sim.ardupilot.external_vision import vision_problems
 from mavstack.sim.ardupilot.terrain import terrain_problems
 from mavstack.sim.vehicle_types import VehicleType
 
@@ -24,6 +25,7 @@ Check: TypeAlias = "Callable[[SimulatedAutopilot], Iterator[str]]"
 
 #: Bits of ARMING_CHECK.
 _ALL, _BAROMETER, _COMPASS, _GPS, _PARAMETERS, _RC, _BATTERY, _MISSION = 0, 1, 2, 3, 5, 6, 8, 14
+_VISION: Final = 18
 #: Seconds between reports of the problems.
 DISPLAY_INTERVAL = 30.0
 _QUIET_OPTION = 1
@@ -120,7 +122,12 @@ def _gps(autopilot: SimulatedAutopilot) -> Iterator[str]:
 
 
 def _uses_gps(autopilot: SimulatedAutopilot) -> bool:
-    """Return whether GPS is required: always on Plane and Rover, by the mode on Copter and Sub."""
+    """Return whether GPS is required: always on Plane and Rover, by the mode on Copter and Sub.
+
+    A vehicle whose receiver is switched off (GPS1_TYPE 0) flies by other means.
+    """
+    if not int(_number(autopilot.vehicle.parameters, "GPS1_TYPE", 1)):
+        return False
     if autopilot.vehicle.vehicle_type in (VehicleType.COPTER, VehicleType.SUB):
         return autopilot.mode.needs_position
     return True
@@ -238,6 +245,7 @@ _CHECKS: Final[tuple[tuple[int | None, Check], ...]] = (
     (_RC, _radio),
     (_MISSION, _mission),
     (_PARAMETERS, terrain_problems),
+    (_VISION, vision_problems),
     (None, _fence),
     (None, _remote_id),
     (None, _mode_before_arming),

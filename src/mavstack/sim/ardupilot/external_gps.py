@@ -1,4 +1,4 @@
-"""GPS by MAVLink on ArduPilot: GPS1_TYPE 14 (MAV) at boot replaces the vehicle's receiver.
+"""GPS by MAVLink on ArduPilot: GPS1_TYPE 14 (MAV) at boot replaces the vehicle's receiver, and 0 removes it.
 
 GPS_INPUT and HIL_GPS of any sender count. There is no fix until the first of them, and
 after 4 s without one. Source: ArduPilot, libraries/AP_GPS (AP_GPS_MAV, GPS_TIMEOUT_MS).
@@ -17,13 +17,16 @@ if TYPE_CHECKING:
 
 #: The value of GPS1_TYPE for a receiver that speaks MAVLink.
 GPS_TYPE_MAV: Final = 14
+#: The GPS_FIX_TYPE without a receiver.
+_NO_GPS: Final = 0
 #: Silence after which the fix is lost, in seconds.
 GPS_TIMEOUT: Final = 4.0
 
 
 def register_external_gps(vehicle: SimulatedVehicle) -> None:
     """Select the GPS receiver of this boot by GPS1_TYPE."""
-    vehicle.body.replace_gps(None)
-    if int(vehicle.parameters.get("GPS1_TYPE", 1)) == GPS_TYPE_MAV:
+    kind = int(vehicle.parameters.get("GPS1_TYPE", 1))
+    vehicle.body.replace_gps(None if kind else GpsReport(gps_fix=_NO_GPS))
+    if kind == GPS_TYPE_MAV:
         kinds = (common.GpsInput, common.HilGps)
         vehicle.engine.add(ExternalGps(vehicle, kinds, timeout=GPS_TIMEOUT, fallback=GpsReport()))

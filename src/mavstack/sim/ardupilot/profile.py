@@ -13,6 +13,7 @@ from mavstack.sim.ardupilot.behaviours import RegionOfInterestYaw, ReturnPath, r
 from mavstack.sim.ardupilot.commands import origin_of, register_commands
 from mavstack.sim.ardupilot.empty_mission import EmptyMission
 from mavstack.sim.ardupilot.external_gps import register_external_gps
+from mavstack.sim.ardupilot.external_vision import register_external_vision
 from mavstack.sim.ardupilot.failsafes import ArdupilotFailsafes
 from mavstack.sim.ardupilot.flight_parameters import flight_parameters_of
 from mavstack.sim.ardupilot.gps_port import GpsPort
@@ -32,6 +33,7 @@ from mavstack.sim.ardupilot.terrain import register_terrain
 from mavstack.sim.ardupilot.texts import BootTexts, armed_text, disarmed_text
 from mavstack.sim.autopilot.commands.home import home_position
 from mavstack.sim.autopilot.firmware_profile import FirmwareProfile
+from mavstack.sim.autopilot.origin import OriginReceiver
 from mavstack.sim.can import CanDevices
 from mavstack.sim.parameters import served_metadata
 from mavstack.sim.telemetry import publish_ardupilot
@@ -106,6 +108,8 @@ class ArdupilotProfile(FirmwareProfile):
         autopilot.watches.append(ModeSwitch(autopilot, self.mode_failure))
         SimulationParameters(vehicle)
         register_external_gps(vehicle)
+        register_external_vision(vehicle)
+        OriginReceiver.add_to(vehicle)
         CanDevices(vehicle)
         vehicle.engine.add(GpsPort(vehicle))
         register_terrain(vehicle)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from mavstack.services import Address
     from mavstack.services.modes import AvailableMode
     from mavstack.sim.autopilot.behaviour import Behaviour
+    from mavstack.sim.autopilot.external_vision import ExternalVision
     from mavstack.sim.autopilot.firmware_profile import FirmwareProfile, Mode
     from mavstack.sim.autopilot.ticks import Watch
     from mavstack.sim.vehicle import SimulatedVehicle
@@ -84,6 +85,10 @@ class SimulatedAutopilot:
         self.landed = True
         #: True if there was a position fix since the boot.
         self._located = False
+        #: The estimates of a companion computer; None if the parameters leave them out.
+        self.vision: ExternalVision | None = None
+        #: True if a client set the origin of the local frame.
+        self.has_origin = False
 
     # State
 
@@ -133,13 +138,19 @@ class SimulatedAutopilot:
         """Run the watches and the behaviour once, at the time `now`."""
         self.now = now
         self._check_ground(now)
-        self._located = self._located or self.body.sensors.gps_fix >= common.GpsFixType["_3D_FIX"]
+        self._located = self._located or self._is_located()
         if self.home is None and self.has_position:
             self.set_home_here()
         for watch in tuple(self.watches):
             watch.tick(now)
         self._fly()
         self._disarm_after_landing(now)
+
+    def _is_located(self) -> bool:
+        """Return whether the place on Earth is known: by GPS, or by estimates and an origin."""
+        if self.vision is not None and self.vision.aids_position and self.has_origin:
+            return True
+        return self.body.sensors.gps_fix >= common.GpsFixType["_3D_FIX"]
 
     def _check_ground(self, now: float) -> None:
         body, truth = self.body, self.body.truth

@@ -3,6 +3,7 @@
 from mavstack.geodesy import LocalFrame
 from mavstack.sim.motion.body import Body
 from mavstack.sim.motion.readings import (
+    Aid,
     BatteryState,
     EstimateHealth,
     GpsReport,
@@ -14,6 +15,7 @@ from mavstack.sim.motion.readings import (
 from mavstack.sim.motion.world import World
 
 __all__ = [
+    "Aid",
     "BatteryState",
     "Body",
     "EstimateHealth",

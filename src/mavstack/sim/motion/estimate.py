@@ -1,9 +1,10 @@
 """State estimate of the autopilot: the true motion plus the errors of its sensors.
 
 Horizontally the estimated position follows the GPS receiver, its slow drift and any spoofed offset, with a
-lag; vertically the barometer and its drift; the heading follows the compass. Without GPS the error grows like
-that of dead reckoning: an unknown acceleration bias integrates into velocity and position until the estimate
-no longer reports its position as good. Control flies by this estimate, so a deceived sensor really moves the
+lag; vertically the barometer and its drift; the heading follows the compass. Each of them may be replaced by
+an estimate from outside, such as visual odometry. Without GPS and such an estimate the error grows like that
+of dead reckoning: an unknown acceleration bias integrates into velocity and position until the estimate no
+longer reports its position as good. Control flies by this estimate, so a deceived sensor really moves the
 body.
 """
 
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mavstack.sim.motion.arrays import wrap_angle
+from mavstack.sim.motion.arrays import Array, wrap_angle
 from mavstack.sim.motion.readings import EstimateHealth
 from mavstack.sim.motion.state import StateArray
 
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 #: Time constants in seconds: position following the GPS, heading following the compass.
 POSITION_LAG, HEADING_LAG = 1.5, 2.0
+#: Time constant in seconds of an estimate from outside.
+AID_LAG = 0.2
 #: Standard deviations: GPS position horizontal and vertical, velocity, roll and pitch, yaw, barometer.
 GPS_DEVIATION, GPS_HEIGHT_DEVIATION, VELOCITY_DEVIATION = 0.35, 0.7, 0.04
 TILT_DEVIATION, YAW_DEVIATION, BARO_DEVIATION = 0.003, 0.01, 0.12
@@ -37,21 +40,32 @@ _DEVIATIONS = np.array([TILT_DEVIATION, TILT_DEVIATION, YAW_DEVIATION])[:, None]
 
 def update(state: StateArray, step: float) -> None:
     """Update the estimate for one step."""
-    slow_noise, lost, error = state.slow_noise, state.gps_lost, state.position_error
+    slow_noise, lost, error = state.slow_noise, _without_position(state), state.position_error
     drift = state.drift_velocity
     good = 1.0 - lost
     drift += step * (state.drift_bias * lost - drift * good)
     command = state.spoof + GPS_DEVIATION * (1.0 - state.gps_precision) * slow_noise[3:6]
     command[2] = state.baro_drift + BARO_DEVIATION * slow_noise[12]
-    follow = np.minimum(step / POSITION_LAG, 1.0)
+    follow, turn = np.minimum(step / POSITION_LAG, 1.0), state.compass_offset
+    if state.aid_position.any() or state.aid_height.any() or state.aid_heading.any():
+        aided = state.aid_position > 0
+        np.copyto(command[:2], state.aid_offset[:2], where=aided)
+        np.copyto(command[2], state.aid_offset[2], where=state.aid_height > 0)
+        follow = np.where(aided, min(step / AID_LAG, 1.0), follow)
+        turn = np.where(state.aid_heading > 0, state.aid_turn, turn)
     error[:2] += (command[:2] - error[:2]) * (follow * good) + drift[:2] * lost * step
     error[2] += (command[2] - error[2]) * follow
     state.gps_lost_time[:] = (state.gps_lost_time + step) * lost
-    state.yaw_error += (state.compass_offset - state.yaw_error) * (step / HEADING_LAG)
+    state.yaw_error += (turn - state.yaw_error) * (step / HEADING_LAG)
     np.add(state.position, error, out=state.position_estimate)
     np.add(state.velocity, drift + VELOCITY_DEVIATION * slow_noise[6:9], out=state.velocity_estimate)
     np.add(state.attitude, _DEVIATIONS * slow_noise[9:12], out=state.attitude_estimate)
     state.attitude_estimate[2] = wrap_angle(state.attitude_estimate[2] + state.yaw_error)
+
+
+def _without_position(state: StateArray) -> Array:
+    """Return 1 for each body whose estimate has neither GPS nor a position from outside, else 0."""
+    return np.maximum(state.gps_lost, state.gps_unused) * (1.0 - state.aid_position)
 
 
 def update_gps(state: StateArray, tick: int, period: int) -> None:
@@ -74,17 +88,24 @@ _SPOOF, _COMPASS, _BARO = (
     StateArray.ROWS["baro_drift"][0],
 )
 _LOST, _LOST_TIME = StateArray.ROWS["gps_lost"][0], StateArray.ROWS["gps_lost_time"][0]
+_UNUSED, _AIDED, _HEADED = (
+    StateArray.ROWS[name][0] for name in ("gps_unused", "aid_position", "aid_heading")
+)
+_OFFSET, _TURN = StateArray.ROWS["aid_offset"][0], StateArray.ROWS["aid_turn"][0]
 
 
 def assess(column: Sequence[float]) -> EstimateHealth:
     """Return the health of one body's estimate, given its readable column."""
-    gps_lost_time, lost = column[_LOST_TIME], column[_LOST] > 0.0
-    missed = math.hypot(column[_SPOOF] - column[_ERROR], column[_SPOOF + 1] - column[_ERROR + 1])
+    aided = column[_AIDED] > 0.0
+    gps_lost_time, lost = column[_LOST_TIME], not aided and max(column[_LOST], column[_UNUSED]) > 0.0
+    source = _OFFSET if aided else _SPOOF
+    missed = math.hypot(column[source] - column[_ERROR], column[source + 1] - column[_ERROR + 1])
     position = 0.05 + (gps_lost_time / POSITION_TIMEOUT if lost else missed / POSITION_GATE)
     drifted = math.hypot(column[_DRIFT], column[_DRIFT + 1])
     velocity = 0.04 + (gps_lost_time / VELOCITY_TIMEOUT if lost else drifted / VELOCITY_GATE)
     height = 0.03 + abs(column[_BARO]) / HEIGHT_GATE
-    heading = 0.02 + abs(column[_COMPASS]) / HEADING_GATE
+    turned = column[_TURN] if column[_HEADED] > 0.0 else column[_COMPASS]
+    heading = 0.02 + abs(turned) / HEADING_GATE
     return EstimateHealth(
         attitude=True,
         heading=heading < 2.0,

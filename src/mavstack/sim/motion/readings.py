@@ -96,6 +96,14 @@ class GpsReport(NamedTuple):
     gps_epv: float = UNKNOWN_ERROR
 
 
+class Aid(NamedTuple):
+    """An estimate from outside the autopilot: metres from the frame's origin, radians; None: not used."""
+
+    horizontal: tuple[float, float] | None = None
+    down: float | None = None
+    yaw: float | None = None
+
+
 class EstimateHealth(NamedTuple):
     """Parts of the estimate that are reliable, and the sensors' test ratios (1 is the gate)."""
 

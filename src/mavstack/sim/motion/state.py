@@ -55,6 +55,13 @@ class StateArray(Rows):
     # GPS_FIX_TYPE of a receiver with corrections, or 0; and the share of its error that they remove
     gps_fix: Scalar
     gps_precision: Scalar
+    # position, height and heading from outside: used or not, and their errors; and whether GPS is not used
+    aid_position: Scalar
+    aid_height: Scalar
+    aid_heading: Scalar
+    aid_offset: Vector
+    aid_turn: Scalar
+    gps_unused: Scalar
     # faults
     gps_lost: Scalar
     spoof: Vector

@@ -12,6 +12,7 @@ from mavstack.services.statustext import EVENT_MARK
 from mavstack.services.version import provide_versions
 from mavstack.sim.autopilot.avoidance import LimitedVelocity
 from mavstack.sim.autopilot.firmware_profile import FirmwareProfile
+from mavstack.sim.autopilot.origin import OriginReceiver
 from mavstack.sim.parameters import served_metadata
 from mavstack.sim.px4 import modes
 from mavstack.sim.px4.arming import LandDetector, PreflightReporter, preflight_problems
@@ -19,6 +20,7 @@ from mavstack.sim.px4.collision_prevention import collision_margin
 from mavstack.sim.px4.commands import register_commands
 from mavstack.sim.px4.events import EventReporter, find_event
 from mavstack.sim.px4.external_gps import register_external_gps
+from mavstack.sim.px4.external_vision import register_external_vision
 from mavstack.sim.px4.failsafes import Px4Failsafes, setpoints_lost
 from mavstack.sim.px4.flight_parameters import Px4FlightParameters, flight_parameters_of
 from mavstack.sim.px4.identity import VERSION, version_of
@@ -91,6 +93,8 @@ class Px4Profile(FirmwareProfile):
         if vehicle.proximity and self.vehicle_type is VehicleType.COPTER:
             LimitedVelocity(autopilot, partial(collision_margin, autopilot))
         register_external_gps(vehicle)
+        register_external_vision(vehicle)
+        OriginReceiver.add_to(vehicle)
         self.message_log.start(vehicle)
         self.event_reporter.start(vehicle)
         Console(vehicle, self.state, self.message_log)

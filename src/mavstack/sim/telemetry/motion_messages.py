@@ -31,9 +31,8 @@ _EKF = ardupilotmega.EkfStatusFlags
 _ATTITUDE = int(_EKF.ATTITUDE)
 _VELOCITY = int(_EKF.VELOCITY_HORIZ | _EKF.VELOCITY_VERT)
 _HEIGHT = int(_EKF.POS_VERT_ABS | _EKF.POS_VERT_AGL)
-_POSITION_FLAGS = int(
-    _EKF.POS_HORIZ_REL | _EKF.POS_HORIZ_ABS | _EKF.PRED_POS_HORIZ_REL | _EKF.PRED_POS_HORIZ_ABS
-)
+_RELATIVE_FLAGS = int(_EKF.POS_HORIZ_REL | _EKF.PRED_POS_HORIZ_REL)
+_ABSOLUTE_FLAGS = int(_EKF.POS_HORIZ_ABS | _EKF.PRED_POS_HORIZ_ABS)
 _NO_POSITION_FLAG = int(_EKF.CONST_POS_MODE)
 _UNINITIALIZED = int(_EKF.UNINITIALIZED)
 _GLITCH = int(common.EstimatorStatusFlags.GPS_GLITCH)
@@ -156,7 +155,7 @@ class MotionMessages:
 
     def global_position_if_known(self, now: float) -> Message | None:
         """Return GLOBAL_POSITION_INT as PX4 sends it: only with a valid global position."""
-        return self.global_position(now) if self._view.has_position else None
+        return self.global_position(now) if self._view.has_global_position else None
 
     def local_position(self, now: float) -> Message:
         """Return LOCAL_POSITION_NED."""
@@ -294,7 +293,10 @@ class MotionMessages:
             flags |= _VELOCITY
         if health.vertical:
             flags |= _HEIGHT
-        return flags | (_POSITION_FLAGS if self._view.has_position else _NO_POSITION_FLAG)
+        if not self._view.has_position:
+            return flags | _NO_POSITION_FLAG
+        flags |= _RELATIVE_FLAGS
+        return flags | _ABSOLUTE_FLAGS if self._view.has_global_position else flags
 
 
 def pressure_altitude(pressure: float) -> float:

@@ -95,14 +95,19 @@ class VehicleView:
 
     @property
     def has_position(self) -> bool:
-        """True while the estimate has a valid position."""
+        """True while the estimate has a valid position in the local frame."""
         return self.autopilot.booted and self.health.horizontal
 
     @property
+    def has_global_position(self) -> bool:
+        """True while the estimate has a valid position on Earth."""
+        return self.autopilot.has_position
+
+    @property
     def was_positioned(self) -> bool:
-        """True if the estimate has had a valid position since boot."""
+        """True if the estimate has had a valid position on Earth since boot."""
         if not self._was_positioned:
-            self._was_positioned = self.has_position
+            self._was_positioned = self.has_global_position
         return self._was_positioned
 
     @property

@@ -1,0 +1,178 @@
+"""An estimate of the pose of a vehicle from outside its autopilot, as the messages that carry it.
+
+ODOMETRY holds everything. ArduPilot takes it in LOCAL_FRD with BODY_FRD alone and aligns it with its own
+heading; PX4 takes LOCAL_NED for a frame that knows north, and LOCAL_FRD for one that does not.
+VISION_POSITION_ESTIMATE, VISION_SPEED_ESTIMATE and ATT_POS_MOCAP are the older messages for a part of it.
+Source: guide, odometry; ArduPilot, GCS_MAVLINK; PX4, MavlinkReceiver.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite, nan
+from typing import TYPE_CHECKING, Final
+
+from mavstack.dialects import common
+from mavstack.errors import InvalidArgumentError
+from mavstack.services.external.frames import (
+    FULL,
+    TRIANGLE,
+    Frame,
+    Quaternion,
+    Vector,
+    canonical,
+    covariance_to_mavlink,
+    euler_angles,
+    nan_triangle,
+    orientation_to_mavlink,
+    rotate,
+    to_mavlink,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+_NOTHING: Final = (nan, nan, nan)
+_MAX_QUALITY: Final = 100
+
+
+@dataclass(frozen=True, slots=True)
+class PoseEstimate:
+    """An estimate in the axes of its source; `None` and empty parts are not known.
+
+    Attributes:
+        position: Metres in the world frame.
+        orientation: The rotation from the body into the world as w, x, y, z.
+        velocity: Metres per second in the body frame.
+        rotation: Radians per second around the axes of the body frame.
+        frame: The world frame.
+        body_frame: The body frame.
+        pose_covariance: Of position (m²) and orientation (rad²): 36 numbers row by row, or the 21 of the
+            upper right triangle; empty, or all 0: not known.
+        velocity_covariance: Of velocity and rotation, in the same form.
+        reset_counter: Changes with each jump of the estimate, such as a loop closure, 0 to 255.
+        quality: Percent, 0: not known, -1: the source has failed.
+    """
+
+    position: Vector | None = None
+    orientation: Quaternion | None = None
+    velocity: Vector | None = None
+    rotation: Vector | None = None
+    frame: Frame = Frame.ENU
+    body_frame: Frame = Frame.FLU
+    pose_covariance: Sequence[float] = ()
+    velocity_covariance: Sequence[float] = ()
+    reset_counter: int = 0
+    quality: int = 0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "frame", as_frame(self.frame))
+        object.__setattr__(self, "body_frame", as_frame(self.body_frame))
+        if self.body_frame.knows_north:
+            raise InvalidArgumentError(f"a body frame is FRD, FLU or RDF, got {self.body_frame}")
+        if self.position is None and self.orientation is None and self.velocity is None:
+            raise InvalidArgumentError("an estimate needs a position, an orientation or a velocity")
+        for name, size in (("position", 3), ("orientation", 4), ("velocity", 3), ("rotation", 3)):
+            _check_numbers(name, getattr(self, name), size)
+        for name in ("pose_covariance", "velocity_covariance"):
+            if len(getattr(self, name)) not in (0, TRIANGLE, FULL):
+                raise InvalidArgumentError(f"{name} needs {FULL} or {TRIANGLE} numbers, or none")
+        if self.orientation is not None and not any(self.orientation):
+            raise InvalidArgumentError("an orientation must not be 0, 0, 0, 0")
+        if not 0 <= self.reset_counter <= 255 or not -1 <= self.quality <= _MAX_QUALITY:
+            raise InvalidArgumentError("reset_counter must be 0 to 255, and quality -1 to 100")
+
+    @property
+    def parts(self) -> frozenset[str]:
+        """The parts that it has: "position", "yaw", "velocity"."""
+        named = {"position": self.position, "yaw": self.orientation, "velocity": self.velocity}
+        return frozenset(name for name, value in named.items() if value is not None)
+
+    def to_odometry(self, time_usec: int, *, only_frd: bool = False) -> common.Odometry:
+        """Return the ODOMETRY of the estimate.
+
+        Args:
+            time_usec: The time of the measurement in microseconds.
+            only_frd: Use LOCAL_FRD even for a frame that knows north, as ArduPilot demands.
+        """
+        frames = common.MavFrame
+        north = self.frame.knows_north and not only_frd
+        x, y, z = self._position
+        vx, vy, vz = _NOTHING if self.velocity is None else to_mavlink(self.body_frame, self.velocity)
+        p, q, r = _NOTHING if self.rotation is None else to_mavlink(self.body_frame, self.rotation)
+        return common.Odometry(
+            time_usec=time_usec,
+            frame_id=frames.LOCAL_NED if north else frames.LOCAL_FRD,
+            child_frame_id=frames.BODY_FRD,
+            x=x,
+            y=y,
+            z=z,
+            q=(nan,) * 4 if self.orientation is None else self._orientation,
+            vx=vx,
+            vy=vy,
+            vz=vz,
+            rollspeed=p,
+            pitchspeed=q,
+            yawspeed=r,
+            pose_covariance=_covariance(self.frame, self.pose_covariance),
+            velocity_covariance=_covariance(self.body_frame, self.velocity_covariance),
+            reset_counter=self.reset_counter,
+            estimator_type=common.MavEstimatorType.VISION,
+            quality=self.quality,
+        )
+
+    def to_vision(self, time_usec: int) -> list[common.VisionPositionEstimate | common.VisionSpeedEstimate]:
+        """Return VISION_POSITION_ESTIMATE, and VISION_SPEED_ESTIMATE if there is a velocity."""
+        made: list[common.VisionPositionEstimate | common.VisionSpeedEstimate] = []
+        if self.position is not None or self.orientation is not None:
+            x, y, z = self._position
+            roll, pitch, yaw = _NOTHING if self.orientation is None else euler_angles(self._orientation)
+            covariance = _covariance(self.frame, self.pose_covariance)
+            made.append(
+                common.VisionPositionEstimate(
+                    time_usec, x, y, z, roll, pitch, yaw, covariance, self.reset_counter
+                )
+            )
+        if self.velocity is not None:
+            made.append(self._speed(time_usec, self.velocity))
+        return made
+
+    def _speed(self, time_usec: int, velocity: Vector) -> common.VisionSpeedEstimate:
+        if self.orientation is None:
+            raise InvalidArgumentError("a velocity of the body needs its orientation, to be sent as vision")
+        x, y, z = rotate(self._orientation, to_mavlink(self.body_frame, velocity))
+        return common.VisionSpeedEstimate(time_usec, x, y, z, (nan,) * 9, self.reset_counter)
+
+    def to_mocap(self, time_usec: int) -> common.AttPosMocap:
+        """Return ATT_POS_MOCAP."""
+        if self.position is None or self.orientation is None:
+            raise InvalidArgumentError("motion capture needs a position and an orientation")
+        covariance = _covariance(self.frame, self.pose_covariance)
+        return common.AttPosMocap(time_usec, self._orientation, *self._position, covariance)
+
+    @property
+    def _position(self) -> Vector:
+        return _NOTHING if self.position is None else to_mavlink(self.frame, self.position)
+
+    @property
+    def _orientation(self) -> Quaternion:
+        found = (1.0, 0.0, 0.0, 0.0) if self.orientation is None else self.orientation
+        return orientation_to_mavlink(self.frame, self.body_frame, canonical(found))
+
+
+def as_frame(frame: Frame | str) -> Frame:
+    """Return a frame by its name; raises InvalidArgumentError."""
+    try:
+        return Frame(str(frame).upper())
+    except ValueError:
+        names = ", ".join(Frame)
+        raise InvalidArgumentError(f"a frame is one of {names}, got {frame!r}") from None
+
+
+def _covariance(frame: Frame, covariance: Sequence[float]) -> tuple[float, ...]:
+    return covariance_to_mavlink(frame, covariance) if covariance else nan_triangle()
+
+
+def _check_numbers(name: str, values: Sequence[float] | None, size: int) -> None:
+    if values is not None and (len(values) != size or not all(isfinite(value) for value in values)):
+        raise InvalidArgumentError(f"{name} needs {size} finite numbers, got {values}")
