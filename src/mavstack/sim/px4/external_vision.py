@@ -2,8 +2,8 @@
 
 Times are converted by TIMESYNC, which the vehicle asks the sender for: an estimate that is older than
 EKF2_DELAY_MAX is dropped, and one whose quality is below EKF2_EV_QMIN. After 0.2 s without one it is no
-longer used. Without bit 0 of EKF2_GPS_CTRL the position does not come from GPS. Source: PX4, modules/mavlink and
-modules/ekf2.
+longer used. Without bit 0 of EKF2_GPS_CTRL the position does not come from GPS. Source: PX4, modules/mavlink
+and modules/ekf2.
 """
 
 from __future__ import annotations
