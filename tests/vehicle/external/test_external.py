@@ -136,9 +136,10 @@ def test_px4_takes_positions_from_its_own_system():
         simulated.parameters.set("MAV_USEHILGPS", 1)
         make_ready(simulation)
         network = MemoryNetwork()
-        async with running(simulation, network.link()), connect(
-            network.link(), system=1, component=191
-        ) as node:
+        async with (
+            running(simulation, network.link()),
+            connect(network.link(), system=1, component=191) as node,
+        ):
             vehicle = await node.wait_for_vehicle(1)
             for _ in range(20):
                 vehicle.external.gps(47.0, 8.0, 400.0, satellites=7)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from mavstack.sim.motion import faults
+from mavstack.sim.motion import aiding, faults
 from mavstack.sim.motion.airframes import AIRFRAMES, limit_range
 from mavstack.sim.motion.body_reader import BodyReader
 from mavstack.sim.motion.demands import (
@@ -22,7 +22,7 @@ from mavstack.sim.motion.demands import (
     finite,
     line,
 )
-from mavstack.sim.motion.readings import FIX_3D, Aid, GpsReport, Limits
+from mavstack.sim.motion.readings import FIX_3D, GpsReport, Limits
 from mavstack.sim.motion.sensors import PRECISION
 from mavstack.sim.motion.state import StateArray
 from mavstack.sim.vehicle_types import Home, VehicleType
@@ -337,27 +337,8 @@ class Body(BodyReader):
         if was_lost:  # the first position is taken at once, later ones are approached
             self._world.state.position_error[:2, self.column] = offset
 
-    def use_gps(self, used: bool) -> None:
-        """Let the estimate use GPS for its position, or not; the receiver works in either case."""
-        self._fault("gps_unused", float(not used))
-
-    def aid(self, aid: Aid, *, reset: bool = False) -> None:
-        """Let the estimate follow an estimate from outside; the parts that are None follow their sensors.
-
-        Args:
-            aid: The estimate now.
-            reset: True to take its position at once, as after a jump; the first one always is.
-        """
-        truth, state = self.truth, self._world.state
-        begins = reset or not float(state.aid_position[self.column])
-        north, east = (0.0, 0.0) if aid.horizontal is None else self._offset_from_truth(*aid.horizontal)
-        down = 0.0 if aid.down is None else finite(aid.down - truth.down, 0.0, -MAX_DISTANCE, MAX_DISTANCE)
-        self._fault("aid_offset", north, east, down)
-        self._fault("aid_turn", 0.0 if aid.yaw is None else angle(aid.yaw - truth.yaw, 0.0))
-        for name, value in zip(("position", "height", "heading"), aid, strict=True):
-            self._fault(f"aid_{name}", float(value is not None))
-        if begins and aid.horizontal is not None:
-            state.position_error[:2, self.column] = north, east
+    use_gps = aiding.use_gps
+    aid = aiding.aid
 
     def _offset_from_truth(self, north: float, east: float) -> tuple[float, float]:
         """Return the offset of a given position from the true one, in metres."""
