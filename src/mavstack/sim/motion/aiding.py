@@ -21,9 +21,7 @@ def use_gps(body: Body, used: bool) -> None:
 def aid(body: Body, aid: Aid, *, reset: bool = False) -> None:
     """Let the estimate follow an estimate from outside; the parts that are None follow their sensors.
 
-    Args:
-        aid: The estimate now.
-        reset: True to take its position at once, as after a jump; the first one always is.
+    With `reset` its position is taken at once, as after a jump; the first one always is.
     """
     truth, state = body.truth, body._world.state
     begins = reset or not float(state.aid_position[body.column])

@@ -1,4 +1,4 @@
-"""Whether an estimator uses external estimates, and why not: rate, delay, parameters and its own status.
+"""The reasons why an estimator does not use external estimates: rate, delay, parameters, its own status.
 
 Sources: ArduPilot, AP_VisualOdom and AP_NavEKF3 (estimates count for 0.3 s); PX4, EKF2 (estimates must come
 at least every 0.2 s, and are dropped if they are older than EKF2_DELAY_MAX).
@@ -42,7 +42,7 @@ PARAMETERS: Final[Mapping[int, tuple[str, ...]]] = MappingProxyType(
 
 @dataclass(frozen=True, slots=True)
 class ExternalStatus:
-    """Whether the estimator of a vehicle uses the estimates of this program.
+    """The use of the estimates of this program by the estimator of a vehicle.
 
     Attributes:
         sent: The estimates that were sent.

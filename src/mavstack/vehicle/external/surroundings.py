@@ -1,4 +1,4 @@
-"""What a companion computer sees around a vehicle: methods of `External`."""
+"""The surroundings of a vehicle as a companion computer sees them: methods of `External`."""
 
 from __future__ import annotations
 
