@@ -1,7 +1,7 @@
 """The reasons why an estimator does not use external estimates: rate, delay, parameters, its own status.
 
 Sources: ArduPilot, AP_VisualOdom and AP_NavEKF3 (estimates count for 0.3 s); PX4, EKF2 (estimates must come
-at least every 0.2 s, and are dropped if they are older than EKF2_DELAY_MAX).
+every 0.2 s, and are dropped if they are older than EKF2_DELAY_MAX).
 """
 
 from __future__ import annotations
@@ -107,9 +107,9 @@ def _stream(facts: EstimatorFacts) -> Iterator[str]:
     if not facts.parts:
         yield "nothing was sent"
         return
-    least = MIN_RATES.get(facts.autopilot, 4.0)
-    if facts.rate < least * _ENOUGH:
-        yield f"it comes at {facts.rate:.1f} Hz, and the firmware needs {least:.1f} Hz (30 Hz is usual)"
+    lowest = MIN_RATES.get(facts.autopilot, 4.0)
+    if facts.rate < lowest * _ENOUGH:
+        yield f"it comes at {facts.rate:.1f} Hz, and the firmware needs {lowest:.1f} Hz (30 Hz is usual)"
 
 
 def _ardupilot(facts: EstimatorFacts) -> Iterator[str]:
@@ -139,9 +139,9 @@ def _px4(facts: EstimatorFacts) -> Iterator[str]:
     limit = known.get("EKF2_DELAY_MAX", 200.0) / 1000
     if facts.delay is not None and facts.delay > limit:
         yield f"it is {facts.delay * 1000:.0f} ms old, and EKF2_DELAY_MAX is {limit * 1000:.0f} ms"
-    least = known.get("EKF2_EV_QMIN", 0)
-    if 0 < least > facts.quality:
-        yield f"its quality is {facts.quality}, and EKF2_EV_QMIN is {least:g}"
+    lowest = known.get("EKF2_EV_QMIN", 0)
+    if 0 < lowest > facts.quality:
+        yield f"its quality is {facts.quality}, and EKF2_EV_QMIN is {lowest:g}"
 
 
 def _status(facts: EstimatorFacts) -> Iterator[str]:

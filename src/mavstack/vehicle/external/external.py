@@ -156,7 +156,7 @@ class External(ReadOnly):
     set_origin = positioning.set_origin
     gps = positioning.gps
 
-    # What is around it
+    # Its surroundings
 
     obstacles = surroundings.obstacles
     distance = surroundings.distance
