@@ -17,8 +17,10 @@ from mavstack.node.clients import ComponentClients
 from mavstack.node.control import ControlStream
 from mavstack.node.events import EventListener, EventMetadata, EventStream
 from mavstack.node.extended_params import ExtendedParams
+from mavstack.node.failure import Failure
 from mavstack.node.ftp import Ftp
 from mavstack.node.gimbal import Gimbal
+from mavstack.node.log_stream import LogStreams
 from mavstack.node.logs import Logs
 from mavstack.node.metadata_files import MetadataAccess
 from mavstack.node.modes import Modes
@@ -103,10 +105,12 @@ class RemoteComponent(ReadOnly):
     modes = _part(Modes, "The component's flight modes.")
     ftp = _part(Ftp, "The component's files, by MAVLink FTP.")
     logs = _part(Logs, "The component's logs.")
+    log_stream = _part(LogStreams, "The component's log while it is written.")
     camera = _part(Camera, "The component as a camera (camera protocol v2).")
     gimbal = _part(Gimbal, "All gimbals that the component manages, as one (gimbal protocol v2).")
     can = _part(Can, "The CAN buses of the component, an autopilot.")
     serial = _part(SerialPorts, "The serial ports of the component, an autopilot.")
+    failure = _part(Failure, "Failures that the component, a vehicle, simulates on purpose.", offered=True)
     terrain = _part(
         Terrain, "The terrain that the component, a vehicle, has from ground stations.", offered=True
     )

@@ -474,6 +474,7 @@ class Node(ReadOnly):
 
     serve_camera = serving.serve_camera
     serve_gimbal = serving.serve_gimbal
+    serve_arm_authorization = serving.serve_arm_authorization
     serve_terrain = serving.serve_terrain
 
     def on_command(self, command: int) -> Callable[[AnyHandler], AnyHandler]:

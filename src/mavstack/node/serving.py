@@ -7,14 +7,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mavstack.dialects import common
+from mavstack.services.arm_authorization import ArmRefusal, send_answer
 from mavstack.services.camera import CameraServer
 from mavstack.services.gimbal import GimbalManagerServer
 from mavstack.services.rtk import ChannelPace, CorrectionSender
 from mavstack.services.terrain import TerrainServer
 
 if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
     from mavstack.node.node import Node
+    from mavstack.services.arm_authorization import ArmApproval
     from mavstack.services.camera import CameraDevice
+    from mavstack.services.command import CommandRequest
     from mavstack.services.gimbal import GimbalDevice
     from mavstack.services.terrain import Heights
 
@@ -53,6 +59,30 @@ def serve_gimbal(node: Node, *devices: GimbalDevice) -> GimbalManagerServer:
     server.answer(node.commands.server, node.message_server)
     node.wake(node.message_server)
     return node.serve(server)
+
+
+def serve_arm_authorization(node: Node, decide: Callable[[int], Awaitable[ArmApproval | ArmRefusal]]) -> None:
+    """Decide whether vehicles may arm (MAV_CMD_ARM_AUTHORIZATION_REQUEST).
+
+    The vehicle has the system id of this node as the one of its authoriser; PX4 in COM_ARM_AUTH_ID.
+
+    Args:
+        decide: An async function that gets the system id of a vehicle, and returns an `ArmApproval` or an
+            `ArmRefusal`. Meanwhile the vehicle gets IN_PROGRESS. After an exception it is refused.
+    """
+    commands = node.commands
+
+    async def answer(request: CommandRequest) -> None:
+        outcome: ArmApproval | ArmRefusal = ArmRefusal()
+        try:
+            outcome = await decide(request.source.system)
+        finally:
+            send_answer(commands.server, request, outcome)
+            node.wake(commands.server)
+
+    commands._run_as_task(  # noqa: SLF001 (of the same package)
+        common.MavCmd.ARM_AUTHORIZATION_REQUEST, answer, none_is_pending=True
+    )
 
 
 def serve_terrain(node: Node, heights: Heights) -> TerrainServer:

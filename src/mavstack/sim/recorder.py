@@ -62,7 +62,7 @@ class Recorder:
         if self._ends_at is not None and now >= self._ends_at:
             self._ends_at = None
             self._logs.end()
-        if self._logs.writing:
+        if self._logs.recording:
             self._notice()
             self._logs.write(self._sample())
 

@@ -25,6 +25,8 @@ from mavstack.services import Address
 from mavstack.services import Client
 from mavstack.services import Operation
 from mavstack.services import Service
+from mavstack.services.arm_authorization import ArmApproval
+from mavstack.services.arm_authorization import ArmRefusal
 from mavstack.services.camera import CameraDefinition
 from mavstack.services.camera import CameraDevice
 from mavstack.services.camera import CameraInformation
@@ -117,7 +119,7 @@ from typing import Self
 from typing import TypeVar
 from typing import Unpack
 
-__all__ = ['Actuators', 'Calibration', 'CalibrationSession', 'Camera', 'CameraSettings', 'Can', 'CanBus', 'CommandHandlers', 'Connection', 'ControlStream', 'CorrectionFeed', 'EventListener', 'EventStream', 'ExtendedParams', 'External', 'Ftp', 'Gimbal', 'Group', 'GuidedSession', 'Listener', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'Recording', 'RegionOfInterest', 'RemoteComponent', 'Results', 'Rtk', 'SerialPort', 'SerialPorts', 'Shell', 'Subscription', 'Swarm', 'Terrain', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
+__all__ = ['Actuators', 'Calibration', 'CalibrationSession', 'Camera', 'CameraSettings', 'Can', 'CanBus', 'CommandHandlers', 'Connection', 'ControlStream', 'CorrectionFeed', 'Devices', 'EventListener', 'EventStream', 'ExtendedParams', 'External', 'Failure', 'Ftp', 'Gimbal', 'Group', 'GuidedSession', 'Listener', 'LogStream', 'LogStreams', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'Recording', 'RegionOfInterest', 'RemoteComponent', 'Results', 'Rtk', 'SerialPort', 'SerialPorts', 'Shell', 'Subscription', 'Swarm', 'Terrain', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
 AnyEvent = TypeVar('AnyEvent')
 AnyHandler = TypeVar('AnyHandler', bound='Callable[..., Any]')
 AnyMessage = TypeVar('AnyMessage', bound=Message)
@@ -1071,6 +1073,65 @@ class CorrectionFeed:
             LinkError: The caster refuses the request permanently, or the link cannot be opened.
         """
 
+class Devices:
+    """Motor controllers, generator, engine and modems of a vehicle."""
+
+    @property
+    def escs(self) -> Mapping[int, values.Esc]:
+        """The motor controllers by number, from 1: rpm, volts, amperes (ESC_STATUS, ESC_TELEMETRY_1_TO_4)."""
+
+    @property
+    def generator(self) -> values.Generator | None:
+        """The generator: rpm, watts, volts, amperes, degrees Celsius (GENERATOR_STATUS)."""
+
+    @property
+    def engine(self) -> values.Engine | None:
+        """The combustion engine: rpm, percent, cm³, degrees Celsius (EFI_STATUS)."""
+
+    @property
+    def modems(self) -> Mapping[int, values.Modem]:
+        """The modems of mobile networks by id: state, and quality in percent (CELLULAR_STATUS)."""
+
+    def stream_escs(self, rate: float | None=None) -> ValueStream[Mapping[int, values.Esc]]:
+        """Stream the motor controllers by number (ESC_STATUS, ESC_INFO, or ESC_TELEMETRY_1_TO_4).
+
+        Args:
+            rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+        Returns:
+            The stream.
+        """
+
+    def stream_generator(self, rate: float | None=None) -> ValueStream[values.Generator]:
+        """Stream the generator (GENERATOR_STATUS).
+
+        Args:
+            rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+        Returns:
+            The stream.
+        """
+
+    def stream_engine(self, rate: float | None=None) -> ValueStream[values.Engine]:
+        """Stream the combustion engine (EFI_STATUS).
+
+        Args:
+            rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+        Returns:
+            The stream.
+        """
+
+    def stream_modems(self, rate: float | None=None) -> ValueStream[Mapping[int, values.Modem]]:
+        """Stream the modems by id (CELLULAR_STATUS).
+
+        Args:
+            rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+        Returns:
+            The stream.
+        """
+
 class EventListener:
     """A callback that is called with each event, until `close`; made by `Vehicle.add_event_listener`."""
 
@@ -1361,6 +1422,26 @@ class External:
     Raises:
         RemoteCancelled: The connection was closed.
     """
+
+class Failure:
+    """Failures that the vehicle simulates on purpose (MAV_CMD_INJECT_FAILURE)."""
+
+    def inject(self, unit: str, failure: str='off', instance: int=0, *, timeout: float | None=None) -> None:
+        """Make a unit of the vehicle fail, or end its failure (MAV_CMD_INJECT_FAILURE).
+
+        Args:
+            unit: The unit: gyro, accel, mag, baro, gps, optical_flow, vio, distance_sensor, airspeed,
+                battery, motor, servo, avoidance, rc_signal, mavlink_signal, esc or traffic_avoidance.
+            failure: The way to fail: off, stuck, garbage, wrong, slow, delayed, intermittent or drift; ok
+                ends the failure.
+            instance: The number of the unit, from 1; 0: all of them.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidArgumentError: There is no such unit or way to fail, or the number is out of range.
+            CommandDenied: The vehicle does not simulate this failure, or SYS_FAILURE_EN is 0.
+            CommandTimeout: The vehicle does not answer.
+        """
 
 class Ftp:
     """The files of a remote component, by MAVLink FTP (FILE_TRANSFER_PROTOCOL).
@@ -2057,6 +2138,52 @@ class Listener:
     def close(self) -> None:
         """Unregister the callback. Idempotent."""
 
+class LogStream:
+    """The log of a component; made by `LogStreams.open`, an iterator of its bytes."""
+
+    @property
+    def blocks(self) -> int:
+        """Blocks of up to 249 bytes that were received."""
+
+    @property
+    def lost(self) -> int:
+        """Blocks that the link lost."""
+
+    @property
+    def size(self) -> int:
+        """The size of the log so far, in bytes."""
+
+    def __enter__(self) -> Self:
+        ...
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        ...
+
+    def __iter__(self) -> Self:
+        ...
+
+    def __next__(self) -> bytes:
+        """Return the next bytes of the log.
+
+        Raises:
+            StopAsyncIteration: The connection was closed.
+            RemoteTimeout: The component sends no more of its log.
+        """
+
+    def drain(self) -> bytes:
+        """Return the bytes that were received and not read yet."""
+
+class LogStreams:
+    """The log of a component, streamed (LOGGING_DATA); PX4 has it."""
+
+    def open(self) -> LogStream:
+        """Return a context manager during which the component streams its log (MAV_CMD_LOGGING_START).
+
+        Returns:
+            The stream. Entering it raises CommandDenied if the component streams no log, or streams it to
+            another client, and CommandTimeout if it does not answer.
+        """
+
 class Logs:
     """The logs stored on a remote component, by the log protocol (LOG_REQUEST_LIST, LOG_REQUEST_DATA)."""
 
@@ -2569,6 +2696,16 @@ class Node:
 
     Raises:
         InvalidArgumentError: There is no gimbal, or two have one device id.
+    """
+
+    def serve_arm_authorization(self, decide: Callable[[int], ArmApproval | ArmRefusal]) -> None:
+        """Decide whether vehicles may arm (MAV_CMD_ARM_AUTHORIZATION_REQUEST).
+
+    The vehicle has the system id of this node as the one of its authoriser; PX4 in COM_ARM_AUTH_ID.
+
+    Args:
+        decide: A function that gets the system id of a vehicle, and returns an `ArmApproval` or an
+            `ArmRefusal`. Meanwhile the vehicle gets IN_PROGRESS. After an exception it is refused.
     """
 
     def serve_terrain(self, heights: Heights) -> TerrainServer:
@@ -3162,6 +3299,10 @@ class RemoteComponent:
         """The component's logs."""
 
     @property
+    def log_stream(self) -> LogStreams:
+        """The component's log while it is written."""
+
+    @property
     def camera(self) -> Camera:
         """The component as a camera (camera protocol v2)."""
 
@@ -3176,6 +3317,10 @@ class RemoteComponent:
     @property
     def serial(self) -> SerialPorts:
         """The serial ports of the component, an autopilot."""
+
+    @property
+    def failure(self) -> Failure:
+        """Failures that the component, a vehicle, simulates on purpose."""
 
     @property
     def terrain(self) -> Terrain:
@@ -3986,6 +4131,10 @@ class Vehicle:
         """The data of a companion computer: estimates, obstacles, targets."""
 
     @property
+    def devices(self) -> Devices:
+        """Motor controllers, generator, engine and modems that report about themselves."""
+
+    @property
     def rtk(self) -> Rtk:
         """The corrections of its satellite navigation, from a caster or a base."""
 
@@ -4004,6 +4153,14 @@ class Vehicle:
     @property
     def logs(self) -> Logs:
         """The logs on the vehicle; raises `ActionUnsupported` if its firmware has none."""
+
+    @property
+    def log_stream(self) -> LogStreams:
+        """The log of the vehicle while it is written, as PX4 streams it."""
+
+    @property
+    def failure(self) -> Failure:
+        """Failures that the vehicle simulates on purpose; PX4 does while SYS_FAILURE_EN is 1."""
 
     @property
     def terrain(self) -> Terrain:

@@ -33,6 +33,7 @@ from mavstack.vehicle.actuators import Actuators
 from mavstack.vehicle.calibration import Calibration
 from mavstack.vehicle.capabilities import Capabilities, capabilities_of
 from mavstack.vehicle.external import External
+from mavstack.vehicle.devices import Devices
 from mavstack.vehicle.firmware import Firmware, firmware_of
 from mavstack.vehicle.health import Health, health_of
 from mavstack.vehicle.mission import Mission, VehiclePlan
@@ -48,8 +49,10 @@ if TYPE_CHECKING:
     from mavstack.node import Node, RemoteComponent
     from mavstack.node.camera import Camera
     from mavstack.node.events import EventListener, EventStream
+    from mavstack.node.failure import Failure
     from mavstack.node.ftp import Ftp
     from mavstack.node.gimbal import Gimbal
+    from mavstack.node.log_stream import LogStreams
     from mavstack.node.logs import Logs
     from mavstack.node.modes import Modes
     from mavstack.node.params import Params
@@ -99,6 +102,7 @@ class Vehicle(ReadOnly):
     )
 
     external = Part(External, "The data of a companion computer: estimates, obstacles, targets.")
+    devices = Part(Devices, "Motor controllers, generator, engine and modems that report about themselves.")
     rtk = Part(Rtk, "The corrections of its satellite navigation, from a caster or a base.")
 
     def __init__(self, connection: Node, component: RemoteComponent) -> None:
@@ -133,6 +137,16 @@ class Vehicle(ReadOnly):
         """The logs on the vehicle; raises `ActionUnsupported` if its firmware has none."""
         firmware_of(self).check_supported("logs")
         return self.component.logs
+
+    @property
+    def log_stream(self) -> LogStreams:
+        """The log of the vehicle while it is written, as PX4 streams it."""
+        return self.component.log_stream
+
+    @property
+    def failure(self) -> Failure:
+        """Failures that the vehicle simulates on purpose; PX4 does while SYS_FAILURE_EN is 1."""
+        return self.component.failure
 
     @property
     def terrain(self) -> Terrain:

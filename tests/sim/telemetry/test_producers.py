@@ -54,6 +54,8 @@ def test_ardupilot_groups_follow_their_rate_parameters():
         dialect.Rangefinder,
         dialect.ObstacleDistance,
         dialect.WinchStatus,
+        dialect.GeneratorStatus,
+        dialect.EfiStatus,
     }
     for name, _, message_types in GROUPS:
         for message_type in message_types:

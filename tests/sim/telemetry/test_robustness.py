@@ -164,6 +164,8 @@ def test_every_state_of_a_flight(vehicle_type, firmware):
         "EscStatus",
         "EscTelemetry1To4",
         "DistanceSensor",
+        "EfiStatus",
+        "GeneratorStatus",
         "Rangefinder",
         "WinchStatus",
     }

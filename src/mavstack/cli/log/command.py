@@ -1,4 +1,4 @@
-"""`mav log`: list, download and erase the logs on a vehicle."""
+"""`mav log`: list, download, erase and stream the logs on a vehicle."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.ftp.download import Download
 from mavstack.cli.ftp.limited import LimitedFtp, add_size_option, add_timeout_option
 from mavstack.cli.log.files import local_file_name, log_files, log_location, match_files, time_text
+from mavstack.cli.log.stream import add_stream_action
 from mavstack.errors import MavstackError, RemoteError, RemoteTimeout
 
 if TYPE_CHECKING:
@@ -37,6 +38,7 @@ examples:
   mav log get 1 last -o logs/
   mav log get all -o logs/
   mav log erase --yes
+  mav log stream -o flight.ulg --for 20
 """
 
 LAST, ALL = "last", "all"
@@ -69,6 +71,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_timeout_option(get_parser)
     erase_parser = add_vehicle_action(actions, "erase", "erase all logs", erase, changes=True)
     erase_parser.add_argument("-y", "--yes", action="store_true", help="do not ask for confirmation")
+    add_stream_action(actions)
 
 
 def run(arguments: Namespace) -> int:

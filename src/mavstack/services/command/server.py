@@ -146,11 +146,11 @@ class CommandServer(Service):
             request.percent = percent
             self._send_progress(request, now)
 
-    def complete(self, request: CommandRequest, result: int, detail: int = 0) -> None:
-        """End a long command with a MAV_RESULT. Idempotent."""
+    def complete(self, request: CommandRequest, result: int, detail: int = 0, *, progress: int = 0) -> None:
+        """End a long command with a MAV_RESULT, `result_param2` and `progress` of COMMAND_ACK. Idempotent."""
         if self._running.get(request.command.command) is request:
             del self._running[request.command.command]
-            self._answer(request, result, detail)
+            self._answer(request, result, detail, progress)
 
     def next_timeout(self) -> float | None:
         return min((request.progress_due for request in self._running.values()), default=None)
@@ -231,8 +231,8 @@ class CommandServer(Service):
         request.progress_due = now + PROGRESS_INTERVAL
         self.send(_ack(request, common.MavResult.IN_PROGRESS, request.percent, 0), request.source)
 
-    def _answer(self, request: CommandRequest, result: int, detail: int) -> None:
-        ack = _ack(request, result, 0, detail)
+    def _answer(self, request: CommandRequest, result: int, detail: int, progress: int = 0) -> None:
+        ack = _ack(request, result, progress, detail)
         key = (request.source, request.command.command)
         self._answered.setdefault(key, deque(maxlen=MAX_ANSWERS_OF_COMMAND)).append((request, ack))
         self._answered.move_to_end(key)

@@ -66,7 +66,7 @@ _ENABLE_PARAMETERS: dict[int, str] = {
 class ArdupilotArming(ArmingCommands):
     """Arming answers FAILED with the problems; disarming in the air answers FAILED without a text."""
 
-    def arm_or_disarm(self, request: CommandRequest) -> common.MavResult:
+    def arm_or_disarm(self, request: CommandRequest) -> Outcome:
         """Answer COMPONENT_ARM_DISARM."""
         if request.command.param1 == 1 and request.command.param2 == _FORCE_ARMING:
             return self.arm(force=True)

@@ -17,10 +17,12 @@ from mavstack.sim.autopilot.commands import (
     Handlers,
     HomeCommands,
     MissionCommands,
+    Outcome,
     number,
     register_handlers,
     whole,
 )
+from mavstack.sim.px4.arm_authorization import ArmAuthorization
 from mavstack.sim.px4.arming import arm, disarm, preflight_problems
 from mavstack.sim.px4.calibration import Px4CalibrationCommands
 from mavstack.sim.px4.failures import FailureCommands
@@ -53,15 +55,23 @@ class Px4Arming(ArmingCommands):
     def __init__(self, vehicle: SimulatedVehicle, state: Px4State) -> None:
         super().__init__(vehicle)
         self._state = state
+        self._authorization = ArmAuthorization(vehicle)
 
-    def arm_or_disarm(self, request: CommandRequest) -> common.MavResult:
+    def arm_or_disarm(self, request: CommandRequest) -> Outcome:
         """Answer COMPONENT_ARM_DISARM."""
         requested, force = request.command.param1, number(request.command.param2)
         if not isfinite(requested) or round(requested) not in (0, 1):
             self.vehicle.send_statustext(f"Unsupported ARM_DISARM param: {requested:.3f}", _CRITICAL)
             return _RESULT.UNSUPPORTED
         forced = round(force) == _FORCE
-        return self.arm(force=False) if round(requested) else self.disarm(force=forced)
+        if not round(requested):
+            return self.disarm(force=forced)
+        if self._authorization.is_needed and not self.autopilot.armed and self._passes_checks():
+            return self._authorization.ask(request, lambda: self.arm(force=False))
+        return self.arm(force=False)
+
+    def _passes_checks(self) -> bool:
+        return next(preflight_problems(self.autopilot), None) is None
 
     def arm(self, *, force: bool) -> common.MavResult:
         """Arm; external commands cannot skip the checks."""

@@ -24,6 +24,7 @@ from mavstack.sim.px4.external_vision import register_external_vision
 from mavstack.sim.px4.failsafes import Px4Failsafes, setpoints_lost
 from mavstack.sim.px4.flight_parameters import Px4FlightParameters, flight_parameters_of
 from mavstack.sim.px4.identity import VERSION, version_of
+from mavstack.sim.px4.log_streaming import LogStreaming
 from mavstack.sim.px4.mode_selection import mode_refusal_of
 from mavstack.sim.px4.shell import Console, MessageLog
 from mavstack.sim.px4.state import BY_COMMAND, BY_FAILSAFE, BY_LANDING, Px4State
@@ -95,6 +96,7 @@ class Px4Profile(FirmwareProfile):
         register_external_gps(vehicle)
         register_external_vision(vehicle)
         OriginReceiver.add_to(vehicle)
+        autopilot.watches.append(LogStreaming(vehicle))
         self.message_log.start(vehicle)
         self.event_reporter.start(vehicle)
         Console(vehicle, self.state, self.message_log)

@@ -96,6 +96,8 @@ class FlightLogs(ABC):
         #: True if the last write to the store failed.
         self.failed = False
         self.writer: LogWriter | None = None
+        #: Writers of streams, which get the same records as the log; their owner empties them.
+        self.streams: list[LogWriter] = []
         self._store = store
         self._start = start
         self._file: OpenFile | None = None
@@ -111,6 +113,17 @@ class FlightLogs(ABC):
     def writing(self) -> bool:
         """True while a log is open."""
         return self.writer is not None
+
+    @property
+    def recording(self) -> bool:
+        """True while a log or a stream is open."""
+        return self.writer is not None or bool(self.streams)
+
+    def open_stream(self, time_us: int) -> LogWriter:
+        """Open a stream, and return its writer with the start of a log."""
+        writer = self._new_writer(self._start(), time_us)
+        self.streams.append(writer)
+        return writer
 
     def begin(self, time_us: int) -> None:
         """Start a log and end the open one."""
@@ -142,6 +155,8 @@ class FlightLogs(ABC):
 
     def write(self, sample: FlightSample) -> None:
         """Write a sample to the open log, if any."""
+        for stream in self.streams:
+            stream.write(sample)
         writer = self.writer
         if writer is not None:
             self._time_us = sample.time_us
@@ -152,43 +167,43 @@ class FlightLogs(ABC):
 
     def text(self, time_us: int, severity: int, text: str) -> None:
         """Write a status text."""
-        if self.writer is not None:
-            self.writer.text(time_us, severity, text)
+        for writer in self._writers():
+            writer.text(time_us, severity, text)
 
     def mode(self, time_us: int, mode: int, reason: int = 0) -> None:
         """Write a mode change; `reason` is the firmware's number."""
-        if self.writer is not None:
-            self.writer.mode(time_us, mode, reason)
+        for writer in self._writers():
+            writer.mode(time_us, mode, reason)
 
     def armed(self, time_us: int, armed: bool, *, forced: bool = False, method: int = 0) -> None:
         """Write that the motors were armed or disarmed."""
-        if self.writer is not None:
-            self.writer.armed(time_us, armed, forced=forced, method=method)
+        for writer in self._writers():
+            writer.armed(time_us, armed, forced=forced, method=method)
 
     def event(self, time_us: int, event: int) -> None:
         """Write one of the firmware's numbered events."""
-        if self.writer is not None:
-            self.writer.event(time_us, event)
+        for writer in self._writers():
+            writer.event(time_us, event)
 
     def error(self, time_us: int, subsystem: int, code: int) -> None:
         """Write the failure of a subsystem; code 0 is its recovery."""
-        if self.writer is not None:
-            self.writer.error(time_us, subsystem, code)
+        for writer in self._writers():
+            writer.error(time_us, subsystem, code)
 
     def parameter(self, time_us: int, name: str, value: Value, default: Value | None = None) -> None:
         """Write a parameter."""
-        if self.writer is not None:
-            self.writer.parameter(time_us, name, value, default)
+        for writer in self._writers():
+            writer.parameter(time_us, name, value, default)
 
     def command(self, time_us: int, item: MissionItem, sequence: int, total: int) -> None:
         """Write a mission item when it starts."""
-        if self.writer is not None:
-            self.writer.command(time_us, item, sequence, total)
+        for writer in self._writers():
+            writer.command(time_us, item, sequence, total)
 
     def home(self, time_us: int, latitude: float, longitude: float, altitude: float) -> None:
         """Write the home position in degrees and metres AMSL."""
-        if self.writer is not None:
-            self.writer.home(time_us, latitude, longitude, altitude)
+        for writer in self._writers():
+            writer.home(time_us, latitude, longitude, altitude)
 
     # As a LogStore
 
@@ -245,6 +260,10 @@ class FlightLogs(ABC):
         """Discard the index after all logs were erased."""
 
     # The file
+
+    def _writers(self) -> list[LogWriter]:
+        """Return the writers of the open log and of the streams."""
+        return self.streams if self.writer is None else [self.writer, *self.streams]
 
     def _flush(self) -> None:
         """Write buffered data to the file."""

@@ -66,6 +66,7 @@ GROUPS: tuple[tuple[str, int, tuple[MessageType, ...]], ...] = (
             dialect.ObstacleDistance,
             *(dialect.SystemTime, dialect.TerrainReport, dialect.BatteryStatus),
             *(dialect.EkfStatusReport, dialect.Vibration, dialect.WinchStatus),
+            *(dialect.GeneratorStatus, dialect.EfiStatus),
         ),
     ),
 )
@@ -173,6 +174,8 @@ def _grouped_producers(producers: Producers) -> dict[MessageType, Producer]:
         dialect.PositionTargetGlobalInt: control.global_target,
         dialect.EscTelemetry1To4: control.esc_telemetry,
         **producers.distances.ardupilot_producers(),
+        dialect.GeneratorStatus: producers.devices.generator_if_fitted,
+        dialect.EfiStatus: producers.devices.engine_if_fitted,
     }
 
 

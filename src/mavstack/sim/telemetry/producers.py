@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.services.message_request.interval import message_id_of
 from mavstack.sim.telemetry.control_messages import ControlMessages
+from mavstack.sim.telemetry.device_messages import DeviceMessages
 from mavstack.sim.telemetry.distance_messages import DistanceMessages
 from mavstack.sim.telemetry.motion_messages import MotionMessages
 from mavstack.sim.telemetry.sensor_messages import SensorMessages
@@ -39,6 +40,7 @@ class Producers:
         self.distances = DistanceMessages(view)
         self.status = StatusMessages(view)
         self.control = ControlMessages(view)
+        self.devices = DeviceMessages(view)
 
 
 def publish_all(vehicle: SimulatedVehicle, producers: Mapping[MessageType, Producer], rates: Rates) -> None:

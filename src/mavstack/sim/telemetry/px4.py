@@ -146,6 +146,7 @@ def px4_producers(producers: Producers) -> dict[MessageType, Producer]:
         common.OpenDroneIdSystem: link.drone_id_system,
         common.TimeEstimateToTarget: link.time_estimate,
         common.UtmGlobalPosition: link.traffic,
+        common.CellularStatus: producers.devices.modem,
     }
 
 

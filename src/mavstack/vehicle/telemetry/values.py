@@ -261,3 +261,109 @@ class StatusText:
     text: str
     component: int
     has_event: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Esc:
+    """The state of a motor controller.
+
+    Attributes:
+        rpm: Revolutions per minute.
+        voltage: Volts.
+        current: Amperes.
+        temperature: Degrees Celsius.
+        online: True if the autopilot receives its telemetry.
+        failures: The ESC_FAILURE_FLAGS.
+        errors: The number of errors that it counted.
+    """
+
+    rpm: float | None = None
+    voltage: float | None = None
+    current: float | None = None
+    temperature: float | None = None
+    online: bool | None = None
+    failures: common.EscFailureFlags | int = 0
+    errors: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Generator:
+    """The state of an onboard generator.
+
+    Attributes:
+        status: The MAV_GENERATOR_STATUS_FLAG flags.
+        rpm: Revolutions per minute.
+        power: The power that it generates, in watts.
+        voltage: The voltage of its bus, in volts.
+        battery_current: The current into the battery, in amperes; negative while it supplies the vehicle.
+        load_current: The current into the vehicle, in amperes.
+        temperature: Degrees Celsius.
+        rectifier_temperature: Degrees Celsius.
+        runtime: Seconds that it has run.
+        time_until_maintenance: Seconds until its next maintenance; negative: overdue.
+    """
+
+    status: common.MavGeneratorStatusFlag | int = 0
+    rpm: float | None = None
+    power: float | None = None
+    voltage: float | None = None
+    battery_current: float | None = None
+    load_current: float | None = None
+    temperature: float | None = None
+    rectifier_temperature: float | None = None
+    runtime: float | None = None
+    time_until_maintenance: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Engine:
+    """The state of a combustion engine with electronic fuel injection.
+
+    Attributes:
+        healthy: True if its control unit reports no fault.
+        rpm: Revolutions per minute.
+        load: Percent.
+        throttle: The position of the throttle, in percent.
+        fuel_consumed: Cubic centimetres.
+        fuel_flow: Cubic centimetres per minute.
+        cylinder_temperature: Degrees Celsius.
+        exhaust_temperature: Degrees Celsius.
+        intake_temperature: Degrees Celsius.
+        intake_pressure: Kilopascals.
+    """
+
+    healthy: bool = False
+    rpm: float | None = None
+    load: float | None = None
+    throttle: float | None = None
+    fuel_consumed: float | None = None
+    fuel_flow: float | None = None
+    cylinder_temperature: float | None = None
+    exhaust_temperature: float | None = None
+    intake_temperature: float | None = None
+    intake_pressure: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Modem:
+    """The state of a mobile network modem.
+
+    Attributes:
+        id: The number of the modem, from 1; 0 if it has none.
+        status: The CELLULAR_STATUS_FLAG.
+        failure: The CELLULAR_NETWORK_FAILED_REASON.
+        radio: The CELLULAR_NETWORK_RADIO_TYPE.
+        quality: The quality of the signal, in percent.
+        country: The mobile country code.
+        network: The mobile network code.
+        received_level: The level of the received signal, in dBm.
+    """
+
+    id: int = 0
+    status: common.CellularStatusFlag | int = 0
+    failure: common.CellularNetworkFailedReason | int = 0
+    radio: common.CellularNetworkRadioType | int = 0
+    quality: float | None = None
+    country: int | None = None
+    network: int | None = None
+    received_level: float | None = None

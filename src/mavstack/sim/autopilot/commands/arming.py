@@ -10,6 +10,7 @@ from mavstack.sim.autopilot.refusal import CommandRefusedError
 
 if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest
+    from mavstack.sim.autopilot.commands.registration import Outcome
 
 _CMD, _RESULT = common.MavCmd, common.MavResult
 #: Param 2 of a command that skips the checks.
@@ -29,7 +30,7 @@ class ArmingCommands(CommandGroup):
             _CMD.DO_FLIGHTTERMINATION: self.terminate,
         }
 
-    def arm_or_disarm(self, request: CommandRequest) -> common.MavResult:
+    def arm_or_disarm(self, request: CommandRequest) -> Outcome:
         """COMPONENT_ARM_DISARM: 1 arms, 0 disarms, other values are denied."""
         wanted, force = request.command.param1, request.command.param2 == FORCE
         if wanted == 1:

@@ -1,5 +1,12 @@
 """The functions that read each value from the received messages; none of them sends or waits."""
 
+from mavstack.vehicle.telemetry.readers.devices import (
+    ESC_TELEMETRY,
+    read_engine,
+    read_escs,
+    read_generator,
+    read_modem,
+)
 from mavstack.vehicle.telemetry.readers.motion import (
     read_attitude,
     read_local_position,
@@ -21,9 +28,13 @@ from mavstack.vehicle.telemetry.readers.state import (
 )
 
 __all__ = [
+    "ESC_TELEMETRY",
     "read_armed",
     "read_attitude",
     "read_batteries",
+    "read_engine",
+    "read_escs",
+    "read_generator",
     "read_gps",
     "read_home",
     "read_imu",
@@ -31,6 +42,7 @@ __all__ = [
     "read_landed_state",
     "read_local_position",
     "read_mode",
+    "read_modem",
     "read_odometry",
     "read_position",
     "read_rc",
