@@ -32,8 +32,8 @@ from mavstack.vehicle.actions import (
 from mavstack.vehicle.actuators import Actuators
 from mavstack.vehicle.calibration import Calibration
 from mavstack.vehicle.capabilities import Capabilities, capabilities_of
-from mavstack.vehicle.external import External
 from mavstack.vehicle.devices import Devices
+from mavstack.vehicle.external import External
 from mavstack.vehicle.firmware import Firmware, firmware_of
 from mavstack.vehicle.health import Health, health_of
 from mavstack.vehicle.mission import Mission, VehiclePlan
