@@ -1177,9 +1177,17 @@ class Intake:
         position_fields: The id of the message with a position, and the offsets of its latitude, longitude and
             speeds to
             north and east.
+        heading_fields: The id of the message with an attitude, and the offsets of its roll, pitch, yaw and yaw
+            speed.
     """
 
-    def __new__(cls, dialect: HasCoreDialect, boot_fields: dict[int, int], position_fields: Sequence[int]) -> Self: ...
+    def __new__(
+        cls,
+        dialect: HasCoreDialect,
+        boot_fields: dict[int, int],
+        position_fields: Sequence[int],
+        heading_fields: Sequence[int],
+    ) -> Self: ...
     def start(self, now: float) -> int:
         """Start the thread; return a descriptor that is readable while something waits.
 
@@ -1212,11 +1220,15 @@ class Intake:
             socket: The number of the socket.
         """
 
-    def hurry(self, seconds: float) -> None:
-        """Read without rests for some time, because the program waits for an answer.
+    def hurry(self, seconds: float) -> bool:
+        """Let no packet rest for some time, because the program waits for an answer.
 
         Args:
             seconds: The time.
+
+        Returns:
+            True if the program is to wait for the sockets itself from now on, and to call `take` if one has
+            something.
         """
 
     def attach(self, channel: int, socket: int, address: tuple[Any, ...], parser: Parser) -> bool:
@@ -1230,6 +1242,26 @@ class Intake:
 
         Returns:
             False if its datagrams go on to the program.
+        """
+
+    def attach_fed(self, channel: int, parser: Parser) -> None:
+        """Parse what `feed` gives of a channel that the program reads itself.
+
+        Args:
+            channel: The number of the channel, chosen by the program.
+            parser: The parser of the channel, which both use.
+        """
+
+    def feed(self, channel: int, data: Buffer, now: float) -> bool:
+        """Parse bytes that the program received on a channel; `take` returns the packets.
+
+        Args:
+            channel: The number of the channel.
+            data: The bytes.
+            now: The time of their arrival in seconds.
+
+        Returns:
+            True if there is a valid packet among them.
         """
 
     def detach(self, channel: int) -> tuple[int, int, float, float]:
@@ -1288,14 +1320,21 @@ class Intake:
     def sources(self) -> list[tuple[int, tuple[int, int], float, float]]:
         """Return the granted sources: channel, source, time of the last packet, time of the last expected boot time or 0."""
 
-    def decide(self, source: tuple[int, int], message_id: int, level: int) -> None:
-        """Decide who waits for a message of a source.
+    def decide(
+        self,
+        source: tuple[int, int],
+        message_id: int,
+        level: int,
+        listeners: tuple[Callable[[Packet], None], ...],
+    ) -> None:
+        """Decide who takes a message of a source.
 
         Args:
             source: System and component id.
             message_id: The message id.
-            level: 0: not known, 1: no part of the program, 2: boot times and positions that are not expected,
-                3: every packet soon, 4: at once.
+            level: The interest of services; 0: not known, 1: none, 2: in boot times, positions and headings that
+                do not continue those before, 3: in every packet, soon, 4: in every packet, at once.
+            listeners: The functions that `deliver` calls with every packet.
 
         Raises:
             ValueError: There is no such level.
@@ -1312,19 +1351,37 @@ class Intake:
     def take(
         self,
     ) -> tuple[
-        list[tuple[int, list[Packet], bool]],
+        list[tuple[int, list[Packet], list[Packet], bool]],
         list[tuple[int, tuple[Any, ...], bytes, int]],
         list[tuple[tuple[int, int], int]],
         list[int],
+        bool,
     ]:
-        """Remove and return the packets and datagrams that wait.
+        """Remove and return the packets and datagrams that wait, after the sockets were read if the program is to do so.
 
         Returns:
-            The packets, in order, as (channel, packets, kept as latest packets already); the datagrams of
-            senders that the
-            intake does not parse, as (socket, address, data, number of datagrams); the messages to `decide` about, as
-            (source, message id); the sockets that the program must read itself from now on, because it did
-            not keep up.
+            The packets, in order, as (channel, those for the engine, those for listeners, kept as latest packets
+            already; of those that are not kept the listeners are not known); the datagrams of senders that the
+            intake does not parse, as (socket, address, data, number of datagrams); the messages to `decide` about,
+            as (source, message id); the sockets that the program must read itself from now on, because it did not
+            keep up; and whether the program is to wait for the other sockets from now on, as `hurry` returns it.
+        """
+
+    def deliver(
+        self,
+        packets: list[Packet],
+        find: Callable[[Packet], None],
+        fail: Callable[[Exception], None],
+    ) -> None:
+        """Call the listeners of packets, in order.
+
+        Args:
+            packets: The packets.
+            find: Called with each packet whose listeners were not given to `decide`; calls them.
+            fail: Called with each exception of a listener.
+
+        Raises:
+            BaseException: A listener raised an exception that is not an `Exception`.
         """
 
     def follow(self, system: int) -> None:

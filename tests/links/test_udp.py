@@ -60,10 +60,10 @@ class TestUdpinReadNatively(TestUdpin):
     @asynccontextmanager
     async def pair(self, query=""):
         async with super().pair(query) as (link, peer):
-            open_transport, intake = link.open_transport, Intake(DIALECT, {}, (0, 0, 0, 0, 0))
+            open_transport, intake = link.open_transport, Intake(DIALECT, {}, (0,) * 5, (0,) * 5)
 
             def pump():
-                _, datagrams, _, overloaded = intake.take()
+                _, datagrams, _, overloaded, _ = intake.take()
                 for _, address, data, count in datagrams:
                     link.receive(data, address, count)
                 for _ in overloaded:

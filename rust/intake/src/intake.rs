@@ -1,10 +1,10 @@
 //! The state of the input, without sockets and clocks: times are seconds of the program's clock.
 
-use crate::channel::{Activity, Boot, Channel, INTERVAL, Position, PositionFields, SharedParser, Source};
+use crate::channel::{Activity, Boot, Channel, SharedParser, Source};
+use crate::fields::{Continuity, Fields};
 use crate::messages::{Interest, Messages};
-use crate::queue::{Queue, Urgency};
+use crate::queue::{Queue, Takers, Urgency};
 use mavstack_core::layout::Dialect;
-use mavstack_core::parser::Packet;
 use std::collections::HashMap;
 use std::net::{IpAddr, SocketAddr};
 use std::sync::{Arc, PoisonError};
@@ -24,14 +24,6 @@ impl Peer {
             Self::Host(host) => *host == address.ip(),
         }
     }
-}
-
-/// The fields of messages that the program compares with those before.
-#[derive(Debug)]
-pub struct Fields {
-    /// Offset of the boot time in the messages that have one.
-    pub boot: HashMap<u32, usize>,
-    pub position: PositionFields,
 }
 
 /// The input of one node.
@@ -76,20 +68,30 @@ impl Intake {
             let header = packet.header;
             let granted = sources.get_mut(&(header.system, header.component)).filter(|_| !header.signed());
             let Some(source) = granted else {
-                return queue.push_packet(number, &packet, false, Urgency::Soon);
+                return queue.push_whole(number, &packet, now);
             };
             source.heard_at = now;
-            let urgency = match messages.keep(&packet, now) {
-                Interest::Nothing => return,
-                Interest::NewBoot if fields.continues(source, &packet, now) => return,
-                Interest::NewBoot | Interest::Soon => Urgency::Soon,
+            let decision = messages.keep(&packet, now);
+            let urgency = match decision.interest {
+                Interest::Nothing => Urgency::None,
+                Interest::NewBoot => match fields.compare(source, &packet, now) {
+                    Continuity::Continues => Urgency::None,
+                    Continuity::IsDue => Urgency::Lazy,
+                    Continuity::Deviates => Urgency::Prompt,
+                },
+                Interest::Soon => Urgency::Soon,
                 Interest::Unknown => {
                     messages.ask((header.system, header.component), header.message_id);
                     Urgency::Now
                 }
                 Interest::Asked | Interest::Now => Urgency::Now,
             };
-            queue.push_packet(number, &packet, true, urgency);
+            let is_listened = decision.is_listened || decision.interest == Interest::Unknown;
+            let takers = Takers { engine: urgency > Urgency::None, listeners: is_listened };
+            if takers.engine || takers.listeners {
+                let urgency = if is_listened { urgency.max(Urgency::Prompt) } else { urgency };
+                queue.push_kept(number, &packet, takers, urgency, now);
+            }
         });
     }
 
@@ -101,6 +103,17 @@ impl Intake {
         self.peers.insert((socket, peer), channel);
         self.channels.insert(channel, Channel { parser, sources: HashMap::new(), activity: Activity::default() });
         true
+    }
+
+    /// Lets the intake parse what `feed` gives it, which the program reads from a channel.
+    pub fn attach_fed(&mut self, channel: u32, parser: SharedParser) {
+        self.channels.insert(channel, Channel { parser, sources: HashMap::new(), activity: Activity::default() });
+    }
+
+    /// Parses bytes that the program received on a channel; returns whether a packet in them is valid.
+    pub fn feed(&mut self, channel: u32, data: &[u8], now: f64) -> bool {
+        self.parse(channel, data, now);
+        self.channels.get_mut(&channel).is_some_and(|known| std::mem::take(&mut known.activity).valid_at > 0.0)
     }
 
     /// Gives the datagrams of a channel to the program from now on; returns what was received since the last look.
@@ -145,42 +158,4 @@ impl Intake {
         };
         self.channels.iter().flat_map(of_channel)
     }
-}
-
-impl Fields {
-    /// Returns whether a packet has the boot time that is expected of its source, and a position near the one before.
-    fn continues(&self, source: &mut Source, packet: &Packet<'_>, now: f64) -> bool {
-        let Some(&offset) = self.boot.get(&packet.header.message_id) else {
-            return false;
-        };
-        let boot_ms = u32::from_le_bytes(bytes_at(packet, offset));
-        let mut is_near = true;
-        if packet.header.message_id == self.position.message_id {
-            let position = self.position_of(packet, boot_ms);
-            let before = source.position.replace(position);
-            is_near = before.is_some_and(|before| position.continues(&before)) && now < source.position_due;
-            if !is_near {
-                source.position_due = now + INTERVAL;
-            }
-        }
-        source.boot.as_mut().is_some_and(|boot| boot.is_expected(boot_ms, now)) && is_near
-    }
-
-    fn position_of(&self, packet: &Packet<'_>, boot_ms: u32) -> Position {
-        let degrees = |offset| f64::from(i32::from_le_bytes(bytes_at(packet, offset))) / 1e7;
-        let speed = |offset| f64::from(i16::from_le_bytes(bytes_at(packet, offset))) / 100.0;
-        let [north, east] = self.position.speeds.map(speed);
-        Position {
-            time: f64::from(boot_ms) / 1000.0,
-            latitude: degrees(self.position.latitude),
-            longitude: degrees(self.position.longitude),
-            speed: north.hypot(east),
-        }
-    }
-}
-
-/// Returns bytes of a payload; those that were trimmed are zero.
-fn bytes_at<const N: usize>(packet: &Packet<'_>, offset: usize) -> [u8; N] {
-    let payload = packet.payload();
-    std::array::from_fn(|index| payload.get(offset + index).copied().unwrap_or(0))
 }

@@ -7,10 +7,13 @@
 #![forbid(unsafe_code)]
 
 pub mod channel;
+pub mod fields;
 pub mod intake;
 pub mod messages;
+pub mod pace;
 pub mod queue;
 pub mod reader;
+pub mod sockets;
 
 #[cfg(test)]
 mod tests;

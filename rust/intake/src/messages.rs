@@ -27,6 +27,15 @@ pub enum Interest {
     Now,
 }
 
+/// Who takes a message of a source.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Decision {
+    /// The interest of services.
+    pub interest: Interest,
+    /// Listeners and subscriptions take every packet.
+    pub is_listened: bool,
+}
+
 /// The latest packet of a message.
 #[derive(Clone, Debug)]
 pub struct Latest {
@@ -41,7 +50,7 @@ pub struct Latest {
 
 #[derive(Debug, Default)]
 struct Entry {
-    interest: Interest,
+    decision: Decision,
     latest: Option<Latest>,
 }
 
@@ -66,7 +75,9 @@ impl Hasher for KeyHasher {
     }
 }
 
-fn key(system: u8, component: u8, message_id: u32) -> u64 {
+/// Returns the key of a message of a source.
+#[must_use]
+pub fn key(system: u8, component: u8, message_id: u32) -> u64 {
     u64::from(system) << 32 | u64::from(component) << 24 | u64::from(message_id)
 }
 
@@ -76,6 +87,12 @@ fn system_of(key: u64) -> u8 {
 
 fn message_of(key: u64) -> u32 {
     key as u32 & 0x00FF_FFFF
+}
+
+/// Returns whether a key is of a message (`None`: all messages) of a system (0: all systems).
+#[must_use]
+pub fn matches(key: u64, message_id: Option<u32>, system: u8) -> bool {
+    message_id.is_none_or(|id| id == message_of(key)) && (system == 0 || system == system_of(key))
 }
 
 /// The table of messages.
@@ -96,13 +113,13 @@ impl Default for Messages {
 }
 
 impl Messages {
-    /// Keeps a packet, if its system is followed; returns the interest in it.
+    /// Keeps a packet, if its system is followed; returns who takes it.
     #[inline]
-    pub fn keep(&mut self, packet: &Packet<'_>, now: f64) -> Interest {
+    pub fn keep(&mut self, packet: &Packet<'_>, now: f64) -> Decision {
         let Header { system, component, message_id, .. } = packet.header;
         let key = key(system, component, message_id);
         if self.followers[usize::from(system)] == 0 {
-            return self.entries.get(&key).map_or(Interest::Unknown, |entry| entry.interest);
+            return self.entries.get(&key).map(|entry| entry.decision).unwrap_or_default();
         }
         self.kept += 1;
         let entry = self.entries.entry(key).or_default();
@@ -110,14 +127,14 @@ impl Messages {
             latest.raw.clear();
             latest.raw.extend_from_slice(packet.raw);
             (latest.header, latest.slot, latest.at, latest.number) = (packet.header, packet.slot, now, self.kept);
-            return entry.interest;
+            return entry.decision;
         }
         let (raw, header, slot) = (packet.raw.to_vec(), packet.header, packet.slot);
         entry.latest = Some(Latest { raw, header, slot, at: now, number: self.kept });
-        let interest = entry.interest;
+        let decision = entry.decision;
         self.stored[usize::from(system)] += 1;
         self.make_room(system);
-        interest
+        decision
     }
 
     #[cold]
@@ -189,7 +206,7 @@ impl Messages {
     /// Asks the program who waits for a message of a source.
     #[cold]
     pub fn ask(&mut self, source: (u8, u8), message_id: u32) {
-        self.decide(source, message_id, Interest::Asked);
+        self.decide(source, message_id, Decision { interest: Interest::Asked, is_listened: true });
         self.undecided.push((source, message_id));
     }
 
@@ -198,18 +215,17 @@ impl Messages {
         std::mem::take(&mut self.undecided)
     }
 
-    /// Decides who waits for a message of a source.
-    pub fn decide(&mut self, source: (u8, u8), message_id: u32, interest: Interest) {
-        self.entries.entry(key(source.0, source.1, message_id)).or_default().interest = interest;
+    /// Decides who takes a message of a source.
+    pub fn decide(&mut self, source: (u8, u8), message_id: u32, decision: Decision) {
+        self.entries.entry(key(source.0, source.1, message_id)).or_default().decision = decision;
         self.bound_entries();
     }
 
     /// Forgets the decisions about a message (`None`: all messages) of a system (0: all systems).
     pub fn forget_interest(&mut self, message_id: Option<u32>, system: u8) {
         for (&key, entry) in &mut self.entries {
-            let is_meant = message_id.is_none_or(|id| id == message_of(key));
-            if is_meant && (system == 0 || system == system_of(key)) {
-                entry.interest = Interest::Unknown;
+            if matches(key, message_id, system) {
+                entry.decision = Decision::default();
             }
         }
     }

@@ -16,17 +16,28 @@ pub struct PacketRun {
     /// They were kept as latest packets already.
     pub is_kept: bool,
     bytes: Vec<u8>,
-    headers: Vec<(Header, Option<u16>)>,
+    headers: Vec<(Header, Option<u16>, Takers)>,
+}
+
+/// The parts of the program that take a packet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Takers {
+    pub engine: bool,
+    pub listeners: bool,
+}
+
+impl Takers {
+    pub const ALL: Self = Self { engine: true, listeners: true };
 }
 
 impl PacketRun {
-    /// The packets, oldest first.
-    pub fn packets(&self) -> impl Iterator<Item = Packet<'_>> {
+    /// The packets, oldest first, and who takes them.
+    pub fn packets(&self) -> impl Iterator<Item = (Packet<'_>, Takers)> {
         let mut start = 0;
-        self.headers.iter().map(move |&(header, slot)| {
+        self.headers.iter().map(move |&(header, slot, takers)| {
             let raw = &self.bytes[start..start + header.packet_length()];
             start += raw.len();
-            Packet { raw, header, slot, timestamp: None }
+            (Packet { raw, header, slot, timestamp: None }, takers)
         })
     }
 }
@@ -53,9 +64,17 @@ pub enum Item {
 pub enum Urgency {
     #[default]
     None,
+    /// When the program wakes anyway, or after `LAZY_TIME`.
+    Lazy,
+    /// After a long rest too.
     Soon,
+    /// After a short rest at most: a part of the program handles each packet.
+    Prompt,
     Now,
 }
+
+/// Seconds for which packets may wait that only confirm those before.
+pub const LAZY_TIME: f64 = 0.05;
 
 /// The packets and datagrams that wait.
 #[derive(Debug, Default)]
@@ -63,6 +82,10 @@ pub struct Queue {
     items: Vec<Item>,
     count: usize,
     pub urgency: Urgency,
+    /// The urgency of the packets since the last call of `take_fresh`.
+    fresh: Urgency,
+    /// Since when something waits.
+    waits_since: f64,
     /// The program was woken and did not take anything since.
     is_announced: bool,
     /// Sockets that the program must read itself, because it did not keep up.
@@ -75,10 +98,29 @@ impl Queue {
         self.count >= MAX_WAITING
     }
 
-    pub fn push_packet(&mut self, channel: u32, packet: &Packet<'_>, is_kept: bool, urgency: Urgency) {
+    /// Adds a packet that was kept as a latest packet, for those who take it.
+    pub fn push_kept(&mut self, channel: u32, packet: &Packet<'_>, takers: Takers, urgency: Urgency, now: f64) {
+        self.note(urgency, now);
+        self.push_packet(channel, packet, true, takers);
+    }
+
+    /// Adds a packet of which the program must find out who takes it.
+    pub fn push_whole(&mut self, channel: u32, packet: &Packet<'_>, now: f64) {
+        self.note(Urgency::Prompt, now);
+        self.push_packet(channel, packet, false, Takers::ALL);
+    }
+
+    fn note(&mut self, urgency: Urgency, now: f64) {
+        if self.count == 0 {
+            self.waits_since = now;
+        }
         self.count += 1;
         self.urgency = self.urgency.max(urgency);
-        let header = (packet.header, packet.slot);
+        self.fresh = self.fresh.max(urgency);
+    }
+
+    fn push_packet(&mut self, channel: u32, packet: &Packet<'_>, is_kept: bool, takers: Takers) {
+        let header = (packet.header, packet.slot, takers);
         if let Some(Item::Packets(run)) = self.items.last_mut()
             && (run.channel, run.is_kept) == (channel, is_kept)
         {
@@ -91,8 +133,7 @@ impl Queue {
     }
 
     pub fn push_datagram(&mut self, socket: u32, address: SocketAddr, data: &[u8], now: f64) {
-        self.count += 1;
-        self.urgency = self.urgency.max(Urgency::Soon);
+        self.note(Urgency::Prompt, now);
         if let Some(Item::Datagrams(last)) = self.items.last_mut()
             && (last.socket, last.address) == (socket, address)
             && last.data.len() + data.len() <= MAX_JOINED
@@ -118,9 +159,21 @@ impl Queue {
         self.urgency = Urgency::Now;
     }
 
-    /// Returns whether the program must be woken now.
-    pub fn announce(&mut self) -> bool {
-        self.urgency > Urgency::None && !std::mem::replace(&mut self.is_announced, true)
+    /// Returns the urgency of the packets since the last call.
+    pub fn take_fresh(&mut self) -> Urgency {
+        std::mem::take(&mut self.fresh)
+    }
+
+    /// Returns whether packets wait that only confirm those before.
+    #[must_use]
+    pub fn is_lazy(&self) -> bool {
+        self.urgency == Urgency::Lazy
+    }
+
+    /// Returns whether the program must be woken now; if it is awake, for everything that waits.
+    pub fn announce(&mut self, now: f64, is_awake: bool) -> bool {
+        let threshold = if is_awake || now >= self.waits_since + LAZY_TIME { Urgency::Lazy } else { Urgency::Soon };
+        self.urgency >= threshold && !std::mem::replace(&mut self.is_announced, true)
     }
 
     /// Removes and returns what waits, and the sockets that the program must read itself from now on.

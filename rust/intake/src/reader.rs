@@ -1,48 +1,38 @@
-//! The thread that reads UDP sockets into an [`Intake`].
+//! The reader of UDP sockets into an [`Intake`]: a thread, and the program where that is cheaper (see [`crate::pace`]).
 //!
-//! It wakes the program by a descriptor, and only if something waits for it. After a turn without urgent packets it rests,
-//! so that packets which come soon after each other cost one wake-up of the thread and one of the program together.
+//! The thread wakes the program by a descriptor, and only if something waits for it. After a turn without urgent packets
+//! it rests, so that packets which come soon after each other cost one wake-up of the thread and one of the program.
 
 use crate::intake::Intake;
+use crate::pace::Mode;
 use crate::queue::Urgency;
-use mavstack_router::engine::batch::Batches;
-use mavstack_router::engine::datagrams::{BATCH, ReceiveBuffer};
+use crate::sockets::{Scope, Sockets, Turn};
 use mavstack_router::engine::notify::Notifier;
 use mio::net::UdpSocket;
-use mio::{Events, Interest, Poll, Token, Waker};
-use std::collections::HashMap;
+use mio::{Events, Interest, Poll, Registry, Token, Waker};
 use std::io;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::mpsc::{SyncSender, sync_channel};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread::JoinHandle;
+use std::thread::{JoinHandle, Thread};
 use std::time::{Duration, Instant};
 
-/// The longest rest after a turn: the longest delay of a packet that is not urgent.
-pub const REST: Duration = Duration::from_micros(500);
-/// Datagrams that may collect during a rest: a small socket buffer holds as many.
-const MAX_RESTING: f64 = 64.0;
-/// Batches of one socket in a turn.
-const MAX_BATCHES: usize = 16;
+/// Seconds after a look at the sockets for which latest packets are fresh enough.
+const FRESHNESS: f64 = 0.001;
 const WAKE: Token = Token(usize::MAX);
-
-enum Command {
-    Add(u32, UdpSocket),
-    Remove(u32, SyncSender<()>),
-}
 
 /// The state that the program and the thread share.
 struct Shared {
     intake: Arc<Mutex<Intake>>,
-    commands: Mutex<Vec<Command>>,
+    sockets: Mutex<Sockets>,
+    registry: Registry,
     is_closed: AtomicBool,
+    /// The mode of the pace, to be read without the lock.
+    mode: AtomicU8,
     waker: Waker,
     notifier: Notifier,
     started: Instant,
     /// Time of the program's clock when the reader started.
     base: f64,
-    /// Microseconds after the start until which the thread does not rest.
-    hurry_until: AtomicU64,
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -54,14 +44,45 @@ impl Shared {
         self.base + self.started.elapsed().as_secs_f64()
     }
 
-    fn is_in_hurry(&self) -> bool {
-        self.hurry_until.load(Ordering::Relaxed) > self.started.elapsed().as_micros() as u64
+    fn is_in(&self, mode: Mode) -> bool {
+        self.mode.load(Ordering::Relaxed) == mode as u8
     }
 
-    fn send(&self, command: Command) {
-        lock(&self.commands).push(command);
-        // It fails only if the thread's poll is gone.
-        let _ = self.waker.wake();
+    /// Reads the sockets.
+    fn read(&self, scope: Scope) -> Turn {
+        let mut sockets = lock(&self.sockets);
+        let turn = sockets.read(scope, &self.intake, self.now());
+        for &number in &turn.overloaded {
+            self.remove(&mut sockets, number);
+            lock(&self.intake).queue.overload(number);
+        }
+        turn
+    }
+
+    /// Wakes the program if something waits for it that must not wait longer.
+    fn announce(&self, is_awake: bool) {
+        let calls_program = lock(&self.sockets).pace.calls_program();
+        if lock(&self.intake).queue.announce(self.now(), is_awake) || calls_program {
+            self.notifier.set();
+        }
+    }
+
+    /// Changes the mode if the traffic calls for it; returns whether it changed.
+    fn adapt(&self, by_program: bool) -> bool {
+        let mut sockets = lock(&self.sockets);
+        let is_changed = sockets.pace.adapt(by_program);
+        if is_changed {
+            sockets.suspect_all();
+            self.mode.store(sockets.pace.mode() as u8, Ordering::Relaxed);
+        }
+        is_changed
+    }
+
+    fn remove(&self, sockets: &mut Sockets, number: u32) {
+        if let Some(mut removed) = sockets.remove(number) {
+            // It fails only if the thread's poll is gone.
+            let _ = self.registry.deregister(&mut removed);
+        }
     }
 }
 
@@ -77,16 +98,17 @@ impl Reader {
         let poll = Poll::new()?;
         let shared = Arc::new(Shared {
             intake,
-            commands: Mutex::default(),
+            sockets: Mutex::new(Sockets::new(now)),
+            registry: poll.registry().try_clone()?,
             is_closed: AtomicBool::new(false),
+            mode: AtomicU8::new(Mode::Watching as u8),
             waker: Waker::new(poll.registry(), WAKE)?,
             notifier: Notifier::new()?,
             started: Instant::now(),
             base: now,
-            hurry_until: AtomicU64::new(0),
         });
         let for_thread = Arc::clone(&shared);
-        let run = move || Worker::new(poll, for_thread).run();
+        let run = move || Worker { poll, shared: for_thread }.run();
         let thread = std::thread::Builder::new().name("mavstack-intake".into()).spawn(run)?;
         Ok(Self { shared, thread: Some(thread) })
     }
@@ -100,38 +122,65 @@ impl Reader {
     /// Reads a socket from now on.
     pub fn add(&self, number: u32, socket: std::net::UdpSocket) -> io::Result<()> {
         socket.set_nonblocking(true)?;
-        self.shared.send(Command::Add(number, UdpSocket::from_std(socket)));
+        let mut socket = UdpSocket::from_std(socket);
+        self.shared.registry.register(&mut socket, Token(number as usize), Interest::READABLE)?;
+        lock(&self.shared.sockets).add(number, socket);
+        self.wake();
         Ok(())
     }
 
-    /// Closes the thread's copy of a socket, and waits until it is closed. Idempotent.
+    /// Closes the copy of a socket. Idempotent.
     pub fn remove(&self, number: u32) {
-        let (sender, receiver) = sync_channel(1);
-        self.shared.send(Command::Remove(number, sender));
-        // An error: the thread has ended, and its sockets are closed.
-        let _ = receiver.recv();
+        self.shared.remove(&mut lock(&self.shared.sockets), number);
     }
 
-    /// Takes the signal back, before the program takes what waits.
-    pub fn clear(&self) {
+    /// Takes the signal back, before the program takes what waits; reads the sockets if the program is to do so.
+    /// Returns whether it is, from now on.
+    #[must_use]
+    pub fn begin_to_take(&self) -> bool {
         self.shared.notifier.clear();
+        if self.shared.is_in(Mode::Direct) {
+            self.shared.read(Scope::All);
+        }
+        if self.shared.adapt(true) {
+            self.wake();
+        }
+        self.shared.is_in(Mode::Direct)
     }
 
-    /// Lets the thread not rest for some time, because the program waits for an answer.
-    pub fn hurry(&self, duration: Duration) {
-        let until = (self.shared.started.elapsed() + duration).as_micros() as u64;
-        self.shared.hurry_until.fetch_max(until, Ordering::Relaxed);
+    /// Reads the sockets unless they were read a moment ago, because the program asks for latest packets.
+    pub fn refresh(&self) {
+        let is_stale = || self.shared.now() - lock(&self.shared.sockets).read_at > FRESHNESS;
+        if self.shared.is_in(Mode::Resting) && is_stale() {
+            self.shared.read(Scope::All);
+            self.shared.adapt(false);
+            self.shared.announce(true);
+        }
+    }
+
+    /// Lets no packet rest for some time, because the program waits for an answer; returns whether the program is to
+    /// read the sockets from now on.
+    #[must_use]
+    pub fn hurry(&self, seconds: f64) -> bool {
+        lock(&self.shared.sockets).pace.hurry(self.shared.now(), seconds);
+        self.shared.adapt(true);
+        self.shared.is_in(Mode::Direct)
+    }
+
+    fn wake(&self) {
+        // It fails only if the thread's poll is gone.
+        let _ = self.shared.waker.wake();
+        self.thread.as_ref().map(JoinHandle::thread).map(Thread::unpark);
     }
 
     /// Ends the thread. Idempotent.
     pub fn close(&mut self) {
         self.shared.is_closed.store(true, Ordering::Release);
-        let _ = self.shared.waker.wake();
+        self.wake();
         if let Some(thread) = self.thread.take() {
             // A thread that panicked has ended too.
             let _ = thread.join();
         }
-        lock(&self.shared.commands).clear();
     }
 }
 
@@ -141,173 +190,71 @@ impl Drop for Reader {
     }
 }
 
-struct Input {
-    udp: UdpSocket,
-    is_v6: bool,
-    is_ready: bool,
-}
-
 /// The state of the thread.
 struct Worker {
     poll: Poll,
     shared: Arc<Shared>,
-    sockets: HashMap<u32, Input>,
-    batches: Batches,
-    buffer: ReceiveBuffer,
-    read_at: Instant,
-    /// Datagrams per second, about.
-    rate: f64,
 }
 
 impl Worker {
-    fn new(poll: Poll, shared: Arc<Shared>) -> Self {
-        let (sockets, batches, buffer) = (HashMap::new(), Batches::default(), ReceiveBuffer::default());
-        Self { poll, shared, sockets, batches, buffer, read_at: Instant::now(), rate: 0.0 }
-    }
-
     fn run(mut self) {
         let mut events = Events::with_capacity(64);
-        loop {
-            let is_idle = self.sockets.values().all(|socket| !socket.is_ready);
-            let timeout = if is_idle { None } else { Some(Duration::ZERO) };
-            if let Err(error) = self.poll.poll(&mut events, timeout)
-                && error.kind() != io::ErrorKind::Interrupted
-            {
-                return;
-            }
-            for event in &events {
-                if let Some(socket) = self.sockets.get_mut(&(event.token().0 as u32)) {
-                    socket.is_ready = true;
+        while !self.shared.is_closed.load(Ordering::Acquire) {
+            if self.shared.is_in(Mode::Watching) {
+                if !self.watch(&mut events) {
+                    return;
                 }
+            } else {
+                self.look();
             }
-            if self.shared.is_closed.load(Ordering::Acquire) {
-                return;
-            }
-            self.execute_commands();
-            self.turn();
+            self.shared.adapt(false);
         }
     }
 
-    fn execute_commands(&mut self) {
-        let commands = std::mem::take(&mut *lock(&self.shared.commands));
-        for command in commands {
-            match command {
-                Command::Add(number, mut socket) => {
-                    let is_v6 = socket.local_addr().is_ok_and(|address| address.is_ipv6());
-                    let token = Token(number as usize);
-                    if self.poll.registry().register(&mut socket, token, Interest::READABLE).is_err() {
-                        self.give_back(number);
-                    } else {
-                        self.sockets.insert(number, Input { udp: socket, is_v6, is_ready: true });
-                    }
-                }
-                Command::Remove(number, done) => {
-                    self.remove(number);
-                    // The program may not wait any more.
-                    let _ = done.try_send(());
-                }
-            }
+    /// Waits for a datagram, and reads; returns false if waiting is not possible.
+    fn watch(&mut self, events: &mut Events) -> bool {
+        if let Err(error) = self.poll.poll(events, self.poll_timeout())
+            && error.kind() != io::ErrorKind::Interrupted
+        {
+            return false;
         }
+        let mut sockets = lock(&self.shared.sockets);
+        events.iter().for_each(|event| sockets.note_ready(event.token().0 as u32));
+        drop(sockets);
+        let turn = self.shared.read(Scope::Ready);
+        let rest = if turn.count > 0 { self.rest(turn.urgency) } else { Duration::ZERO };
+        if !rest.is_zero() && turn.overloaded.is_empty() {
+            std::thread::sleep(rest);
+            self.shared.read(Scope::All);
+        }
+        self.shared.announce(false);
+        true
     }
 
-    fn remove(&mut self, number: u32) {
-        if let Some(mut removed) = self.sockets.remove(&number) {
-            let _ = self.poll.registry().deregister(&mut removed.udp);
+    /// Returns how long to wait for a datagram.
+    fn poll_timeout(&self) -> Option<Duration> {
+        if lock(&self.shared.sockets).has_ready() {
+            return Some(Duration::ZERO);
         }
+        let is_lazy = lock(&self.shared.intake).queue.is_lazy();
+        is_lazy.then(|| Duration::from_secs_f64(crate::queue::LAZY_TIME))
     }
 
-    /// Lets the program read a socket itself.
-    fn give_back(&mut self, number: u32) {
-        self.remove(number);
-        let mut intake = lock(&self.shared.intake);
-        intake.queue.overload(number);
-        if intake.queue.announce() {
-            self.shared.notifier.set();
-        }
+    fn rest(&self, urgency: Urgency) -> Duration {
+        let sockets = lock(&self.shared.sockets);
+        if sockets.pace.is_in_hurry(self.shared.now()) { Duration::ZERO } else { sockets.pace.rest(urgency) }
     }
 
-    /// Reads the sockets that have something, and wakes the program.
-    fn turn(&mut self) {
-        let ready = self.ready();
-        let mut count = self.read(&ready);
-        if count == 0 {
+    /// Rests, and reads unless the program did so meanwhile.
+    fn look(&self) {
+        let rest = lock(&self.shared.sockets).pace.rest(Urgency::None);
+        std::thread::park_timeout(rest);
+        let is_direct = self.shared.is_in(Mode::Direct);
+        let read_at = lock(&self.shared.sockets).read_at;
+        if is_direct && self.shared.now() - read_at < rest.as_secs_f64() / 2.0 {
             return;
         }
-        if self.urgency() < Urgency::Now && !self.shared.is_in_hurry() {
-            std::thread::sleep(self.rest(count));
-            count += self.read(&ready);
-        }
-        self.note_rate(count);
-        if lock(&self.shared.intake).queue.announce() {
-            self.shared.notifier.set();
-        }
-    }
-
-    fn ready(&self) -> Vec<u32> {
-        self.sockets.iter().filter(|(_, one)| one.is_ready).map(|(&number, _)| number).collect()
-    }
-
-    fn urgency(&self) -> Urgency {
-        lock(&self.shared.intake).queue.urgency
-    }
-
-    fn note_rate(&mut self, count: usize) {
-        let elapsed = self.read_at.elapsed().as_secs_f64().max(1e-5);
-        self.read_at = Instant::now();
-        self.rate += 0.5 * (count as f64 / elapsed - self.rate);
-    }
-
-    /// Returns how long to rest after a turn with some datagrams.
-    fn rest(&self, count: usize) -> Duration {
-        if count >= BATCH / 2 {
-            return Duration::ZERO;
-        }
-        REST.min(Duration::from_secs_f64(MAX_RESTING / self.rate.max(1.0)))
-    }
-
-    /// Reads each of these sockets until it is empty; returns the number of datagrams.
-    fn read(&mut self, numbers: &[u32]) -> usize {
-        numbers.iter().map(|&number| self.read_socket(number)).sum()
-    }
-
-    fn read_socket(&mut self, number: u32) -> usize {
-        let mut total = 0;
-        for _ in 0..MAX_BATCHES {
-            let Some(socket) = self.sockets.get_mut(&number) else {
-                return total;
-            };
-            match self.batches.receive(&socket.udp, socket.is_v6, BATCH, &mut self.buffer) {
-                Ok(()) => {}
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
-                    socket.is_ready = false;
-                    return total;
-                }
-                // An unreachable peer may become reachable.
-                Err(_) => continue,
-            }
-            let count = self.buffer.received.len();
-            // The system reports a datagram that comes after the last one of an incomplete batch.
-            socket.is_ready = count == BATCH;
-            total += count;
-            if !self.deliver(number) {
-                self.give_back(number);
-                return total;
-            }
-            if count < BATCH {
-                return total;
-            }
-        }
-        total
-    }
-
-    /// Passes the datagrams that were read to the intake; returns whether the program keeps up.
-    fn deliver(&self, number: u32) -> bool {
-        let mut intake = lock(&self.shared.intake);
-        let now = self.shared.now();
-        for index in 0..self.buffer.received.len() {
-            let (data, address) = self.buffer.datagram(index);
-            intake.receive(number, address, data, now);
-        }
-        !intake.queue.is_full()
+        self.shared.read(Scope::All);
+        self.shared.announce(false);
     }
 }

@@ -1,9 +1,10 @@
 //! The decisions about packets, without sockets; and the thread over real ones.
 
-use crate::channel::{Boot, INTERVAL, PositionFields, SharedParser};
-use crate::intake::{Fields, Intake, Peer};
-use crate::messages::{Interest, MAX_STORED};
-use crate::queue::{Item, MAX_WAITING, Urgency};
+use crate::channel::{Boot, INTERVAL, SharedParser};
+use crate::fields::{Fields, HeadingFields, PositionFields};
+use crate::intake::{Intake, Peer};
+use crate::messages::{Decision, Interest, MAX_STORED};
+use crate::queue::{Item, MAX_WAITING, Takers, Urgency};
 use crate::reader::Reader;
 use mavstack_core::encode::{Sender, Version, encode};
 use mavstack_core::layout::{Dialect, Field, FieldType, Layout};
@@ -15,6 +16,7 @@ use std::time::{Duration, Instant};
 
 const HEARTBEAT: u32 = 0;
 const POSITION: u32 = 33;
+const ATTITUDE: u32 = 30;
 const SOURCE: (u8, u8) = (7, 1);
 
 fn dialect() -> Dialect {
@@ -30,6 +32,7 @@ fn dialect() -> Dialect {
     };
     Dialect::new(vec![
         layout(HEARTBEAT, "HEARTBEAT", 50, 9, vec![field("type", FieldType::U8, 4)]),
+        layout(ATTITUDE, "ATTITUDE", 39, 28, vec![field("time_boot_ms", FieldType::U32, 0)]),
         layout(POSITION, "GLOBAL_POSITION_INT", 104, 28, vec![field("time_boot_ms", FieldType::U32, 0)]),
     ])
     .expect("a valid dialect")
@@ -37,7 +40,9 @@ fn dialect() -> Dialect {
 
 fn intake() -> Intake {
     let position = PositionFields { message_id: POSITION, latitude: 4, longitude: 8, speeds: [20, 22] };
-    Intake::new(Arc::new(dialect()), Fields { boot: HashMap::from([(POSITION, 0)]), position })
+    let heading = HeadingFields { message_id: ATTITUDE, roll: 4, pitch: 8, yaw: 12, yaw_speed: 24 };
+    let boot = HashMap::from([(POSITION, 0), (ATTITUDE, 0)]);
+    Intake::new(Arc::new(dialect()), Fields { boot, position, heading })
 }
 
 fn packet(id: u32, payload: &[u8], (system, component): (u8, u8)) -> Vec<u8> {
@@ -56,6 +61,17 @@ fn position(boot_ms: u32, latitude: f64) -> Vec<u8> {
     payload[..4].copy_from_slice(&boot_ms.to_le_bytes());
     payload[4..8].copy_from_slice(&((latitude * 1e7) as i32).to_le_bytes());
     packet(POSITION, &payload, SOURCE)
+}
+
+fn attitude(boot_ms: u32, yaw: f32) -> Vec<u8> {
+    let mut payload = [0; 28];
+    payload[..4].copy_from_slice(&boot_ms.to_le_bytes());
+    payload[12..16].copy_from_slice(&yaw.to_le_bytes());
+    packet(ATTITUDE, &payload, SOURCE)
+}
+
+fn decision(interest: Interest) -> Decision {
+    Decision { interest, is_listened: false }
 }
 
 fn parser() -> SharedParser {
@@ -91,7 +107,7 @@ fn datagrams_of_unknown_senders_and_packets_of_sources_without_a_grant_come_to_t
     let mut intake = attached();
     intake.receive(0, address(8), &heartbeat(), 1.0);
     intake.receive(0, address(9), &heartbeat(), 1.0);
-    intake.messages.decide(SOURCE, HEARTBEAT, Interest::Nothing);
+    intake.messages.decide(SOURCE, HEARTBEAT, decision(Interest::Nothing));
     intake.receive(0, address(9), &heartbeat(), 1.0);
     assert_eq!(taken(&mut intake), (0, 2, 1));
 }
@@ -108,7 +124,7 @@ fn packets_of_a_granted_source_that_are_not_wanted_are_only_kept() {
     intake.receive(0, address(9), &heartbeat(), 2.0);
     assert!(intake.messages.take_undecided().is_empty(), "the program was asked");
     assert_eq!(taken(&mut intake), (2, 0, 0));
-    intake.messages.decide(SOURCE, HEARTBEAT, Interest::Nothing);
+    intake.messages.decide(SOURCE, HEARTBEAT, decision(Interest::Nothing));
     intake.receive(0, address(9), &heartbeat(), 3.0);
     assert_eq!(taken(&mut intake), (0, 0, 0));
     let at = intake.messages.latest(SOURCE.0, SOURCE.1, HEARTBEAT).map(|latest| latest.at);
@@ -138,37 +154,91 @@ fn a_channel_is_not_attached_while_datagrams_of_its_peer_wait() {
     assert_eq!(taken(&mut intake), (0, 0, 1));
 }
 
-/// Returns how many of these positions come to the program, each given as time, boot time and latitude.
-fn passed(positions: &[(f64, u32, f64)]) -> usize {
+/// Returns how many of these packets come to the program; each has a time.
+fn passed(packets: impl IntoIterator<Item = (f64, Vec<u8>)>) -> usize {
     let mut intake = attached();
     intake.grant(1, SOURCE);
-    intake.messages.decide(SOURCE, POSITION, Interest::NewBoot);
+    for id in [POSITION, ATTITUDE] {
+        intake.messages.decide(SOURCE, id, decision(Interest::NewBoot));
+    }
     intake.expect_boot(1, SOURCE, Some(Boot::new(10_000, 1.0)));
-    for &(now, boot_ms, latitude) in positions {
-        intake.receive(0, address(9), &position(boot_ms, latitude), now);
+    for (now, data) in packets {
+        intake.receive(0, address(9), &data, now);
     }
     taken(&mut intake).0
 }
 
 #[test]
-fn positions_that_continue_those_before_come_once_in_an_interval() {
-    let steady: Vec<_> = (0..100).map(|step| (1.0 + f64::from(step) * 0.01, 10_000 + step * 10, 47.0)).collect();
-    let count = passed(&steady);
-    assert!((10..=22).contains(&count), "{count} in ten intervals of {INTERVAL} s");
+fn states_that_continue_those_before_come_once_in_an_interval() {
+    let time = |step: u32| (1.0 + f64::from(step) * 0.01, 10_000 + step * 10);
+    let count = passed((0..300).map(time).map(|(now, boot_ms)| (now, position(boot_ms, 47.0))));
+    assert!((6..=14).contains(&count), "{count} in six intervals of {INTERVAL} s");
+    let count = passed((0..300).map(time).map(|(now, boot_ms)| (now, attitude(boot_ms, now as f32 / 3.0))));
+    assert!((5..=7).contains(&count), "{count} in six intervals of {INTERVAL} s");
 }
 
 #[test]
-fn each_position_of_two_vehicles_in_turns_comes_to_the_program() {
-    let turns: Vec<_> = (0..40)
-        .map(|step| (1.0 + f64::from(step) * 0.001, 10_000 + step, if step % 2 == 0 { 47.0 } else { 47.1 }))
-        .collect();
-    assert_eq!(passed(&turns), 40);
+fn each_state_of_two_vehicles_in_turns_comes_to_the_program() {
+    let turns = |step: u32| (1.0 + f64::from(step) * 0.001, 10_000 + step, step.is_multiple_of(2));
+    let place = |is_first| if is_first { 47.0 } else { 47.1 };
+    assert_eq!(passed((0..40).map(turns).map(|(now, boot_ms, first)| (now, position(boot_ms, place(first))))), 40);
+    let yaw = |is_first| if is_first { 3.1 } else { 1.0 };
+    assert_eq!(passed((0..40).map(turns).map(|(now, boot_ms, first)| (now, attitude(boot_ms, yaw(first))))), 40);
+}
+
+#[test]
+fn a_heading_turns_over_north_and_means_nothing_without_a_number() {
+    let turning = [(1.01, 3.1), (1.02, -3.1), (1.03, 3.1), (1.04, f32::NAN), (1.05, 3.1)];
+    let packets = turning.into_iter().enumerate();
+    let count = passed(packets.map(|(step, (now, yaw))| (now, attitude(10_010 + 10 * step as u32, yaw))));
+    assert_eq!(count, 1, "the first one");
 }
 
 #[test]
 fn each_boot_time_that_is_not_expected_comes_to_the_program() {
-    let other_boot: Vec<_> = (0..40).map(|step| (1.01 + f64::from(step) * 0.001, 500_000 + step, 47.0)).collect();
-    assert_eq!(passed(&other_boot), 40);
+    let other_boot = (0..40).map(|step| (1.01 + f64::from(step) * 0.001, position(500_000 + step, 47.0)));
+    assert_eq!(passed(other_boot), 40);
+}
+
+#[test]
+fn packets_that_only_listeners_take_need_no_check_of_the_engine() {
+    let mut intake = attached();
+    intake.grant(1, SOURCE);
+    intake.messages.decide(SOURCE, HEARTBEAT, Decision { interest: Interest::Nothing, is_listened: true });
+    intake.receive(0, address(9), &heartbeat(), 1.0);
+    assert_eq!(intake.queue.take_fresh(), Urgency::Prompt);
+    let (items, _) = intake.queue.take();
+    let Some(Item::Packets(run)) = items.first() else { panic!("no packets") };
+    assert!(run.packets().all(|(_, takers)| takers == Takers { engine: false, listeners: true }));
+}
+
+#[test]
+fn bytes_that_the_program_reads_are_parsed_across_their_bounds() {
+    let mut intake = intake();
+    intake.attach_fed(4, parser());
+    let packet = heartbeat();
+    assert!(!intake.feed(4, &packet[..9], 1.0));
+    assert!(intake.feed(4, &packet[9..], 1.0));
+    assert!(!intake.feed(5, &packet, 1.0), "no such channel");
+    assert_eq!(taken(&mut intake), (0, 1, 0));
+}
+
+#[test]
+fn packets_that_confirm_others_wait_for_a_moment_unless_the_program_is_awake() {
+    let mut intake = attached();
+    intake.grant(1, SOURCE);
+    intake.messages.decide(SOURCE, POSITION, decision(Interest::NewBoot));
+    intake.expect_boot(1, SOURCE, Some(Boot::new(10_000, 1.0)));
+    intake.receive(0, address(9), &position(10_010, 47.0), 1.01);
+    intake.queue.take();
+    intake.receive(0, address(9), &position(10_900, 47.0), 1.9);
+    assert!(intake.queue.is_lazy());
+    assert!(!intake.queue.announce(1.9, false));
+    assert!(intake.queue.announce(1.96, false));
+    assert!(!intake.queue.announce(1.96, true), "it is announced");
+    intake.queue.take();
+    intake.receive(0, address(9), &position(11_800, 47.0), 2.8);
+    assert!(intake.queue.announce(2.8, true));
 }
 
 #[test]
@@ -209,7 +279,6 @@ fn a_thread_reads_sockets_and_gives_one_back_that_the_program_cannot_follow() {
     let sender = UdpSocket::bind(address(0)).expect("a socket");
     sender.send_to(&heartbeat(), target).expect("sent");
     wait_for(|| taken(&mut shared.lock().expect("no panic")) == (0, 0, 1));
-    reader.clear();
     let mut is_given_back = false;
     wait_for(|| {
         for _ in 0..MAX_WAITING / 64 {
@@ -223,4 +292,21 @@ fn a_thread_reads_sockets_and_gives_one_back_that_the_program_cannot_follow() {
     reader.remove(5);
     reader.close();
     reader.close();
+}
+
+#[test]
+fn the_program_reads_while_it_waits_for_an_answer() {
+    let shared = Arc::new(Mutex::new(intake()));
+    let reader = Reader::start(Arc::clone(&shared), 100.0).expect("a thread");
+    let socket = UdpSocket::bind(address(0)).expect("a socket");
+    let target = socket.local_addr().expect("an address");
+    reader.add(5, socket.try_clone().expect("a copy")).expect("nonblocking");
+    let sender = UdpSocket::bind(address(0)).expect("a socket");
+    assert!(!reader.begin_to_take());
+    assert!(reader.hurry(60.0));
+    for _ in 0..100 {
+        sender.send_to(&heartbeat(), target).expect("sent");
+        assert!(reader.begin_to_take());
+        assert_eq!(taken(&mut shared.lock().expect("no panic")), (0, 0, 1), "it comes with the call");
+    }
 }

@@ -1,27 +1,29 @@
 //! Python interface of the input of a node; see `mavstack.node.native_input`.
 
+use crate::buffers::Bytes;
 use crate::dialect::{AnyDialect, Dialect};
+use crate::intake_listeners::Listeners;
+use crate::intake_values::{Run, datagrams, interest, peer, to_activity, to_heading, to_position, to_run};
 use crate::packet;
 use crate::parser::Parser;
 use crate::router_descriptors::udp_of;
 use mavstack_core::parser::Packet;
-use mavstack_intake::channel::{Activity, Boot, PositionFields};
-use mavstack_intake::intake::{self as core, Peer};
-use mavstack_intake::messages::Interest;
-use mavstack_intake::queue::{Datagrams, Item};
+use mavstack_intake::channel::Boot;
+use mavstack_intake::fields::Fields;
+use mavstack_intake::intake as core;
+use mavstack_intake::messages::{Decision, key};
+use mavstack_intake::queue::Item;
 use mavstack_intake::reader::Reader;
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyList, PyTuple};
+use pyo3::types::{PyList, PyTuple};
 use std::collections::HashMap;
-use std::net::{IpAddr, SocketAddr, SocketAddrV6};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
 
 /// Packets that were made into objects, with their numbers: one object for each packet.
 type Made = HashMap<(u8, u8, u32), (u64, Py<PyAny>)>;
-/// Channel or socket number, and the content.
-type Taken<'py> = (Vec<(u32, Bound<'py, PyList>, bool)>, Vec<Bound<'py, PyTuple>>, Vec<((u8, u8), u32)>, Vec<u32>);
+/// Runs, datagrams, messages to decide about, sockets that the program must read, and whether it is to read all.
+type Taken<'py> = (Vec<Run<'py>>, Vec<Bound<'py, PyTuple>>, Vec<((u8, u8), u32)>, Vec<u32>, bool);
 
 /// The input of a node: a thread that reads UDP sockets, and the latest packet of each source and message.
 ///
@@ -33,65 +35,35 @@ type Taken<'py> = (Vec<(u32, Bound<'py, PyList>, bool)>, Vec<Bound<'py, PyTuple>
 ///     boot_fields: The offset of the boot time in the payload of each message that has one, by message id.
 ///     position_fields: The id of the message with a position, and the offsets of its latitude, longitude and speeds to
 ///         north and east.
+///     heading_fields: The id of the message with an attitude, and the offsets of its roll, pitch, yaw and yaw speed.
 #[pyclass(frozen, module = "mavstack._core")]
 pub struct Intake {
     dialect: Py<Dialect>,
     core: Arc<Mutex<core::Intake>>,
     reader: Mutex<Option<Reader>>,
     made: Mutex<Made>,
+    /// The functions of the listeners of each source and message.
+    listeners: Listeners,
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn interest(level: u8) -> PyResult<Interest> {
-    [Interest::Unknown, Interest::Nothing, Interest::NewBoot, Interest::Soon, Interest::Now]
-        .get(usize::from(level))
-        .copied()
-        .ok_or_else(|| PyValueError::new_err(format!("there is no interest {level}")))
-}
-
-/// The address of a peer as sockets of Python give it; port 0: any port of the host.
-fn peer(address: &Bound<'_, PyTuple>) -> PyResult<Option<Peer>> {
-    let (host, port): (String, u16) = (address.get_item(0)?.extract()?, address.get_item(1)?.extract()?);
-    let Ok(ip) = host.parse::<IpAddr>() else {
-        return Ok(None);
-    };
-    if port == 0 {
-        return Ok(Some(Peer::Host(ip)));
-    }
-    let address = match ip {
-        IpAddr::V6(v6) if address.len() == 4 => {
-            let (flow, scope): (u32, u32) = (address.get_item(2)?.extract()?, address.get_item(3)?.extract()?);
-            SocketAddr::V6(SocketAddrV6::new(v6, port, flow, scope))
-        }
-        _ => SocketAddr::new(ip, port),
-    };
-    Ok(Some(Peer::Address(address)))
-}
-
-fn to_tuple(py: Python<'_>, address: SocketAddr) -> PyResult<Bound<'_, PyTuple>> {
-    match address {
-        SocketAddr::V4(v4) => (v4.ip().to_string(), v4.port()).into_pyobject(py),
-        SocketAddr::V6(v6) => (v6.ip().to_string(), v6.port(), v6.flowinfo(), v6.scope_id()).into_pyobject(py),
-    }
-}
-
-fn datagrams<'py>(py: Python<'py>, one: &Datagrams) -> PyResult<Bound<'py, PyTuple>> {
-    (one.socket, to_tuple(py, one.address)?, PyBytes::new(py, &one.data), one.count).into_pyobject(py)
-}
-
 #[pymethods]
 impl Intake {
     #[new]
-    fn new(dialect: AnyDialect, boot_fields: HashMap<u32, usize>, position_fields: [usize; 5]) -> Self {
-        let [message_id, latitude, longitude, north, east] = position_fields;
-        let position = PositionFields { message_id: message_id as u32, latitude, longitude, speeds: [north, east] };
-        let fields = core::Fields { boot: boot_fields, position };
-        let core = core::Intake::new(Arc::clone(&dialect.0.get().core), fields);
-        let (reader, made) = (Mutex::default(), Mutex::default());
-        Self { dialect: dialect.0, core: Arc::new(Mutex::new(core)), reader, made }
+    fn new(
+        dialect: AnyDialect,
+        boot_fields: HashMap<u32, usize>,
+        position_fields: [usize; 5],
+        heading_fields: [usize; 5],
+    ) -> Self {
+        let (position, heading) = (to_position(position_fields), to_heading(heading_fields));
+        let core =
+            core::Intake::new(Arc::clone(&dialect.0.get().core), Fields { boot: boot_fields, position, heading });
+        let (reader, made, listeners) = (Mutex::default(), Mutex::default(), Listeners::default());
+        Self { dialect: dialect.0, core: Arc::new(Mutex::new(core)), reader, made, listeners }
     }
 
     /// Start the thread; return a descriptor that is readable while something waits.
@@ -143,14 +115,15 @@ impl Intake {
         });
     }
 
-    /// Read without rests for some time, because the program waits for an answer.
+    /// Let no packet rest for some time, because the program waits for an answer.
     ///
     /// Args:
     ///     seconds: The time.
-    fn hurry(&self, seconds: f64) {
-        if let Some(reader) = &*lock(&self.reader) {
-            reader.hurry(Duration::from_secs_f64(seconds));
-        }
+    ///
+    /// Returns:
+    ///     True if the program is to wait for the sockets itself from now on, and to call `take` if one has something.
+    fn hurry(&self, seconds: f64) -> bool {
+        lock(&self.reader).as_ref().is_some_and(|reader| reader.hurry(seconds))
     }
 
     /// Parse the datagrams of a peer from now on, unless some of them wait for the program.
@@ -174,6 +147,28 @@ impl Intake {
             return Ok(false);
         };
         Ok(lock(&self.core).attach(channel, socket, peer, Arc::clone(&parser.core)))
+    }
+
+    /// Parse what `feed` gives of a channel that the program reads itself.
+    ///
+    /// Args:
+    ///     channel: The number of the channel, chosen by the program.
+    ///     parser: The parser of the channel, which both use.
+    fn attach_fed(&self, channel: u32, parser: PyRef<'_, Parser>) {
+        lock(&self.core).attach_fed(channel, Arc::clone(&parser.core));
+    }
+
+    /// Parse bytes that the program received on a channel; `take` returns the packets.
+    ///
+    /// Args:
+    ///     channel: The number of the channel.
+    ///     data: The bytes.
+    ///     now: The time of their arrival in seconds.
+    ///
+    /// Returns:
+    ///     True if there is a valid packet among them.
+    fn feed(&self, channel: u32, data: Bytes<'_>, now: f64) -> bool {
+        lock(&self.core).feed(channel, &data, now)
     }
 
     /// Give the datagrams of a channel to the program from now on. Idempotent.
@@ -244,17 +239,21 @@ impl Intake {
         core.sources().map(|(channel, source, state)| (channel, source, state.heard_at, seen_at(state.boot))).collect()
     }
 
-    /// Decide who waits for a message of a source.
+    /// Decide who takes a message of a source.
     ///
     /// Args:
     ///     source: System and component id.
     ///     message_id: The message id.
-    ///     level: 0: not known, 1: no part of the program, 2: boot times and positions that are not expected, 3: every packet soon, 4: at once.
+    ///     level: The interest of services; 0: not known, 1: none, 2: in boot times, positions and headings that do not
+    ///         continue those before, 3: in every packet, soon, 4: in every packet, at once.
+    ///     listeners: The functions that `deliver` calls with every packet.
     ///
     /// Raises:
     ///     ValueError: There is no such level.
-    fn decide(&self, source: (u8, u8), message_id: u32, level: u8) -> PyResult<()> {
-        lock(&self.core).messages.decide(source, message_id, interest(level)?);
+    fn decide(&self, source: (u8, u8), message_id: u32, level: u8, listeners: Bound<'_, PyTuple>) -> PyResult<()> {
+        let decision = Decision { interest: interest(level)?, is_listened: !listeners.is_empty() };
+        self.listeners.set(key(source.0, source.1, message_id), listeners);
+        lock(&self.core).messages.decide(source, message_id, decision);
         Ok(())
     }
 
@@ -265,18 +264,19 @@ impl Intake {
     ///     system: The system id; 0: all.
     fn forget_decisions(&self, message_id: Option<u32>, system: u8) {
         lock(&self.core).messages.forget_interest(message_id, system);
+        self.listeners.forget(message_id, system);
     }
 
-    /// Remove and return the packets and datagrams that wait.
+    /// Remove and return the packets and datagrams that wait, after the sockets were read if the program is to do so.
     ///
     /// Returns:
-    ///     The packets, in order, as (channel, packets, kept as latest packets already); the datagrams of senders that the
-    ///     intake does not parse, as (socket, address, data, number of datagrams); the messages to `decide` about, as
-    ///     (source, message id); the sockets that the program must read itself from now on, because it did not keep up.
+    ///     The packets, in order, as (channel, those for the engine, those for listeners, kept as latest packets already;
+    ///     of those that are not kept the listeners are not known); the datagrams of senders that the intake does not
+    ///     parse, as (socket, address, data, number of datagrams); the messages to `decide` about, as (source, message
+    ///     id); the sockets that the program must read itself from now on, because it did not keep up; and whether the
+    ///     program is to wait for the other sockets from now on, as `hurry` returns it.
     fn take<'py>(&self, py: Python<'py>) -> PyResult<Taken<'py>> {
-        if let Some(reader) = &*lock(&self.reader) {
-            reader.clear();
-        }
+        let is_direct = lock(&self.reader).as_ref().is_some_and(Reader::begin_to_take);
         let ((items, overloaded), undecided) = {
             let mut core = lock(&self.core);
             (core.queue.take(), core.messages.take_undecided())
@@ -284,15 +284,24 @@ impl Intake {
         let (mut runs, mut received) = (Vec::new(), Vec::new());
         for item in &items {
             match item {
-                Item::Packets(run) => {
-                    let packets: Vec<_> =
-                        run.packets().map(|one| packet::create(py, &one, &self.dialect)).collect::<PyResult<_>>()?;
-                    runs.push((run.channel, PyList::new(py, packets)?, run.is_kept));
-                }
+                Item::Packets(run) => runs.push(to_run(py, run, &self.dialect)?),
                 Item::Datagrams(one) => received.push(datagrams(py, one)?),
             }
         }
-        Ok((runs, received, undecided, overloaded))
+        Ok((runs, received, undecided, overloaded, is_direct))
+    }
+
+    /// Call the listeners of packets, in order.
+    ///
+    /// Args:
+    ///     packets: The packets.
+    ///     find: Called with each packet whose listeners were not given to `decide`; calls them.
+    ///     fail: Called with each exception of a listener.
+    ///
+    /// Raises:
+    ///     BaseException: A listener raised an exception that is not an `Exception`.
+    fn deliver(&self, packets: &Bound<'_, PyList>, find: &Bound<'_, PyAny>, fail: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.listeners.deliver(packets, find, fail)
     }
 
     /// Keep the latest packets of a system from now on.
@@ -352,6 +361,9 @@ impl Intake {
         source: (u8, u8),
         message_id: u32,
     ) -> PyResult<Option<(Bound<'py, PyAny>, f64)>> {
+        if let Some(reader) = &*lock(&self.reader) {
+            reader.refresh();
+        }
         let key = (source.0, source.1, message_id);
         let core = lock(&self.core);
         let Some(latest) = core.messages.latest(source.0, source.1, message_id) else {
@@ -376,6 +388,9 @@ impl Intake {
     ///     source: System and component id.
     ///     message_id: The message id.
     fn received_at(&self, source: (u8, u8), message_id: u32) -> Option<f64> {
+        if let Some(reader) = &*lock(&self.reader) {
+            reader.refresh();
+        }
         lock(&self.core).messages.latest(source.0, source.1, message_id).map(|latest| latest.at)
     }
 
@@ -394,8 +409,4 @@ impl Intake {
     fn stored(&self, system: u8) -> usize {
         lock(&self.core).messages.stored(system)
     }
-}
-
-fn to_activity(activity: Activity) -> (u64, u64, f64, f64) {
-    (activity.bytes, activity.datagrams, activity.received_at, activity.valid_at)
 }

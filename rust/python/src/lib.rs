@@ -16,6 +16,8 @@ mod fields;
 mod freelist;
 mod index;
 mod intake;
+mod intake_listeners;
+mod intake_values;
 mod json;
 mod mapping_guard;
 mod memory;

@@ -12,6 +12,8 @@ from time import monotonic
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from mavstack._core import Intake, Parser
     from mavstack.links.address import Address
     from mavstack.links.udp import UdpLink
@@ -35,6 +37,7 @@ class NativeReading:
         self._intake = intake
         self.number = number
         self._taken_over_at: float | None = None
+        self._watcher: Callable[[], None] | None = None
 
     def start(self) -> None:
         """Let the thread read the socket."""
@@ -42,6 +45,13 @@ class NativeReading:
         descriptor = self._link.pass_socket()
         if descriptor is not None:
             self._intake.add_socket(self.number, descriptor)
+            self.watch(self._watcher)
+
+    def watch(self, watcher: Callable[[], None] | None) -> None:
+        """Let the event loop wait for the socket in place of the thread; None: end it."""
+        self._watcher = watcher
+        if self._taken_over_at is None:
+            self._link.watch_socket(watcher)
 
     def stop(self) -> None:
         """End the reading. Idempotent."""

@@ -41,6 +41,8 @@ from mavstack.links.udp_channel import UdpChannel
 from mavstack.security.admission import Proof
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from mavstack._core import Intake
     from mavstack.links.backlog import Datagram
     from mavstack.links.channel import Data
@@ -117,6 +119,15 @@ class UdpLink(Link):
             return None
         asyncio.get_running_loop().remove_reader(self._socket)
         return self._socket.fileno()
+
+    def watch_socket(self, watcher: Callable[[], None] | None) -> None:
+        """Call a function if a socket that another reader reads has something; None: do so no more."""
+        if self._socket is not None and not self._closed:
+            loop = asyncio.get_running_loop()
+            if watcher is None:
+                loop.remove_reader(self._socket)
+            else:
+                loop.add_reader(self._socket, watcher)
 
     def read_itself(self) -> None:
         """Read the socket by the event loop again."""

@@ -112,11 +112,9 @@ class PacketDispatch:
                 listeners.remove(listener)
         self.on_change(listener.ids, listener.source.system)
 
-    def has_listeners(self, message_id: int, source: tuple[int, int]) -> bool:
-        """Return whether anything listens to a message of a source."""
-        key = (message_id, *source)
-        cached = self._cache.get(key)
-        return bool(self._find(*key) if cached is None else cached)
+    def functions(self, message_id: int, source: tuple[int, int]) -> tuple[Callable[[Packet], None], ...]:
+        """Return the functions of the listeners to a message of a source."""
+        return tuple(listener.deliver for listener in self._find(message_id, *source))
 
     def _find(self, message_id: int, system: int, component: int) -> tuple[Listener, ...]:
         if len(self._cache) >= MAX_CACHED:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from mavstack.node.channel_state import ChannelState
     from mavstack.node.engine import Engine
     from mavstack.node.host import NodeHost
-    from mavstack.node.native_input import Attached
+    from mavstack.node.native_input import Run
     from mavstack.services import Service
     from mavstack.wire import Packet
 
@@ -51,7 +51,7 @@ class Driver:
         self,
         engine: Engine,
         *,
-        on_packet: Callable[[Packet, bool], None],
+        on_packet: Callable[[Packet], None],
         on_event: Callable[[object, Service | None], None],
         on_channel: Callable[[ChannelState, Link], None],
         sent_listeners: Sequence[Callable[[bytes], None]] = (),
@@ -262,26 +262,57 @@ class Driver:
             self.native.settle()
         self.step()
 
-    def _deliver_attached(self, attached: Attached, packets: list[Packet], is_kept: bool) -> None:
-        """Handle packets that the thread received on a channel."""
+    def _deliver_attached(self, run: Run) -> None:
+        """Handle packets that the core received on a channel."""
         if not self._receiving and not self._is_releasing():
             return
-        try:
-            accepted = self.engine.handle(attached.state, packets, self.now())
-            for packet in accepted if self._receiving else ():
-                self._on_packet(packet, is_kept)
-        except Exception as error:  # noqa: BLE001 (as above)
-            self._report(f"handling packets of {attached.channel.name}", error)
+        accepted: list[Packet] = []
+        if run.packets:
+            try:
+                accepted = self.engine.handle(run.attached.state, run.packets, self.now())
+            except Exception as error:  # noqa: BLE001 (as above)
+                self._report(f"handling packets of {run.attached.channel.name}", error)
+        if not self._receiving:
+            return
+        if not run.is_kept:
+            for packet in accepted:
+                self._call_safely("handling a packet", self._on_packet, packet)
+        elif run.listened and self.native is not None:
+            self.native.call_listeners(self._checked(run, accepted), self._report_listener)
+
+    def _checked(self, run: Run, accepted: list[Packet]) -> list[Packet]:
+        """Return the packets for listeners, after the checks of the engine where they are needed."""
+        if run.is_checked:
+            return run.listened
+        handled, known = set(map(id, run.packets)), set(map(id, accepted))
+        state, now = run.attached.state, self.now()
+        return [
+            packet
+            for packet in run.listened
+            if (id(packet) in known if id(packet) in handled else self.engine.handle(state, [packet], now))
+        ]
+
+    def _report_listener(self, error: Exception) -> None:
+        self._report("a packet listener", error)
 
     def _receive(self, event: BytesReceived) -> None:
-        state = self.channels[event.channel]
-        packets = self.engine.receive(state, event.data, self._epoch + self._time())
-        if packets and state.proves_validity(packets):
-            event.channel.last_valid = event.time
-            event.channel.is_authenticated |= state.verifies
+        channel = event.channel
+        state = self.channels[channel]
+        is_valid = None if self.native is None else self.native.feed(channel, event.data)
+        if is_valid is None:
+            is_valid = self._receive_whole(state, event.data)
+        if is_valid:
+            channel.last_valid = event.time
+            channel.is_authenticated |= state.verifies
+
+    def _receive_whole(self, state: ChannelState, data: bytes) -> bool:
+        """Handle each packet of received bytes; return whether they prove a valid peer."""
+        packets = self.engine.receive(state, data, self._epoch + self._time())
+        is_valid = bool(packets) and state.proves_validity(packets)
         if self._receiving:
             for packet in packets:
-                self._on_packet(packet, False)
+                self._on_packet(packet)
+        return is_valid
 
     def _handle(self, link: Link, event: LinkEvent) -> None:
         match event:

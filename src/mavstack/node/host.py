@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from mavstack._core import Intake
 from mavstack.errors import InvalidStateError
 from mavstack.node.dispatch import EventDispatch, PacketDispatch
-from mavstack.node.message_fields import BOOT_FIELDS, POSITION_FIELDS
+from mavstack.node.message_fields import BOOT_FIELDS, HEADING_FIELDS, POSITION_FIELDS
 from mavstack.node.silence_timer import SilenceTimer
 from mavstack.security.roles import Role, command_ids
 from mavstack.services.command import CommandOperation
@@ -59,7 +59,7 @@ class NodeHost:
         self.discovery = discovery
         self.packet_dispatch = PacketDispatch()
         #: The latest packets of followed systems; its thread reads links while the node is open.
-        self.intake = Intake(engine.dialect, BOOT_FIELDS, POSITION_FIELDS)
+        self.intake = Intake(engine.dialect, BOOT_FIELDS, POSITION_FIELDS, HEADING_FIELDS)
         self.event_dispatch = EventDispatch()
         #: Called with the bytes that are written to a channel.
         self.sent_listeners: list[Callable[[bytes], None]] = []
@@ -122,10 +122,9 @@ class NodeHost:
         self.driver.hurry()
         self.driver.step()
 
-    def receive_packet(self, packet: Packet, is_kept: bool) -> None:
-        """Keep a packet as the latest of its message, unless it is kept already, and deliver it."""
-        if not is_kept:
-            self.intake.keep(packet, self.now())
+    def receive_packet(self, packet: Packet) -> None:
+        """Keep a packet as the latest of its message, and deliver it."""
+        self.intake.keep(packet, self.now())
         self.packet_dispatch.deliver(packet)
 
     async def run_operation(

@@ -1,4 +1,4 @@
-"""The places of the fields that the core compares with those before: boot times and positions."""
+"""The places of the fields that the core compares with those before: boot times, positions and headings."""
 
 from __future__ import annotations
 
@@ -19,3 +19,5 @@ BOOT_FIELDS: Final = {
 }
 #: The message with a position, and the offsets of its latitude, longitude, and speeds to north and east.
 POSITION_FIELDS: Final = (common.GlobalPositionInt.__mavlink_row__[0], 4, 8, 20, 22)
+#: The message with an attitude, and the offsets of its roll, pitch, yaw and yaw speed.
+HEADING_FIELDS: Final = (common.Attitude.__mavlink_row__[0], 4, 8, 12, 24)

@@ -1,15 +1,18 @@
 """The native input of a node: packets that are not wanted cost Python nothing.
 
-A thread of the core (`mavstack._core.Intake`) reads the sockets of UDP links, parses and counts the packets,
-and keeps the latest one of each message and source. Every packet comes to the engine until the node knows
-that it need not:
+The core (`mavstack._core.Intake`) reads the sockets of UDP links, parses and counts the packets, and keeps
+the latest one of each message and source. A thread of the core waits for the sockets; if the program handles
+most packets, or waits for an answer, the event loop does, which saves one wake-up. The bytes that the event
+loop reads from other links are fed to the core. Every packet comes to the engine until the node knows that it
+need not:
 
 - A channel is attached if its packets need nothing but a parser: without signing, MAVLink version to follow,
   and half-duplex air time (`ChannelState.is_plain`).
 - A source is granted on a channel if it is heard there alone, is not verified elsewhere, and no channel was
   chosen or set as the only one. As soon as one of these changes, all its packets come to the engine again.
 - Of a granted source the packets of a message are left out if no service, listener or subscription takes it.
-  Of messages with a boot time the discovery of components needs only those that it does not expect.
+  Those that only listeners take need no check of the engine, and the core calls the listeners. Of messages
+  with a boot time the discovery of components needs only those that it does not expect.
 
 Signed packets always come. The times of packets that were left out are added to the routes and to the
 discovery of components before these depend on them.
@@ -43,6 +46,10 @@ if TYPE_CHECKING:
 
 #: Seconds for which the thread reads without rests after the program sent something that is answered.
 HURRY_TIME: Final = 0.1
+#: How often the event loop looks at the sockets again before other tasks run, as long as packets come.
+MAX_ROUNDS: Final = 4
+#: Takes in which packets may come that were granted before their grant was taken back.
+STALE_TAKES: Final = 2
 
 _RADIO_STATUS: Final = message_ids(common.RadioStatus)
 #: Messages that come regularly or unasked: they come together with others.
@@ -60,10 +67,29 @@ class Level(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Attached:
-    """A channel whose packets the thread parses."""
+    """A channel whose packets the core parses; without a reading its bytes are fed to the core."""
 
-    channel: UdpChannel
+    channel: Channel
     state: ChannelState
+    reading: NativeReading | None
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """Consecutive packets of a channel.
+
+    Attributes:
+        packets: The packets that the engine handles, oldest first.
+        listened: If they were kept, those that listeners take; some of them may be in `packets` too.
+        is_kept: They were kept as latest packets already.
+        is_checked: Those that listeners take need no check of the engine.
+    """
+
+    attached: Attached
+    packets: list[Packet]
+    listened: list[Packet]
+    is_kept: bool
+    is_checked: bool
 
 
 class NativeInput:
@@ -71,7 +97,7 @@ class NativeInput:
 
     Args:
         host: The host of the node.
-        deliver: Called with packets of a channel, and whether they were kept as latest packets already.
+        deliver: Called with packets of a channel.
         step: Called after packets were delivered.
         now: Returns the time of the driver.
     """
@@ -79,7 +105,7 @@ class NativeInput:
     def __init__(
         self,
         host: NodeHost,
-        deliver: Callable[[Attached, list[Packet], bool], None],
+        deliver: Callable[[Run], None],
         step: Callable[[], None],
         now: Callable[[], float],
     ) -> None:
@@ -91,11 +117,14 @@ class NativeInput:
         self._numbers = count()
         self._readings: dict[int, NativeReading] = {}
         self._by_link: dict[Link, NativeReading] = {}
-        self._waiting: dict[UdpChannel, tuple[ChannelState, NativeReading]] = {}
+        self._waiting: dict[Channel, Attached] = {}
         self._attached: dict[int, Attached] = {}
+        self._fed: dict[Channel, int] = {}
         self._number_of: dict[str, int] = {}
         self._loop = asyncio.get_running_loop()
         self._descriptor: int | None = None
+        self._is_direct = False
+        self._stale_takes = 0
 
     # Links and channels
 
@@ -107,6 +136,8 @@ class NativeInput:
         reading = link.read_natively(self._intake, number)
         if reading is not None:
             self._readings[number] = self._by_link[link] = reading
+            if self._is_direct:
+                reading.watch(self._on_readable)
 
     def _start(self) -> None:
         self._descriptor = self._intake.start(self._now())
@@ -115,37 +146,49 @@ class NativeInput:
 
     def channel_opened(self, channel: Channel, state: ChannelState, link: Link) -> None:
         """Attach a new channel as soon as possible."""
-        reading = self._by_link.get(link)
-        if reading is not None and isinstance(channel, UdpChannel):
-            self._waiting[channel] = state, reading
+        self._waiting[channel] = Attached(channel, state, self._by_link.get(link))
 
     def channel_closed(self, channel: Channel) -> None:
         """Forget a channel that was closed."""
-        if isinstance(channel, UdpChannel):
-            self._waiting.pop(channel, None)
+        self._waiting.pop(channel, None)
+        if (number := self._fed.get(channel)) is not None:
+            self._detach(number)
 
     def settle(self) -> None:
         """Attach the channels that can be attached now: of which nothing waits any more."""
-        for channel, (state, reading) in tuple(self._waiting.items()):
-            number = next(self._numbers)
-            if state.is_plain and not channel.closed and reading.attach(number, channel, state.parser):
+        for channel, attached in tuple(self._waiting.items()):
+            number, state = next(self._numbers), attached.state
+            if state.is_plain and not channel.closed and self._attach(number, attached):
                 del self._waiting[channel]
-                self._attached[number] = Attached(channel, state)
+                self._attached[number] = attached
                 self._number_of[state.name] = number
-                channel.refresh = partial(self._refresh, channel, number)
-                channel.on_removed = partial(self._detach, number)
-                state.on_parser_changed = partial(self._detach, number, reading)
+                state.on_parser_changed = partial(self._detach, number, waits=True)
 
-    def _detach(self, number: int, reading: NativeReading | None = None) -> None:
-        """Let the datagrams of a channel come to the link again; with a reading, until it can be attached."""
+    def _attach(self, number: int, attached: Attached) -> bool:
+        channel, parser = attached.channel, attached.state.parser
+        if attached.reading is None:
+            self._intake.attach_fed(number, parser)
+            self._fed[channel] = number
+            return True
+        if not isinstance(channel, UdpChannel) or not attached.reading.attach(number, channel, parser):
+            return False
+        channel.refresh = partial(self._refresh, channel, number)
+        channel.on_removed = partial(self._detach, number)
+        return True
+
+    def _detach(self, number: int, *, waits: bool = False) -> None:
+        """Let the bytes of a channel come to the engine again; if it waits, until it can be attached."""
         attached = self._attached.pop(number)
         channel, state = attached.channel, attached.state
         self._sync_heard()
-        self._add_received(channel, *self._intake.detach(number))
+        received = self._intake.detach(number)
+        if self._fed.pop(channel, None) is None and isinstance(channel, UdpChannel):
+            self._add_received(channel, *received)
+            channel.refresh = channel.on_removed = lambda: None
         del self._number_of[state.name]
-        channel.refresh = channel.on_removed = state.on_parser_changed = lambda: None
-        if reading is not None:
-            self._waiting[channel] = state, reading
+        state.on_parser_changed = lambda: None
+        if waits:
+            self._waiting[channel] = attached
 
     def _refresh(self, channel: UdpChannel, number: int) -> None:
         self._add_received(channel, *self._intake.activity(number))
@@ -159,13 +202,21 @@ class NativeInput:
 
     def hurry(self) -> None:
         """Let packets come without delay for a moment, because an answer is awaited."""
-        self._intake.hurry(HURRY_TIME)
+        self._read_directly(self._intake.hurry(HURRY_TIME))
+
+    def _read_directly(self, is_direct: bool) -> None:
+        """Wait for the sockets by the event loop, or let the thread do so."""
+        if is_direct is not self._is_direct:
+            self._is_direct = is_direct
+            for reading in self._readings.values():
+                reading.watch(self._on_readable if is_direct else None)
 
     def stop(self) -> None:
         """Stop the thread; the links read no more."""
         for number in tuple(self._attached):
             self._detach(number)
         self._waiting.clear()
+        self._read_directly(False)
         if self._descriptor is not None:
             self._loop.remove_reader(self._descriptor)
             self._descriptor = None
@@ -175,21 +226,44 @@ class NativeInput:
     # Packets
 
     def _on_readable(self) -> None:
-        runs, datagrams, undecided, overloaded = self._intake.take()
-        for number, packets, is_kept in runs:
+        for _ in range(MAX_ROUNDS):
+            if not self._take():
+                break
+        self.settle()
+        self._step()
+
+    def feed(self, channel: Channel, data: bytes) -> bool | None:
+        """Receive bytes that the event loop read; return whether a packet is valid; None: not fed."""
+        number = self._fed.get(channel)
+        if number is None:
+            return None
+        is_valid = self._intake.feed(number, data, self._now())
+        self._take()
+        return is_valid
+
+    def call_listeners(self, packets: list[Packet], fail: Callable[[Exception], None]) -> None:
+        """Call the listeners of packets, in order, and a function with each exception of theirs."""
+        self._intake.deliver(packets, self._host.packet_dispatch.deliver, fail)
+
+    def _take(self) -> bool:
+        """Handle what waits in the core; return whether more may come without a wait."""
+        runs, datagrams, undecided, overloaded, is_direct = self._intake.take()
+        self._read_directly(is_direct)
+        for number, packets, listened, is_kept in runs:
             attached = self._attached.get(number)
             if attached is not None:
-                self._deliver(attached, packets, is_kept)
+                self._deliver(Run(attached, packets, listened, is_kept, not self._stale_takes))
                 if not is_kept:
                     self._grant(number, attached.state, packets)
         for source, message_id in undecided:
-            self._intake.decide(source, message_id, self._level(source, message_id))
+            self._decide(source, message_id)
         for socket, address, data, chunks in datagrams:
             self._readings[socket].receive(data, address, chunks)
         for socket in overloaded:
             self._readings[socket].take_over()
-        self.settle()
-        self._step()
+        if self._stale_takes:
+            self._stale_takes -= 1
+        return is_direct and bool(runs)
 
     def _grant(self, number: int, state: ChannelState, packets: list[Packet]) -> None:
         for source in {(packet.system, packet.component) for packet in packets if not packet.signed}:
@@ -205,20 +279,20 @@ class NativeInput:
             and engine.routes.is_heard_only_on(source, state)
         )
 
+    def _decide(self, source: tuple[int, int], message_id: int) -> None:
+        listeners = self._host.packet_dispatch.functions(message_id, source)
+        self._intake.decide(source, message_id, self._level(source, message_id), listeners)
+
     def _level(self, source: tuple[int, int], message_id: int) -> Level:
-        """Return who takes a message of a source."""
-        if message_id in _RADIO_STATUS or self._host.packet_dispatch.has_listeners(message_id, source):
-            found = Level.SOON
-        else:
-            found = Level.NOTHING
+        """Return the interest of services in a message of a source."""
         discovery = self._host.discovery
         services = self._host.engine.service_index.find(message_id, source[0])
         others = [service for service in services if service is not discovery]
         if others:
             return Level.SOON if message_id in _UNHURRIED else Level.NOW
-        if services and found is Level.NOTHING:
+        if services:
             return Level.NEW_BOOT if message_id in BOOT_FIELDS else Level.SOON
-        return found
+        return Level.SOON if message_id in _RADIO_STATUS else Level.NOTHING
 
     # Changes elsewhere
 
@@ -243,11 +317,13 @@ class NativeInput:
         self._intake.forget_decisions(None, 0)
 
     def _revoke(self, source: tuple[int, int]) -> None:
+        self._stale_takes = STALE_TAKES
         for number, heard_at in self._intake.revoke(source):
             if (attached := self._attached.get(number)) is not None:
                 self._host.engine.routes.note_heard(source, attached.state, heard_at)
 
     def _revoke_all(self) -> None:
+        self._stale_takes = STALE_TAKES
         self._sync_heard()
         self._intake.revoke_all()
 

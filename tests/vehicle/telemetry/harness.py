@@ -44,7 +44,7 @@ class TelemetryHarness:
     def receive_packet(self, packet: Packet) -> None:
         if packet.message_id in self.node._host.discovery.handles:
             self.node._host.discovery.receive(packet, self.node.now())
-        self.node._host.receive_packet(packet, is_kept=False)
+        self.node._host.receive_packet(packet)
 
     def heartbeat(self, autopilot=ARDUPILOT, type=QUADROTOR, **fields) -> None:  # noqa: A002
         self.receive(common.Heartbeat(type=type, autopilot=autopilot, **fields))
