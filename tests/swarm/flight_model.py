@@ -10,9 +10,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial.distance import pdist
 
 from mavstack.swarm.avoidance import Avoidance
-from mavstack.swarm.separation import nearest_pair
+from mavstack.swarm.separation import scaled
 from mavstack.swarm.steering import steer_members
 
 RATE = 30
@@ -91,6 +92,6 @@ def fly(plan, random, margins, limits, conditions=None):
         acceleration *= np.minimum(1.0, 5.0 / length)
         velocity = velocity + (acceleration + push) / RATE
         position = position + velocity / RATE
-        smallest = min(smallest, nearest_pair(position)[0])
+        smallest = min(smallest, float(pdist(scaled(position)).min()))
     error = np.linalg.norm(position + bias.value - goals, axis=1)
     return smallest, float(error.max())

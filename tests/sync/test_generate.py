@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 #: Classes of the node and the vehicle that have no blocking counterpart: values and options.
 VALUES = {
     "mavstack.node.channel_state.ChannelState",
+    "mavstack.vehicle.following.follow.Level",
+    "mavstack.vehicle.following.radio.FollowOptions",
     "mavstack.vehicle.actions.renumber.Renumbered",
     "mavstack.vehicle.calibration.kinds.CalibrationKind",
     "mavstack.vehicle.calibration.kinds.CalibrationResult",

@@ -102,6 +102,8 @@ from mavstack.vehicle.calibration.kinds import CalibrationStep
 from mavstack.vehicle.capabilities import Capabilities
 from mavstack.vehicle.connection import NodeOptions
 from mavstack.vehicle.external.diagnosis import ExternalStatus
+from mavstack.vehicle.following.follow import Level
+from mavstack.vehicle.following.radio import FollowOptions
 from mavstack.vehicle.health import Health
 from mavstack.vehicle.rtk.rtk import RtkStatus
 from mavstack.vehicle.swarm.controller import SwarmOptions
@@ -1947,7 +1949,7 @@ class Group(Collection['Vehicle']):
         GroupError: A vehicle does not follow setpoints, or did not hold at the end.
     """
 
-    def follow(self, leader: Vehicle, formation: str | Formation='wedge', *, spacing: float | None=None, duration: float | None=None, options: SwarmOptions | None=None, **shape: Any) -> float:
+    def follow(self, leader: Vehicle, formation: str | Formation='wedge', *, spacing: float | None=None, duration: float | None=None, level: Level='setpoints', options: SwarmOptions | None=None, **shape: Any) -> float:
         """Follow a vehicle that another program flies; it may be in the group, and is left out then.
 
     Args:
@@ -1955,6 +1957,7 @@ class Group(Collection['Vehicle']):
         formation: The name of a shape, or a formation.
         spacing: Metres between neighbours; None: the one that any exchange of slots needs.
         duration: Seconds; None: until the task is cancelled.
+        level: "setpoints", or "radio": each firmware's own Follow mode; see `Vehicle.follow`.
         options: How the vehicles fly; None: the defaults.
         **shape: `angle`, `rotation`, `layers`, `layer_spacing`, `text`, `points` of `Formation`.
 
@@ -4652,6 +4655,26 @@ class Vehicle:
         The session. Entering it raises `ActionRefused` if the vehicle is not armed, and `CommandDenied`,
         `CommandTimeout`, `ModeTimeout`, `ActionTimeout` or `ActionUnsupported` if it does not enter the
         mode; the last one, before anything is sent, also if it ignores setpoints of the type of `first`.
+    """
+
+    def follow(self, leader: Vehicle, offset: tuple[float, float, float]=..., *, level: Level='setpoints', duration: float | None=None, options: FollowOptions | None=None) -> None:
+        """Follow another vehicle, and hold at the end.
+
+    Args:
+        leader: The vehicle to follow, which a pilot, a mission or another program flies.
+        offset: Metres forward, right and up of the leader, in the direction in which it moves.
+        level: "setpoints": streamed setpoints keep the place. "radio": the firmware's own Follow mode, with
+            its parameters FOLL_… (ArduPilot) or FLW_TGT_… (PX4), which are set and keep their values.
+        duration: Seconds; None: until the task is cancelled.
+        options: How the vehicle follows by radio; None: the defaults.
+
+    Raises:
+        InvalidArgumentError: The offset is not possible, or the leader is the vehicle itself.
+        ActionUnsupported: The vehicle type or the firmware cannot follow at this level; nothing was sent.
+        ActionRefused: The vehicle is not armed, or on the ground; nothing was sent.
+        ContactLost: No position of the leader, or no heartbeat of the vehicle arrives.
+        ActionInterrupted: The vehicle left its mode, or stays behind.
+        SwarmStopped: The guard ended the flight.
     """
 
     def get_home(self, *, timeout: float | None=None) -> HomePosition:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from mavstack.swarm.formations import Formation
     from mavstack.swarm.search.division import Searcher
     from mavstack.swarm.search.missions import MissionOptions
+    from mavstack.vehicle.following.follow import Level
     from mavstack.vehicle.group import Group, Results
     from mavstack.vehicle.swarm.controller import SwarmOptions
     from mavstack.vehicle.vehicle import Vehicle
@@ -123,6 +124,7 @@ async def follow(
     *,
     spacing: float | None = None,
     duration: float | None = None,
+    level: Level = "setpoints",
     options: SwarmOptions | None = None,
     **shape: Any,  # noqa: ANN401 (those of Formation)
 ) -> float:
@@ -133,6 +135,7 @@ async def follow(
         formation: The name of a shape, or a formation.
         spacing: Metres between neighbours; None: the one that any exchange of slots needs.
         duration: Seconds; None: until the task is cancelled.
+        level: "setpoints", or "radio": each firmware's own Follow mode; see `Vehicle.follow`.
         options: How the vehicles fly; None: the defaults.
         **shape: `angle`, `rotation`, `layers`, `layer_spacing`, `text`, `points` of `Formation`.
 
@@ -147,7 +150,14 @@ async def follow(
     """
     from mavstack.vehicle.swarm import Swarm
 
-    async with Swarm((each for each in group if each is not leader), options) as swarm:
+    followers = [each for each in group if each is not leader]
+    if level == "radio":
+        from mavstack.vehicle.following.formation import follow_in_formation
+
+        return await follow_in_formation(
+            followers, leader, formation, spacing=spacing, duration=duration, options=options, **shape
+        )
+    async with Swarm(followers, options) as swarm:
         await swarm.follow(leader, formation, spacing=spacing, duration=duration, **shape)
         return swarm.smallest_separation
 

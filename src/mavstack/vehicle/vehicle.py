@@ -17,7 +17,7 @@ from mavstack.node.parts import Part
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.services.events import LogLevel
 from mavstack.services.mission import PlanType
-from mavstack.vehicle import guided_session, payloads, positions
+from mavstack.vehicle import following, guided_session, payloads, positions
 from mavstack.vehicle.actions import (
     arming,
     commands,
@@ -293,6 +293,7 @@ class Vehicle(ReadOnly):
     get_version = commands.get_version
     set_ekf_source = commands.set_ekf_source
     guided = guided_session.guided
+    follow = following.follow
 
     # Positions, requested or waited for if they are not known
 

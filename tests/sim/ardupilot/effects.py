@@ -137,6 +137,11 @@ CASES: dict[int, Case] = {
         lambda harness: (harness.set_mode("GUIDED"), arm(harness)),
         wait=12,
     ),
+    CMD.DO_FOLLOW: Case(
+        (7,),
+        lambda harness: harness.vehicle.parameters.get("FOLL_SYSID", 0) == 7,
+        prepare=enable("FOLL_ENABLE"),
+    ),
     CMD.DO_REPOSITION: Case(target_params, flies_to_target, take_off, frame=RELATIVE),
     CMD.DO_CHANGE_SPEED: Case(speed_params, has_new_speed, take_off),
     CMD.CONDITION_YAW: Case(

@@ -22,6 +22,8 @@ KINDS = {
     Firmware.ARDUPILOT: {KIND.INT8, KIND.INT16, KIND.INT32, KIND.REAL32},
     Firmware.PX4: {KIND.INT32, KIND.REAL32},
 }
+#: Parameters that are shown once another one enables them.
+GROUPS = {"ardupilot_follow.txt", "ardupilot_follow_rover.txt"}
 FILES = sorted(file.name for file in (files("mavstack.sim.parameters") / "tables").iterdir())
 
 
@@ -101,7 +103,7 @@ def test_every_file_is_used_and_has_no_duplicates(name) -> None:
     assert lines[0].startswith("# ")
     assert len(lines) <= 400
     assert not [name for name, times in Counter(row.name for row in parse(text)).items() if times > 1]
-    assert name in {
+    assert name in GROUPS | {
         f"{firmware}_{layer}.txt" for (firmware, _), layers in _LAYERS.items() for layer in layers
     }
 

@@ -26,6 +26,7 @@ LISTED_MODES = {
     (7, 0): "Stabilized",
     (4, 2): "",
     (4, 6): "",
+    (4, 8): "Follow Target",
     (3, 1): "",
 }
 TELEMETRY = Address(254, 1)

@@ -19,6 +19,7 @@ from mavstack.cli.common.selection import selected_vehicles
 from mavstack.cli.mission.search import add_search_arguments, search
 from mavstack.cli.swarm.show import add_show_arguments, check, limits, margins, read_show, write_files
 from mavstack.swarm.formations import FORMATIONS, Formation, default_spacing
+from mavstack.vehicle.following.follow import LEVELS
 from mavstack.vehicle.swarm import Swarm, SwarmOptions
 from mavstack.vehicle.swarm.launch import DEFAULT_ALTITUDE, take_off
 from mavstack.vehicle.swarm.skybrush import upload_show
@@ -88,6 +89,12 @@ def add_arguments(parser: ArgumentParser) -> None:
     _add_formation(action, default="wedge")
     action.add_argument(
         "--for", dest="seconds", type=finite_number, metavar="SECONDS", help="end after this time"
+    )
+    action.add_argument(
+        "--level",
+        choices=LEVELS,
+        default=LEVELS[0],
+        help="setpoints need Wi-Fi; by radio each firmware's own Follow mode flies (default: setpoints)",
     )
     action = _add(actions, "search", "divide a search pattern among the vehicles, as missions", find)
     add_search_arguments(action)
@@ -238,13 +245,14 @@ def rotate(arguments: Namespace) -> int:
 
 def follow(arguments: Namespace) -> int:
     """Run `mav swarm follow`."""
+    from mavstack.vehicle import Group
 
     async def run_follow(connection: Connection) -> int:
         leader = await connection.wait_for_vehicle(arguments.leader, timeout=arguments.timeout)
         vehicles = [each for each in await _vehicles(connection, arguments) if each is not leader]
         _announce(arguments, vehicles)
-        async with Swarm(vehicles, SwarmOptions()) as swarm:
-            await swarm.follow(leader, _shape(arguments), duration=arguments.seconds)
+        group = Group(vehicles)
+        await group.follow(leader, _shape(arguments), duration=arguments.seconds, level=arguments.level)
         _report(arguments, vehicles, "following ended", None)
         return 0
 

@@ -1,7 +1,7 @@
 """ArduPilot's modes: numbers and names by firmware, and their behaviours.
 
 All modes are reported as non-standard, as the firmware does. Modes that need equipment which no simulated
-vehicle has (a beacon, optical flow, a target to follow) are left out.
+vehicle has (a beacon, optical flow) are left out.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from mavstack.sim.ardupilot.behaviours import (
     QuadplaneReturn,
     SmartReturn,
 )
+from mavstack.sim.ardupilot.follow import Follow
 from mavstack.sim.autopilot.behaviours import (
     Acro,
     AltitudeHold,
@@ -102,6 +103,7 @@ _COPTER_MODES: Final = (
     _mode(_COPTER.BRAKE, "BRAKE", Brake, _GUIDED, needs_position=True, may_arm=False),
     _mode(_COPTER.GUIDED_NOGPS, "GUIDED_NOGPS", Guided, _STABILIZED),
     _mode(_COPTER.SMART_RTL, "SMART_RTL", SmartReturn, _GUIDED, needs_position=True, may_arm=False),
+    _mode(_COPTER.FOLLOW, "FOLLOW", Follow, _GUIDED, needs_position=True, may_arm=False),
     _mode(_COPTER.AUTO_RTL, "AUTO_RTL", LandingSequence, _GUIDED, needs_position=True, may_arm=False),
 )
 _PLANE_MODES: Final = (
@@ -143,6 +145,7 @@ _ROVER_MODES: Final = (
     _mode(_ROVER.STEERING, "STEERING", AltitudeHold, _MANUAL, manual_control=True),
     _mode(_ROVER.HOLD, "HOLD", Stop, 0),
     _mode(_ROVER.LOITER, "LOITER", Brake, _AUTOMATIC_DRIVING, needs_position=True),
+    _mode(_ROVER.FOLLOW, "FOLLOW", Follow, _AUTOMATIC_DRIVING, needs_position=True),
     _mode(_ROVER.CIRCLE, "CIRCLE", Circle, _AUTOMATIC_DRIVING, needs_position=True),
     _mode(_ROVER.AUTO, "AUTO", Mission, _AUTOMATIC_DRIVING, needs_position=True),
     _mode(_ROVER.RTL, "RTL", ReturnToLaunch, _AUTOMATIC_DRIVING, needs_position=True, may_arm=False),

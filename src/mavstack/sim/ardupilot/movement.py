@@ -11,6 +11,7 @@ from math import cos, isfinite, pi, radians, sin
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import ardupilotmega, common
+from mavstack.sim.ardupilot.follow import choose_leader
 from mavstack.sim.autopilot.command_positions import ABOVE_HOME, GLOBAL, down_of, place_of
 from mavstack.sim.autopilot.commands import CommandRefusedError, Handlers, MovementCommands, accept, whole
 from mavstack.sim.autopilot.commands.guiding import apply_choices, guide_to
@@ -26,6 +27,7 @@ _MAX_ALTITUDE: Final = 83_000.0
 _FAR_AHEAD: Final = 100_000.0
 #: The version of ArduPlane whose DO_REPOSITION has a radius.
 _WITH_RADIUS: Final = (4, 3)
+_MAX_SYSTEM: Final = 255
 #: HEADING_TYPE_DEFAULT.
 _HEADING_DEFAULT: Final = 2
 
@@ -70,7 +72,16 @@ class CopterMovement(ArdupilotMovement):
             _CMD.NAV_LAND: self.land,
             _CMD.NAV_VTOL_LAND: self.land,
             _CMD.CONDITION_YAW: self.turn,
+            _CMD.DO_FOLLOW: self.choose_leader,
         }
+
+    def choose_leader(self, request: CommandRequest) -> common.MavResult:
+        """Answer DO_FOLLOW: the system of param1 is the one that FOLLOW follows; the mode stays."""
+        system = whole(request.command.param1)
+        if system is None or not 0 <= system <= _MAX_SYSTEM:
+            return _RESULT.DENIED
+        choose_leader(self.vehicle, system)
+        return _RESULT.ACCEPTED
 
     def take_off(self, request: CommandRequest) -> common.MavResult:
         """Answer NAV_TAKEOFF: in GUIDED, armed, landed and upwards; otherwise FAILED."""

@@ -16,6 +16,7 @@ from mavstack.sim.ardupilot.external_gps import register_external_gps
 from mavstack.sim.ardupilot.external_vision import register_external_vision
 from mavstack.sim.ardupilot.failsafes import ArdupilotFailsafes
 from mavstack.sim.ardupilot.flight_parameters import flight_parameters_of
+from mavstack.sim.ardupilot.follow import is_enabled, refuse_entry, register_follow
 from mavstack.sim.ardupilot.gps_port import GpsPort
 from mavstack.sim.ardupilot.home_updates import watch_home
 from mavstack.sim.ardupilot.identity import VERSION, version_of
@@ -110,6 +111,7 @@ class ArdupilotProfile(FirmwareProfile):
         register_external_gps(vehicle)
         register_external_vision(vehicle)
         OriginReceiver.add_to(vehicle)
+        register_follow(vehicle)
         CanDevices(vehicle)
         vehicle.engine.add(GpsPort(vehicle))
         register_terrain(vehicle)
@@ -179,6 +181,8 @@ class ArdupilotProfile(FirmwareProfile):
             reason = autopilot.mission.refusal()
             if reason is not None:
                 return reason
+        if mode.name == "FOLLOW" and not is_enabled(autopilot.vehicle):
+            return refuse_entry(autopilot.vehicle)
         if not autopilot.armed:
             return None
         if mode.needs_position and not autopilot.has_position:

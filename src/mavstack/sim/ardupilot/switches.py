@@ -26,6 +26,7 @@ _MODES: Final[Mapping[int, tuple[str, ...]]] = MappingProxyType(
         54: ("Hold",),
         55: ("GUIDED", "Guided"),
         56: ("LOITER", "Loiter"),
+        57: ("FOLLOW",),
         68: ("STABILIZE",),
         69: ("POSHOLD",),
         70: ("ALT_HOLD",),

@@ -105,16 +105,27 @@ def parse(text: str) -> Iterator[Row]:
 def rows(firmware: Firmware, vehicle_type: VehicleType) -> tuple[Row, ...]:
     """Return the factory parameters of a vehicle, in the order of their indices."""
     found: dict[str, Row] = {}
-    folder = files(__package__) / "tables"
     for layer in _LAYERS[firmware, vehicle_type]:
-        text = (folder / f"{firmware}_{layer}.txt").read_text(encoding="ascii")
-        found.update((row.name, row) for row in parse(text))
+        found.update((row.name, row) for row in _file(firmware, layer))
     return tuple(sorted(found.values())) if firmware is Firmware.PX4 else tuple(found.values())
 
 
 def definitions(firmware: Firmware, vehicle_type: VehicleType) -> list[ParameterDefinition]:
     """Return new parameters for one vehicle."""
     return [row.definition() for row in rows(firmware, vehicle_type)]
+
+
+def group_definitions(firmware: Firmware, group: str) -> list[ParameterDefinition]:
+    """Return new parameters of a group that is shown when it is enabled."""
+    return [row.definition() for row in _file(firmware, group)]
+
+
+@cache
+def _file(firmware: Firmware, name: str) -> tuple[Row, ...]:
+    """Return the rows of a file."""
+    return tuple(
+        parse((files(__package__) / "tables" / f"{firmware}_{name}.txt").read_text(encoding="ascii"))
+    )
 
 
 def _rows_of(line: str, number: int) -> Iterator[Row]:

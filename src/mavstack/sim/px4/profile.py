@@ -23,6 +23,7 @@ from mavstack.sim.px4.external_gps import register_external_gps
 from mavstack.sim.px4.external_vision import register_external_vision
 from mavstack.sim.px4.failsafes import Px4Failsafes, setpoints_lost
 from mavstack.sim.px4.flight_parameters import Px4FlightParameters, flight_parameters_of
+from mavstack.sim.px4.follow import register_follow
 from mavstack.sim.px4.identity import VERSION, version_of
 from mavstack.sim.px4.log_streaming import LogStreaming
 from mavstack.sim.px4.mode_selection import mode_refusal_of
@@ -97,6 +98,7 @@ class Px4Profile(FirmwareProfile):
         register_external_vision(vehicle)
         OriginReceiver.add_to(vehicle)
         autopilot.watches.append(LogStreaming(vehicle))
+        register_follow(vehicle)
         self.message_log.start(vehicle)
         self.event_reporter.start(vehicle)
         Console(vehicle, self.state, self.message_log)

@@ -50,6 +50,7 @@ PRECONDITIONS: Final[Mapping[str, tuple[Precondition, ...]]] = MappingProxyType(
         "turn": (armed, airborne),
         "transition": (armed, airborne),
         "guided": (armed,),
+        "follow": (armed, airborne),
         "mission start": (armed,),
         "mission pause": (armed,),
         **dict.fromkeys(("arm", "disarm", "mode", "speed", "home", "terminate", "mission fly"), ()),

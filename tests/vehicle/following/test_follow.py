@@ -1,0 +1,121 @@
+"""Vehicles that follow a leader, by setpoints and by their firmware's own mode."""
+
+from __future__ import annotations
+
+import asyncio
+from math import hypot
+
+import pytest
+
+from mavstack.errors import ActionInterrupted, ActionRefused, ActionUnsupported, InvalidArgumentError
+from mavstack.sim.vehicle_types import VehicleType
+from mavstack.vehicle.following.radio import FollowOptions
+from tests.vehicle.world import ARDUPILOT, PX4, fly
+
+LEADER = (VehicleType.COPTER, ARDUPILOT)
+ROVER = (VehicleType.ROVER, ARDUPILOT)
+
+
+async def in_the_air(world, heights):
+    vehicles = list(await world.node.wait_for_vehicles(len(heights)))
+    for vehicle, height in zip(vehicles, heights, strict=True):
+        await vehicle.arm()
+        if height:
+            await vehicle.takeoff(height)
+    return vehicles
+
+
+async def leading(vehicle, speed, seconds):
+    """Fly the leader east."""
+    async with vehicle.guided() as guided:
+        guided.velocity(east=speed)
+        await asyncio.sleep(seconds)
+
+
+def gap(leader, follower):
+    mine, its = follower.position, leader.position
+    north = (its.latitude - mine.latitude) * 111_320
+    east = (its.longitude - mine.longitude) * 111_320 * 0.673
+    return north, east
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize(
+    ("firmware", "level", "largest"),
+    [(ARDUPILOT, "radio", 6.0), (PX4, "radio", 3.0), (PX4, "setpoints", 0.7)],
+)
+def test_a_copter_follows_behind_the_leaders_course(firmware, level, largest):
+    async def scenario(world, _vehicle):
+        leader, follower = await in_the_air(world, [10.0, 20.0])
+        following = asyncio.create_task(
+            follower.follow(leader, (-12.0, 0.0, 8.0), level=level, duration=45.0)
+        )
+        flight = asyncio.create_task(leading(leader, 3.0, 50.0))
+        await asyncio.sleep(40.0)
+        north, east = gap(leader, follower)
+        assert hypot(north, east - 12.0) < largest
+        assert follower.position.relative_altitude == pytest.approx(18.0, abs=1.0)
+        await following
+        assert follower.mode.lower() in ("brake", "loiter", "hold")
+        await flight
+
+    fly([LEADER, (VehicleType.COPTER, firmware)], scenario)
+
+
+@pytest.mark.flight
+def test_a_follower_that_stays_behind_is_reported():
+    async def scenario(world, _vehicle):
+        leader, rover = await in_the_air(world, [10.0, 0.0])
+        await rover.params.set("WP_SPEED", 1.0)
+        flight = asyncio.create_task(leading(leader, 4.0, 60.0))
+        with pytest.raises(ActionInterrupted, match="the leader is faster"):
+            await rover.follow(leader, level="radio", options=FollowOptions(max_error=30.0))
+        assert rover.mode.lower() == "hold"
+        flight.cancel()
+
+    fly([LEADER, ROVER], scenario)
+
+
+@pytest.mark.flight
+def test_a_group_follows_by_radio_in_a_formation():
+    async def scenario(world, _vehicle):
+        leader, *followers = await in_the_air(world, [10.0, 20.0, 30.0])
+        flight = asyncio.create_task(leading(leader, 2.0, 60.0))
+        await asyncio.sleep(8.0)
+        group = world.node.group()
+        smallest = await group.follow(leader, "wedge", spacing=14, level="radio", duration=45.0)
+        assert smallest > 2.0
+        sides = sorted(gap(leader, each)[0] for each in followers)
+        assert sides == pytest.approx([-9.9, 9.9], abs=3.0)
+        flight.cancel()
+
+    fly([LEADER, (VehicleType.COPTER, ARDUPILOT), (VehicleType.COPTER, PX4)], scenario)
+
+
+def test_what_cannot_be_followed_is_refused_and_nothing_is_changed():
+    async def scenario(world, vehicle):
+        plane, rover = await world.node.wait_for_vehicle(2), await world.node.wait_for_vehicle(3)
+        with pytest.raises(InvalidArgumentError, match="cannot follow itself"):
+            await vehicle.follow(vehicle)
+        with pytest.raises(InvalidArgumentError, match="level must be one of setpoints, radio"):
+            await vehicle.follow(rover, level="smoke")
+        with pytest.raises(ActionRefused, match="not armed"):
+            await vehicle.follow(rover, level="radio")
+        await rover.arm()
+        with pytest.raises(InvalidArgumentError, match="offset must not be 0"):
+            await rover.follow(vehicle, (0.0, 0.0, 0.0), level="radio")
+        with pytest.raises(ActionRefused):
+            await plane.follow(vehicle, level="radio")
+        assert (await rover.params.get("FOLL_ENABLE")).value == 0
+
+    fly([LEADER, (VehicleType.PLANE, ARDUPILOT), ROVER], scenario)
+
+
+def test_a_firmware_without_the_mode_is_named():
+    async def scenario(world, rover):
+        other = await world.node.wait_for_vehicle(2)
+        await rover.arm()
+        with pytest.raises(ActionUnsupported, match="cannot follow a vehicle by its own mode"):
+            await rover.follow(other, level="radio")
+
+    fly([(VehicleType.ROVER, PX4), LEADER], scenario)
