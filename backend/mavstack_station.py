@@ -39,6 +39,7 @@ _SOURCES: Final = (
     "src/mavstack/codegen/languages/typescript",
     "src/mavstack/cli/dialect",
     "src/mavstack/files/parameters/traits.py",
+    "src/mavstack/msp/messages",
     "src/mavstack/services/modes/names.py",
     "src/mavstack/vehicle/firmware",
     "backend/mavstack_station.py",

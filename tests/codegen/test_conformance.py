@@ -10,6 +10,7 @@ from mavstack.dialects import Dialect
 from tests.codegen.conformance import CORPUS, check_runner, corpus, expected_lines, run, summary
 from tools.conformance.__main__ import main
 from tools.conformance.corpus import DIALECTS, corpus_text
+from tools.conformance.msp import msp_text
 from tools.conformance.surveys import survey_files
 
 #: A runner that prints the expected lines, with a change in the results of one input.
@@ -33,6 +34,10 @@ def test_the_files_are_up_to_date(dialect):
 def test_the_plans_of_surveys_are_up_to_date():
     files = {path.name: path.read_text("ascii") for path in (CORPUS / "survey").iterdir()}
     assert files == survey_files()
+
+
+def test_the_vectors_of_msp_are_up_to_date():
+    assert (CORPUS / "msp.jsonl").read_text("ascii") == msp_text()
 
 
 @pytest.mark.parametrize("dialect", DIALECTS)

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from tools.conformance.corpus import DIALECTS, corpus_text
+from tools.conformance.msp import msp_text
 from tools.conformance.surveys import survey_files
 
 FOLDER = Path(__file__).resolve().parents[2] / "conformance"
@@ -19,6 +20,7 @@ def main() -> int:
     arguments = parser.parse_args()
     outdated = []
     files = {f"{name}.jsonl": corpus_text(name) for name in DIALECTS}
+    files["msp.jsonl"] = msp_text()
     files |= {f"survey/{name}": text for name, text in survey_files().items()}
     for name, text in files.items():
         path = FOLDER / name

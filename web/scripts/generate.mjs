@@ -1,7 +1,7 @@
 // Generates what the station knows of MAVLink into src/generated: message classes by `mav gen typescript all`, the
 // commands of missions with their params by `mav dialect show all MAV_CMD`, those with a place, the parameters that
 // belong to one vehicle only, of which `mav param load` and the page leave the same ones out, and the uses of modes,
-// such as those in which a firmware does not arm.
+// such as those in which a firmware does not arm. The messages of MSP are the tables of `mavstack.msp`.
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { generated, run } from './python.mjs';
@@ -14,6 +14,10 @@ const MODES = `import json
 from mavstack.vehicle.firmware.mode_facts import mode_facts
 print(json.dumps(mode_facts()))`;
 
+const MSP = `import json
+from mavstack.msp.messages.facts import msp_facts
+print(json.dumps(msp_facts()))`;
+
 const mav = (...words) => run('-m', 'mavstack', ...words);
 
 process.stdout.write(mav('gen', 'typescript', 'all', '-o', generated));
@@ -23,3 +27,4 @@ writeFileSync(join(generated, 'commands.json'), commands);
 writeFileSync(join(generated, 'located.json'), JSON.stringify(located.map((entry) => entry.value)));
 writeFileSync(join(generated, 'owned.json'), run('-c', OWNED));
 writeFileSync(join(generated, 'modes.json'), run('-c', MODES));
+writeFileSync(join(generated, 'msp.json'), run('-c', MSP));

@@ -12,7 +12,17 @@ export interface View {
   readonly load: () => Promise<{ default: Component }>;
 }
 
-export type ViewName = 'fly' | 'plan' | 'swarm' | 'setup' | 'inspect' | 'logs' | 'dashboards' | 'router' | 'generator';
+export type ViewName =
+  | 'fly'
+  | 'plan'
+  | 'swarm'
+  | 'setup'
+  | 'inspect'
+  | 'logs'
+  | 'dashboards'
+  | 'router'
+  | 'generator'
+  | 'msp';
 
 export const views: readonly View[] = [
   { name: 'fly', icon: 'fly', key: '1', load: () => import('./fly/index.svelte') },
@@ -24,4 +34,5 @@ export const views: readonly View[] = [
   { name: 'router', icon: 'router', key: '7', load: () => import('./router/index.svelte') },
   { name: 'swarm', icon: 'group', key: '9', load: () => import('./swarm/index.svelte') },
   { name: 'generator', icon: 'generator', key: '8', load: () => import('./generator/index.svelte') },
+  { name: 'msp', icon: 'usb', key: '0', load: () => import('./msp/index.svelte') },
 ];

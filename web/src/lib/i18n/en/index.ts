@@ -5,6 +5,7 @@ import { fly } from './fly';
 import { generator } from './generator';
 import { inspect } from './inspect';
 import { logs } from './logs';
+import { msp } from './msp';
 import { payload } from './payload';
 import { plan } from './plan';
 import { router } from './router';
@@ -19,6 +20,7 @@ export const en = {
   ui,
   sources,
   fly,
+  msp,
   payload,
   plan,
   swarm,

@@ -10,6 +10,7 @@ export const shell = {
   dashboards: 'Dashboards',
   router: 'Router',
   generator: 'Generator',
+  msp: 'MSP',
   more: 'More',
   views: 'Views',
   vehicle: 'Vehicle',
