@@ -1,4 +1,4 @@
-"""Betaflight and iNav over WebSerial in the page: a stand-in port with the bytes of simulated flight controllers."""
+"""Betaflight and iNav over WebSerial in the page: a stand-in port of simulated flight controllers."""
 
 from __future__ import annotations
 
@@ -29,7 +29,10 @@ PORT = """
     async open() {
       this.readable = new ReadableStream({ start(each) { source = each } })
       this.writable = new WritableStream({ async write(data) { give(await window.exchange([...data])) } })
-      const poll = async () => { if (source) give(await window.exchange([])); if (source) setTimeout(poll, 50) }
+      const poll = async () => {
+        if (source) give(await window.exchange([]))
+        if (source) setTimeout(poll, 50)
+      }
       setTimeout(poll, 50)
     },
     async close() { source = null; this.readable = this.writable = null },
