@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 SETTINGS = pytest.StashKey["Any"]()
 #: Seconds after which the exception is raised again, if something caught it.
 REPETITION_INTERVAL = 10.0
+#: Seconds after the limit of a test at which its process ends.
+GRACE = 60.0
 
 
 class TimeLimitExpired(KeyboardInterrupt):
@@ -62,10 +64,13 @@ def _failing() -> Generator[None, object, object]:
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_runtest_setup(item: pytest.Item) -> Generator[None, object, object]:
     """Fail a test whose set-up took too long; set the timers of a test that is run again."""
-    if SETTINGS in item.stash and getattr(item, "execution_count", 1) > 1:
-        item.config.hook.pytest_timeout_set_timer(item=item, settings=item.stash[SETTINGS])
+    if SETTINGS in item.stash:
+        settings = item.stash[SETTINGS]
+        if getattr(item, "execution_count", 1) > 1:
+            item.config.hook.pytest_timeout_set_timer(item=item, settings=settings)
         limit = float(item.config.getini("faulthandler_timeout") or 0)
-        if limit > 0:
+        if limit > 0:  # also for a test whose own limit is longer
+            limit = max(limit, settings.timeout + GRACE)
             faulthandler.dump_traceback_later(limit, exit=True, file=sys.__stderr__ or sys.stderr)
     return (yield from _failing())
 

@@ -79,3 +79,14 @@ def test_a_test_that_is_run_again_has_its_limit_again(
     monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[2]), prepend=os.pathsep)
     result = pytester.runpytest_subprocess(*OPTIONS, "--reruns", "1", timeout=20)
     assert result.parseoutcomes() == {"failed": 1, "rerun": 1}
+
+
+def test_a_longer_limit_of_a_test_outlasts_the_limit_of_the_process(
+    pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytester.makeconftest(HOOKS)
+    pytester.makeini("[pytest]\nfaulthandler_timeout = 0.2\nfaulthandler_exit_on_timeout = true\n")
+    pytester.makepyfile("import time, pytest\n@pytest.mark.timeout(9)\ndef test_it():\n    time.sleep(0.5)\n")
+    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[2]), prepend=os.pathsep)
+    result = pytester.runpytest_subprocess(*OPTIONS, timeout=20)
+    assert result.parseoutcomes() == {"passed": 1}
