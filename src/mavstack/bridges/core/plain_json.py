@@ -17,6 +17,7 @@ from mavstack.errors import InvalidArgumentError
 
 #: Bytes of a request; a plan of some thousand items is far smaller.
 MAX_REQUEST: Final = 1 << 20
+_ENCODER: Final = json.JSONEncoder(ensure_ascii=False, separators=(",", ":"), allow_nan=False)
 
 
 def plain(value: object) -> Any:
@@ -43,7 +44,12 @@ def plain(value: object) -> Any:
 
 def json_bytes(value: object) -> bytes:
     """Return a value as compact JSON in UTF-8."""
-    text = json.dumps(plain(value), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    return plain_bytes(plain(value))
+
+
+def plain_bytes(value: object) -> bytes:
+    """Return a value that `plain` returned as compact JSON in UTF-8."""
+    text = _ENCODER.encode(value)
     return text.encode("utf-8", "backslashreplace")  # a lone surrogate becomes its escape in JSON
 
 

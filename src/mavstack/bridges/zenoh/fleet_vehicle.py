@@ -12,7 +12,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.bridges.core.calls import CALLS, VehicleCalls
-from mavstack.bridges.core.plain_json import json_bytes, parse_object
+from mavstack.bridges.core.plain_json import json_bytes, parse_object, plain_bytes
 from mavstack.bridges.core.services.context import ServiceContext
 from mavstack.bridges.core.snapshots import GROUPS, snapshot
 from mavstack.bridges.zenoh.frame_batch import FrameBatch
@@ -43,11 +43,16 @@ class FleetVehicle:
         keys: Its keys.
         bus: The session, and the queues into the event loop.
         role: The role of the bus: which packets and commands are passed to the vehicle.
-        batch_pending: Called when packets begin to wait for `flush`.
+        batch_pending: Called with this vehicle when packets begin to wait for `flush`.
     """
 
     def __init__(
-        self, vehicle: Vehicle, keys: VehicleKeys, bus: Bus, role: Role, batch_pending: Callable[[], None]
+        self,
+        vehicle: Vehicle,
+        keys: VehicleKeys,
+        bus: Bus,
+        role: Role,
+        batch_pending: Callable[[FleetVehicle], None],
     ) -> None:
         self.vehicle = vehicle
         self.keys = keys
@@ -115,7 +120,7 @@ class FleetVehicle:
             state = snapshot(self.vehicle, group)
             if state is None:
                 continue
-            data = json_bytes(state)
+            data = plain_bytes(state)
             if data != self._states.get(group):
                 self._states[group] = data
                 publisher.put(data, encoding=_JSON)
@@ -142,8 +147,9 @@ class FleetVehicle:
             self._listeners[name] = node.add_packet_listener(None, receive, system=system)
 
     def _on_packet(self, packet: Packet) -> None:
+        if self._batch.is_empty:
+            self._batch_pending(self)
         self._put_frames(self._batch.add(packet.raw))
-        self._batch_pending()
 
     # To the vehicle
 

@@ -20,6 +20,11 @@ class FrameBatch:
         self._parts: list[bytes] = []
         self._size = 0
 
+    @property
+    def is_empty(self) -> bool:
+        """True if no packet waits."""
+        return not self._parts
+
     def add(self, packet: bytes) -> bytes:
         """Add a packet.
 

@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Connection, Vehicle
 
 logger = logging.getLogger("mavstack.bridges")
-#: Seconds that packets wait for others of the same sample.
-BATCH_TIME: Final = 0.005
+#: Seconds that packets wait for others of the same sample: only those of the same read are put together.
+BATCH_TIME: Final = 0.0
 #: Hertz at which states that changed are published.
 STATE_RATE: Final = 2.0
 
@@ -88,7 +88,7 @@ class Gateway:
         self._report = report
         self._tasks: list[asyncio.Task[None]] = []
         self._kept: list[Any] = []
-        self._flush_due = False
+        self._waiting: list[FleetVehicle] = []
         self._alive: set[tuple[str, str]] = set()
         #: The vehicles on Zenoh, by system id.
         self.vehicles: dict[int, FleetVehicle] = {}
@@ -151,10 +151,10 @@ class Gateway:
 
     # Batches
 
-    def _begin_batch(self) -> None:
-        if self._flush_due:
+    def _begin_batch(self, vehicle: FleetVehicle) -> None:
+        self._waiting.append(vehicle)
+        if len(self._waiting) > 1:
             return
-        self._flush_due = True
         loop = asyncio.get_running_loop()
         if self.options.batch_time > 0:
             loop.call_later(self.options.batch_time, self._flush)
@@ -162,8 +162,8 @@ class Gateway:
             loop.call_soon(self._flush)
 
     def _flush(self) -> None:
-        self._flush_due = False
-        for vehicle in self.vehicles.values():
+        waiting, self._waiting = self._waiting, []
+        for vehicle in waiting:
             vehicle.flush()
 
     # Other gateways
