@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from . import (
     best,
+    bridge_programs,
     bridges,
     c_library,
     codegen_c,
@@ -58,6 +59,7 @@ ROWS: dict[str, Callable[[rows.Bench], Iterator[Row]]] = {
     "flashing": flashing.rows,
     "msp": msp.rows,
     "bridges": bridges.rows,
+    "bridge-programs": bridge_programs.rows,
     "swarms": swarms.rows,
     "codegen-c": codegen_c.rows,
     "codegen-python": codegen_python.rows,
