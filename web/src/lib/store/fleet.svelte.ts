@@ -71,7 +71,7 @@ class Fleet {
       }),
       this.every(BACKGROUND_INTERVAL, () => this.publish()),
     ];
-    if (source === 'serial' || source === 'demo') {
+    if (source === 'serial' || source === 'link' || source === 'demo') {
       this.ends.push(this.every(HEARTBEAT_INTERVAL, () => this.sendHeartbeat()));
     }
     try {

@@ -1,7 +1,8 @@
-/** Where vehicles come from: the station's server, a serial port, the demo in the page, or a recorded flight. */
+/** Where vehicles come from: the station's server, a serial port, a WebSocket, the demo in the page, or a recorded flight. */
 
 import { api } from '$lib/api/client';
 import { StationError } from '$lib/api/errors';
+import { LinkTransport, parseLink } from '$lib/transport/LinkTransport';
 import { MockTransport } from '$lib/transport/MockTransport';
 import { ReplayTransport } from '$lib/transport/ReplayTransport';
 import { WebSerialTransport } from '$lib/transport/WebSerialTransport';
@@ -87,6 +88,14 @@ export async function startSerial(baudRate?: number): Promise<void> {
   serial.current = transport;
   status.role = 'administer';
   await fleet.connect(transport, 'serial', (heartbeat, send) => new LinkVehicle(heartbeat, send));
+}
+
+/** Reaches a vehicle without the station, by its WebSocket or the room of a relay; throws for any other address. */
+export async function startLink(address: string): Promise<void> {
+  const transport = new LinkTransport(parseLink(address));
+  leave();
+  status.role = 'administer';
+  await fleet.connect(transport, 'link', (heartbeat, send) => new LinkVehicle(heartbeat, send));
 }
 
 /** Replays a log of any format; one that is not a telemetry log is turned into one by the station. */

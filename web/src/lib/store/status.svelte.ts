@@ -3,8 +3,8 @@
 import type { TransportState } from '$lib/transport/Transport';
 import type { StatusText } from '$lib/vehicle/Vehicle';
 
-/** Where vehicles come from: the station's server, USB, the demo in the page, or a replayed log. */
-export type Source = 'server' | 'serial' | 'demo' | 'replay';
+/** Where vehicles come from: the station's server, USB, a link of the page, its demo, or a replayed log. */
+export type Source = 'server' | 'serial' | 'link' | 'demo' | 'replay';
 export type Role = 'observe' | 'operate' | 'administer';
 
 const MAX_TEXTS = 500;

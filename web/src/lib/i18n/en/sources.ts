@@ -40,6 +40,7 @@ export const sources = {
   noProgram: 'Started elsewhere',
   startWorld: 'Start a simulator',
   demo: 'The vehicles of this page are a demo: they fly in the page, and none of them is real.',
+  link: 'This page is connected to a vehicle by itself, without the station.',
   serial: 'This page is connected to a flight controller over USB, without the station.',
   replay: 'This page shows a recorded flight.',
   backToStation: 'Back to the station',
