@@ -459,6 +459,26 @@ class Parser:
             SigningError: `now` is not a valid time for signing.
         """
 
+    def feed_records(
+        self, data: Buffer, time: int, apart: Sequence[int], now: float | None = None
+    ) -> list[tuple[bytes, int] | Packet]:
+        """Parse the next bytes of the stream, and return its packets as records of a tlog: 8 bytes of time, then the
+        packet.
+
+        Args:
+            data: The received bytes, in chunks of any size.
+            time: The time of the records, in microseconds since 1970.
+            apart: Message ids whose packets are returned as packets, as signed ones are, to be changed before they
+                are recorded.
+            now: Current Unix time in seconds, as in `feed`.
+
+        Returns:
+            The parts in order, each the bytes of records and their number, or one packet.
+
+        Raises:
+            SigningError: `now` is not a valid time for signing.
+        """
+
     def flush(self, now: float | None = None) -> list[Packet]:
         """End the stream, and parse the rest of it.
 

@@ -25,6 +25,7 @@ mod message;
 mod packet;
 mod packet_router;
 mod parser;
+mod records;
 mod router;
 mod router_descriptors;
 mod router_events;

@@ -3,6 +3,7 @@
 use crate::buffers::Bytes;
 use crate::dialect::{AnyDialect, Dialect};
 use crate::packet;
+use crate::records::{RecordPart, Records};
 use crate::signing::{self, Signing};
 use crate::statistics::{Statistics, sources_to_dict};
 use mavstack_core::parser as core;
@@ -62,7 +63,47 @@ impl Parser {
         let mut sink = Sink::new(py, &self.dialect, self.signing.as_ref(), now)?;
         sink.packets.reserve(data.len().min(MAX_CHUNK_RESERVED) / MEAN_PACKET_LENGTH);
         self.lock().feed(&self.dialect.get().core, &data, |packet| sink.push(&packet));
-        sink.finish()
+        PyList::new(py, sink.finish()?)
+    }
+
+    /// Parse the next bytes of the stream, and return its packets as records of a tlog: 8 bytes of time, then the packet.
+    ///
+    /// Args:
+    ///     data: The received bytes, in chunks of any size.
+    ///     time: The time of the records, in microseconds since 1970.
+    ///     apart: Message ids whose packets are returned as packets, as signed ones are, to be changed before they are
+    ///         recorded.
+    ///     now: Current Unix time in seconds, as in `feed`.
+    ///
+    /// Returns:
+    ///     The parts in order, each the bytes of records and their number, or one packet.
+    ///
+    /// Raises:
+    ///     SigningError: `now` is not a valid time for signing.
+    #[pyo3(signature = (data, time, apart, now = None))]
+    fn feed_records<'py>(
+        &mut self,
+        py: Python<'py>,
+        data: Bytes<'_>,
+        time: u64,
+        apart: Vec<u32>,
+        now: Option<f64>,
+    ) -> PyResult<Vec<RecordPart<'py>>> {
+        let mut sink = Sink::new(py, &self.dialect, self.signing.as_ref(), now)?;
+        let mut records = Records::new(time, data.len() * 5 / 4);
+        self.lock().feed(&self.dialect.get().core, &data, |packet| {
+            if !sink.accepts(&packet) {
+                return;
+            }
+            if packet.header.signed() || apart.contains(&packet.header.message_id) {
+                records.end_run();
+                sink.add(&packet);
+            } else {
+                records.push(packet.raw);
+            }
+        });
+        records.end_run();
+        Ok(records.with_packets(py, sink.finish()?))
     }
 
     /// End the stream, and parse the rest of it.
@@ -79,7 +120,7 @@ impl Parser {
     fn flush<'py>(&mut self, py: Python<'py>, now: Option<f64>) -> PyResult<Bound<'py, PyList>> {
         let mut sink = Sink::new(py, &self.dialect, self.signing.as_ref(), now)?;
         self.lock().flush(&self.dialect.get().core, |packet| sink.push(&packet));
-        sink.finish()
+        PyList::new(py, sink.finish()?)
     }
 
     /// Totals of the stream so far.
@@ -132,26 +173,35 @@ impl<'py, 'a> Sink<'py, 'a> {
         Ok(Self { py, dialect, signing, now, latest, packets: Vec::new(), error: None })
     }
 
+    /// Returns whether signing accepts a packet.
+    #[inline]
+    fn accepts(&mut self, packet: &core::Packet<'_>) -> bool {
+        match &mut self.signing {
+            Some(signing) => signing.core.check_with_limit(packet, self.now, self.latest).is_ok(),
+            None => true,
+        }
+    }
+
     #[inline]
     fn push(&mut self, packet: &core::Packet<'_>) {
-        if let Some(signing) = &mut self.signing
-            && signing.core.check_with_limit(packet, self.now, self.latest).is_err()
-        {
-            return;
+        if self.accepts(packet) {
+            self.add(packet);
         }
+    }
+
+    #[inline]
+    fn add(&mut self, packet: &core::Packet<'_>) {
         match packet::create(self.py, packet, self.dialect) {
             Ok(packet) => self.packets.push(packet),
             Err(error) => self.error = Some(error),
         }
     }
 
-    fn finish(self) -> PyResult<Bound<'py, PyList>> {
-        let Self { py, signing, packets, error, .. } = self;
-        // Creating a list may run a finalizer, which may use the same signing state.
-        drop(signing);
-        match error {
+    /// Returns the packets; the signing state is free afterwards, since other code may run then, which may use it.
+    fn finish(self) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        match self.error {
             Some(error) => Err(error),
-            None => PyList::new(py, packets),
+            None => Ok(self.packets),
         }
     }
 }

@@ -55,6 +55,7 @@ class NativeReading:
 
     def stop(self) -> None:
         """End the reading. Idempotent."""
+        self._taken_over_at = None
         self._intake.remove_socket(self.number)
 
     def take_over(self) -> None:

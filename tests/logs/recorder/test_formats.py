@@ -7,7 +7,9 @@ import struct
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mavstack.logs.recorder.formats import PCAP, RECORD_FORMATS, TLOG
+from mavstack.dialects import common
+from mavstack.logs.recorder.formats import PCAP, RECORD_FORMATS, TLOG, Records, split_records
+from mavstack.wire import Encoder
 
 MAX_TIME = 2**63 - 1
 
@@ -53,3 +55,14 @@ def test_the_checksum_of_every_length_is_right():
         header = PCAP.record(bytes(length), 0)[16:36]
         total = sum(int.from_bytes(header[place : place + 2], "big") for place in range(0, 20, 2))
         assert (total & 0xFFFF) + (total >> 16) == 0xFFFF
+
+
+def test_records_that_follow_each_other_are_split():
+    packets = [
+        Encoder(1, 1, version=version).encode(common.Attitude(roll=roll))
+        for version in (1, 2)
+        for roll in (0, 1)
+    ]
+    records = [TLOG.record(packet, 7) for packet in packets]
+    assert split_records(b"".join(records)) == [Records(record, 1) for record in records]
+    assert split_records(b"") == []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import random
 import signal
 import subprocess
 import sys
@@ -15,7 +16,7 @@ from mavstack import open_log
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError, LogError
 from mavstack.logs.recorder import Recorder
-from mavstack.wire import Packet, Signing, encode
+from mavstack.wire import Encoder, Packet, Parser, Signing, encode
 from tests.cli.conftest import setup_signing
 
 if TYPE_CHECKING:
@@ -127,6 +128,7 @@ def test_a_killed_program_leaves_complete_records(tmp_path: Path) -> None:
     path = tmp_path / "flight.tlog"
     program = f"""
 import os
+import random
 from mavstack.dialects import common
 from mavstack.logs.recorder import Recorder
 from mavstack.wire import Packet, encode
@@ -253,3 +255,57 @@ def test_an_old_file_that_cannot_be_removed_is_reported(tmp_path: Path) -> None:
     (tmp_path / "a-0001.tlog").mkdir()
     with pytest.raises(LogError, match=r"cannot remove .*a-0001\.tlog"):
         Recorder(tmp_path / "a.tlog", max_size=60, keep=1)
+
+
+def stream(count: int = 60) -> bytes:
+    """Return packets of both versions, with secrets, signatures and damage among them."""
+    encoders = [Encoder(1, 1), Encoder(2, 1, version=1), Encoder(3, 1, signing=Signing(bytes(32)))]
+    rng, parts = random.Random(count), []
+    for number in range(count):
+        encoder = rng.choice(encoders)
+        message = rng.choice(
+            [common.Attitude(time_boot_ms=number), common.AuthKey(key="secret"), common.Statustext(text="x")]
+        )
+        parts.append(encoder.encode(message))
+        if number % 17 == 5:
+            parts += [b"\xfdjunk", setup_signing()]
+    return b"".join(parts)
+
+
+@pytest.mark.parametrize("name", ["flight.tlog", "flight.pcap"])
+@pytest.mark.parametrize("limits", [{}, {"max_size": 700}, {"max_duration": 2.0}])
+def test_bytes_are_recorded_as_their_packets_are(tmp_path: Path, name: str, limits: dict) -> None:
+    data, found = stream(), []
+    for is_fed in (False, True):
+        folder = tmp_path / str(is_fed)
+        folder.mkdir()
+        parser = Parser(common)
+        with Recorder(folder / name, **limits) as writer:
+            received = 0
+            for number, start in enumerate(range(0, len(data), 333)):
+                part, time = data[start : start + 333], TIME + number
+                if is_fed:
+                    received += writer.feed(parser, part, time)
+                else:
+                    packets = parser.feed(part)
+                    writer.add(packets, time)
+                    received += len(packets)
+                if number % 3 == 0:
+                    writer.flush()
+            writer.flush()
+            counts = (received, writer.packets, writer.bytes, writer.omitted)
+        files = {path.name: path.read_bytes() for path in folder.iterdir()}
+        assert not any(b"secret" in each for each in files.values())
+        found.append((counts, files))
+    assert found[0] == found[1]
+    assert found[0][0][3] > 2
+
+
+def test_refused_packets_are_not_recorded(tmp_path: Path) -> None:
+    parser = Parser(common, signing=Signing(bytes(32)))
+    with Recorder(tmp_path / "flight.tlog") as writer:
+        unsigned, signed = Encoder(1, 1), Encoder(1, 1, signing=Signing(bytes(32)))
+        data = b"".join(encoder.encode(common.Attitude(roll=1)) for encoder in (unsigned, signed))
+        assert writer.feed(parser, data, TIME) == 1
+        writer.flush()
+        assert writer.packets == 1

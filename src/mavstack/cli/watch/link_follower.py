@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.links import BytesReceived, ChannelClosed, ChannelOpened, LinkDown
 from mavstack.node.link_settings import link_keys
+from mavstack.node.native_bytes import read_natively
 from mavstack.node.signing_states import SigningStates
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ class Follower:
         self._key = link_keys([link]).get(link)
         link.joins_datagrams = True
         try:
-            async with asyncio.timeout(seconds) as deadline:
+            async with asyncio.timeout(seconds) as deadline, read_natively(link, self.observer.dialect):
                 async for events in link.batches():
                     now = monotonic()
                     for event in join_chunks(events):
@@ -79,8 +80,9 @@ class Follower:
     def _event(self, event: object, now: float) -> None:
         if type(event) is BytesReceived:
             self.bytes += len(event.data)
+            before = self.observer.received
             packets = self.observer.receive(event.channel.name, event.data, now, time=event.time)
-            if packets:
+            if self.observer.received > before:
                 event.channel.last_valid = event.time  # the link keeps this peer if many others send
             self._print(packets, event.time)
         elif isinstance(event, ChannelOpened):

@@ -167,7 +167,7 @@ class Observation:
     def _connect(self, source: WatchedSource) -> None:
         """Pass the packets of a source to the recording and to the output."""
         if self.recorder is not None:
-            source.observer.tap = self.recorder.add
+            source.observer.record_to(self.recorder)
             source.follower.after_batch = self._finish_batch
         relays, show = self._relays, source.follower.show
         if relays is None:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from mavstack.dialects import Dialect
+    from mavstack.logs.recorder import Recorder
     from mavstack.wire import Packet, Signing
 
 SourceAddress: TypeAlias = tuple[int, int]
@@ -116,6 +117,8 @@ class Observer:
         self.selection = selection or Selection()
         #: Called with all received packets, selected or not, and their Unix time (0: not known).
         self.tap: Callable[[Sequence[Packet], float], None] = lambda packets, time: None
+        #: Packets that were received and passed on.
+        self.received = 0
         self.traffic = Traffic()
         self.notices = Notices()
         self.channels: dict[str, Parser] = {}
@@ -129,6 +132,10 @@ class Observer:
         """Begin a stream of bytes; with `signing`, only packets signed with its key count."""
         self.close(channel)
         self.channels[channel] = Parser(self.dialect, timestamped=timestamped, signing=signing)
+
+    def record_to(self, recorder: Recorder) -> None:
+        """Pass all received packets to a recorder."""
+        self.tap = recorder.add
 
     def receive(
         self,
@@ -180,6 +187,7 @@ class Observer:
 
     def _pass_on(self, packets: Sequence[Packet], time: float) -> None:
         """Pass received packets to the tap."""
+        self.received += len(packets)
         self.tap(packets, time)
 
     def _count(self, packets: Sequence[Packet], now: float) -> Sequence[Packet]:

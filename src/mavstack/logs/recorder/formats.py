@@ -26,7 +26,19 @@ _PCAP_HEADER: Final = struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, 101
 _PCAP_RECORD: Final = struct.Struct("<IIII")
 _IP: Final = struct.Struct(">BBHHHBBH4s4s")
 _UDP: Final = struct.Struct(">HHHH")
+_TIME_SIZE: Final = 8
+#: Bytes of an unsigned packet around its payload, whose length is its second byte.
+_MAGIC_V2: Final = 0xFD
+_OVERHEAD_V1: Final = 8
+_OVERHEAD_V2: Final = 12
 _DATAGRAM_HEADERS: Final = _IP.size + _UDP.size
+
+
+class Records(NamedTuple):
+    """The bytes of records that follow each other, and their number."""
+
+    data: bytes
+    count: int
 
 
 class RecordFormat(NamedTuple):
@@ -60,6 +72,18 @@ def _ip_header(length: int) -> bytes:
     total = sum(words)
     total = (total & 0xFFFF) + (total >> 16)
     return _IP.pack(*fields, ~(total + (total >> 16)) & 0xFFFF, _LOOPBACK, _LOOPBACK)
+
+
+def split_records(data: bytes) -> list[Records]:
+    """Return the single records in the bytes of tlog records whose packets are unsigned."""
+    records, start = [], 0
+    while start < len(data):
+        packet = start + _TIME_SIZE
+        overhead = _OVERHEAD_V2 if data[packet] == _MAGIC_V2 else _OVERHEAD_V1
+        end = packet + overhead + data[packet + 1]
+        records.append(Records(data[start:end], 1))
+        start = end
+    return records
 
 
 TLOG: Final = RecordFormat(".tlog", b"", _tlog_record)

@@ -13,11 +13,13 @@ attack the key.
 from __future__ import annotations
 
 import re
+from collections import deque
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from mavstack.dialects.secrets import SECRET_IDS
 from mavstack.errors import InvalidArgumentError, LogError
-from mavstack.logs.recorder.formats import RECORD_FORMATS, TLOG
+from mavstack.logs.recorder.formats import RECORD_FORMATS, TLOG, Records, split_records
 from mavstack.logs.recorder.recording_file import RecordingFile
 from mavstack.security import carries_signing_key, redact
 
@@ -28,11 +30,13 @@ if TYPE_CHECKING:
     from typing import Self
 
     from mavstack.logs.recorder.formats import RecordFormat
-    from mavstack.wire import Packet
+    from mavstack.wire import Packet, Parser
 
 _MAX_TIME: Final = 2**63 - 1
 #: Microseconds by which packets of several links may arrive out of order; times that jump slow down a replay.
 _MAX_DISORDER: Final = 1_000_000
+#: Messages that are changed or left out, by the ids of official dialects: recorded packet by packet.
+_APART: Final = tuple(SECRET_IDS)
 #: The path that stands for standard output.
 STDOUT: Final = "-"
 
@@ -75,7 +79,8 @@ class Recorder:
         self._check_limits()
         self.packets = self.bytes = self.omitted = 0
         self.files: list[Path] = []
-        self._records: list[bytes] = []
+        #: The bytes of records, and their number, that were not written yet.
+        self._records: list[Records] = []
         self._closing: list[RecordingFile] = []
         self._last_time = 0
         #: Time of the first packet of the present file, in microseconds since 1970.
@@ -110,15 +115,51 @@ class Recorder:
         Raises:
             LogError: A full file, whose records are written now, cannot be written.
         """
+        time = self._begin_at(unix_time)
+        for packet in packets:
+            self._add_packet(packet, time)
+
+    def feed(self, parser: Parser, data: bytes, unix_time: float, now: float | None = None) -> int:
+        """Parse bytes of a stream, and add its packets; for a tlog without an object for each packet.
+
+        Args:
+            parser: The parser of the stream.
+            data: The received bytes.
+            unix_time: The Unix time in seconds.
+            now: The time that signatures are checked against; None: not known.
+
+        Returns:
+            The number of packets that were received.
+
+        Raises:
+            LogError: A full file, whose records are written now, cannot be written.
+        """
+        if self._format is not TLOG:
+            packets = parser.feed(data, now)
+            self.add(packets, unix_time)
+            return len(packets)
+        time, received = self._begin_at(unix_time), 0
+        for part in parser.feed_records(data, time, _APART, now):
+            if isinstance(part, tuple):
+                self._records.append(Records(*part))
+                received += part[1]
+            else:
+                self._add_packet(part, time)
+                received += 1
+        return received
+
+    def _begin_at(self, unix_time: float) -> int:
+        """Return the time of records in microseconds; a new file may begin before them."""
         time = self._in_order(min(max(int(unix_time * 1e6), 0), _MAX_TIME))
         if self._max_duration is not None:
             self._rotate_by_time(time)
-        record = self._format.record
-        for packet in packets:
-            if carries_signing_key(packet):
-                self.omitted += 1
-            else:
-                self._records.append(record(redact(packet), time))
+        return time
+
+    def _add_packet(self, packet: Packet, time: int) -> None:
+        if carries_signing_key(packet):
+            self.omitted += 1
+        else:
+            self._records.append(Records(self._format.record(redact(packet), time), 1))
 
     def flush(self) -> None:
         """Write what was added.
@@ -154,23 +195,29 @@ class Recorder:
             for file in [*self._closing, self._file]:
                 file.close()
 
-    def _append(self, records: list[bytes]) -> None:
-        data = b"".join(records)
+    def _append(self, records: list[Records]) -> None:
+        data = b"".join([each.data for each in records])
         self._file.append(data)
         self.bytes += len(data)
-        self.packets += len(records)
+        self.packets += sum(each.count for each in records)
 
-    def _fill_files(self, records: list[bytes], max_size: int) -> list[bytes]:
+    def _fill_files(self, records: list[Records], max_size: int) -> list[Records]:
         """Write the records that need files before the last one; return those for the last one."""
-        fitting: list[bytes] = []
+        fitting: list[Records] = []
         size = self._file.size
-        for record in records:
-            if size + len(record) > max_size and size > len(self._format.header):
-                self._append(fitting)
-                self._rotate()
-                fitting, size = [], self._file.size
-            fitting.append(record)
-            size += len(record)
+        waiting = deque(records)
+        while waiting:
+            each = waiting.popleft()
+            if size + len(each.data) > max_size:
+                if each.count > 1:
+                    waiting.extendleft(reversed(split_records(each.data)))
+                    continue
+                if size > len(self._format.header):
+                    self._append(fitting)
+                    self._rotate()
+                    fitting, size = [], self._file.size
+            fitting.append(each)
+            size += len(each.data)
         return fitting
 
     def _rotate_by_time(self, time: int) -> None:
