@@ -51,7 +51,7 @@ async def test_all_datagrams_arrive_in_order(monkeypatch, way, senders) -> None:
     assert list(numbers.values()) == [list(range(200))] * senders
 
 
-async def test_more_datagrams_than_wait_at_most_arrive() -> None:
+async def test_more_datagrams_than_the_queue_holds_arrive() -> None:
     numbers = await received(1, 6000)
     assert list(numbers.values()) == [list(range(6000))]
 

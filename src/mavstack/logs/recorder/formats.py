@@ -38,7 +38,7 @@ class Records(NamedTuple):
     """The bytes of records that follow each other, and their number."""
 
     data: bytes
-    count: int
+    number: int
 
 
 class RecordFormat(NamedTuple):

@@ -199,7 +199,7 @@ class Recorder:
         data = b"".join([each.data for each in records])
         self._file.append(data)
         self.bytes += len(data)
-        self.packets += sum(each.count for each in records)
+        self.packets += sum(each.number for each in records)
 
     def _fill_files(self, records: list[Records], max_size: int) -> list[Records]:
         """Write the records that need files before the last one; return those for the last one."""
@@ -209,7 +209,7 @@ class Recorder:
         while waiting:
             each = waiting.popleft()
             if size + len(each.data) > max_size:
-                if each.count > 1:
+                if each.number > 1:
                     waiting.extendleft(reversed(split_records(each.data)))
                     continue
                 if size > len(self._format.header):
