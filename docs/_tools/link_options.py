@@ -39,6 +39,7 @@ DESCRIPTIONS = {
     "corrupt": "probability that a byte is changed",
     "duplicate": "probability that a packet arrives twice",
     "hold": "extra delay of a reordered packet",
+    "impairment": "values of a modem: acoustic, acoustic-m64, acoustic-seatrac or iridium",
     "jitter": "random part of the delay",
     "latency": "delay",
     "loss": "probability that a packet is lost",

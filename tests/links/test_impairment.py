@@ -4,8 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mavstack.errors import InvalidArgumentError
+from mavstack.errors import InvalidArgumentError, LinkURLError
 from mavstack.links import Flow, Impairment
+from mavstack.links.impairment_profiles import PROFILES
 from mavstack.links.options import Options
 from mavstack.links.url import parse_url
 
@@ -142,3 +143,18 @@ def test_url_options():
 def test_values_out_of_range_are_refused(wrong):
     with pytest.raises(InvalidArgumentError, match="must be"):
         Impairment(**wrong)
+
+
+def test_modems_by_name():
+    acoustic = Impairment.from_options(
+        Options(parse_url("udpout://127.0.0.1:1?impairment=acoustic&loss=0.5"))
+    )
+    assert (acoustic.bandwidth, acoustic.latency, acoustic.loss) == (860, 0.35, 0.5)
+    for name in PROFILES:
+        model = Impairment.from_options(
+            Options(parse_url(f"udpout://127.0.0.1:1?impairment={name}&jitter=0s&loss=0"))
+        )
+        ((arrival, _),), _ = run(model, [(0.0, bytes(54))])
+        assert arrival == pytest.approx(54 / model.bandwidth + model.latency)
+    with pytest.raises(LinkURLError, match="acoustic"):
+        Impairment.from_options(Options(parse_url("udpout://127.0.0.1:1?impairment=pigeon")))

@@ -21,6 +21,7 @@ from itertools import count
 from typing import TYPE_CHECKING, Self
 
 from mavstack.errors import InvalidArgumentError
+from mavstack.links.impairment_profiles import PROFILES
 
 if TYPE_CHECKING:
     from mavstack.links.options import Options
@@ -81,18 +82,20 @@ class Impairment:
             LinkURLError: An option is malformed or out of range.
         """
         present = [field.name for field in fields(cls) if options.has(field.name)]
-        if not present:
+        modem = options.choice("impairment", ("none", *PROFILES))
+        if not present and modem == "none":
             return None
+        of_modem = PROFILES.get(modem, {})
         return cls(
-            loss=options.fraction("loss", 0.0),
+            loss=options.fraction("loss", of_modem.get("loss", 0.0)),
             duplicate=options.fraction("duplicate", 0.0),
             reorder=options.fraction("reorder", 0.0),
             corrupt=options.fraction("corrupt", 0.0),
-            latency=options.seconds("latency", 0.0),
-            jitter=options.seconds("jitter", 0.0),
+            latency=options.seconds("latency", of_modem.get("latency", 0.0)),
+            jitter=options.seconds("jitter", of_modem.get("jitter", 0.0)),
             hold=options.seconds("hold", 0.1),
-            bandwidth=options.size("bandwidth", 0),
-            queue=options.size("queue", 1 << 16),
+            bandwidth=float(options.size("bandwidth", 0)) or of_modem.get("bandwidth", 0.0),
+            queue=options.size("queue", int(of_modem.get("queue", 1 << 16))),
             seed=options.integer("seed", 0, minimum=0),
         )
 
