@@ -12,8 +12,8 @@ from tests.services.single_service import sent_by
 from tests.sim.harness import SimulationHarness, VehicleHarness
 
 CHECKS = {
-    "ardupilot": ("DID_ENABLE", 1, "OpenDroneID: "),
-    "px4": ("COM_ARM_ODID", 2, "Preflight Fail: Open Drone ID system "),
+    "ardupilot": ({"DID_ENABLE": 1, "DID_OPTIONS": 1}, "OpenDroneID: "),
+    "px4": ({"COM_ARM_ODID": 2}, "Preflight Fail: Open Drone ID system "),
 }
 
 
@@ -29,10 +29,11 @@ def problems(vehicle) -> list[str]:
 def test_arming_needs_the_operator(firmware):
     simulation = Simulation(seed=1)
     vehicle = simulation.add("copter", firmware, remote_id=True)
-    name, value, start = CHECKS[firmware]
+    parameters, start = CHECKS[firmware]
     simulation.advance(simulation.now + 30)
     assert problems(vehicle) == []
-    vehicle.parameters.set(name, value)
+    for name, value in parameters.items():
+        vehicle.parameters.set(name, value)
     assert [text.startswith(start) for text in problems(vehicle)] == [True]
     operator = Operator(47.0, 8.0, uas_id="1596F3")
     sender = RemoteIdSender(GROUND, 1, operator, vehicle.now)
@@ -56,3 +57,24 @@ def test_the_module_reports():
     vehicle = simulation.add("copter", "ardupilot", remote_id=True)
     assert vehicle.remote_id.problem == "missing BasicID"
     assert vehicle.remote_id._location().status == common.MavOdidStatus.GROUND
+
+
+def test_the_words_of_ardupilot():
+    """They are those of AP_OpenDroneID, in its order; without the option nothing is checked."""
+    simulation = Simulation(seed=1)
+    vehicle = simulation.add("copter", "ardupilot", remote_id=True)
+    simulation.advance(simulation.now + 5)
+    vehicle.parameters.set("DID_ENABLE", 1)
+    assert problems(vehicle) == []
+    vehicle.parameters.set("DID_OPTIONS", 1)
+    assert problems(vehicle) == ["OpenDroneID: UA_TYPE required in BasicID"]
+    harness = VehicleHarness(SimulationHarness.__new__(SimulationHarness), vehicle)
+    harness.simulation_harness.collect = lambda: None
+    harness.send(common.OpenDroneIdBasicId(id_type=1, ua_type=2, uas_id=b"1596F3".ljust(20, b"\0")))
+    assert problems(vehicle) == ["OpenDroneID: operator location must be set"]
+    harness.send(common.OpenDroneIdSystem(operator_latitude=470_000_000, operator_longitude=85_000_000))
+    assert problems(vehicle) == []
+    simulation.advance(simulation.now + 4)
+    assert problems(vehicle) == ["OpenDroneID: SYSTEM not available"]
+    vehicle.remote_id = None
+    assert problems(vehicle) == ["OpenDroneID: ARM_STATUS not available"]

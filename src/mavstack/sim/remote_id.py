@@ -2,7 +2,8 @@
 
 The module is the component ODID_TXRX_1. The vehicle may arm once the module knows who the vehicle is
 (OPEN_DRONE_ID_BASIC_ID) and where the operator is (OPEN_DRONE_ID_SYSTEM or its update, not older than 5 s).
-The autopilot sends OPEN_DRONE_ID_LOCATION each second.
+The autopilot sends OPEN_DRONE_ID_LOCATION each second. ArduPilot, with bit 0 of DID_OPTIONS, checks the
+messages of the operator itself, in this order and with these words. Source: ArduPilot, AP_OpenDroneID.
 """
 
 from __future__ import annotations
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 
 INTERVAL: Final = 1.0
 OPERATOR_TIMEOUT: Final = 5.0
+#: Seconds after which ArduPilot misses the operator or the status of the module.
+ARDUPILOT_TIMEOUT: Final = 3.0
 _UNKNOWN_DIRECTION, _UNKNOWN_ALTITUDE = 36_100, -1000.0
 
 
@@ -33,7 +36,7 @@ class RemoteIdModule(Service):
         super().__init__(Address(system, common.MavComponent.ODID_TXRX_1))
         self._vehicle = vehicle
         self._due = vehicle.now
-        self._is_known = False
+        self._is_known = self._has_type = False
         self._operator_at: float | None = None
         vehicle.engine.add(HeartbeatSender(self.local, common.MavType.ODID, common.MavAutopilot.INVALID))
         vehicle.engine.add(self)
@@ -49,10 +52,22 @@ class RemoteIdModule(Service):
             return "operator location is too old"
         return ""
 
+    @property
+    def ardupilot_problem(self) -> str:
+        """Why ArduPilot does not arm; empty if it does."""
+        if not self._has_type:
+            return "UA_TYPE required in BasicID"
+        if self._operator_at is None:
+            return "operator location must be set"
+        if self._vehicle.now - self._operator_at > ARDUPILOT_TIMEOUT:
+            return "SYSTEM not available"
+        return self.problem
+
     def receive(self, packet: Packet, now: float) -> None:
         match packet.message:
             case common.OpenDroneIdBasicId() as basic:
                 self._is_known = bool(bytes(basic.uas_id).strip(b"\0"))
+                self._has_type = basic.id_type != common.MavOdidIdType.NONE
             case common.OpenDroneIdSystem() | common.OpenDroneIdSystemUpdate() as place:
                 if place.operator_latitude or place.operator_longitude:
                     self._operator_at = now

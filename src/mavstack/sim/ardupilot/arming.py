@@ -34,6 +34,7 @@ _MIN_SATELLITES = 6
 _THROTTLE_LOW = 0.03
 _THROTTLE_NEUTRAL = 0.55
 _FENCES_WITH_POSITION = 0b110
+_WITHOUT_MODULE: Final = "ARM_STATUS not available"
 #: Bits of ARMING_MIS_ITEMS.
 _REQUIRED_ITEMS: Final = (
     (common.MavCmd.NAV_LAND, "land"),
@@ -216,10 +217,11 @@ def _fence(autopilot: SimulatedAutopilot) -> Iterator[str]:
 
 
 def _remote_id(autopilot: SimulatedAutopilot) -> Iterator[str]:
-    """Check the Remote ID module, if DID_ENABLE requires one."""
+    """Check the Remote ID module, if DID_ENABLE and the first bit of DID_OPTIONS require one."""
     vehicle = autopilot.vehicle
-    if int(_number(vehicle.parameters, "DID_ENABLE")):
-        problem = "transmitter not available" if vehicle.remote_id is None else vehicle.remote_id.problem
+    if int(_number(vehicle.parameters, "DID_ENABLE")) and int(_number(vehicle.parameters, "DID_OPTIONS")) & 1:
+        module = vehicle.remote_id
+        problem = _WITHOUT_MODULE if module is None else module.ardupilot_problem
         if problem:
             yield f"OpenDroneID: {problem}"
 

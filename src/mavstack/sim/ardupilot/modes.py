@@ -101,6 +101,7 @@ _COPTER_MODES: Final = (
     _mode(_COPTER.LAND, "LAND", Land, _STABILIZED, may_arm=False),
     _mode(_COPTER.POSHOLD, "POSHOLD", PositionHold, _GUIDED, needs_position=True, manual_control=True),
     _mode(_COPTER.BRAKE, "BRAKE", Brake, _GUIDED, needs_position=True, may_arm=False),
+    _mode(_COPTER.AVOID_ADSB, "AVOID_ADSB", Guided, _GUIDED, needs_position=True, may_arm=False),
     _mode(_COPTER.GUIDED_NOGPS, "GUIDED_NOGPS", Guided, _STABILIZED),
     _mode(_COPTER.SMART_RTL, "SMART_RTL", SmartReturn, _GUIDED, needs_position=True, may_arm=False),
     _mode(_COPTER.FOLLOW, "FOLLOW", Follow, _GUIDED, needs_position=True, may_arm=False),

@@ -32,6 +32,7 @@ from mavstack.sim.ardupilot.sd_card import flash_from_sd_card
 from mavstack.sim.ardupilot.simulation_parameters import SimulationParameters
 from mavstack.sim.ardupilot.terrain import register_terrain
 from mavstack.sim.ardupilot.texts import BootTexts, armed_text, disarmed_text
+from mavstack.sim.ardupilot.traffic_avoidance import TrafficAvoidance
 from mavstack.sim.autopilot.commands.home import home_position
 from mavstack.sim.autopilot.firmware_profile import FirmwareProfile
 from mavstack.sim.autopilot.origin import OriginReceiver
@@ -98,6 +99,7 @@ class ArdupilotProfile(FirmwareProfile):
             autopilot.watches.append(RegionOfInterestYaw(autopilot))
         if self.vehicle_type is VehicleType.COPTER:
             autopilot.watches += [CompassMotorCalibration(autopilot), EscCalibration(autopilot)]
+            TrafficAvoidance(autopilot)
             if vehicle.proximity:
                 enable_avoidance(autopilot)
         watch_home(autopilot, self.vehicle_type)

@@ -29,6 +29,7 @@ from mavstack.sim.px4.log_streaming import LogStreaming
 from mavstack.sim.px4.mode_selection import mode_refusal_of
 from mavstack.sim.px4.shell import Console, MessageLog
 from mavstack.sim.px4.state import BY_COMMAND, BY_FAILSAFE, BY_LANDING, Px4State
+from mavstack.sim.px4.traffic_avoidance import TrafficAvoidance
 from mavstack.sim.telemetry import publish_px4
 from mavstack.sim.vehicle_types import VehicleType
 
@@ -94,6 +95,7 @@ class Px4Profile(FirmwareProfile):
         Px4Failsafes(autopilot)
         if vehicle.proximity and self.vehicle_type is VehicleType.COPTER:
             LimitedVelocity(autopilot, partial(collision_margin, autopilot))
+        TrafficAvoidance(autopilot)
         register_external_gps(vehicle)
         register_external_vision(vehicle)
         OriginReceiver.add_to(vehicle)
