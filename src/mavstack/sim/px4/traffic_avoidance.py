@@ -2,7 +2,7 @@
 
 An aircraft conflicts if its course leads past the vehicle within NAV_TRAFF_A_HOR metres, its altitude differs
 by less than NAV_TRAFF_A_VER, and the two could meet within NAV_TRAFF_COLL_T seconds at the sum of their
-speeds. A conflict is reported when it begins, and again after a minute. A real PX4 sends events; here they are
+speeds. A conflict is reported when it begins, and again after a minute. A real PX4 sends events; these are
 status texts. Source: PX4, lib/adsb and modules/navigator.
 """
 
