@@ -49,7 +49,7 @@ class TrafficAvoidance:
             aside = self._miss(contact.moved(now))
             if aside is None:
                 if self._conflicts.pop(contact.address, None) is not None:
-                    self._say(f"Traffic Conflict Resolved {contact.address}!")
+                    self._report(f"Traffic Conflict Resolved {contact.address}!")
             elif now - self._conflicts.get(contact.address, float("-inf")) > REMINDER:
                 self._conflicts[contact.address] = now
                 self._act(contact, aside, mode)
@@ -75,14 +75,14 @@ class TrafficAvoidance:
     def _act(self, contact: Contact, aside: float, mode: int) -> None:
         heading = round(degrees(atan2(contact.velocity_east, contact.velocity_north)))
         number, words = _ACTIONS.get(mode, (None, ""))
-        self._say(
+        self._report(
             f"Traffic alert - ICAO Address {contact.address}! Separation Distance {aside:.0f}, "
             f"Heading {heading}{words}"
         )
         if number is not None and self._autopilot.mode.number != number:
             self._autopilot.enter(number, "traffic")
 
-    def _say(self, text: str) -> None:
+    def _report(self, text: str) -> None:
         self._autopilot.vehicle.send_statustext(text, common.MavSeverity.NOTICE)
 
     def _number(self, name: str, default: float) -> float:
