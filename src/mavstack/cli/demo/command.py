@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from contextlib import AsyncExitStack
+from contextlib import AsyncExitStack, nullcontext
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.cli.common.ending_signals import run_until_signal
@@ -24,6 +24,7 @@ EXAMPLES: Final = """\
 examples:
   mav demo                     # eight vehicles on missions, live, until Ctrl-C
   mav demo --web               # with the ground station in the browser
+  mav demo --swarm             # six copters as one: a formation, a show and a search
   mav demo --speed 5           # five times as fast
   mav demo --for 60 --once     # a summary after one simulated minute
   mav demo --once --json       # the summary as one JSON object
@@ -36,6 +37,7 @@ With --out udpout://127.0.0.1:14550 another terminal or a ground station can wat
 _OWN_SYSTEM: Final = 254
 #: Simulated seconds before a summary.
 _SUMMARY_DURATION: Final = 60.0
+_SWARM_DURATION: Final = 330.0
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -52,6 +54,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="URL",
         help="link on which other programs can reach the vehicles with MAVLink",
     )
+    add("--swarm", action="store_true", help="six copters as a swarm: a formation, a show and a search")
     add("--web", action="store_true", help="serve the ground station in the browser too")
     add(
         "--port",
@@ -79,6 +82,7 @@ async def _demo(arguments: Namespace) -> int:
     from mavstack.cli.demo.flights import add_vehicles, fly_missions
     from mavstack.cli.demo.racing_drone import add_racing_drone, bridged
     from mavstack.cli.demo.station import station_served
+    from mavstack.cli.demo.swarm_flights import add_swarm, fly_swarm
     from mavstack.cli.watch.link_follower import background_tasks
     from mavstack.dialects import Dialect
     from mavstack.links import MemoryNetwork
@@ -88,16 +92,20 @@ async def _demo(arguments: Namespace) -> int:
 
     dialect = Dialect.load("all")
     simulation, fleet, network = Simulation(seed=arguments.seed), FleetState(dialect), MemoryNetwork()
-    vehicles, drone = add_vehicles(simulation), add_racing_drone(simulation)
+    drone = None if arguments.swarm else add_racing_drone(simulation)
+    vehicles = add_swarm(simulation) if arguments.swarm else add_vehicles(simulation)
     async with Runner(simulation, speed=arguments.speed) as runner:
         await runner.connect(network.link(), vehicles)
         urls = with_link_options(arguments.out, arguments)
         announce_exposure("demo", [await runner.connect(url, vehicles) for url in urls])
         async with (
-            bridged(runner, drone, network),
+            nullcontext() if drone is None else bridged(runner, drone, network),
             # The station beside it has the default ids; answers go to the one that asked.
             Node(network.link(), dialect=dialect, system=_OWN_SYSTEM) as ground,
-            background_tasks(_observe(ground, fleet), fly_missions(ground, vehicles)),
+            background_tasks(
+                _observe(ground, fleet),
+                fly_swarm(network, fleet.announce) if arguments.swarm else fly_missions(ground, vehicles),
+            ),
             AsyncExitStack() as stack,
         ):
             if arguments.web:
@@ -120,7 +128,7 @@ async def _show(runner: Runner, fleet: FleetState, arguments: Namespace) -> None
     from mavstack.cli.watch.link_follower import background_tasks
 
     if arguments.once:
-        await runner.run(arguments.seconds or _SUMMARY_DURATION)
+        await runner.run(arguments.seconds or (_SWARM_DURATION if arguments.swarm else _SUMMARY_DURATION))
         _print_summary(fleet, arguments)
         return
     if arguments.quiet:
@@ -128,7 +136,8 @@ async def _show(runner: Runner, fleet: FleetState, arguments: Namespace) -> None
         return
     from mavstack.cli.demo.fleet_display import FleetDisplay
 
-    title = f"eight simulated vehicles{f' on {arguments.out[0]}' if arguments.out else ''}"
+    title = "six copters as a swarm" if arguments.swarm else "eight simulated vehicles"
+    title += f" on {arguments.out[0]}" if arguments.out else ""
     with FleetDisplay(title, fleet) as display:
         async with background_tasks(display.run()):
             await runner.run(arguments.seconds)
@@ -152,8 +161,10 @@ def _print_summary(fleet: FleetState, arguments: Namespace) -> None:
     vehicles = [_summary(fleet, system) for system in sorted(fleet.vehicles)]
     if arguments.json:
         texts = [{"system": system, "text": text} for _, system, text in fleet.texts]
-        echo_json({"vehicles": vehicles, "texts": texts})
+        echo_json({"vehicles": vehicles, "texts": texts, "parts": fleet.parts})
         return
+    if fleet.parts:
+        echo(f"flown: {'; '.join(fleet.parts)}")
     echo(f"{'ID':>3}  {'VEHICLE':<28}{'MODE':<12}{'HEIGHT':>9}{'SPEED':>10}  {'BATTERY':>7}  ITEM")
     for each in vehicles:
         height, speed = f"{each['height_m']:.1f} m", f"{each['speed_m_s']:.1f} m/s"

@@ -39,7 +39,8 @@ class FleetDisplay(LiveDisplay["FleetSnapshot"]):
 
     def lines(self, snapshot: FleetSnapshot, width: int, height: int) -> list[Text]:
         """Return the lines of a snapshot."""
-        return render(snapshot, self._title, width, height, snapshot.now - self._started)
+        title = f"{self._title}: {self._fleet.parts[-1]}" if self._fleet.parts else self._title
+        return render(snapshot, title, width, height, snapshot.now - self._started)
 
 
 def render(snapshot: FleetSnapshot, title: str, width: int, height: int, seconds: float) -> list[Text]:

@@ -73,6 +73,12 @@ class FleetState:
         self._dialect = dialect
         self.vehicles: dict[int, FleetVehicle] = {}
         self.texts: deque[tuple[float, int, str]] = deque(maxlen=_MAX_TEXTS)
+        #: The parts of the flight that were announced, in order.
+        self.parts: list[str] = []
+
+    def announce(self, part: str) -> None:
+        """Note that a part of the flight begins."""
+        self.parts.append(part)
 
     def update(self, packet: Packet, now: float) -> None:
         """Update the state from a packet."""
