@@ -109,14 +109,15 @@ async def _fly_repeatedly(ground: Node, flight: Flight, vehicle: SimulatedVehicl
     while True:
         try:
             await _start(remote, flight)
-            await _end_of_flight(remote)
+            await end_of_flight(remote)
         except MavstackError:
             await asyncio.sleep(_RETRY_DELAY)  # not ready yet; its status texts say why
         vehicle.faults.inject("battery 100")
         await asyncio.sleep(_RETRY_DELAY)
 
 
-async def _end_of_flight(remote: RemoteComponent) -> None:
+async def end_of_flight(remote: RemoteComponent) -> None:
+    """Wait until a vehicle is disarmed."""
     async with remote.stream(common.Heartbeat) as heartbeats:
         async for heartbeat in heartbeats:
             if not heartbeat.base_mode & common.MavModeFlag.SAFETY_ARMED:

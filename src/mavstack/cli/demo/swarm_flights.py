@@ -1,4 +1,4 @@
-"""The flights of `mav demo --swarm`: six copters fly a formation, a short show and a search, again and again."""
+"""The flights of `mav demo --swarm`: six copters fly a formation, a show and a search, again and again."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import asyncio
 import math
 from typing import TYPE_CHECKING, Final
 
+from mavstack.cli.demo.flights import end_of_flight
 from mavstack.errors import MavstackError
 from mavstack.geodesy import LocalFrame
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
@@ -34,7 +35,6 @@ _CIRCLE: Final = 60.0
 _CLIMB: Final = 14.0
 #: Curves of the circle.
 _ARCS: Final = 8
-_POLL: Final = 0.5
 
 
 def add_swarm(simulation: Simulation) -> list[SimulatedVehicle]:
@@ -90,8 +90,7 @@ async def _search(group: Group, announce: Callable[[str], None]) -> None:
     mission = MissionOptions(altitude=_HEIGHT, layer_spacing=5.0, speed=8.0)
     results = await group.search("parallel", (latitude, longitude), size=120.0, spacing=15.0, mission=mission)
     results.check()
-    while any(vehicle.armed for vehicle in group):
-        await asyncio.sleep(_POLL)
+    await asyncio.gather(*(end_of_flight(vehicle.component) for vehicle in group))
 
 
 def circle_show() -> Show:
