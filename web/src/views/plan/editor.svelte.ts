@@ -27,7 +27,7 @@ import { altitudeFor, CAMERAS, PATTERN, spacingOf, summaryOf, type Camera, type 
 import { isWing } from './logic/path';
 import { patternOf, shapeOf, withPattern, type PatternRun } from './logic/patterns';
 import { statisticsOf } from './logic/statistics';
-import { maxEdgeAngle, surveyLanes } from './logic/survey';
+import { fewestLanesAngle, surveyLanes } from './logic/survey';
 import type { Profile } from './logic/terrain';
 import { currentItemOf, firmwareFor, forVehicle, knownHome, placeOfVehicle } from './selectedVehicle';
 
@@ -334,7 +334,7 @@ export class Editor {
   }
 
   get laneAngle(): number {
-    return this.angle ?? maxEdgeAngle(this.draft);
+    return this.angle ?? fewestLanesAngle(this.draft);
   }
 
   /** The lanes of the pattern that is drawn. */

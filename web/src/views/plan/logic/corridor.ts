@@ -1,6 +1,8 @@
 /** A corridor: lanes beside a line, such as a road or a pipeline. */
 
-import { centre, fromLocal, toLocal, type Local, type Point } from './geo';
+import { toDegrees, toMetres } from '$lib/map/localFrame';
+
+import type { Local, Point } from './geo';
 import { MAX_LANES, TOLERANCE, type Lane } from './pattern';
 
 export interface CorridorOptions {
@@ -14,25 +16,27 @@ export interface CorridorOptions {
 
 /** Returns the lanes in the order of flight; each one is a path of as many points as the line has. */
 export function corridorLanes(line: readonly Point[], options: CorridorOptions): Lane[] {
-  const origin = centre(line);
+  const origin = line[0] ?? { latitude: 0, longitude: 0 };
   const path = placesOf(origin, options.reverse ? [...line].reverse() : line);
   if (path.length < 2 || !(options.spacing > 0) || !(options.width >= 0)) return [];
   const count = Math.max(1, Math.ceil(options.width / options.spacing - TOLERANCE));
   if (count > MAX_LANES) return [];
   return Array.from({ length: count }, (_, index) => {
-    const lane = shifted(path, (index - (count - 1) / 2) * options.spacing);
-    return (index % 2 ? lane.reverse() : lane).map((place) => fromLocal(origin, place));
+    const lane = shifted(path, ((index + 0.5) / count - 0.5) * options.width);
+    return (index % 2 ? lane.reverse() : lane).map((place) => placeAt(origin, place));
   });
 }
 
 /** Returns the outline of a corridor. */
 export function corridorOutline(line: readonly Point[], width: number): Point[] {
-  const origin = centre(line);
+  const origin = line[0] ?? { latitude: 0, longitude: 0 };
   const path = placesOf(origin, line);
   if (path.length < 2) return [];
   const sides = [...shifted(path, width / 2), ...shifted(path, -width / 2).reverse()];
-  return sides.map((place) => fromLocal(origin, place));
+  return sides.map((place) => placeAt(origin, place));
 }
+
+const placeAt = (origin: Point, { x, y }: Local): Point => toDegrees(origin, [y, x]);
 
 /** The factor by which a sharp corner may lie farther from the line than the lane. */
 const MAX_MITRE = 3;
@@ -41,7 +45,10 @@ const MAX_MITRE = 3;
 const MIN_SEGMENT = 0.01;
 
 function placesOf(origin: Point, line: readonly Point[]): Local[] {
-  const places = line.map((each) => toLocal(origin, each));
+  const places = line.map((each): Local => {
+    const [y, x] = toMetres(origin, each);
+    return { x, y };
+  });
   return places.filter((place, index) => {
     const before = places[index - 1];
     return before === undefined || Math.hypot(place.x - before.x, place.y - before.y) >= MIN_SEGMENT;

@@ -34,21 +34,6 @@ export function toLocal(origin: Point, point: Point): Local {
   };
 }
 
-/** Returns the point of a place in the tangent plane of an origin. */
-export function fromLocal(origin: Point, place: Local): Point {
-  const scale = EARTH_RADIUS * DEGREE;
-  return {
-    latitude: origin.latitude + place.y / scale,
-    longitude: wrap(origin.longitude + place.x / (scale * Math.cos(origin.latitude * DEGREE))),
-  };
-}
-
-/** Returns a place turned clockwise around the origin, as headings count. */
-export function rotate(place: Local, degrees: number): Local {
-  const [sine, cosine] = [Math.sin(degrees * DEGREE), Math.cos(degrees * DEGREE)];
-  return { x: place.x * cosine + place.y * sine, y: place.y * cosine - place.x * sine };
-}
-
 /** Returns the centre of the bounding box of points. */
 export function centre(points: readonly Point[]): Point {
   const first = points[0] ?? { latitude: 0, longitude: 0 };

@@ -1,10 +1,13 @@
-/** A survey: parallel lanes over a polygon, which may be concave. */
+/** A survey: parallel lanes over a polygon, which may be concave, by the planner of the station and of Python. */
 
-import { centre, fromLocal, rotate, toLocal, type Local, type Point } from './geo';
-import { MAX_LANES, TOLERANCE, type Lane } from './pattern';
+import { toDegrees, toMetres } from '$lib/map/localFrame';
+
+import { bestBearing, cover, orderTracks, ringSize, toSweep, type Track } from './areas';
+import type { Point } from './geo';
+import { MAX_LANES, type Lane } from './pattern';
 
 export interface SurveyOptions {
-  /** Metres between lanes. */
+  /** Metres between lanes, at most. */
   readonly spacing: number;
   /** Heading of the lanes in degrees. */
   readonly angle: number;
@@ -12,69 +15,49 @@ export interface SurveyOptions {
   readonly start?: number;
   /** Fly a second set of lanes across the first one. */
   readonly crosshatch?: boolean;
+  /** Metres that a wing needs for a turn; lanes are interleaved. */
+  readonly turnRadius?: number;
+  /** Regions that are left out. */
+  readonly obstacles?: readonly (readonly Point[])[];
 }
 
-/** Metres below which a lane is none. */
+/** Square metres below which a polygon has no area. */
+const MIN_SIZE = 0.01;
+/** Metres below which a lane only touches a corner. */
 const MIN_LANE = 0.01;
 
 /** Returns the lanes in the order of flight; an empty list if the spacing or the polygon is not possible. */
 export function surveyLanes(polygon: readonly Point[], options: SurveyOptions): Lane[] {
-  const lanes = oneDirection(polygon, options.spacing, options.angle, options.start ?? 0);
-  if (!options.crosshatch || lanes.length === 0) return lanes;
-  const across = oneDirection(polygon, options.spacing, options.angle + 90, options.start ?? 0);
-  return across.length === 0 ? [] : [...lanes, ...across];
-}
-
-function oneDirection(polygon: readonly Point[], spacing: number, angle: number, start: number): Lane[] {
-  if (polygon.length < 3 || !(spacing > 0)) return [];
-  const origin = centre(polygon);
-  // Turned so that the lanes run to the north (along y): a lane is a line of constant x.
-  const places = polygon.map((each) => rotate(toLocal(origin, each), -angle));
-  const west = Math.min(...places.map((each) => each.x));
-  const width = Math.max(...places.map((each) => each.x)) - west;
-  const count = Math.max(1, Math.ceil(width / spacing - TOLERANCE));
-  if (count > MAX_LANES) return [];
-  const margin = (width - (count - 1) * spacing) / 2;
-  const rows = Array.from({ length: count }, (_, index) => crossings(places, west + margin + index * spacing));
-  if (start & 1) rows.reverse();
-  const back = (place: Local): Point => fromLocal(origin, rotate(place, angle));
-  return rows.flatMap((row, index) => {
-    const forward = (index % 2 === 0) !== Boolean(start & 2);
-    const parts = forward ? row : row.map(([low, high]) => [high, low] as const).reverse();
-    return parts.map(([from, to]) => [back(from), back(to)]);
-  });
-}
-
-/** Returns the parts of the line of an x that are inside of a polygon, from south to north. */
-function crossings(places: readonly Local[], x: number): (readonly [Local, Local])[] {
-  const found: number[] = [];
-  places.forEach((from, index) => {
-    const to = places[(index + 1) % places.length]!;
-    if (from.x <= x === to.x <= x) return;
-    found.push(from.y + ((x - from.x) * (to.y - from.y)) / (to.x - from.x));
-  });
-  found.sort((a, b) => a - b);
-  const parts: (readonly [Local, Local])[] = [];
-  for (let index = 0; index + 1 < found.length; index += 2) {
-    // A line that only touches a corner has no length inside.
-    if (found[index + 1]! - found[index]! < MIN_LANE) continue;
-    parts.push([
-      { x, y: found[index]! },
-      { x, y: found[index + 1]! },
-    ]);
+  const { spacing, angle, start = 0, turnRadius = 0, obstacles = [] } = options;
+  const origin = polygon[0];
+  if (origin === undefined || polygon.length < 3 || !(spacing > 0)) return [];
+  const rings = [polygon, ...obstacles].map((ring) => ring.map((each) => toMetres(origin, each)));
+  if (ringSize(rings[0]!) < MIN_SIZE) return [];
+  const ordered: Track[] = [];
+  for (const bearing of options.crosshatch ? [angle, angle + 90] : [angle]) {
+    const cells = cover(rings, spacing, bearing, MAX_LANES);
+    if (cells.length === 0) return [];
+    // The first corner is the one at which the planner begins by itself.
+    const from = ordered.at(-1)?.end ?? (start > 0 ? cornerOf(rings[0]!, angle, start) : null);
+    ordered.push(...orderTracks(cells, from, turnRadius));
   }
-  return parts;
+  return ordered
+    .filter((track) => Math.hypot(track.end[0] - track.start[0], track.end[1] - track.start[1]) >= MIN_LANE)
+    .map((track) => [toDegrees(origin, track.start), toDegrees(origin, track.end)]);
 }
 
-/** Returns the angle of lanes along the longest edge, which needs the fewest turns for most areas. */
-export function maxEdgeAngle(polygon: readonly Point[]): number {
-  const origin = centre(polygon);
-  const places = polygon.map((each) => toLocal(origin, each));
-  let [longest, angle] = [0, 0];
-  places.forEach((from, index) => {
-    const to = places[(index + 1) % places.length]!;
-    const length = Math.hypot(to.x - from.x, to.y - from.y);
-    if (length > longest) [longest, angle] = [length, (Math.atan2(to.x - from.x, to.y - from.y) * 180) / Math.PI];
-  });
-  return Math.round(((angle % 180) + 180) % 180);
+/** Returns a corner of the box around an area, along the lanes: bit 0 is the right side, bit 1 the far end. */
+function cornerOf(outline: Parameters<typeof toSweep>[0], angle: number, start: number): readonly [number, number] {
+  const swept = toSweep(outline, angle);
+  const pick = (values: number[], isHigh: boolean): number => (isHigh ? Math.max(...values) : Math.min(...values));
+  const along = swept.map(([each]) => each);
+  const across = swept.map(([, each]) => each);
+  return toSweep([[pick(along, (start & 2) !== 0), pick(across, (start & 1) !== 0)]], -angle)[0]!;
+}
+
+/** Returns the angle of lanes that needs the fewest turns. */
+export function fewestLanesAngle(polygon: readonly Point[]): number {
+  const origin = polygon[0];
+  if (origin === undefined || polygon.length < 3) return 0;
+  return Math.round(bestBearing(polygon.map((each) => toMetres(origin, each)))) % 180;
 }
