@@ -45,13 +45,13 @@ export function bestBearing(outline: Ring): number {
   return ranked[0]!.bearing;
 }
 
-/** Returns the tracks of each cell, side by side, all in one direction; empty: there would be more than `most`. */
-export function cover(rings: readonly Ring[], spacing: number, bearing: number, most: number): Track[][] {
+/** Returns the tracks of each cell, side by side, all in one direction; empty: there would be more than `limit`. */
+export function cover(rings: readonly Ring[], spacing: number, bearing: number, limit: number): Track[][] {
   const swept = rings.map((ring) => toSweep(ring, bearing));
   const heights = swept[0]!.map(([, height]) => height);
   const low = Math.min(...heights);
   const strips = Math.max(1, Math.ceil((Math.max(...heights) - low) / spacing - SAME));
-  if (strips > most) return [];
+  if (strips > limit) return [];
   const width = (Math.max(...heights) - low) / strips;
   const rows = Array.from({ length: strips }, (_, index) => stripIntervals(swept, low + index * width, width));
   return cellsOf(rows).map((cell) =>
@@ -222,8 +222,8 @@ function waysThrough(cell: readonly Track[], turnRadius: number): Track[][] {
 /** Returns rows so that consecutive ones are two radii apart, for wings. */
 function interleaved(rows: Track[], turnRadius: number): Track[] {
   if (turnRadius <= 0 || rows.length < 3) return rows;
-  const most = Math.floor((rows.length + 1) / 2);
-  const skip = Math.min(Math.max(1, Math.ceil((2 * turnRadius) / rowDistance(rows) - SAME) + 1), most);
+  const half = Math.floor((rows.length + 1) / 2);
+  const skip = Math.min(Math.max(1, Math.ceil((2 * turnRadius) / rowDistance(rows) - SAME) + 1), half);
   if (skip <= 2) return rows;
   const ordered: Track[] = [];
   for (let begin = 0; begin < rows.length; begin += 2 * skip - 1) {
