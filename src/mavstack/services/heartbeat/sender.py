@@ -40,6 +40,8 @@ class HeartbeatSender(Service):
         self.custom_mode = 0
         self.system_status: int = common.MavState.ACTIVE
         self.interval = interval
+        #: False while no heartbeats are sent, as over a link of high latency.
+        self.enabled = True
         self._due = 0.0
 
     def send_now(self, now: float) -> None:
@@ -55,6 +57,8 @@ class HeartbeatSender(Service):
         # The rate does not drift, but heartbeats missed during a stall are not sent later.
         late = now - self._due
         self._due = now + self.interval - (late if late < self.interval else 0.0)
+        if not self.enabled:
+            return
         self.send(
             common.Heartbeat(
                 type=self.type,

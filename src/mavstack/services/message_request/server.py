@@ -145,6 +145,12 @@ class MessageServer(Service):
         stream.default = _microseconds(interval)
         self._change(stream, stream.default, now)
 
+    def stop_streams(self, now: float) -> None:
+        """Send every message on request only, until its interval is set again."""
+        for stream in self._streams.values():
+            stream.default = 0
+            self._change(stream, 0, now)
+
     def provide_instances(self, message: type[Message] | int, producer: InstanceProducer) -> None:
         """Answer requests for a message of which there are several, by index or id."""
         message_id = message_id_of(message)

@@ -92,6 +92,8 @@ class ModeServer(Service):
         self._modes = _checked(modes)
         self._current = self._intended = self._named(current)
         self._listings: dict[Address, deque[int]] = {}
+        #: False while CURRENT_MODE is not sent by itself, as over a link of high latency.
+        self.enabled = True
         self._current_due = 0.0
         self._monitor_due: float | None = None
 
@@ -201,7 +203,8 @@ class ModeServer(Service):
     def handle_timeout(self, now: float) -> None:
         if now >= self._current_due:
             self._current_due = now + CURRENT_INTERVAL
-            self.send(self._current_mode(), BROADCAST, Priority.STREAM)
+            if self.enabled:
+                self.send(self._current_mode(), BROADCAST, Priority.STREAM)
         if self._monitor_due is not None and now >= self._monitor_due:
             self._monitor_due = now + MONITOR_INTERVAL
             self.send(common.AvailableModesMonitor(seq=self.sequence), BROADCAST, Priority.STREAM)

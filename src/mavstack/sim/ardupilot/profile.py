@@ -38,7 +38,7 @@ from mavstack.sim.autopilot.firmware_profile import FirmwareProfile
 from mavstack.sim.autopilot.origin import OriginReceiver
 from mavstack.sim.can import CanDevices
 from mavstack.sim.parameters import served_metadata
-from mavstack.sim.telemetry import publish_ardupilot
+from mavstack.sim.telemetry import HighLatency, publish_ardupilot
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
@@ -129,6 +129,7 @@ class ArdupilotProfile(FirmwareProfile):
             lambda: vehicle.uptime,
         )
         provide_versions(vehicle.messages, version_of(vehicle))
+        HighLatency(vehicle)
 
     def booted(self, vehicle: SimulatedVehicle) -> None:
         """Send the first status text; `BootTexts` sends the others."""

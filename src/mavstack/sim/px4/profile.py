@@ -30,7 +30,7 @@ from mavstack.sim.px4.mode_selection import mode_refusal_of
 from mavstack.sim.px4.shell import Console, MessageLog
 from mavstack.sim.px4.state import BY_COMMAND, BY_FAILSAFE, BY_LANDING, Px4State
 from mavstack.sim.px4.traffic_avoidance import TrafficAvoidance
-from mavstack.sim.telemetry import publish_px4
+from mavstack.sim.telemetry import HighLatency, publish_px4
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
@@ -114,6 +114,7 @@ class Px4Profile(FirmwareProfile):
             lambda: vehicle.uptime,
         )
         provide_versions(vehicle.messages, version_of(vehicle))
+        HighLatency(vehicle)
 
     # Status texts
 

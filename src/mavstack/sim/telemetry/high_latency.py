@@ -1,0 +1,122 @@
+"""HIGH_LATENCY2 in place of all streams, on vehicles whose link is one of high latency.
+
+ArduPilot has such a link with SERIAL1_PROTOCOL 43, PX4 with MAV_0_MODE 6 (`mavlink start -m iridium`). It
+sends no heartbeat and no stream; MAV_CMD_CONTROL_HIGH_LATENCY starts and ends HIGH_LATENCY2, every 5 s from
+ArduPilot and every 67 s from PX4. Without such a link PX4 answers FAILED, ArduPilot ACCEPTED.
+"""
+
+from __future__ import annotations
+
+from math import atan2, degrees, hypot
+from typing import TYPE_CHECKING, Final
+
+from mavstack.dialects import common
+from mavstack.sim.telemetry.scaling import degrees_e7, int16, percent, uint8, uint16
+from mavstack.sim.telemetry.view import VehicleView
+from mavstack.sim.vehicle_types import Firmware
+
+if TYPE_CHECKING:
+    from mavstack.services.command import CommandRequest
+    from mavstack.sim.vehicle import SimulatedVehicle
+
+#: Seconds between two messages.
+INTERVALS: Final = {Firmware.ARDUPILOT: 5.0, Firmware.PX4: 1 / 0.015}
+#: The parameter of each firmware, and its value for a link of high latency.
+_PARAMETERS: Final = {Firmware.ARDUPILOT: ("SERIAL1_PROTOCOL", 43), Firmware.PX4: ("MAV_0_MODE", 6)}
+_RESULT, _FLAG = common.MavResult, common.HlFailureFlag
+_UNKNOWN_CUSTOM: Final = -128
+_LOW_BATTERY: Final = 0.15
+_MAX_INT8: Final = 127
+
+
+class HighLatency:
+    """The link of high latency of one boot."""
+
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
+        self._vehicle = vehicle
+        self._view = VehicleView(vehicle)
+        name, value = _PARAMETERS[vehicle.firmware]
+        #: True if the vehicle's link is one of high latency.
+        self.is_used = int(vehicle.parameters.get(name, 0)) == value
+        vehicle.messages.provide(common.HighLatency2, self.message)
+        vehicle.commands.support(common.MavCmd.CONTROL_HIGH_LATENCY, self._control)
+        vehicle.services.beacon.enabled = vehicle.modes.enabled = not self.is_used
+        if self.is_used:
+            vehicle.messages.stop_streams(vehicle.now)
+
+    def _control(self, request: CommandRequest) -> common.MavResult:
+        vehicle, wanted = self._vehicle, request.command.param1
+        if vehicle.firmware is Firmware.PX4:
+            if not self.is_used:
+                text = "Control high latency failed! Telemetry unavailable"
+                vehicle.send_statustext(text, common.MavSeverity.CRITICAL)
+                return _RESULT.FAILED
+            is_on = wanted > 0.5
+        else:
+            if wanted not in (0.0, 1.0):
+                return _RESULT.FAILED
+            is_on = wanted == 1.0
+            text = f"High Latency {'enabled' if is_on else 'disabled'}"
+            vehicle.send_statustext(text, common.MavSeverity.NOTICE)
+        if self.is_used:
+            interval = INTERVALS[vehicle.firmware] if is_on else 0.0
+            vehicle.messages.set_interval(common.HighLatency2, interval, vehicle.now)
+            vehicle.touch(vehicle.messages)
+        return _RESULT.ACCEPTED
+
+    def message(self, now: float) -> common.HighLatency2:
+        """Return HIGH_LATENCY2."""
+        view, vehicle = self._view, self._vehicle
+        autopilot, body, estimate = vehicle.autopilot, vehicle.body, vehicle.body.estimate
+        is_px4 = vehicle.firmware is Firmware.PX4
+        base_mode = int(autopilot.base_mode)
+        heading = round(degrees(estimate.yaw) % 360.0 / 2) % 180
+        distance, bearing, height = self._target()
+        return common.HighLatency2(
+            timestamp=view.milliseconds(now),
+            type=vehicle.profile.mav_type(vehicle),
+            autopilot=vehicle.firmware.mav_autopilot,
+            custom_mode=autopilot.mode.number >> 16 if is_px4 else autopilot.mode.number,
+            latitude=degrees_e7(view.position.latitude),
+            longitude=degrees_e7(view.position.longitude),
+            altitude=int16(view.position.altitude),
+            target_altitude=int16(height),
+            heading=heading,
+            target_heading=round(bearing / 2) % 180,
+            target_distance=uint16(distance / 10),
+            throttle=uint8(min(max(body.throttle, 0.0), 1.0) * 100),
+            airspeed=uint8(min(body.airspeed * 5, 255)),
+            groundspeed=uint8(min(hypot(estimate.velocity_north, estimate.velocity_east) * 5, 255)),
+            eph=uint8(min(view.sensors.gps_eph * 10, 255)),
+            epv=uint8(min(view.sensors.gps_epv * 10, 255)),
+            temperature_air=int(min(max(view.sensors.temperature, -127), _MAX_INT8)),
+            climb_rate=int(min(max(-estimate.velocity_down * 10, -_MAX_INT8), _MAX_INT8)),
+            battery=percent(body.battery.remaining),
+            wp_num=vehicle.mission.current & 0xFFFF,
+            failure_flags=self._failures(),
+            custom0=_UNKNOWN_CUSTOM if is_px4 else base_mode - 256 * (base_mode > _MAX_INT8),
+            custom1=_UNKNOWN_CUSTOM if is_px4 else 0,
+            custom2=_UNKNOWN_CUSTOM if is_px4 else 0,
+        )
+
+    def _target(self) -> tuple[float, float, float]:
+        """Return distance (m), bearing (degrees) and altitude (m) of the target."""
+        estimate, target = self._vehicle.body.estimate, self._vehicle.autopilot.target
+        if target is None:
+            return 0.0, 0.0, self._view.position.altitude
+        north, east = target[0] - estimate.north, target[1] - estimate.east
+        altitude = self._view.position.altitude + estimate.down - target[2]
+        return hypot(north, east), degrees(atan2(east, north)) % 360.0, altitude
+
+    def _failures(self) -> int:
+        view, failsafes = self._view, " ".join(self._vehicle.autopilot.failsafes)
+        flags = _FLAG(0)
+        if not view.health.horizontal:
+            flags |= _FLAG.GPS | _FLAG.ESTIMATOR
+        if view.body.battery.remaining < _LOW_BATTERY:
+            flags |= _FLAG.BATTERY
+        if "radio" in failsafes:
+            flags |= _FLAG.RC_RECEIVER
+        if "fence" in failsafes:
+            flags |= _FLAG.GEOFENCE
+        return int(flags)
