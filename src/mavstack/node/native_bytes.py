@@ -11,7 +11,7 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Final
 
 from mavstack._core import Intake
-from mavstack.node.message_fields import POSITION_FIELDS
+from mavstack.node.message_fields import HEADING_FIELDS, POSITION_FIELDS
 from mavstack.node.native_input import is_possible
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ class _Reader:
 
     def __init__(self, dialect: Dialect) -> None:
         self._loop = asyncio.get_running_loop()
-        self._intake = Intake(dialect, {}, POSITION_FIELDS)
+        self._intake = Intake(dialect, {}, POSITION_FIELDS, HEADING_FIELDS)
         self._reading: NativeReading | None = None
         self._timer: asyncio.TimerHandle | None = None
         self._descriptor = -1
@@ -90,7 +90,7 @@ class _Reader:
 
     def _deliver(self, reading: NativeReading) -> bool:
         """Pass what was read to the link; return whether there was any."""
-        _, datagrams, _, overloaded = self._intake.take()
+        _, datagrams, _, overloaded, _ = self._intake.take()
         for _, address, data, count in datagrams:
             reading.receive(data, address, count)
         if overloaded:
