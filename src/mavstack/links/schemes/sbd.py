@@ -20,4 +20,17 @@ SCHEMES = (
             "poll": "time after which the mailbox is checked without a ring alert",
         },
     ),
+    LinkScheme(
+        name="rockblock",
+        backend="mavstack.links.rockblock:RockblockLink",
+        address=AddressKind.WEB,
+        example="rockblock://127.0.0.1:8080/hook?imei=300234010753370",
+        purpose="Receives the web hook of the gateway of RockBLOCK modems, and sends over its web interface.",
+        listens=True,
+        options={
+            "account": "file with the name and the password of the account, one a line; without it nothing is sent",
+            "gateway": "address of the web interface, if it is not the one of the maker",
+            "imei": "the modem; messages of others are refused",
+        },
+    ),
 )
