@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
 #: Options that name a key, by its name or by the path of its file.
 KEY_OPTIONS: Final = frozenset({"signing_key", "ticket_key", "shared_key", "private_key", "peer"})
-_FILE_OPTIONS: Final = frozenset({"ca", "cert", "key", "roles"})
+#: `gateway` names a server that this machine would ask.
+_FILE_OPTIONS: Final = frozenset({"account", "ca", "cert", "gateway", "key", "roles"})
 
 
 def is_network_scheme(name: str) -> bool:

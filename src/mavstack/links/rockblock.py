@@ -2,8 +2,8 @@
 
 The link is the web hook of the gateway, and sends messages to the modem over the web interface of the
 gateway. `account` is a file with the name and the password of the account, one a line; without it nothing can
-be sent. Put the link behind a proxy with TLS, and make the path a secret, since every program that knows it can
-deliver messages; with `imei` only those of one modem count. Each message costs: set `heartbeat_rate=0`.
+be sent. Put the link behind a proxy with TLS, and make the path a secret, since every program that knows it
+can deliver messages; with `imei` only those of one modem count. Each message costs: set `heartbeat_rate=0`.
 """
 
 from __future__ import annotations

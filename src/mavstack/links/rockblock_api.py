@@ -1,8 +1,8 @@
 """The web interface of a RockBLOCK's gateway, sans-IO: its web hook, and the request that sends a message.
 
 The gateway posts each message of a modem as a form or as JSON with at least `imei`, `momsn` and `data` in
-hexadecimal digits, repeats it until it is answered with 200 within 3 s, and may deliver it twice. A message to a
-modem is a POST with `imei`, `username`, `password` and `data`, answered by "OK,ID" or "FAILED,CODE,TEXT".
+hexadecimal digits, repeats it until it is answered with 200 within 3 s, and may deliver it twice. A message
+to a modem is a POST with `imei`, `username`, `password`, `data`, answered by "OK,ID" or "FAILED,CODE,TEXT".
 """
 
 from __future__ import annotations

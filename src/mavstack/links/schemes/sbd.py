@@ -28,7 +28,7 @@ SCHEMES = (
         purpose="Receives the web hook of the gateway of RockBLOCK modems, and sends over its web interface.",
         listens=True,
         options={
-            "account": "file with the name and the password of the account, one a line; without it nothing is sent",
+            "account": "file with name and password of the account, one a line; without it nothing is sent",
             "gateway": "address of the web interface, if it is not the one of the maker",
             "imei": "the modem; messages of others are refused",
         },
