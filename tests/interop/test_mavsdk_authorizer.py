@@ -16,7 +16,7 @@ from tests.waiting import wait_until
 pytestmark = [pytest.mark.interop, needs_mavsdk]
 
 AUTHORIZER = 10
-WEATHER_REASON = 5
+REASON_NUMBER = 5
 
 
 async def test_mavsdk_decides_whether_a_vehicle_arms() -> None:
@@ -38,7 +38,7 @@ async def test_mavsdk_decides_whether_a_vehicle_arms() -> None:
         )
         remote = await ground.wait_for_autopilot()
         for answer, text in (
-            (("reject_arm_authorization", False, WEATHER_REASON, 0), "Denied because of bad weather"),
+            (("reject_arm_authorization", False, REASON_NUMBER, 0), "Denied because of bad weather"),
             (("accept_arm_authorization", 60), "Authorized for the next 60 seconds"),
         ):
             with pytest.raises(Exception, match="TEMPORARILY_REJECTED"):
