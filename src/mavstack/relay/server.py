@@ -7,7 +7,7 @@ import logging
 import ssl
 from contextlib import asynccontextmanager, suppress
 from http import HTTPStatus
-from time import time
+from time import monotonic, time
 from typing import TYPE_CHECKING, Any, Final, cast
 
 from mavstack.errors import LinkError, MissingExtraError
@@ -140,7 +140,7 @@ class RelayServer:
         self._handshakes.end(connection.transport)
         ticket, has_work = connection.ticket, asyncio.Event()
         address = str((socket.remote_address or ("",))[0])
-        member = self.rooms.join(ticket.room, ticket.seat, address, has_work.set, time())
+        member = self.rooms.join(ticket.room, ticket.seat, address, has_work.set, monotonic())
         if isinstance(member, str):
             await socket.close(TRY_LATER, member)
             return
@@ -164,7 +164,7 @@ class RelayServer:
                 if isinstance(message, str):
                     self.rooms.counts["dropped"] += 1
                     continue
-                pause = self.rooms.receive(member, message, time())
+                pause = self.rooms.receive(member, message, monotonic())
                 if pause > 0:
                     await asyncio.sleep(pause)
 
