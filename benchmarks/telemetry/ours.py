@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from contextlib import suppress
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +17,7 @@ if TYPE_CHECKING:
 
     from mavstack.dialects import Message
     from mavstack.node import Subscription
+    from mavstack.vehicle import Connection
     from mavstack.wire import Packet
 
 
@@ -65,13 +65,19 @@ async def _by_reading(recorder: MessageRecorder) -> None:
     """Read the position ten times a second, and wait for events of vehicles; other messages are not taken."""
     async with connect(f"udpin://127.0.0.1:{recorder.port}") as connection:
         vehicle = await connection.wait_for_vehicle()
-        async with connection.events(VehicleLost, VehicleReturned) as events:
+        async with asyncio.TaskGroup() as tasks:
+            tasks.create_task(_follow(connection))
             while True:
-                with suppress(TimeoutError):
-                    async with asyncio.timeout(READ_INTERVAL):
-                        await anext(events)
+                await asyncio.sleep(READ_INTERVAL)
                 if vehicle.position is not None:
                     recorder.record()
+
+
+async def _follow(connection: Connection) -> None:
+    """Handle the events of vehicles, of which there are none during the measurement."""
+    async with connection.events(VehicleLost, VehicleReturned) as events:
+        async for event in events:
+            print(event)
 
 
 if __name__ == "__main__":

@@ -1390,14 +1390,14 @@ class Intake:
     def deliver(
         self,
         packets: list[Packet],
-        find: Callable[[Packet], None],
+        find: Callable[[Packet], tuple[Callable[[Packet], None], ...]],
         fail: Callable[[Exception], None],
     ) -> None:
         """Call the listeners of packets, in order.
 
         Args:
             packets: The packets.
-            find: Called with each packet whose listeners were not given to `decide`; calls them.
+            find: Called with each packet whose listeners were not given to `decide`; returns their functions.
             fail: Called with each exception of a listener.
 
         Raises:

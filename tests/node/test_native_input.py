@@ -264,6 +264,79 @@ async def test_a_program_that_does_not_keep_up_loses_nothing_and_reads_natively_
         assert received == [0] * 60 + [1] * 60 + [2] * 60 + [3, 4, 5]
 
 
+async def test_the_event_loop_waits_for_the_socket_while_packets_are_taken_and_the_thread_afterwards():
+    async with vehicle_on() as (node, sender):
+        await granted(node, sender)
+        received = []
+        listener = node.add_listener(common.VfrHud, received.append)
+        async with asyncio.timeout(20):
+            while not native(node)._is_direct:
+                sender.send(common.VfrHud())
+                await asyncio.sleep(0.01)
+        sender.send(common.VfrHud(heading=5))
+        await wait_until(lambda: received[-1].heading == 5)
+        listener.close()
+        async with asyncio.timeout(20):
+            while native(node)._is_direct:
+                sender.send(common.VfrHud())
+                await asyncio.sleep(0.01)
+        await flush(node, sender)
+
+
+async def test_a_listener_that_fails_is_reported_and_the_others_are_called(caplog):
+    async with vehicle_on() as (node, sender):
+        await granted(node, sender)
+        received = []
+        failing = node.add_listener(common.VfrHud, lambda message: 1 // 0)
+        node.add_listener(common.VfrHud, lambda message: received.append(message.heading))
+        for number in range(5):
+            sender.send(common.VfrHud(heading=number))
+        await wait_until(lambda: len(received) == 5)
+        failing.close()
+        sender.send(common.VfrHud(heading=5))
+        await wait_until(lambda: received == list(range(6)))
+    assert "ZeroDivisionError" in caplog.text
+
+
+async def test_a_listener_that_closes_itself_gets_no_further_packet():
+    async with vehicle_on() as (node, sender):
+        await granted(node, sender)
+        received = []
+        once = node.add_listener(common.VfrHud, lambda message: (received.append(message), once.close()))
+        sender.send(*[common.VfrHud()] * 30)
+        await flush(node, sender)
+        assert len(received) == 1
+
+
+async def test_packets_of_a_stream_that_are_not_wanted_do_not_come_either():
+    async with Node("tcpin://127.0.0.1:0", heartbeat=False) as node:
+        _reader, writer = await asyncio.open_connection(*node.links[0].address)
+        encoder = mavstack.Encoder(1, 1)
+        writer.write(encoder.encode(AUTOPILOT))
+        await node.wait_for_autopilot(timeout=20)
+        vehicle = Vehicle(node, node.component(1))
+        received = []
+        node.add_listener(common.Attitude, lambda message: received.append(message.roll))
+        for number in range(3):
+            first, second = common.VfrHud(heading=number), common.Attitude(roll=number)
+            data = encoder.encode(first) + encoder.encode(second)
+            writer.write(data[:20])
+            await asyncio.sleep(0.01)
+            writer.write(data[20:])
+            await wait_until(lambda wanted=number: received == list(range(wanted + 1)))
+        names = arrivals(node)
+        writer.write(encoder.encode(common.VfrHud(heading=9)) + encoder.encode(common.Attitude(roll=3)))
+        await wait_until(lambda: len(received) == 4)
+        assert "VFR_HUD" not in names
+        assert vehicle.latest(common.VfrHud).heading == 9
+        (channel,) = node.links[0].channels
+        assert channel.last_valid > 0
+        assert node.channel_state(channel).parser.sources[1, 1].lost == 0
+        writer.close()
+        await wait_until(lambda: not node._host.engine.channels)
+        assert not native(node)._attached
+
+
 async def test_the_event_loop_reads_if_the_environment_names_it(monkeypatch):
     monkeypatch.setenv("MAVSTACK_INPUT", "asyncio")
     async with vehicle_on() as (node, sender):

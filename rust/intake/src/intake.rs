@@ -110,10 +110,15 @@ impl Intake {
         self.channels.insert(channel, Channel { parser, sources: HashMap::new(), activity: Activity::default() });
     }
 
-    /// Parses bytes that the program received on a channel; returns whether a packet in them is valid.
+    /// Parses bytes that the program received on a channel, and counted; returns whether a packet in them is valid.
     pub fn feed(&mut self, channel: u32, data: &[u8], now: f64) -> bool {
+        let before = self.channels.get(&channel).map(|known| known.activity);
         self.parse(channel, data, now);
-        self.channels.get_mut(&channel).is_some_and(|known| std::mem::take(&mut known.activity).valid_at > 0.0)
+        let Some((known, before)) = self.channels.get_mut(&channel).zip(before) else {
+            return false;
+        };
+        let after = std::mem::replace(&mut known.activity, before);
+        after.valid_at > before.valid_at
     }
 
     /// Gives the datagrams of a channel to the program from now on; returns what was received since the last look.

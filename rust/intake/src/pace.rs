@@ -79,7 +79,9 @@ impl Pace {
     /// Lets the program read for some time, because it waits for an answer.
     pub fn hurry(&mut self, now: f64, seconds: f64) {
         self.hurry_until = self.hurry_until.max(now + seconds);
-        self.wanted = Mode::Direct;
+        if now >= self.pressed_until {
+            self.wanted = Mode::Direct;
+        }
     }
 
     #[must_use]
@@ -200,6 +202,8 @@ mod tests {
         assert_eq!(pace.mode(), Mode::Direct);
         pace.press(1.65);
         assert!(!pace.adapt(false) && pace.adapt(true));
+        pace.hurry(1.7, 0.1);
+        assert!(!pace.adapt(true), "the program could not empty the sockets");
         assert_eq!(pace.mode(), Mode::Watching);
     }
 

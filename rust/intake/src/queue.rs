@@ -2,12 +2,18 @@
 
 use mavstack_core::header::Header;
 use mavstack_core::parser::Packet;
+use std::collections::VecDeque;
 use std::net::SocketAddr;
 
 /// Longest sum of joined datagrams: a link may exceed the bound of its queue by as much.
 const MAX_JOINED: usize = 1 << 11;
 /// Packets and datagrams that wait at most, before a link is read by the program itself.
-pub const MAX_WAITING: usize = 4096;
+pub const MAX_WAITING: usize = 8192;
+
+/// Packets that the program takes at once at most, about: its decisions about them count for those that come meanwhile.
+pub const MAX_TAKEN: usize = 512;
+/// Packets of a run.
+const MAX_RUN: usize = 128;
 
 /// Consecutive packets of one channel.
 #[derive(Debug)]
@@ -59,6 +65,15 @@ pub enum Item {
     Datagrams(Datagrams),
 }
 
+impl Item {
+    fn count(&self) -> usize {
+        match self {
+            Self::Packets(run) => run.headers.len(),
+            Self::Datagrams(datagrams) => datagrams.count,
+        }
+    }
+}
+
 /// How soon the program has to look.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Urgency {
@@ -79,7 +94,7 @@ pub const LAZY_TIME: f64 = 0.05;
 /// The packets and datagrams that wait.
 #[derive(Debug, Default)]
 pub struct Queue {
-    items: Vec<Item>,
+    items: VecDeque<Item>,
     count: usize,
     pub urgency: Urgency,
     /// The urgency of the packets since the last call of `take_fresh`.
@@ -121,20 +136,21 @@ impl Queue {
 
     fn push_packet(&mut self, channel: u32, packet: &Packet<'_>, is_kept: bool, takers: Takers) {
         let header = (packet.header, packet.slot, takers);
-        if let Some(Item::Packets(run)) = self.items.last_mut()
+        if let Some(Item::Packets(run)) = self.items.back_mut()
             && (run.channel, run.is_kept) == (channel, is_kept)
+            && run.headers.len() < MAX_RUN
         {
             run.bytes.extend_from_slice(packet.raw);
             run.headers.push(header);
             return;
         }
         let (bytes, headers) = (packet.raw.to_vec(), vec![header]);
-        self.items.push(Item::Packets(PacketRun { channel, is_kept, bytes, headers }));
+        self.items.push_back(Item::Packets(PacketRun { channel, is_kept, bytes, headers }));
     }
 
     pub fn push_datagram(&mut self, socket: u32, address: SocketAddr, data: &[u8], now: f64) {
         self.note(Urgency::Prompt, now);
-        if let Some(Item::Datagrams(last)) = self.items.last_mut()
+        if let Some(Item::Datagrams(last)) = self.items.back_mut()
             && (last.socket, last.address) == (socket, address)
             && last.data.len() + data.len() <= MAX_JOINED
         {
@@ -142,7 +158,7 @@ impl Queue {
             last.count += 1;
             return;
         }
-        self.items.push(Item::Datagrams(Datagrams { socket, address, data: data.to_vec(), count: 1, at: now }));
+        self.items.push_back(Item::Datagrams(Datagrams { socket, address, data: data.to_vec(), count: 1, at: now }));
     }
 
     /// Returns whether datagrams of a sender wait.
@@ -176,9 +192,31 @@ impl Queue {
         self.urgency >= threshold && !std::mem::replace(&mut self.is_announced, true)
     }
 
-    /// Removes and returns what waits, and the sockets that the program must read itself from now on.
+    /// Removes and returns the first of what waits, and the sockets that the program must read itself from now on.
     pub fn take(&mut self) -> (Vec<Item>, Vec<u32>) {
-        (self.count, self.urgency, self.is_announced) = (0, Urgency::None, false);
-        (std::mem::take(&mut self.items), std::mem::take(&mut self.overloaded))
+        let (mut items, mut count) = (Vec::new(), 0);
+        while count < MAX_TAKEN
+            && let Some(item) = self.items.pop_front()
+        {
+            count += item.count();
+            items.push(item);
+        }
+        self.count -= count;
+        self.is_announced = self.is_waiting();
+        if !self.is_announced {
+            self.urgency = Urgency::None;
+        }
+        (items, std::mem::take(&mut self.overloaded))
+    }
+
+    /// Drops everything that waits.
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Returns whether something is left.
+    #[must_use]
+    pub fn is_waiting(&self) -> bool {
+        !self.items.is_empty()
     }
 }

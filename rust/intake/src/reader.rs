@@ -148,6 +148,11 @@ impl Reader {
         self.shared.is_in(Mode::Direct)
     }
 
+    /// Signals that something is left after the program took a part.
+    pub fn signal(&self) {
+        self.shared.notifier.set();
+    }
+
     /// Reads the sockets unless they were read a moment ago, because the program asks for latest packets.
     pub fn refresh(&self) {
         let is_stale = || self.shared.now() - lock(&self.shared.sockets).read_at > FRESHNESS;

@@ -4,7 +4,7 @@ use crate::channel::{Boot, INTERVAL, SharedParser};
 use crate::fields::{Fields, HeadingFields, PositionFields};
 use crate::intake::{Intake, Peer};
 use crate::messages::{Decision, Interest, MAX_STORED};
-use crate::queue::{Item, MAX_WAITING, Takers, Urgency};
+use crate::queue::{Item, MAX_TAKEN, MAX_WAITING, Takers, Urgency};
 use crate::reader::Reader;
 use mavstack_core::encode::{Sender, Version, encode};
 use mavstack_core::layout::{Dialect, Field, FieldType, Layout};
@@ -210,6 +210,29 @@ fn packets_that_only_listeners_take_need_no_check_of_the_engine() {
     let (items, _) = intake.queue.take();
     let Some(Item::Packets(run)) = items.first() else { panic!("no packets") };
     assert!(run.packets().all(|(_, takers)| takers == Takers { engine: false, listeners: true }));
+}
+
+#[test]
+fn the_program_takes_a_part_of_many_packets_at_once_and_all_in_order() {
+    let mut intake = attached();
+    for number in 0..2000_u32 {
+        intake.receive(0, address(9), &position(number, 47.0), 1.0);
+    }
+    let mut boot_times = Vec::new();
+    while intake.queue.is_waiting() {
+        let (items, _) = intake.queue.take();
+        let before = boot_times.len();
+        for item in &items {
+            let Item::Packets(run) = item else { panic!("no packets") };
+            boot_times.extend(run.packets().map(|(packet, _)| {
+                let bytes: [u8; 4] = std::array::from_fn(|index| packet.payload().get(index).copied().unwrap_or(0));
+                u32::from_le_bytes(bytes)
+            }));
+        }
+        assert!(boot_times.len() - before <= MAX_TAKEN);
+        assert_eq!(intake.queue.urgency > Urgency::None, intake.queue.is_waiting());
+    }
+    assert!((0..2000).eq(boot_times));
 }
 
 #[test]

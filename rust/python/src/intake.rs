@@ -84,7 +84,7 @@ impl Intake {
     fn stop(&self, py: Python<'_>) {
         let reader = lock(&self.reader).take();
         py.detach(|| drop(reader));
-        lock(&self.core).queue.take();
+        lock(&self.core).queue.clear();
     }
 
     /// Read a UDP socket, whose descriptor is duplicated, from now on.
@@ -277,10 +277,13 @@ impl Intake {
     ///     program is to wait for the other sockets from now on, as `hurry` returns it.
     fn take<'py>(&self, py: Python<'py>) -> PyResult<Taken<'py>> {
         let is_direct = lock(&self.reader).as_ref().is_some_and(Reader::begin_to_take);
-        let ((items, overloaded), undecided) = {
+        let ((items, overloaded), undecided, is_waiting) = {
             let mut core = lock(&self.core);
-            (core.queue.take(), core.messages.take_undecided())
+            (core.queue.take(), core.messages.take_undecided(), core.queue.is_waiting())
         };
+        if let Some(reader) = lock(&self.reader).as_ref().filter(|_| is_waiting) {
+            reader.signal();
+        }
         let (mut runs, mut received) = (Vec::new(), Vec::new());
         for item in &items {
             match item {
@@ -295,7 +298,7 @@ impl Intake {
     ///
     /// Args:
     ///     packets: The packets.
-    ///     find: Called with each packet whose listeners were not given to `decide`; calls them.
+    ///     find: Called with each packet whose listeners were not given to `decide`; returns their functions.
     ///     fail: Called with each exception of a listener.
     ///
     /// Raises:

@@ -30,8 +30,7 @@ impl Listeners {
         drop(forgotten); // as above
     }
 
-    /// Calls the listeners of packets, `find` with each packet whose listeners are not known, and `fail` with each
-    /// exception.
+    /// Calls the listeners of packets, which `find` returns if they are not known, and `fail` with each exception.
     pub fn deliver(
         &self,
         packets: &Bound<'_, PyList>,
@@ -42,10 +41,11 @@ impl Listeners {
         for packet in packets {
             let key = packet::with_parts(&packet, |header, _| key(header.system, header.component, header.message_id))?;
             let known = self.table().get(&key).map(|known| known.clone_ref(py));
-            match known {
-                Some(functions) => functions.bind(py).iter().try_for_each(|each| call(&each, &packet, fail))?,
-                None => call(find, &packet, fail)?,
-            }
+            let functions = match known {
+                Some(functions) => functions.into_bound(py),
+                None => find.call1((&packet,))?.cast_into()?,
+            };
+            functions.iter().try_for_each(|function| call(&function, &packet, fail))?;
         }
         Ok(())
     }

@@ -116,6 +116,10 @@ class PacketDispatch:
         """Return the functions of the listeners to a message of a source."""
         return tuple(listener.deliver for listener in self._find(message_id, *source))
 
+    def functions_for(self, packet: Packet) -> tuple[Callable[[Packet], None], ...]:
+        """Return the functions of the listeners to a packet."""
+        return self.functions(packet.message_id, (packet.system, packet.component))
+
     def _find(self, message_id: int, system: int, component: int) -> tuple[Listener, ...]:
         if len(self._cache) >= MAX_CACHED:
             self._cache.clear()

@@ -119,7 +119,7 @@ class NativeInput:
         self._by_link: dict[Link, NativeReading] = {}
         self._waiting: dict[Channel, Attached] = {}
         self._attached: dict[int, Attached] = {}
-        self._fed: dict[Channel, int] = {}
+        self._number_by_channel: dict[Channel, int] = {}
         self._number_of: dict[str, int] = {}
         self._loop = asyncio.get_running_loop()
         self._descriptor: int | None = None
@@ -151,7 +151,7 @@ class NativeInput:
     def channel_closed(self, channel: Channel) -> None:
         """Forget a channel that was closed."""
         self._waiting.pop(channel, None)
-        if (number := self._fed.get(channel)) is not None:
+        if (number := self._number_by_channel.get(channel)) is not None:
             self._detach(number)
 
     def settle(self) -> None:
@@ -161,6 +161,7 @@ class NativeInput:
             if state.is_plain and not channel.closed and self._attach(number, attached):
                 del self._waiting[channel]
                 self._attached[number] = attached
+                self._number_by_channel[channel] = number
                 self._number_of[state.name] = number
                 state.on_parser_changed = partial(self._detach, number, waits=True)
 
@@ -168,7 +169,6 @@ class NativeInput:
         channel, parser = attached.channel, attached.state.parser
         if attached.reading is None:
             self._intake.attach_fed(number, parser)
-            self._fed[channel] = number
             return True
         if not isinstance(channel, UdpChannel) or not attached.reading.attach(number, channel, parser):
             return False
@@ -182,7 +182,8 @@ class NativeInput:
         channel, state = attached.channel, attached.state
         self._sync_heard()
         received = self._intake.detach(number)
-        if self._fed.pop(channel, None) is None and isinstance(channel, UdpChannel):
+        del self._number_by_channel[channel]
+        if attached.reading is not None and isinstance(channel, UdpChannel):
             self._add_received(channel, *received)
             channel.refresh = channel.on_removed = lambda: None
         del self._number_of[state.name]
@@ -234,7 +235,7 @@ class NativeInput:
 
     def feed(self, channel: Channel, data: bytes) -> bool | None:
         """Receive bytes that the event loop read; return whether a packet is valid; None: not fed."""
-        number = self._fed.get(channel)
+        number = self._number_by_channel.get(channel)
         if number is None:
             return None
         is_valid = self._intake.feed(number, data, self._now())
@@ -243,7 +244,7 @@ class NativeInput:
 
     def call_listeners(self, packets: list[Packet], fail: Callable[[Exception], None]) -> None:
         """Call the listeners of packets, in order, and a function with each exception of theirs."""
-        self._intake.deliver(packets, self._host.packet_dispatch.deliver, fail)
+        self._intake.deliver(packets, self._host.packet_dispatch.functions_for, fail)
 
     def _take(self) -> bool:
         """Handle what waits in the core; return whether more may come without a wait."""
