@@ -15,6 +15,7 @@ import numpy as np
 
 from mavstack.swarm.assignment import assign_slots
 from mavstack.swarm.avoidance import Avoidance
+from mavstack.swarm.formations import Formation
 
 from .measure import OURS, Ratio, Row, speed_ratio, take_turns
 
@@ -62,9 +63,8 @@ def measure_steps(turns: int) -> dict[str, list[float]]:
 
 
 def measure_assignments(turns: int) -> list[float]:
-    """Return the seconds of each assignment of random starts to a grid."""
-    random = np.random.default_rng(2)
-    starts, slots = random.uniform(0.0, 400.0, (2, COUNT, 3))
+    """Return the seconds of each assignment of a grid to a wedge, the slowest of the formations."""
+    starts, slots = Formation("grid").offsets(COUNT), Formation("wedge").offsets(COUNT)
     return take_turns({OURS: _timed(lambda: assign_slots(starts, slots))}, turns)[OURS]
 
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from mavstack.errors import InvalidArgumentError
 from mavstack.swarm.assignment import assign_slots, auction_tasks, squared_distances
+from mavstack.swarm.formations import Formation
 
 
 @given(st.integers(0, 10**6), st.integers(1, 6))
@@ -26,7 +27,7 @@ def test_no_other_assignment_has_a_smaller_sum_of_squared_distances(seed, count)
     assert costs[np.arange(count), chosen].sum() == pytest.approx(best)
 
 
-@pytest.mark.parametrize("shape", ["random", "grids", "equal"])
+@pytest.mark.parametrize("shape", ["random", "grids", "line", "wedge", "equal"])
 def test_large_assignments_have_the_optimum_of_ortools(shape):
     assignment = pytest.importorskip("ortools.graph.python.linear_sum_assignment")
     random, count = np.random.default_rng(3), 150
@@ -35,6 +36,8 @@ def test_large_assignments_have_the_optimum_of_ortools(shape):
         index = np.arange(count)
         slots = np.column_stack((index // 12 * 10.0, index % 12 * 10.0, 0.0 * index))
         starts = random.permutation(slots) + np.array((300.0, 0.0, 5.0))
+    if shape in ("line", "wedge"):
+        starts, slots = Formation("grid").offsets(count), Formation(shape).offsets(count)
     if shape == "equal":
         slots = np.zeros((count, 3))
     costs = np.rint(squared_distances(starts, slots) * 1000.0).astype(np.int64)

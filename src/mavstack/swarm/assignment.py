@@ -13,9 +13,10 @@ optimum.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from mavstack.errors import InvalidArgumentError, MissingExtraError
 
@@ -24,11 +25,15 @@ if TYPE_CHECKING:
 
     from mavstack.swarm.arrays import Indices, Points
 
+Singles: TypeAlias = npt.NDArray[np.float32]
+
 #: Rows and columns from which costs are reduced before they are solved.
 _SMALLEST_REDUCED: Final = 100
 #: The largest cost in units of Sinkhorn's iteration, whose exponential stays far from zero, and its steps.
 _SINKHORN_RANGE: Final = 70.0
-_SINKHORN_STEPS: Final = 16
+_SINKHORN_STEPS: Final = 12
+#: The parts into which the unit of the iteration is divided at its stages.
+_SINKHORN_STAGES: Final = (1.0, 6.0, 36.0)
 
 
 def assign_slots(starts: Points, slots: Points) -> Indices:
@@ -74,23 +79,40 @@ def _reduced(costs: Points) -> Points:
     """Return costs with the same optimum, from which a number was subtracted in each row and column.
 
     The solver begins without prices of rows and columns and finds one path after the other; with prices near
-    the optimal ones most paths are one step. Sinkhorn's iteration finds them: it scales exp(-cost) until all
-    rows and columns have the same sum. Where slots are a grid, as in formations, the solver is several times
-    faster then. With more columns than rows the optimum would change, so such costs stay as they are.
+    the optimal ones most paths are one step. Sinkhorn's iteration finds them: it scales exp(-cost / unit)
+    until all rows and columns have the same sum. The unit of the first stage is a part of the largest cost,
+    whose exponential must not be 0; each further stage begins with the prices of the one before and has a
+    smaller unit, which resolves the differences of neighbouring slots in long formations. With more columns
+    than rows the optimum would change, so such costs stay as they are.
     """
     rows, columns = costs.shape
     largest = float(costs.max(initial=0.0))
     if rows != columns or rows < _SMALLEST_REDUCED or not (0.0 < largest < np.inf and costs.min() >= 0.0):
         return costs
-    unit = largest / _SINKHORN_RANGE
-    kernel = np.exp((costs * (-1.0 / unit)).astype(np.float32))
-    down = np.ones(columns, np.float32)
+    single, row_prices, column_prices = costs.astype(np.float32), np.zeros(rows), np.zeros(columns)
+    for part in _SINKHORN_STAGES:
+        unit = largest / _SINKHORN_RANGE / part
+        across, down = _scales(single, row_prices, column_prices, unit)
+        row_prices += unit * np.log(across.astype(float))
+        column_prices += unit * np.log(down.astype(float))
+    reduced: Points = costs - row_prices[:, None] - column_prices
+    return reduced if np.isfinite(reduced).all() else costs
+
+
+def _scales(
+    costs: Singles, row_prices: Points, column_prices: Points, unit: float
+) -> tuple[Singles, Singles]:
+    """Return the scales of rows and columns after one stage of Sinkhorn's iteration."""
+    kernel = row_prices.astype(np.float32)[:, None] - costs
+    kernel += column_prices.astype(np.float32)
+    kernel *= np.float32(1.0 / unit)
+    np.maximum(kernel, -_SINKHORN_RANGE, out=kernel)
+    np.exp(kernel, out=kernel)
+    down = np.ones(len(column_prices), np.float32)
     for _ in range(_SINKHORN_STEPS):
         across = 1.0 / (kernel @ down)
         down = 1.0 / (across @ kernel)
-    prices = unit * np.log(across.astype(float)), unit * np.log(down.astype(float))
-    reduced: Points = costs - prices[0][:, None] - prices[1]
-    return reduced if np.isfinite(reduced).all() else costs
+    return across, down
 
 
 def squared_distances(starts: Points, goals: Points) -> Points:
