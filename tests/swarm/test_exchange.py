@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -59,8 +60,6 @@ def test_ids_are_above_those_of_mavlink_1_and_the_dialect_compiles(tmp_path, cap
     dialect = swarm_dialect()
     assert [dialect[name].definition.id for name in ("SWARM_STATE", "SWARM_INTENT")] == [53000, 53001]
     source = tmp_path / "swarm.xml"
-    from importlib.resources import files
-
     source.write_bytes(files("mavstack.swarm").joinpath("swarm.xml").read_bytes())
     assert main(["gen", "c", str(source), "--output", str(tmp_path / "c")]) == 0
     assert list((tmp_path / "c").rglob("*swarm*"))
@@ -73,17 +72,19 @@ async def member(network, index, slots, track, keys, conditions):
     place, velocity = random.uniform(-60, 60, 3) * (1, 1, 0) + (0, 0, 20), np.zeros(3)
     exchange = Exchange(FRAME, index + 1)
     link = impair(network.link(), Impairment(**conditions))
-    async with Node(link, dialect=swarm_dialect(), system=index + 1, signing=keys[index]) as node:
-        async with node.packets(queue=200) as packets:
-            reading = asyncio.create_task(read(packets, exchange, node))
-            for step in range(round(60 / STEP)):
-                own = Neighbour(place, velocity, slots[index])
-                node.send(exchange.state_message(own, round(1000 * STEP * step)))
-                velocity = steer(own, exchange.neighbours(node.now()), np.array((1.0, 0.0, 0.0)))
-                place = place + STEP * velocity
-                await asyncio.sleep(STEP)
-            track[index] = place, len(exchange.neighbours(node.now()))
-            reading.cancel()
+    async with (
+        Node(link, dialect=swarm_dialect(), system=index + 1, signing=keys[index]) as node,
+        node.packets(queue=200) as packets,
+    ):
+        reading = asyncio.create_task(read(packets, exchange, node))
+        for step in range(round(60 / STEP)):
+            own = Neighbour(place, velocity, slots[index])
+            node.send(exchange.state_message(own, round(1000 * STEP * step)))
+            velocity = steer(own, exchange.neighbours(node.now()), np.array((1.0, 0.0, 0.0)))
+            place = place + STEP * velocity
+            await asyncio.sleep(STEP)
+        track[index] = place, len(exchange.neighbours(node.now()))
+        reading.cancel()
 
 
 async def read(packets, exchange, node):

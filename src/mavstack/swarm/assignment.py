@@ -108,10 +108,11 @@ def _scales(
     kernel *= np.float32(1.0 / unit)
     np.maximum(kernel, -_SINKHORN_RANGE, out=kernel)
     np.exp(kernel, out=kernel)
-    down = np.ones(len(column_prices), np.float32)
+    across: Singles = np.ones(len(row_prices), np.float32)
+    down: Singles = np.ones(len(column_prices), np.float32)
     for _ in range(_SINKHORN_STEPS):
-        across = 1.0 / (kernel @ down)
-        down = 1.0 / (across @ kernel)
+        np.divide(1.0, kernel @ down, out=across)
+        np.divide(1.0, across @ kernel, out=down)
     return across, down
 
 

@@ -1,4 +1,4 @@
-"""What the members of a swarm tell each other: SWARM_STATE and SWARM_INTENT of the dialect in swarm.xml.
+"""Messages between the members of a swarm: SWARM_STATE and SWARM_INTENT of the dialect in swarm.xml.
 
     exchange = Exchange(frame, system=1)
     node.send(exchange.state_message(own, time_boot_ms))
