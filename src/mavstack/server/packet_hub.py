@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 #: Shortest and longest time in seconds between batches, and the time that each client adds.
-MIN_INTERVAL: Final = 0.005
+MIN_INTERVAL: Final = 0.001
 MAX_INTERVAL: Final = 0.02
 CLIENT_INTERVAL: Final = 0.001
 
