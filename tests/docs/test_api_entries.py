@@ -1,4 +1,4 @@
-"""Each name that the documentation, README and the examples import has an entry in the API reference."""
+"""Each public name, and each name that documentation and examples import, has an entry in the API reference."""
 
 from __future__ import annotations
 
@@ -17,6 +17,11 @@ if TYPE_CHECKING:
 _DIRECTIVE = re.compile(r"^::: (\S+)\n(?P<options>(?:    .*\n|\n)*)", re.MULTILINE)
 #: Modules whose names have other pages: messages and enums, MSP messages, and the blocking copies of classes.
 _GENERATED = ("mavstack.dialects.", "mavstack.msp.messages", "mavstack.sync")
+
+#: Packages whose own packages are public too; those of other packages are parts of the implementation.
+_DEEP = ("mavstack.files", "mavstack.logs", "mavstack.router", "mavstack.security", "mavstack.vehicle")
+#: Packages without entries: the blocking copies of documented classes, and commands.
+_WITHOUT_ENTRIES = ("mavstack.sync", "mavstack.cli")
 
 
 def resolve(path: str) -> object:
@@ -75,6 +80,31 @@ def imported() -> set[tuple[str, str]]:
             for alias in node.names
         }
     return found
+
+
+def public_packages() -> Iterator[ModuleType]:
+    """The packages whose `__all__` is the public API."""
+    source = ROOT / "src" / "mavstack"
+    yield import_module("mavstack")
+    for path in sorted(source.glob("*/__init__.py")) + sorted(source.glob("*/*/__init__.py")):
+        names = ["mavstack", *path.parent.relative_to(source).parts]
+        package = ".".join(names)
+        is_public = len(names) == 2 or package.rpartition(".")[0] in _DEEP
+        if is_public and not package.startswith(_WITHOUT_ENTRIES):
+            yield import_module(package)
+
+
+def test_public_names_have_entries() -> None:
+    known = documented()
+    missing = [
+        f"{package.__name__}.{name}"
+        for package in public_packages()
+        for name in getattr(package, "__all__", ())
+        if id(getattr(package, name)) not in known
+    ]
+    assert missing == [], (
+        "add a directive `::: PATH` to a page in docs/reference/api, or leave it out of __all__"
+    )
 
 
 def test_names_that_the_documentation_imports_have_entries() -> None:
