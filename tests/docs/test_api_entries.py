@@ -1,4 +1,4 @@
-"""Each public name, and each name that documentation and examples import, has an entry in the API reference."""
+"""Each public name, and each name that documentation and examples import, has an entry in the reference."""
 
 from __future__ import annotations
 
