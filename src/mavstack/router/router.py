@@ -215,7 +215,7 @@ class Router:
         """
         self._config_of(config.name)
         endpoints = (config if each.name == config.name else each for each in self.config.endpoints)
-        await self.apply(self._with_endpoints(tuple(endpoints)))
+        await self.apply(replace(self.config, endpoints=tuple(endpoints)))
         if config.name in self.problems:
             raise LinkError(self.problems[config.name])
 
@@ -319,10 +319,7 @@ class Router:
         return found
 
     def _store(self, endpoints: tuple[EndpointConfig, ...]) -> None:
-        self.config = self._with_endpoints(endpoints)
-
-    def _with_endpoints(self, endpoints: tuple[EndpointConfig, ...]) -> RouterConfig:
-        return replace(self.config, endpoints=endpoints)
+        self.config = replace(self.config, endpoints=endpoints)
 
     def _start_timer(self) -> None:
         """Call the guard once a second from now on, if it has a firewall or keys."""

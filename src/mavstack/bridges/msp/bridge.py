@@ -190,12 +190,12 @@ class MspBridge(AsyncResource):
         )
         self._streams = Streams(node, self._samples)
         self._pilot = Pilot(
-            controller, self._channels, status=lambda: self._status, report=self._report, now=node.now
+            controller, self._channels, status=lambda: self._status, report=node.send_statustext, now=node.now
         )
         self._telemetry = TelemetryMessages(self._samples, self._channels, is_inav=facts.info.is_inav)
         self._modes = BridgedModes(node, self._pilot, facts)
-        self._parameters = BridgedParameters(controller, node, self._report)
-        self._missions = BridgedMissions(node, controller, self._samples, self._report)
+        self._parameters = BridgedParameters(controller, node, node.send_statustext)
+        self._missions = BridgedMissions(node, controller, self._samples, node.send_statustext)
         self._commands = BridgedCommands(
             node,
             controller,
@@ -203,7 +203,7 @@ class MspBridge(AsyncResource):
             status=lambda: self._status,
             save=self.save,
             restarting=self._restart,
-            report=self._report,
+            report=node.send_statustext,
         )
         self._sticks = node.serve(ManualControlReceiver(node.address))
         self._poller = Poller(
@@ -346,10 +346,7 @@ class MspBridge(AsyncResource):
             return
         self._reasons, self._reasons_due = reasons, now + REASONS_INTERVAL
         for text in reason_texts(reasons):
-            self._report(text, common.MavSeverity.WARNING)
-
-    def _report(self, text: str, severity: int) -> None:
-        self.node.send_statustext(text, severity)
+            self.node.send_statustext(text, common.MavSeverity.WARNING)
 
     # Messages
 

@@ -12,6 +12,7 @@ region of interest is turned into angles here, from the positions that the vehic
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from math import isnan
 from typing import TYPE_CHECKING, Protocol
 
@@ -148,7 +149,8 @@ class GimbalManagerServer(Service):
         """
         messages.provide_instances(common.GimbalManagerInformation, self._informations)
         messages.provide_instances(common.GimbalDeviceInformation, self._device_informations)
-        messages.provide(common.GimbalManagerStatus, self._statuses, interval=STATUS_INTERVAL, now=now)
+        all_statuses = partial(self._selected_statuses, ALL_DEVICES)
+        messages.provide(common.GimbalManagerStatus, all_statuses, interval=STATUS_INTERVAL, now=now)
         messages.provide_instances(common.GimbalManagerStatus, self._selected_statuses)
         if any(device_id <= MAX_ATTACHED_DEVICE for device_id in self._gimbals):
             messages.provide(
@@ -320,9 +322,6 @@ class GimbalManagerServer(Service):
             for gimbal in self._selected(which)
             if gimbal.device_id <= MAX_ATTACHED_DEVICE
         ]
-
-    def _statuses(self, now: float) -> list[Message]:
-        return self._selected_statuses(ALL_DEVICES, now)
 
     def _selected_statuses(self, which: float, now: float) -> list[Message]:
         milliseconds = self._milliseconds(now)

@@ -81,56 +81,48 @@ class _Row:
     state: CheckState = CheckState.MISSING
 
 
-def _any(values: Sequence[float]) -> bool:
-    return any(values)
-
-
-def _all(values: Sequence[float]) -> bool:
-    return all(values)
-
-
 def _calibrated_sticks(values: Sequence[float]) -> bool:
     return tuple(values) != _UNCALIBRATED
 
 
 _PX4: Final = (
-    _Row("airframe", ("SYS_AUTOSTART",), _all, "selected", "not selected", "mav vehicle airframe"),
+    _Row("airframe", ("SYS_AUTOSTART",), all, "selected", "not selected", "mav vehicle airframe"),
     _Row(
-        "accelerometer", ("CAL_ACC0_ID",), _all, "calibrated", "not calibrated",
+        "accelerometer", ("CAL_ACC0_ID",), all, "calibrated", "not calibrated",
         "mav vehicle calibrate accelerometer",
     ),
-    _Row("gyroscope", ("CAL_GYRO0_ID",), _all, "calibrated", "not calibrated",
+    _Row("gyroscope", ("CAL_GYRO0_ID",), all, "calibrated", "not calibrated",
         "mav vehicle calibrate gyroscope"),
-    _Row("compass", ("CAL_MAG0_ID",), _all, "calibrated", "not calibrated", "mav vehicle calibrate compass"),
+    _Row("compass", ("CAL_MAG0_ID",), all, "calibrated", "not calibrated", "mav vehicle calibrate compass"),
     _Row(
-        "receiver", ("RC_CHAN_CNT", "COM_RC_IN_MODE"), _any, "calibrated, or replaced by a joystick",
+        "receiver", ("RC_CHAN_CNT", "COM_RC_IN_MODE"), any, "calibrated, or replaced by a joystick",
         "not calibrated", "calibrate the radio, or set COM_RC_IN_MODE 1 for a joystick",
     ),
     _Row(
-        "loss of the radio", ("NAV_RCL_ACT",), _all, "the vehicle acts", "nothing happens",
+        "loss of the radio", ("NAV_RCL_ACT",), all, "the vehicle acts", "nothing happens",
         "set NAV_RCL_ACT, such as 2 for a return",
     ),
     _Row(
-        "loss of the ground station", ("NAV_DLL_ACT",), _all, "the vehicle acts", "nothing happens",
+        "loss of the ground station", ("NAV_DLL_ACT",), all, "the vehicle acts", "nothing happens",
         "set NAV_DLL_ACT if it flies without a radio", CheckState.ADVICE,
     ),
     _Row(
-        "low battery", ("COM_LOW_BAT_ACT",), _all, "the vehicle acts", "the vehicle only warns",
+        "low battery", ("COM_LOW_BAT_ACT",), all, "the vehicle acts", "the vehicle only warns",
         "set COM_LOW_BAT_ACT, such as 3",
     ),
     _Row(
-        "geofence", ("GF_ACTION",), _all, "the vehicle acts at its limits", "has no effect",
+        "geofence", ("GF_ACTION",), all, "the vehicle acts at its limits", "has no effect",
         "set GF_ACTION and GF_MAX_HOR_DIST", CheckState.ADVICE,
     ),
 )  # fmt: skip
 _ARDUPILOT: Final = (
-    _Row("airframe", ("FRAME_CLASS",), _all, "selected", "not selected", "mav vehicle airframe"),
+    _Row("airframe", ("FRAME_CLASS",), all, "selected", "not selected", "mav vehicle airframe"),
     _Row(
-        "accelerometer", ("INS_ACCOFFS_X", "INS_ACCOFFS_Y", "INS_ACCOFFS_Z"), _any, "calibrated",
+        "accelerometer", ("INS_ACCOFFS_X", "INS_ACCOFFS_Y", "INS_ACCOFFS_Z"), any, "calibrated",
         "not calibrated", "mav vehicle calibrate accelerometer",
     ),
     _Row(
-        "compass", ("COMPASS_OFS_X", "COMPASS_OFS_Y", "COMPASS_OFS_Z"), _any, "calibrated", "not calibrated",
+        "compass", ("COMPASS_OFS_X", "COMPASS_OFS_Y", "COMPASS_OFS_Z"), any, "calibrated", "not calibrated",
         "mav vehicle calibrate compass",
     ),
     _Row(
@@ -138,22 +130,22 @@ _ARDUPILOT: Final = (
         "calibrate the radio",
     ),
     _Row(
-        "battery", ("BATT_MONITOR",), _all, "measured", "not measured", "set BATT_MONITOR, such as 4",
+        "battery", ("BATT_MONITOR",), all, "measured", "not measured", "set BATT_MONITOR, such as 4",
     ),
     _Row(
-        "loss of the radio", ("FS_THR_ENABLE", "THR_FAILSAFE", "FS_PILOT_INPUT"), _any, "the vehicle acts",
+        "loss of the radio", ("FS_THR_ENABLE", "THR_FAILSAFE", "FS_PILOT_INPUT"), any, "the vehicle acts",
         "nothing happens", "set the throttle failsafe, such as FS_THR_ENABLE 1",
     ),
     _Row(
-        "low battery", ("BATT_FS_LOW_ACT",), _all, "the vehicle acts", "nothing happens",
+        "low battery", ("BATT_FS_LOW_ACT",), all, "the vehicle acts", "nothing happens",
         "set BATT_FS_LOW_ACT and BATT_LOW_VOLT",
     ),
     _Row(
-        "loss of the ground station", ("FS_GCS_ENABLE", "FS_GCS_ENABL"), _any, "the vehicle acts",
+        "loss of the ground station", ("FS_GCS_ENABLE", "FS_GCS_ENABL"), any, "the vehicle acts",
         "nothing happens", "set FS_GCS_ENABLE if it flies without a radio", CheckState.ADVICE,
     ),
     _Row(
-        "geofence", ("FENCE_ENABLE",), _all, "on", "off", "set FENCE_ENABLE 1 and its limits",
+        "geofence", ("FENCE_ENABLE",), all, "on", "off", "set FENCE_ENABLE 1 and its limits",
         CheckState.ADVICE,
     ),
 )  # fmt: skip

@@ -161,7 +161,8 @@ class Swarm(ReadOnly):
         """
         check_numbers(north=north, east=east, up=up)
         members, starts = self._running.active, self._running.places()
-        await self._running.fly(self._straight(starts, starts + np.array((north, east, up))), members)
+        ends = starts + np.array((north, east, up))
+        await self._running.fly(straight_transition(starts, ends, self._options.limits), members)
 
     async def goto(self, latitude: float, longitude: float, altitude: float | None = None) -> None:
         """Move the whole swarm so that its leader arrives at a place.
@@ -310,9 +311,6 @@ class Swarm(ReadOnly):
         if spacing is None:
             spacing = default_spacing(formation, self._options.margins.planned_distance)
         return Formation(formation, spacing=spacing, **options)
-
-    def _straight(self, starts: Points, ends: Points) -> Transition:
-        return straight_transition(starts, ends, self._options.limits)
 
     def _plan(self, starts: Points, slots: Points) -> Transition:
         margins = self._options.margins
