@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+import sys
 from contextlib import AbstractContextManager, contextmanager
+from time import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +16,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.services.camera.media import VideoStream
 from mavstack.sim import BackgroundSimulator
+from mavstack.sim.payloads.picture import read_time
 from tests.interop.station import DESKTOP, PATIENT, StationPage, near, station_page, web_server
 from tests.interop.whep_gateway import COLOURS, WhepGateway, whep_gateway
 from tests.links.test_tcp import free_port
@@ -53,6 +56,7 @@ def camera_page(
         shown.page.evaluate(
             "gateway => localStorage.setItem('mavstack.fly.videoGateway', JSON.stringify(gateway))", gateway
         )
+        shown.page.route("**/api/video", lambda route: route.fulfill(json={"available": False}))
         shown.page.reload()
         shown.button("Choose a vehicle: Copter 1").wait_for(timeout=PATIENT)
         shown.page.keyboard.press("]")
@@ -205,3 +209,26 @@ def test_mediamtx_plays_a_camera_with_the_configuration_that_the_page_shows(
             gateway.press("Enter")
             shown.button("Play").click()
             wait_for_movement(shown, (255, 255, 0))
+
+
+def test_the_station_plays_a_camera_without_a_gateway(browser: Any, tmp_path: Path) -> None:
+    """The camera of `mav sim --video` in Chromium, with the time in its picture."""
+    link, port = free_port(), free_port()
+    out = ("--out", f"tcpin://127.0.0.1:{link}")
+    command = (sys.executable, "-m", "mavstack", "sim", "--video", str(port), *out)
+    with (
+        running(*command, stdout=subprocess.DEVNULL, stdin=subprocess.PIPE),
+        web_server(tmp_path, f"tcpout://127.0.0.1:{link}?wait=yes") as server,
+        station_page(browser, server.url, DESKTOP) as shown,
+    ):
+        shown.button("Choose a vehicle: Copter 1").wait_for(timeout=PATIENT)
+        shown.page.keyboard.press("]")
+        shown.button("Video").click(timeout=PATIENT)
+        choose(shown, "camera")
+        shown.button("Play").click()
+        video = shown.page.locator(".picture video")
+        video.wait_for(timeout=PATIENT)
+        shown.wait_until(lambda: abs(read_time(shown.pixels(video).astype(np.uint8)) - time()) < 20)
+        assert server.get("video") == {"available": True, "viewers": 1}
+        shown.button("Stop").click()
+        shown.wait_until(lambda: server.get("video")["viewers"] == 0)

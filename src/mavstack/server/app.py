@@ -48,6 +48,7 @@ from mavstack.server.api import (
     swarms,
     vehicle_setup,
     vehicles,
+    video,
 )
 from mavstack.server.api.session import LogIn, Sessions
 from mavstack.server.description import API
@@ -116,6 +117,7 @@ ROUTES: Final[tuple[AnyRoute, ...]] = (
     *simulators.ROUTES,
     *firmware.ROUTES,
     *generator.ROUTES,
+    *video.ROUTES,
 )
 
 

@@ -17,6 +17,7 @@ _PATH_PARTS: Final[dict[str, dict[str, Any]]] = {
         "example": 1,
     },
     "name": {"description": "A name.", "schema": _TEXT, "example": "ATTITUDE"},
+    "viewer": {"description": "The name of a viewer of video.", "schema": _TEXT, "example": "Zk3bR0"},
     "id": {"description": "An id.", "schema": _TEXT, "example": "1"},
     "kind": {"description": "The kind of a calibration.", "schema": _TEXT, "example": "gyroscope"},
     "camera": {

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 
     from mavstack.dialects import Message
     from mavstack.router.control.client import ControlClient
+    from mavstack.server.video.gateway import VideoGateway
     from mavstack.vehicle import Vehicle
 
 logger = logging.getLogger("mavstack.server")
@@ -111,6 +112,7 @@ class Station:
         #: The WebSockets and streams of all clients.
         self.shares = ClientShares()
         self.router = router
+        self._video: VideoGateway | None = None
         self._requests_telemetry = telemetry
         self._requests: dict[int, asyncio.Task[None]] = {}
         self._closing = AsyncExitStack()
@@ -122,6 +124,20 @@ class Station:
             known = ", ".join(map(str, self.connection.vehicles)) or "none"
             raise RefusedError(404, f"no vehicle with system id {system} was found; known: {known}")
         return vehicle
+
+    @property
+    def video_viewers(self) -> int:
+        """Number of viewers of cameras."""
+        return 0 if self._video is None else self._video.viewers
+
+    def video(self) -> VideoGateway:
+        """Return the viewers of cameras; raises `MissingExtraError` without the extra `video`."""
+        if self._video is None:
+            from mavstack.server.video.gateway import VideoGateway
+
+            self._video = VideoGateway()
+            self._closing.push_async_callback(self._video.close)
+        return self._video
 
     async def open(self) -> Self:
         """Open the connection, and request telemetry from the vehicles that it finds."""

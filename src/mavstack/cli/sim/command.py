@@ -32,6 +32,7 @@ from mavstack.cli.sim.bootloader import add_bootloader_option, simulate_board
 from mavstack.cli.sim.event_printer import EventPrinter
 from mavstack.cli.sim.flight_controllers import DEFAULT_OUT as DEFAULT_MSP_OUT
 from mavstack.cli.sim.flight_controllers import PREFIX, controller_firmwares, transports
+from mavstack.cli.sim.video import add_video_option, filming
 from mavstack.sim.vehicle_types import (
     DEFAULT_HOME,
     ControllerFirmware,
@@ -66,6 +67,7 @@ examples:
   mav sim --speed 10                          # ten times as fast
   mav sim --storage flights                   # keep logs and files in a folder
   mav sim --camera --gimbal                   # with a camera and a gimbal
+  mav sim --video                             # whose camera streams H.264: rtsp://127.0.0.1:8554/camera
   mav sim --rangefinder forward --obstacle 30,0,2,15   # a rangefinder, and a cylinder 30 m north of home
   mav sim --firmware betaflight --out msp+tcpin://127.0.0.1:5761   # a racing drone that speaks MSP
   mav sim --firmware inav --out msp+pty:///tmp/ttyINAV             # iNav on a serial port of this machine
@@ -99,6 +101,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="home of the first vehicle: degrees, metres above sea, heading in degrees",
     )
     add("--camera", action="store_true", help="give each vehicle a camera (component id 100)")
+    add_video_option(parser)
     add("--gimbal", action="store_true", help="give each vehicle a gimbal, managed by its autopilot")
     add(
         "--rangefinder",
@@ -211,7 +214,8 @@ async def _simulate(arguments: Namespace) -> int:
             prefix = PREFIX if controllers else ""
             printer.begin(vehicles, [prefix + link.url.redacted for link in links])
             announce_exposure("sim", links)
-            await _run(runner, script, printer, arguments.seconds)
+            async with filming(vehicles, arguments.video):
+                await _run(runner, script, printer, arguments.seconds)
     finally:
         simulation.close()
     return 0
@@ -232,7 +236,7 @@ def _fleet(
         arguments.count,
         arguments.home,
         arguments.system,
-        camera=arguments.camera,
+        camera=arguments.camera or arguments.video is not None,
         gimbal=arguments.gimbal,
         rangefinders=arguments.rangefinder,
         terrain=arguments.terrain,

@@ -8,6 +8,7 @@ parameters, described by a definition file that the camera serves over MAVLink F
 from __future__ import annotations
 
 import lzma
+from dataclasses import replace
 from math import degrees
 from typing import TYPE_CHECKING
 
@@ -82,11 +83,19 @@ class _Device(CameraDevice):
             streams=[VideoStream(1, 1, "rtsp://127.0.0.1:8554/camera", "camera", field_of_view=70)],
         )
         self._vehicle, self._gimbal = vehicle, gimbal
+        self.stream_uri = ""
         self.zoom, self.focus = 0.0, 50.0
         self.used = 0.0
         self.settings: CameraSettingsServer | None = None
         self._target: TrackedTarget | None = None
         self._recorded_until: float | None = None
+
+    @property
+    def streams(self) -> tuple[VideoStream, ...]:
+        streams = super().streams
+        if not self.stream_uri:
+            return streams
+        return tuple(replace(each, uri=self.stream_uri) for each in streams)
 
     @property
     def storages(self) -> tuple[Storage, ...]:

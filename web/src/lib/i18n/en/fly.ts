@@ -210,7 +210,7 @@ export const fly = {
   videoSource: 'Source',
   videoOwn: 'Other address',
   videoUrl: 'Address of the video',
-  videoUrlHint: 'http://…/whep (WebRTC), an HTTP video, MJPEG, or rtsp:// by the gateway',
+  videoUrlHint: 'http://…/whep (WebRTC), an HTTP video, MJPEG, or rtsp:// by the station or a gateway',
   videoGateway: 'Gateway',
   videoGatewayHint: 'WHEP address of a gateway such as MediaMTX; {host} and {path} are those of the stream',
   videoNeedsGateway:

@@ -20,6 +20,19 @@ it('reads VIDEO_STREAM_INFORMATION, and nothing without an address', () => {
   expect(streamFrom(1, 100, { ...FIELDS, uri: ' ' })).toBeNull();
 });
 
+it('plays RTSP and RTP through the station, and a gateway comes first', () => {
+  const station = 'http://127.0.0.1:8080/api/video/whep';
+  expect(playerFor('rtsp://cam:8554/front', 0, '', station)).toEqual({
+    kind: 'whep',
+    url: `${station}?uri=rtsp%3A%2F%2Fcam%3A8554%2Ffront`,
+  });
+  expect(playerFor('5600', 1, '', station).url).toBe(`${station}?uri=5600`);
+  expect(playerFor('rtsp://cam:8554/front', 0, DEFAULT_GATEWAY, station).url).toBe('http://cam:8889/front/whep');
+  expect(playerFor('5600', 3, '', station).kind).toBe('gateway');
+  expect(playerFor('srt://cam:9000', 0, '', station).kind).toBe('gateway');
+  expect(playerFor('javascript:alert(1)', 0, '', station).kind).toBe('unusable');
+});
+
 it('plays what browsers play', () => {
   expect(playerFor('http://cam:8889/front/whep').kind).toBe('whep');
   expect(playerFor('wheps://cam/front').url).toBe('https://cam/front');

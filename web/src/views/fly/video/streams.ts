@@ -51,15 +51,21 @@ export type Player =
   /** Nothing plays it: an unknown scheme, or a password in an address that browsers open without one. */
   | { readonly kind: 'unusable'; readonly url: string; readonly reason: 'scheme' | 'password' };
 
-/** Return how a stream can be played. With a gateway, streams that browsers do not play go by WebRTC (WHEP). */
-export function playerFor(uri: string, type: number = VideoStreamType.RTSP, gateway = ''): Player {
+/**
+ * Return how a stream can be played. Streams that browsers do not play go by WebRTC (WHEP): through a gateway, or
+ * through the station, whose address is empty if it plays none.
+ */
+export function playerFor(uri: string, type: number = VideoStreamType.RTSP, gateway = '', station = ''): Player {
   const url = uri.trim();
   if (type === VideoStreamType.WHEP) return httpPlayer(url.replace(/^whep/i, 'http'), 'whep');
   if (/^wheps?:/i.test(url)) return httpPlayer(url.replace(/^whep/i, 'http'), 'whep');
   if (/^https?:/i.test(url)) return httpPlayer(url, httpKind(url));
   if (/^[a-z][a-z0-9+.-]*:/i.test(url) && !STREAM_SCHEME.test(url)) return { kind: 'unusable', url, reason: 'scheme' };
   const viaGateway = gatewayUrl({ uri: url, type }, gateway);
-  return viaGateway === null ? { kind: 'gateway', url } : httpPlayer(viaGateway, 'whep');
+  if (viaGateway !== null) return httpPlayer(viaGateway, 'whep');
+  const isPlayed = /^(?:rtsps?:\/\/|(?:rtp|udp):\/\/|\d+$)/i.test(url) && type !== VideoStreamType.MPEG_TS;
+  if (station === '' || !isPlayed) return { kind: 'gateway', url };
+  return { kind: 'whep', url: `${station}?${new URLSearchParams({ uri: url }).toString()}` };
 }
 
 function httpPlayer(url: string, kind: 'whep' | 'video' | 'image'): Player {

@@ -1,0 +1,10 @@
+"""Video of cameras in the browser: the station receives RTSP and RTP, and sends WebRTC.
+
+    addresses    which addresses are opened, and the session description of RTP
+    sources      open cameras, which all viewers share
+    gateway      the viewers: WebRTC by one HTTP request (WHEP)
+
+Only `addresses` works without the extra `video`.
+"""
+
+from __future__ import annotations

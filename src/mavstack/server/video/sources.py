@@ -1,0 +1,118 @@
+"""Open cameras. A camera is opened once for all its viewers, and closed after the last one.
+
+H.264 is passed on as the camera made it, which costs neither a decoder nor an encoder; another codec, or a
+browser without H.264, costs both.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from contextlib import suppress
+from pathlib import Path
+from tempfile import NamedTemporaryFile
+from typing import TYPE_CHECKING, Any, Final
+
+from mavstack.errors import LinkError, MissingExtraError
+
+try:
+    import av
+    from aiortc.contrib.media import MediaPlayer, MediaRelay
+except ImportError as missing:
+    raise MissingExtraError("video in the station", "video") from missing
+
+if TYPE_CHECKING:
+    from aiortc import MediaStreamTrack
+
+    from mavstack.server.video.addresses import CameraAddress
+
+#: Seconds until a camera must answer.
+OPEN_TIMEOUT: Final = 10
+#: Options of the library for streams whose delay matters.
+_OPTIONS: Final = {
+    "fflags": "nobuffer",
+    "flags": "low_delay",
+    "analyzeduration": "1000000",
+    "probesize": "500000",
+}
+_RTSP: Final = {"rtsp_transport": "tcp", "timeout": str(OPEN_TIMEOUT * 1_000_000)}
+_RTP: Final = {"protocol_whitelist": "file,udp,rtp", "reorder_queue_size": "64"}
+_H264: Final = "h264"
+
+logger = logging.getLogger("mavstack.server")
+
+
+class CameraSource:
+    """One open camera.
+
+    Args:
+        player: The open stream.
+        codec: The name of its codec as it is passed on; empty: it is decoded.
+    """
+
+    def __init__(self, player: MediaPlayer, codec: str) -> None:
+        self.codec = codec
+        self._player = player
+        self._relay = MediaRelay()
+        #: Number of viewers.
+        self.viewers = 0
+
+    def subscribe(self) -> MediaStreamTrack:
+        """Return a track for one viewer."""
+        self.viewers += 1
+        return self._relay.subscribe(self._player.video)
+
+    def close(self) -> None:
+        """Close the camera."""
+        self._player.video.stop()
+
+
+async def open_source(address: CameraAddress, *, passes_h264: bool) -> CameraSource:
+    """Open a camera.
+
+    Args:
+        address: The address.
+        passes_h264: True if the viewers play H.264.
+
+    Returns:
+        The open camera.
+
+    Raises:
+        LinkError: It does not answer, or sends no video.
+    """
+    try:
+        return await asyncio.to_thread(_open, address, passes_h264)
+    except (OSError, ValueError, av.FFmpegError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise LinkError(f"opening the camera failed: {reason}") from None
+
+
+def _open(address: CameraAddress, passes_h264: bool) -> CameraSource:
+    if passes_h264:
+        player = _player(address, decode=False)
+        if player.video is not None:
+            return CameraSource(player, _H264)
+        _close(player)
+    player = _player(address, decode=True)
+    if player.video is None:
+        _close(player)
+        raise LinkError("opening the camera failed: it sends no video")
+    return CameraSource(player, "")
+
+
+def _player(address: CameraAddress, *, decode: bool) -> MediaPlayer:
+    if address.url:
+        return MediaPlayer(address.url, options=_OPTIONS | _RTSP, timeout=OPEN_TIMEOUT, decode=decode)
+    with NamedTemporaryFile("w", suffix=".sdp", delete=False, encoding="ascii") as file:
+        file.write(address.description)
+    try:
+        return MediaPlayer(
+            file.name, format="sdp", options=_OPTIONS | _RTP, timeout=OPEN_TIMEOUT, decode=decode
+        )
+    finally:
+        Path(file.name).unlink()
+
+
+def _close(player: Any) -> None:  # noqa: ANN401 - of aiortc, which has no call for it
+    with suppress(AttributeError):
+        player._MediaPlayer__container.close()  # noqa: SLF001

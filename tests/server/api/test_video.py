@@ -1,0 +1,18 @@
+from __future__ import annotations
+
+import pytest
+
+from tests.server.stations import COPTER, Ground, serve
+
+
+def test_what_is_no_camera_is_refused() -> None:
+    async def scenario(ground: Ground) -> None:
+        shown = (await ground.api.get("/api/video")).json
+        assert shown["viewers"] == 0
+        for uri in ("file%3A%2F%2F%2Fetc%2Fpasswd", "concat%3Aa", ""):
+            answer = await ground.api.post(f"/api/video/whep?uri={uri}")
+            assert answer.status == 400
+        assert (await ground.api.delete("/api/video/whep/none")).status == 404
+
+    pytest.importorskip("aiortc")
+    serve(COPTER, scenario)
