@@ -1,4 +1,4 @@
-"""The video of a simulated camera: an RTSP server that encodes H.264 while somebody watches.
+"""The video of a simulated camera: an RTSP server that encodes H.264 while there are players.
 
     async with VideoCamera(lambda: draw(time(), roll, pitch)) as camera:
         ...  # camera.url, such as rtsp://127.0.0.1:8554/camera

@@ -21,8 +21,6 @@ except ImportError as missing:
     raise MissingExtraError("video in the station", "video") from missing
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from aiortc import RTCRtpCodecCapability
 
     from mavstack.server.video.addresses import CameraAddress
@@ -54,6 +52,7 @@ class VideoGateway:
         self._viewers: dict[str, _Viewer] = {}
         self._sources: dict[tuple[CameraAddress, bool], CameraSource] = {}
         self._opening = asyncio.Lock()
+        self._closing: set[asyncio.Future[None]] = set()
 
     @property
     def viewers(self) -> int:
@@ -103,12 +102,15 @@ class VideoGateway:
         if not any(each.key == viewer.key for each in self._viewers.values()):
             source = self._sources.pop(viewer.key, None)
             if source is not None:
-                source.close()
+                self._closing.add(closing := asyncio.ensure_future(source.close()))
+                closing.add_done_callback(self._closing.discard)
+                await asyncio.shield(closing)
         return True
 
     async def close(self) -> None:
-        """End all viewers."""
+        """End all viewers, and wait until all cameras are closed."""
         await asyncio.gather(*map(self.leave, tuple(self._viewers)))
+        await asyncio.gather(*self._closing)
 
     async def _source(self, key: tuple[CameraAddress, bool]) -> CameraSource:
         async with self._opening:
@@ -137,7 +139,7 @@ class VideoGateway:
         return peer.localDescription.sdp
 
 
-def _codecs(name: str) -> Sequence[RTCRtpCodecCapability]:
+def _codecs(name: str) -> list[RTCRtpCodecCapability]:
     """Return the codecs to offer for a stream that is passed on: its own alone."""
     codecs = RTCRtpSender.getCapabilities("video").codecs
     return [each for each in codecs if each.mimeType.lower() == f"video/{name}"]

@@ -47,12 +47,13 @@ class CameraSource:
 
     Args:
         player: The open stream.
+        track: Its video.
         codec: The name of its codec as it is passed on; empty: it is decoded.
     """
 
-    def __init__(self, player: MediaPlayer, codec: str) -> None:
+    def __init__(self, player: MediaPlayer, track: Any, codec: str) -> None:  # noqa: ANN401 (its player is not in its type)
         self.codec = codec
-        self._player = player
+        self._player, self._track = player, track
         self._relay = MediaRelay()
         #: Number of viewers.
         self.viewers = 0
@@ -60,11 +61,13 @@ class CameraSource:
     def subscribe(self) -> MediaStreamTrack:
         """Return a track for one viewer."""
         self.viewers += 1
-        return self._relay.subscribe(self._player.video)
+        return self._relay.subscribe(self._track)
 
-    def close(self) -> None:
-        """Close the camera."""
-        self._player.video.stop()
+    async def close(self) -> None:
+        """Close the camera; its thread may wait for a packet, so that another thread waits for its end."""
+        self._track._player = None  # noqa: SLF001 (else `stop` would wait in the event loop)
+        self._track.stop()
+        await asyncio.to_thread(self._player._stop, self._track)  # noqa: SLF001
 
 
 async def open_source(address: CameraAddress, *, passes_h264: bool) -> CameraSource:
@@ -91,13 +94,13 @@ def _open(address: CameraAddress, passes_h264: bool) -> CameraSource:
     if passes_h264:
         player = _player(address, decode=False)
         if player.video is not None:
-            return CameraSource(player, _H264)
+            return CameraSource(player, player.video, _H264)
         _close(player)
     player = _player(address, decode=True)
     if player.video is None:
         _close(player)
         raise LinkError("opening the camera failed: it sends no video")
-    return CameraSource(player, "")
+    return CameraSource(player, player.video, "")
 
 
 def _player(address: CameraAddress, *, decode: bool) -> MediaPlayer:

@@ -37,6 +37,8 @@ from mavstack.services.timesync import TimesyncServer
 from mavstack.sim.payloads.definition import TEXT, VERSION, simulated_definition
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from mavstack.services.camera import SettingValue
     from mavstack.sim.payloads.gimbal import SimulatedGimbal
     from mavstack.sim.vehicle import SimulatedVehicle
@@ -91,7 +93,7 @@ class _Device(CameraDevice):
         self._recorded_until: float | None = None
 
     @property
-    def streams(self) -> tuple[VideoStream, ...]:
+    def streams(self) -> Sequence[VideoStream]:
         streams = super().streams
         if not self.stream_uri:
             return streams

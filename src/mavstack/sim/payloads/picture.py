@@ -42,7 +42,7 @@ def draw(time: float, roll: float, pitch: float) -> NDArray[np.uint8]:
     right, down = columns - WIDTH / 2, rows - HEIGHT / 2
     scale = HEIGHT / 2 / tan(radians(_HALF_VIEW))
     below = down * cos(roll) + right * sin(roll) - scale * tan(max(min(pitch, 1.2), -1.2))
-    picture = np.where(below[..., None] > 0, np.uint8(_GROUND), np.uint8(_SKY))
+    picture = np.where(below[..., None] > 0, np.array(_GROUND, np.uint8), np.array(_SKY, np.uint8))
     picture[HEIGHT // 2 - 1 : HEIGHT // 2 + 1, WIDTH // 2 - 60 : WIDTH // 2 + 60] = _MARK
     _draw_time(picture, int(time * 1000))
     return picture
