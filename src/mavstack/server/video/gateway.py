@@ -98,13 +98,13 @@ class VideoGateway:
         viewer = self._viewers.pop(name, None)
         if viewer is None:
             return False
-        await viewer.peer.close()
         if not any(each.key == viewer.key for each in self._viewers.values()):
             source = self._sources.pop(viewer.key, None)
             if source is not None:
                 self._closing.add(closing := asyncio.ensure_future(source.close()))
                 closing.add_done_callback(self._closing.discard)
                 await asyncio.shield(closing)
+        await viewer.peer.close()
         return True
 
     async def close(self) -> None:
