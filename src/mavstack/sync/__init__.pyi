@@ -4971,6 +4971,14 @@ class Vehicle:
         """The odometry estimate, in metres, m/s and degrees per second (ODOMETRY)."""
 
     @property
+    def distances(self) -> Mapping[int, values.Distance]:
+        """The measurements of its rangefinders by id, in metres (DISTANCE_SENSOR)."""
+
+    @property
+    def obstacles(self) -> values.Obstacles | None:
+        """The obstacles around it, in metres and degrees (OBSTACLE_DISTANCE)."""
+
+    @property
     def gps(self) -> values.Gps | None:
         """The state of the satellite navigation receiver, in degrees, metres and m/s (GPS_RAW_INT)."""
 
@@ -4985,12 +4993,12 @@ class Vehicle:
     def rc_pulse(self, channel: int) -> int | None:
         """Return the pulse of a radio control channel.
 
-        Args:
-            channel: The number of the channel, from 1.
+    Args:
+        channel: The number of the channel, from 1.
 
-        Returns:
-            Microseconds, or None if the channel is unused or was not received (RC_CHANNELS).
-        """
+    Returns:
+        Microseconds, or None if the channel is unused or was not received (RC_CHANNELS).
+    """
 
     @property
     def battery(self) -> values.Battery | None:

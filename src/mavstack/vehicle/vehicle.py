@@ -499,6 +499,16 @@ class Vehicle(ReadOnly):
         return readers.read_odometry(self.telemetry)
 
     @property
+    def distances(self) -> Mapping[int, values.Distance]:
+        """The measurements of its rangefinders by id, in metres (DISTANCE_SENSOR)."""
+        return readers.read_distances(self.telemetry)
+
+    @property
+    def obstacles(self) -> values.Obstacles | None:
+        """The obstacles around it, in metres and degrees (OBSTACLE_DISTANCE)."""
+        return readers.read_obstacles(self.telemetry)
+
+    @property
     def gps(self) -> values.Gps | None:
         """The state of the satellite navigation receiver, in degrees, metres and m/s (GPS_RAW_INT)."""
         return readers.read_gps(self.telemetry)
@@ -513,17 +523,7 @@ class Vehicle(ReadOnly):
         """The radio control input, in microseconds per channel (RC_CHANNELS or RC_CHANNELS_RAW)."""
         return readers.read_rc(self.telemetry)
 
-    def rc_pulse(self, channel: int) -> int | None:
-        """Return the pulse of a radio control channel.
-
-        Args:
-            channel: The number of the channel, from 1.
-
-        Returns:
-            Microseconds, or None if the channel is unused or was not received (RC_CHANNELS).
-        """
-        rc = self.rc
-        return rc.channels[channel - 1] if rc is not None and channel <= len(rc.channels) else None
+    rc_pulse = messages.rc_pulse
 
     @property
     def battery(self) -> values.Battery | None:

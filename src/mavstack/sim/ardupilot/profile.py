@@ -8,7 +8,7 @@ from mavstack.dialects import common
 from mavstack.services.component_metadata import provide_component_metadata
 from mavstack.services.version import provide_versions
 from mavstack.sim.ardupilot.arming import PreArmReporter, arming_problems, prearm_problems
-from mavstack.sim.ardupilot.avoidance import enable_avoidance
+from mavstack.sim.ardupilot.avoidance import register_avoidance
 from mavstack.sim.ardupilot.behaviours import RegionOfInterestYaw, ReturnPath, return_path_of
 from mavstack.sim.ardupilot.commands import origin_of, register_commands
 from mavstack.sim.ardupilot.empty_mission import EmptyMission
@@ -58,6 +58,7 @@ _ROVER_HEIGHT = (4, 2)
 _WITH_YAW_CONTROL = frozenset({VehicleType.COPTER, VehicleType.SUB})
 #: The MAV_TYPE of a quadplane; 0 for that of a plane.
 _QUADPLANE_TYPE = "Q_MAV_TYPE"
+_WITH_AVOIDANCE = frozenset({VehicleType.COPTER, VehicleType.ROVER, VehicleType.BOAT})
 _WITH_RETURN_PATH = frozenset({VehicleType.COPTER, VehicleType.ROVER, VehicleType.BOAT})
 
 
@@ -100,8 +101,8 @@ class ArdupilotProfile(FirmwareProfile):
         if self.vehicle_type is VehicleType.COPTER:
             autopilot.watches += [CompassMotorCalibration(autopilot), EscCalibration(autopilot)]
             TrafficAvoidance(autopilot)
-            if vehicle.proximity:
-                enable_avoidance(autopilot)
+        if self.vehicle_type in _WITH_AVOIDANCE:
+            register_avoidance(vehicle)
         watch_home(autopilot, self.vehicle_type)
         autopilot.watches.append(PreArmReporter(autopilot))
         autopilot.watches.append(BootTexts(autopilot))

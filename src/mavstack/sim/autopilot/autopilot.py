@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.behaviour import Behaviour
     from mavstack.sim.autopilot.external_vision import ExternalVision
     from mavstack.sim.autopilot.firmware_profile import FirmwareProfile, Mode
+    from mavstack.sim.autopilot.obstacle_input import ObstacleInput
     from mavstack.sim.autopilot.ticks import Watch
     from mavstack.sim.vehicle import SimulatedVehicle
 
@@ -87,6 +88,8 @@ class SimulatedAutopilot:
         self._located = False
         #: The estimates of a companion computer; None if the parameters leave them out.
         self.vision: ExternalVision | None = None
+        #: The obstacles that a companion computer reports; None if the firmware does not take them.
+        self.obstacle_input: ObstacleInput | None = None
         #: True if a client set the origin of the local frame.
         self.has_origin = False
 

@@ -1,13 +1,13 @@
-"""Avoidance of obstacles as the firmwares do it without planning a path: the vehicle stops before them.
+"""Avoidance of obstacles as the firmwares do it: a vehicle stops before them, or moves around them.
 
 A velocity that a pilot or a program asks for is limited so that the vehicle can brake before the margin
-(`LimitedVelocity`). A flight to a point ends at the margin (`PathStop`): the simulated planner finds no way
-around an obstacle.
+(`LimitedVelocity`). A flight to a point ends at the margin (`PathStop`). A vehicle on the surface takes the
+free course that deviates least from the one to its target (`PathAround`), as ArduPilot's BendyRuler does.
 """
 
 from __future__ import annotations
 
-from math import atan2, hypot, inf, sqrt
+from math import atan2, hypot, inf, radians, sqrt
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
@@ -25,6 +25,9 @@ _DELAY: Final = 0.4
 _MIN_SPEED: Final = 0.01
 #: Metres by which a target must lie beyond the margin.
 _BEYOND: Final = 0.5
+#: Courses that are tried, in degrees from the straight one, and the advantage of the side of the last one.
+_TURNS: Final = tuple(range(5, 171, 5))
+_SAME_SIDE: Final = 30
 
 
 class LimitedVelocity:
@@ -65,9 +68,73 @@ class PathStop:
             maneuvers.hold(maneuvers.ahead(clearance, course))
 
 
+class PathAround:
+    """Leads a vehicle around obstacles to its target; runs on each tick.
+
+    Args:
+        autopilot: The autopilot.
+        margin: Returns the metres to keep from obstacles; None while it is off.
+        lookahead: Returns the metres that a course must be free.
+    """
+
+    def __init__(
+        self,
+        autopilot: SimulatedAutopilot,
+        margin: Callable[[], float | None],
+        lookahead: Callable[[], float],
+    ) -> None:
+        self._autopilot, self._margin, self._lookahead = autopilot, margin, lookahead
+        #: The target behind the obstacles, and the point that is gone to instead.
+        self._goal: Point | None = None
+        self._via: Point | None = None
+        self._side = 0
+
+    def tick(self, now: float) -> None:
+        """Turn aside if the way to the target is blocked nearby, and back when it is free."""
+        autopilot, margin = self._autopilot, self._margin()
+        if self._goal is not None and autopilot.target != self._via:
+            self._goal = self._via = None  # a new target was set
+        target = self._goal or autopilot.target
+        if margin is None or target is None or not autopilot.armed:
+            return
+        maneuvers = autopilot.maneuvers
+        course, distance = maneuvers.bearing(target), maneuvers.distance(target)
+        wanted = min(self._lookahead(), distance)
+        if _clearance(autopilot, course, margin) >= wanted - _BEYOND:
+            if self._goal is not None:
+                self._goal = self._via = None
+                maneuvers.go_to(target)
+            return
+        turn = self._free_turn(course, margin)
+        self._goal = target
+        if turn is None:
+            self._via = maneuvers.hold()
+            return
+        self._side = 1 if turn > 0 else -1
+        self._via = maneuvers.ahead(self._lookahead(), course + turn)
+        maneuvers.go_to(self._via)
+
+    def _free_turn(self, course: float, margin: float) -> float | None:
+        """Return the smallest turn to a free course, in radians; None if there is none."""
+        turns = sorted(
+            (turn * side for turn in _TURNS for side in (1, -1)),
+            key=lambda turn: abs(turn) - (_SAME_SIDE if turn * self._side > 0 else 0),
+        )
+        for turn in turns:
+            if _clearance(self._autopilot, course + radians(turn), margin) >= self._lookahead():
+                return radians(turn)
+        return None
+
+
 def _clearance(autopilot: SimulatedAutopilot, course: float, margin: float) -> float:
-    truth = autopilot.body.truth
-    return autopilot.body.surroundings.clearance_along((truth.north, truth.east, truth.down), course, margin)
+    truth, clearance = autopilot.body.truth, inf
+    if autopilot.vehicle.proximity:
+        here = truth.north, truth.east, truth.down
+        clearance = autopilot.body.surroundings.clearance_along(here, course, margin)
+    reported = autopilot.obstacle_input
+    if reported is None:
+        return clearance
+    return min(clearance, reported.clearance_along(autopilot.now, course, margin))
 
 
 def _approach_speed(autopilot: SimulatedAutopilot, clearance: float) -> float:

@@ -12,6 +12,7 @@ from mavstack.services.statustext import EVENT_MARK
 from mavstack.services.version import provide_versions
 from mavstack.sim.autopilot.avoidance import LimitedVelocity
 from mavstack.sim.autopilot.firmware_profile import FirmwareProfile
+from mavstack.sim.autopilot.obstacle_input import ObstacleInput
 from mavstack.sim.autopilot.origin import OriginReceiver
 from mavstack.sim.parameters import served_metadata
 from mavstack.sim.px4 import modes
@@ -93,7 +94,8 @@ class Px4Profile(FirmwareProfile):
         if self.vehicle_type.flies:
             autopilot.watches.append(LandDetector(autopilot, self.state))
         Px4Failsafes(autopilot)
-        if vehicle.proximity and self.vehicle_type is VehicleType.COPTER:
+        if self.vehicle_type is VehicleType.COPTER:
+            autopilot.obstacle_input = vehicle.engine.add(ObstacleInput(vehicle))
             LimitedVelocity(autopilot, partial(collision_margin, autopilot))
         TrafficAvoidance(autopilot)
         register_external_gps(vehicle)

@@ -124,3 +124,16 @@ async def set_message_rate(
     operation = f"setting the rate of {name_of(message)} on"
     async with deadline(timeout, operation, vehicle.address, CommandTimeout):
         await rates.ask(message)
+
+
+def rc_pulse(vehicle: Vehicle, channel: int) -> int | None:
+    """Return the pulse of a radio control channel.
+
+    Args:
+        channel: The number of the channel, from 1.
+
+    Returns:
+        Microseconds, or None if the channel is unused or was not received (RC_CHANNELS).
+    """
+    rc = vehicle.rc
+    return rc.channels[channel - 1] if rc is not None and channel <= len(rc.channels) else None

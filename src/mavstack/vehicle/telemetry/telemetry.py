@@ -58,12 +58,14 @@ class Telemetry(LoopBound):
         self._intake = host_of(node).intake
         self._batteries: dict[tuple[int, int], common.BatteryStatus] = {}
         self._rc_ports: dict[int, common.RcChannelsRaw] = {}
+        self._distances: dict[int, tuple[common.DistanceSensor, float]] = {}
         self._system = system = component.address.system
         self._intake.follow(system)
         self._listeners: tuple[Listener, ...] = (
             node.add_packet_listener(common.Statustext, self.status_texts.receive, system=system),
             node.add_packet_listener(common.BatteryStatus, self._store_battery, system=system),
             node.add_packet_listener(common.RcChannelsRaw, self._store_rc_port, system=system),
+            node.add_packet_listener(common.DistanceSensor, self._store_distance, system=system),
             node.add_packet_listener(common.SysStatus, self._receive_status, system=system),
         )
         _ = component.modes.current  # the first use starts to follow the mode
@@ -90,6 +92,7 @@ class Telemetry(LoopBound):
         """Forget the messages: they may be those of another vehicle with the same system id."""
         self._intake.clear(self._system)
         self._batteries.clear()
+        self._distances.clear()
 
     # The latest messages
 
@@ -182,6 +185,17 @@ class Telemetry(LoopBound):
         own = self.component.address.component
         if packet.component == own or packet.component in _BATTERIES:
             self._batteries[packet.component, packet.message.id] = packet.message
+
+    def _store_distance(self, packet: Packet) -> None:
+        message = packet.message
+        is_own = packet.component == self.component.address.component
+        if is_own and isinstance(message, common.DistanceSensor):
+            self._distances[message.id] = message, self.now()
+
+    def distance_sensors(self, max_age: float) -> dict[int, common.DistanceSensor]:
+        """Return the last message of each rangefinder that is not older than some seconds, by its id."""
+        now = self.now()
+        return {number: message for number, (message, at) in self._distances.items() if now - at <= max_age}
 
     def _store_rc_port(self, packet: Packet) -> None:
         port = packet.message.port

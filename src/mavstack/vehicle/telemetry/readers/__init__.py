@@ -26,12 +26,14 @@ from mavstack.vehicle.telemetry.readers.state import (
     read_system_status,
     read_vtol_state,
 )
+from mavstack.vehicle.telemetry.readers.surroundings import read_distances, read_obstacles
 
 __all__ = [
     "ESC_TELEMETRY",
     "read_armed",
     "read_attitude",
     "read_batteries",
+    "read_distances",
     "read_engine",
     "read_escs",
     "read_generator",
@@ -43,6 +45,7 @@ __all__ = [
     "read_local_position",
     "read_mode",
     "read_modem",
+    "read_obstacles",
     "read_odometry",
     "read_position",
     "read_rc",
