@@ -101,12 +101,14 @@ from mavstack.vehicle.calibration.kinds import CalibrationResult
 from mavstack.vehicle.calibration.kinds import CalibrationStep
 from mavstack.vehicle.capabilities import Capabilities
 from mavstack.vehicle.connection import NodeOptions
+from mavstack.vehicle.external import surroundings
 from mavstack.vehicle.external.diagnosis import ExternalStatus
 from mavstack.vehicle.following.follow import Level
 from mavstack.vehicle.following.radio import FollowOptions
 from mavstack.vehicle.health import Health
 from mavstack.vehicle.rtk.rtk import RtkStatus
 from mavstack.vehicle.swarm.controller import SwarmOptions
+from mavstack.vehicle.telemetry import surroundings
 from mavstack.vehicle.telemetry import values
 from mavstack.vehicle.telemetry.values import HomePosition
 from mavstack.vehicle.telemetry.values import Position
@@ -4971,11 +4973,11 @@ class Vehicle:
         """The odometry estimate, in metres, m/s and degrees per second (ODOMETRY)."""
 
     @property
-    def distances(self) -> Mapping[int, values.Distance]:
+    def distances(self) -> Mapping[int, surroundings.Distance]:
         """The measurements of its rangefinders by id, in metres (DISTANCE_SENSOR)."""
 
     @property
-    def obstacles(self) -> values.Obstacles | None:
+    def obstacles(self) -> surroundings.Obstacles | None:
         """The obstacles around it, in metres and degrees (OBSTACLE_DISTANCE)."""
 
     @property

@@ -62,7 +62,7 @@ if TYPE_CHECKING:
     from mavstack.services.events import DecodedEvent
     from mavstack.services.heartbeat import ComponentInfo, Conflict
     from mavstack.services.version import AutopilotVersion
-    from mavstack.vehicle.telemetry import values
+    from mavstack.vehicle.telemetry import surroundings, values
 
 AnyMessage = TypeVar("AnyMessage", bound=Message)
 
@@ -499,12 +499,12 @@ class Vehicle(ReadOnly):
         return readers.read_odometry(self.telemetry)
 
     @property
-    def distances(self) -> Mapping[int, values.Distance]:
+    def distances(self) -> Mapping[int, surroundings.Distance]:
         """The measurements of its rangefinders by id, in metres (DISTANCE_SENSOR)."""
         return readers.read_distances(self.telemetry)
 
     @property
-    def obstacles(self) -> values.Obstacles | None:
+    def obstacles(self) -> surroundings.Obstacles | None:
         """The obstacles around it, in metres and degrees (OBSTACLE_DISTANCE)."""
         return readers.read_obstacles(self.telemetry)
 

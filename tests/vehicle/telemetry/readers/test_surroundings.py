@@ -11,7 +11,7 @@ import pytest
 from mavstack.links import MemoryNetwork
 from mavstack.sim import Obstacle, Rangefinder, Simulation, run_virtually
 from mavstack.vehicle import connect
-from mavstack.vehicle.telemetry.values import Obstacles
+from mavstack.vehicle.telemetry.surroundings import Obstacles
 from tests.sim.running import make_ready, running
 
 if TYPE_CHECKING:

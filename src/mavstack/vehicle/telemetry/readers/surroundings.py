@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.vehicle.telemetry.readers.conversions import UINT16_MAX, scaled
-from mavstack.vehicle.telemetry.values import Distance, Obstacles
+from mavstack.vehicle.telemetry.surroundings import Distance, Obstacles
 
 if TYPE_CHECKING:
     from mavstack.vehicle.telemetry.telemetry import Telemetry
