@@ -58,5 +58,7 @@ export const settings = {
   /** URL of raster tiles with {z}/{x}/{y}, of a PMTiles archive, or empty: the generated base layer. */
   tiles: new Persisted<string>('tiles', ''),
   attribution: new Persisted<string>('attribution', ''),
+  /** Alerts and changes of the mode are spoken. */
+  speech: new Persisted<boolean>('speech', false, [false, true]),
   language: new Persisted<string>('language', 'en'),
 };

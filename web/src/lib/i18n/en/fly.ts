@@ -1,4 +1,5 @@
 export const fly = {
+  spokenMode: '{vehicle}: mode {mode}',
   map: 'Map with all vehicles. Arrow keys move it, plus and minus zoom, Enter acts at the centre.',
   flight: 'Flight',
   status: 'Status',

@@ -1,5 +1,6 @@
 export const shell = {
   title: 'Mavstack',
+  speech: 'Speak alerts and changes of the flight mode',
   pageTitle: '{view} – Mavstack',
   fly: 'Fly',
   plan: 'Plan',
