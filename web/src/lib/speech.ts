@@ -22,7 +22,7 @@ export function browserVoice(language: string): Voice | null {
   };
 }
 
-export class Speaker {
+export class Announcer {
   private readonly voice: Voice;
   private readonly spoken = new Map<string, number>();
 
