@@ -113,6 +113,7 @@ def options_of(scheme: str) -> dict[str, Option]:
     record = builtin_schemes()[scheme]
     module, name = record.backend.split(":")
     given = {"cert": "cert.pem"} if record.listens and "cert" in record.options else {}
+    given |= {"ticket": "room1", "secret": "00" * 32} if "ticket" in record.options else {}
     url = LinkURL(scheme, host="127.0.0.1", port=1, path="/file", options=given)
     options = RecordingOptions(url)
     with suppress(MavstackError, OSError):  # the certificate does not exist: by then the options are read

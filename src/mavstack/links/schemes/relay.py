@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from mavstack.links.scheme import AddressKind, LinkScheme
-from mavstack.links.scheme_options import CONNECTION, ROLES, VERIFICATION
+from mavstack.links.scheme_options import ROLES
+from mavstack.links.schemes import ws
 from mavstack.links.schemes.sealed import SEAL_OPTIONS
 
+_, _WSS, *_ = ws.SCHEMES
 _OPTIONS = {
-    **CONNECTION,
-    **VERIFICATION,
+    **_WSS.options,
     **SEAL_OPTIONS,
+    **ROLES,
     "ticket": "the ticket of the room, from `mav relay invite`",
     "tls": "no: connect to the relay without TLS (default: yes)",
 }
@@ -31,6 +33,6 @@ SCHEMES = (
         example="relayin://relay.example?ticket=room1.boat.host.…&secret=…",
         purpose="Takes a room of a relay, and answers its guests, sealed; it dials out.",
         default_port=443,
-        options={**_OPTIONS, **ROLES},
+        options=_OPTIONS,
     ),
 )
