@@ -28,6 +28,8 @@ VALUES = {
     "mavstack.vehicle.health.Health",
     "mavstack.vehicle.rtk.rtk.RtkStatus",
     "mavstack.vehicle.swarm.controller.SwarmOptions",
+    "mavstack.vehicle.telemetry.surroundings.Distance",
+    "mavstack.vehicle.telemetry.surroundings.Obstacles",
     "mavstack.vehicle.telemetry.values",
     "mavstack.vehicle.telemetry.values.HomePosition",
     "mavstack.vehicle.telemetry.values.Position",

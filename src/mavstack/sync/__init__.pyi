@@ -101,15 +101,15 @@ from mavstack.vehicle.calibration.kinds import CalibrationResult
 from mavstack.vehicle.calibration.kinds import CalibrationStep
 from mavstack.vehicle.capabilities import Capabilities
 from mavstack.vehicle.connection import NodeOptions
-from mavstack.vehicle.external import surroundings
 from mavstack.vehicle.external.diagnosis import ExternalStatus
 from mavstack.vehicle.following.follow import Level
 from mavstack.vehicle.following.radio import FollowOptions
 from mavstack.vehicle.health import Health
 from mavstack.vehicle.rtk.rtk import RtkStatus
 from mavstack.vehicle.swarm.controller import SwarmOptions
-from mavstack.vehicle.telemetry import surroundings
 from mavstack.vehicle.telemetry import values
+from mavstack.vehicle.telemetry.surroundings import Distance
+from mavstack.vehicle.telemetry.surroundings import Obstacles
 from mavstack.vehicle.telemetry.values import HomePosition
 from mavstack.vehicle.telemetry.values import Position
 from mavstack.vehicle.vehicle_type import VehicleType
@@ -4973,11 +4973,11 @@ class Vehicle:
         """The odometry estimate, in metres, m/s and degrees per second (ODOMETRY)."""
 
     @property
-    def distances(self) -> Mapping[int, surroundings.Distance]:
+    def distances(self) -> Mapping[int, Distance]:
         """The measurements of its rangefinders by id, in metres (DISTANCE_SENSOR)."""
 
     @property
-    def obstacles(self) -> surroundings.Obstacles | None:
+    def obstacles(self) -> Obstacles | None:
         """The obstacles around it, in metres and degrees (OBSTACLE_DISTANCE)."""
 
     @property

@@ -62,7 +62,8 @@ if TYPE_CHECKING:
     from mavstack.services.events import DecodedEvent
     from mavstack.services.heartbeat import ComponentInfo, Conflict
     from mavstack.services.version import AutopilotVersion
-    from mavstack.vehicle.telemetry import surroundings, values
+    from mavstack.vehicle.telemetry import values
+    from mavstack.vehicle.telemetry.surroundings import Distance, Obstacles
 
 AnyMessage = TypeVar("AnyMessage", bound=Message)
 
@@ -499,12 +500,12 @@ class Vehicle(ReadOnly):
         return readers.read_odometry(self.telemetry)
 
     @property
-    def distances(self) -> Mapping[int, surroundings.Distance]:
+    def distances(self) -> Mapping[int, Distance]:
         """The measurements of its rangefinders by id, in metres (DISTANCE_SENSOR)."""
         return readers.read_distances(self.telemetry)
 
     @property
-    def obstacles(self) -> surroundings.Obstacles | None:
+    def obstacles(self) -> Obstacles | None:
         """The obstacles around it, in metres and degrees (OBSTACLE_DISTANCE)."""
         return readers.read_obstacles(self.telemetry)
 
