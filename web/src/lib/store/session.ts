@@ -1,4 +1,4 @@
-/** Where vehicles come from: the station's server, a serial port, a WebSocket, the demo in the page, or a flight log. */
+/** Where vehicles come from: the station's server, a serial port, a WebSocket, the demo in the page, or a log. */
 
 import { api } from '$lib/api/client';
 import { StationError } from '$lib/api/errors';
