@@ -123,7 +123,7 @@ def _match(address: Address) -> list[tuple[int, int, int, int]]:
 def _attach(sock: socket.socket, program: bytes) -> None:
     if sys.platform != "linux":
         raise OSError("the system has no such filter")
-    import ctypes  # takes some milliseconds, and is rarely needed
+    import ctypes  # here, since the import is slow, and only floods need it
 
     code = ctypes.create_string_buffer(program, len(program))
     header = struct.pack("HL", len(program) // 8, ctypes.addressof(code))

@@ -15,7 +15,7 @@ EXAMPLES: Final = """\
 examples:
   mav data info flight.tlog                 # vehicle, times, messages, damage
   mav data info flight.tlog --json
-  mav data info s3://bucket/flight.ulg      # any log may be a URL
+  mav data info s3://bucket/flight.ulg      # a log can be a file or a URL
   mav data messages flight.tlog             # the messages with their rates
   mav data messages flight.tlog ATTITUDE    # the columns of one, with units and enums
   mav data convert flight.tlog --to parquet -o dataset/

@@ -29,7 +29,7 @@ Key = TypeVar("Key")
 #: How often a type must alternate with another one.
 MIN_ALTERNATIONS = 2
 MAX_SENDERS = 4
-#: Seconds of silence after which a channel brings the address no more.
+#: Seconds of silence after which a channel no longer counts as one on which the address is heard.
 CHANNEL_SILENCE = 5.0
 
 
@@ -108,7 +108,7 @@ class AddressConflictDetector:
         return self.in_conflict or len(self.boot_tracker.boots) > 1
 
     def forget_channel(self, channel: str, now: float) -> Finding:
-        """Forget a channel that brings the address no more: its next sender may be another one.
+        """Forget a channel that has ended or is silent: the next sender on it may be another one.
 
         A conflict ends with it if only one sender is left.
         """

@@ -18,9 +18,9 @@ from mavstack.sim.motion.demands import Mode, YawMode
 if TYPE_CHECKING:
     from mavstack.sim.motion.state import StateArray
 
-#: Distance to the end of a line that counts as arrived, and distance after which a drifting vehicle returns;
-#: both in m/s and divided by the position gain, which is lower for a hull.
-ARRIVAL_TIME, RETURN_TIME = 0.28, 0.8
+#: Two speeds in m/s. Divided by the position gain (1/s, lower for a hull) they are distances in metres. At
+#: the first one from the end of its line, a vehicle has arrived; at the second one, a drifting one returns.
+ARRIVAL_SPEED, RETURN_SPEED = 0.28, 0.8
 STANDSTILL = 0.02
 SPEED_GAIN = 1.5
 #: Throttle from which a motor counts as saturated.
@@ -34,7 +34,7 @@ def control(state: StateArray, step: float) -> tuple[Array, Array]:
     setpoint, yaw = state.velocity_setpoint, state.attitude_estimate[2]
     size = np.sqrt(setpoint[0] * setpoint[0] + setpoint[1] * setpoint[1])
     off = state.target[:2] - state.position_estimate[:2]
-    near = np.where(state.speed_command > STANDSTILL, ARRIVAL_TIME, RETURN_TIME) / state.position_gain
+    near = np.where(state.speed_command > STANDSTILL, ARRIVAL_SPEED, RETURN_SPEED) / state.position_gain
     arrived = (state.mode == Mode.LINE) & (off[0] * off[0] + off[1] * off[1] < near * near)
     size = np.where(arrived | (size < STANDSTILL), 0.0, size)
     moving = (size > 0.0) & (state.mode >= Mode.LINE) & (state.mode <= Mode.CIRCLE)
