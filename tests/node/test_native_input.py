@@ -302,7 +302,13 @@ async def test_a_listener_that_closes_itself_gets_no_further_packet():
     async with vehicle_on() as (node, sender):
         await granted(node, sender)
         received = []
-        once = node.add_listener(common.VfrHud, lambda message: (received.append(message), once.close()))
+        listeners = []
+
+        def close(message):
+            received.append(message)
+            listeners[0].close()
+
+        listeners.append(node.add_listener(common.VfrHud, close))
         sender.send(*[common.VfrHud()] * 30)
         await flush(node, sender)
         assert len(received) == 1

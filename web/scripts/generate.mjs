@@ -15,7 +15,7 @@ from mavstack.vehicle.firmware.mode_facts import mode_facts
 print(json.dumps(mode_facts()))`;
 
 const MSP = `import json
-from mavstack.msp.messages.facts import msp_facts
+from mavstack.msp.messages.layout_tables import msp_facts
 print(json.dumps(msp_facts()))`;
 
 const mav = (...words) => run('-m', 'mavstack', ...words);

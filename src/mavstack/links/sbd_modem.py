@@ -167,7 +167,7 @@ class SbdModem:
 
     def _message(self) -> bytes | None:
         """Return the message after AT+SBDRB with its length and its sum; None if it is not complete."""
-        while self._input[:1] in (b"\r", b"\n"):
+        while self._input and self._input[0] in b"\r\n":
             del self._input[:1]
         if len(self._input) < 2:
             return None

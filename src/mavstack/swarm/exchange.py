@@ -30,7 +30,7 @@ from mavstack.errors import InvalidArgumentError
 from mavstack.swarm.consensus import Neighbour
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from mavstack.dialects import Message
     from mavstack.geodesy import LocalFrame
@@ -170,7 +170,7 @@ class Exchange:
             if now - at <= NEIGHBOUR_TIMEOUT
         }
 
-    def _class(self, name: str) -> Any:  # noqa: ANN401 (a class of a dialect that is read at run time)
+    def _class(self, name: str) -> Callable[..., Message]:
         return self._dialect[name]
 
     def _global(self, place: Points) -> tuple[int, int, int]:
@@ -181,7 +181,7 @@ class Exchange:
         )
         return round(latitude * 1e7), round(longitude * 1e7), round(altitude * 1e3)
 
-    def _local(self, message: Any) -> Points:  # noqa: ANN401 (see _class)
+    def _local(self, message: Any) -> Points:  # noqa: ANN401 (of a dialect that is read at run time)
         north, east, down = self._frame.to_local(message.lat / 1e7, message.lon / 1e7, message.alt / 1e3)
         return np.array((north, east, -down))
 

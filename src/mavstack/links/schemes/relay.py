@@ -7,7 +7,7 @@ from mavstack.links.scheme_options import ROLES
 from mavstack.links.schemes import ws
 from mavstack.links.schemes.sealed import SEAL_OPTIONS
 
-_, _WSS, *_ = ws.SCHEMES
+_WSS = ws.SCHEMES[1]
 _OPTIONS = {
     **_WSS.options,
     **SEAL_OPTIONS,

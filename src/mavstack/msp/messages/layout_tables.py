@@ -82,7 +82,7 @@ def _fields(layout: type) -> list[dict[str, Any]]:
             "codec": codec_facts(facts.codec),
             "optional": defaults[name] is None,
             **_present(unit=facts.unit, since=facts.since, variant=facts.variant),
-            **({"default": int(defaults[name])} if isinstance(defaults[name], int) else {}),
+            **({"default": int(default)} if isinstance(default := defaults[name], int) else {}),
         }
         for name, facts in layout_of(layout).items()
     ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 from mavstack.msp.messages.config import FeatureConfig
-from mavstack.msp.messages.facts import message_facts, msp_facts
+from mavstack.msp.messages.layout_tables import message_facts, msp_facts
 from mavstack.msp.messages.modes import SetModeRange
 from mavstack.msp.messages.registry import all_messages
 
