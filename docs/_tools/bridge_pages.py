@@ -1,9 +1,10 @@
-"""The mapping table of the bridges, by kind of row, and the differences to MAVROS."""
+"""The mapping table of the bridges by kind of row, the differences to MAVROS, the metrics of vehicles."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from mavstack.bridges.core.metrics import METRICS
 from mavstack.bridges.core.row import Publication, Service, Subscription
 from mavstack.bridges.core.table import ACTIONS, PUBLICATIONS, SERVICES, SUBSCRIPTIONS
 from mavstack.services.message_request.interval import name_of
@@ -33,6 +34,12 @@ def render_differences() -> str:
     differing = [row for row in rows if row.difference and "not in MAVROS" not in row.difference]
     lines = [f"| `{row.name}` | {row.difference} |" for row in differing]
     return "\n".join(("| name | difference |", "|---|---|", *lines))
+
+
+def render_metrics() -> str:
+    """Return the metrics that are read from a vehicle."""
+    lines = [f"| `{metric.name}` | {metric.text} |" for metric in METRICS]
+    return "\n".join(("| metric | value |", "|---|---|", *lines))
 
 
 def _table(rows: Iterable[Row]) -> str:

@@ -46,6 +46,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "ros differences": bridge_pages.render_differences,
     "ros table": bridge_pages.render_table,
     "top level": api_table.render_top_level,
+    "vehicle metrics": bridge_pages.render_metrics,
 }
 _MARKER = re.compile(r"^\[\[generated: ([a-z ]+)\]\]$", re.MULTILINE)
 _TEST_COMMENT = re.compile(r"^ *<!-- (?:test|file|fragment|runnable|shell|skip)\b.*?-->\n", re.MULTILINE)

@@ -9,6 +9,7 @@ import pytest
 
 from docs._tools import api_table, bridge_pages, error_tree, link_options, message_pages, msp_pages
 from mavstack import Dialect
+from mavstack.bridges.core.metrics import METRICS
 from mavstack.bridges.core.table import ALL
 from mavstack.links.scheme_table import builtin_schemes
 from mavstack.msp.messages.fields import layout_of
@@ -152,3 +153,8 @@ def test_the_table_of_ros_has_every_row():
     assert (
         "| `setpoint_velocity/cmd_vel` | the frame is that of the header" in bridge_pages.render_differences()
     )
+
+
+def test_the_guide_of_prometheus_has_every_metric():
+    text = import_module("docs._tools.hooks").fill_in((DOCS / "guides" / "grafana.md").read_text("utf-8"))
+    assert all(f"| `{metric.name}` | {metric.text} |" in text for metric in METRICS)
