@@ -1,4 +1,4 @@
-"""The mapping table of the bridges by kind of row, the differences to MAVROS, the metrics of vehicles."""
+"""The mapping table of the bridges by kind of row, the differences to MAVROS, metrics, commands of MQTT."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 from mavstack.bridges.core.metrics import METRICS
 from mavstack.bridges.core.row import Publication, Service, Subscription
 from mavstack.bridges.core.table import ACTIONS, PUBLICATIONS, SERVICES, SUBSCRIPTIONS
+from mavstack.bridges.mqtt.verbs import VERBS
 from mavstack.services.message_request.interval import name_of
 
 if TYPE_CHECKING:
@@ -40,6 +41,19 @@ def render_metrics() -> str:
     """Return the metrics that are read from a vehicle."""
     lines = [f"| `{metric.name}` | {metric.text} |" for metric in METRICS]
     return "\n".join(("| metric | value |", "|---|---|", *lines))
+
+
+def render_mqtt_commands() -> str:
+    """Return the commands that the bridge to MQTT takes, with their arguments and roles."""
+    return "\n".join(
+        ("| command | needs | may have | role | effect |", "|---|---|---|---|---|", *map(_verb_line, VERBS))
+    )
+
+
+def _verb_line(name: str) -> str:
+    verb = VERBS[name]
+    needed, optional = (", ".join(f"`{each}`" for each in names) for names in (verb.needed, verb.optional))
+    return f"| `{name}` | {needed} | {optional} | {verb.role.word} | {verb.meaning} |"
 
 
 def _table(rows: Iterable[Row]) -> str:

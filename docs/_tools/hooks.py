@@ -41,6 +41,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "dialects": message_pages.render_index,
     "error tree": error_tree.render,
     "link options": link_options.render,
+    "mqtt commands": bridge_pages.render_mqtt_commands,
     "msp messages": msp_pages.render_messages,
     "msp settings": msp_pages.render_settings,
     "ros differences": bridge_pages.render_differences,

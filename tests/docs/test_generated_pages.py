@@ -11,6 +11,7 @@ from docs._tools import api_table, bridge_pages, error_tree, link_options, messa
 from mavstack import Dialect
 from mavstack.bridges.core.metrics import METRICS
 from mavstack.bridges.core.table import ALL
+from mavstack.bridges.mqtt.verbs import VERBS
 from mavstack.links.scheme_table import builtin_schemes
 from mavstack.msp.messages.fields import layout_of
 from mavstack.msp.messages.registry import all_messages
@@ -158,3 +159,11 @@ def test_the_table_of_ros_has_every_row():
 def test_the_guide_of_prometheus_has_every_metric():
     text = import_module("docs._tools.hooks").fill_in((DOCS / "guides" / "grafana.md").read_text("utf-8"))
     assert all(f"| `{metric.name}` | {metric.text} |" in text for metric in METRICS)
+
+
+def test_the_guide_of_mqtt_has_every_command_with_its_arguments():
+    text = import_module("docs._tools.hooks").fill_in((DOCS / "guides" / "mqtt.md").read_text("utf-8"))
+    for name, verb in VERBS.items():
+        (line,) = re.findall(rf"^\| `{name}` \|.*$", text, re.MULTILINE)
+        assert all(f"`{argument}`" in line for argument in (*verb.needed, *verb.optional))
+        assert verb.role.word in line
