@@ -65,7 +65,7 @@ WITH_VEHICLE = [
     "ftp ls /", "ftp ls /bad", "ftp get -r /bad here",
     "ftp put hostile.param /bad/x.param", "ftp mkdir /bad/y",
     "ftp rename /bad/y /bad/z", "ftp crc /none", "ftp rm /none",
-    "log list", "log get all", "log erase --yes", "rate ATTITUDE", "rate ATTITUDE 20",
+    "log list", "log get all", "log stream -o new.ulg --for 1", "log erase --yes", "rate ATTITUDE", "rate ATTITUDE 20",
     "key install hostile.hex udpin://:14550 --yes", "key off udpin://:14550 --key hostile.hex",
     "key rotate hostile udpin://:14550",
     "camera info", "camera list", "camera photo", "camera stop", "camera video start", "camera mode video",
