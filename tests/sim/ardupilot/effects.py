@@ -137,6 +137,7 @@ CASES: dict[int, Case] = {
         lambda harness: (harness.set_mode("GUIDED"), arm(harness)),
         wait=12,
     ),
+    CMD.CONTROL_HIGH_LATENCY: Case((1,), has_text("High Latency enabled")),
     CMD.DO_FOLLOW: Case(
         (7,),
         lambda harness: harness.vehicle.parameters.get("FOLL_SYSID", 0) == 7,

@@ -236,6 +236,8 @@ def test_all_other_commands_are_unsupported(vehicle_type: VehicleType) -> None:
         CMD.DO_GO_AROUND,
         CMD.DO_VTOL_TRANSITION,
         CMD.NAV_VTOL_TAKEOFF,
+        # These have tests of their own: test_log_streaming and telemetry/test_high_latency.
+        *(CMD.LOGGING_START, CMD.LOGGING_STOP, CMD.CONTROL_HIGH_LATENCY),
     }
     assert supported <= known
     if vehicle_type is VehicleType.VTOL:
