@@ -30,7 +30,7 @@ TEXT = "[router]\n[endpoint.x]\nurl = 'udpout://127.0.0.1:1'\n[endpoint.x.in]\n[
 
 @pytest.mark.parametrize("block", CONFIGS, ids=lambda block: block.name)
 def test_configurations_are_valid(block, monkeypatch):
-    monkeypatch.setattr("mavstack.router.config.signing.find_key", lambda name: None)  # the reader's keys
+    monkeypatch.setattr("mavstack.router.config.signing._find_key", lambda name: None)  # the reader's keys
     config = parse_config(block.text, block.page)
     assert config.endpoints
     check_firewall(config)
