@@ -34,7 +34,9 @@ def mocap(truth) -> tuple[str, dict]:
 
 
 @pytest.mark.parametrize(
-    ("firmware", "form"), [("px4", vision), ("px4", mocap), ("ardupilot", vision)], ids=str
+    ("firmware", "form"),
+    [("px4", vision), ("px4", mocap), ("ardupilot", vision)],
+    ids=lambda value: getattr(value, "__name__", value),
 )
 async def test_estimates_of_mavsdk_are_used(firmware, form):
     settings = VISION[firmware] | ({"EKF2_EV_CTRL": 3} if firmware == "px4" else {"EK3_SRC1_YAW": 1})
