@@ -74,8 +74,9 @@ def test_doubles_texts_and_names_of_own_dialects(doubles, text):
     own = Dialect.from_xml(OWN)
     message = own["OWN"].from_payload(struct.pack("<fB4s2d", 1.5, 7, text, *doubles))
     check(message)
-    assert '"class": 7' in fields_json(message)
-    assert "1.5" not in fields_json(message)
+    fields = json.loads(fields_json(message))
+    assert fields["class"] == 7
+    assert fields["secret_key"] != 1.5
 
 
 def test_packets_have_the_text_of_their_message():

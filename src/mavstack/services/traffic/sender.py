@@ -87,4 +87,4 @@ def to_message(aircraft: Aircraft, now: float) -> common.AdsbVehicle:
 def _bounded(value: float | None, factor: float, low: int, high: int) -> int:
     if value is None or not isfinite(value):
         return 0
-    return min(max(round(value * factor), low), high)
+    return round(min(max(value * factor, low), high))
