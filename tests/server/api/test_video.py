@@ -12,7 +12,7 @@ def test_what_is_no_camera_is_refused() -> None:
         for uri in ("file%3A%2F%2F%2Fetc%2Fpasswd", "concat%3Aa", ""):
             answer = await ground.api.post(f"/api/video/whep?uri={uri}")
             assert answer.status == 400
-        assert (await ground.api.delete("/api/video/whep/none")).status == 404
+        assert (await ground.api.delete("/api/video/whep/none")).status == 200
 
     pytest.importorskip("aiortc")
     serve(COPTER, scenario)

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 from msgspec import Meta
 from starlette.responses import Response
 
-from mavstack.http.bodies import RefusedError
 from mavstack.http.request_fields import Fields
 from mavstack.security.roles import Role
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
@@ -48,8 +47,8 @@ async def _watch(call: Call[None, WatchQuery]) -> Response:
 
 
 async def _leave(call: PlainCall) -> Response:
-    if not await call.station.video().leave(call.path("viewer")):
-        raise RefusedError(404, "there is no such viewer")
+    # The closed connection of a viewer may have ended it already.
+    await call.station.video().leave(call.path("viewer"))
     return Response(status_code=200)
 
 
