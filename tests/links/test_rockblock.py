@@ -5,6 +5,10 @@ from __future__ import annotations
 import asyncio
 from urllib.parse import parse_qs
 
+import pytest
+
+from mavstack.errors import LinkURLError
+from mavstack.handshakes import MAX_HANDSHAKES
 from mavstack.links import BytesReceived, open_link
 
 IMEI = "300234010753370"
@@ -56,3 +60,22 @@ async def test_messages_go_both_ways(tmp_path):
         async with asyncio.timeout(10):
             form = parse_qs((await requests.get()).decode())
         assert form == {"imei": [IMEI], "username": ["me"], "password": ["secret"], "data": ["0102"]}
+
+
+@pytest.mark.parametrize("content", [None, "", "only a name\n", "me\n\n"])
+def test_an_account_that_cannot_be_used_is_refused(tmp_path, content):
+    path = tmp_path / "account.txt"
+    if content is not None:
+        path.write_text(content)
+    with pytest.raises(LinkURLError, match="must be a file of two lines: name and password"):
+        open_link(f"rockblock://127.0.0.1:0/hook?account={path}")
+
+
+async def test_silent_connections_leave_room_for_the_gateway():
+    async with open_link(f"rockblock://127.0.0.1:0/hook?imei={IMEI}") as link:
+        port = link.address[1]
+        silent = [await asyncio.open_connection("127.0.0.1", port) for _ in range(MAX_HANDSHAKES + 5)]
+        assert await post(port, f"imei={IMEI}&momsn=7&data=48".encode()) == 200
+        assert await silent[0][0].read() == b"", "the oldest made room"
+        for _, writer in silent:
+            writer.close()

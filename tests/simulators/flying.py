@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from mavstack.simulators.rotation import to_euler
+from mavstack.rotation import to_euler
 
 if TYPE_CHECKING:
     from mavstack.simulators.physics import Physics

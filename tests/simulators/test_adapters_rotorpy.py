@@ -7,9 +7,9 @@ import math
 import pytest
 
 from mavstack.errors import InvalidArgumentError
+from mavstack.rotation import to_euler
 from mavstack.sim.vehicle_types import DEFAULT_HOME
 from mavstack.simulators.physics import load_physics
-from mavstack.simulators.rotation import to_euler
 from tests.simulators.flying import hold_attitude
 
 pytest.importorskip("rotorpy")

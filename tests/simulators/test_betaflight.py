@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mavstack.errors import InvalidArgumentError
+from mavstack.rotation import from_euler, rotate
 from mavstack.sim.vehicle_types import DEFAULT_HOME
 from mavstack.simulators.betaflight import BetaflightInterface, encode_sticks
-from mavstack.simulators.rotation import from_euler, rotate
 from mavstack.simulators.sensor_model import SensorModel, SensorModels
 from mavstack.simulators.sensors import Sensors
 from mavstack.simulators.state import State

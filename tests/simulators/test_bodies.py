@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mavstack.rotation import to_euler
 from mavstack.sim.vehicle_types import DEFAULT_HOME
 from mavstack.simulators.bodies.copter import Copter
 from mavstack.simulators.bodies.plane import Plane
@@ -15,7 +16,6 @@ from mavstack.simulators.bodies.quadplane import QuadPlane
 from mavstack.simulators.bodies.submarine import Submarine
 from mavstack.simulators.bodies.surface import boat, rover
 from mavstack.simulators.physics import PHYSICS, load_physics
-from mavstack.simulators.rotation import to_euler
 from tests.simulators.flying import climb_out, hold_attitude
 
 OWN = [name for name, entry in PHYSICS.items() if entry.example == name]

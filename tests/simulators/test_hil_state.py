@@ -7,10 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mavstack.dialects import Dialect, common
+from mavstack.rotation import from_euler
 from mavstack.sim.vehicle_types import DEFAULT_HOME
 from mavstack.simulators.hil_state import HilStateInterface
 from mavstack.simulators.outputs import Outputs
-from mavstack.simulators.rotation import from_euler
 from mavstack.simulators.sensor_model import SensorModels
 from mavstack.simulators.sensors import Sensors
 from mavstack.simulators.state import State

@@ -8,9 +8,9 @@ from statistics import fmean, stdev
 import pytest
 
 from mavstack.errors import InvalidArgumentError
+from mavstack.rotation import from_euler
 from mavstack.sim.vehicle_types import DEFAULT_HOME
 from mavstack.simulators.faults import FAULTS
-from mavstack.simulators.rotation import from_euler
 from mavstack.simulators.sensor_model import SensorModel, SensorModels
 from mavstack.simulators.sensors import EQUIPMENT, Sensors
 from mavstack.simulators.state import State

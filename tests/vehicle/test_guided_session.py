@@ -10,8 +10,9 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, ModeTimeout, SetpointError
+from mavstack.rotation import from_euler
 from mavstack.services.setpoints import LocalSetpoint
-from mavstack.vehicle.guided_session import STREAM_LEAD_TIME, quaternion
+from mavstack.vehicle.guided_session import STREAM_LEAD_TIME
 from tests.vehicle.failures.scripted_autopilot import ARDUPILOT, CMD, PX4, run_scenario
 
 LOCAL, GLOBAL = common.SetPositionTargetLocalNed, common.SetPositionTargetGlobalInt
@@ -199,4 +200,4 @@ def test_it_begins_with_the_setpoint_that_it_was_given():
     ],
 )
 def test_rotations(angles, wanted):
-    assert quaternion(*angles) == pytest.approx(wanted, abs=1e-4)
+    assert from_euler(*angles) == pytest.approx(wanted, abs=1e-4)

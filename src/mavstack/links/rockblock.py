@@ -3,7 +3,8 @@
 The link is the web hook of the gateway, and sends messages to the modem over the web interface of the
 gateway. `account` is a file with the name and the password of the account, one a line; without it nothing can
 be sent. Put the link behind a proxy with TLS, and make the path a secret, since every program that knows it
-can deliver messages; with `imei` only those of one modem count. Each message costs: set `heartbeat_rate=0`.
+can deliver messages; with `imei` only those of one modem count. Each message costs: set `heartbeat_rate=0`,
+unless a router owns the link, which sends no heartbeats.
 """
 
 from __future__ import annotations
@@ -11,13 +12,15 @@ from __future__ import annotations
 import asyncio
 import logging
 from contextlib import suppress
+from hmac import compare_digest
 from http import HTTPStatus
 from pathlib import Path
 from time import time
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, cast
 from urllib.error import URLError
 from urllib.request import Request, urlopen
 
+from mavstack.handshakes import Handshakes
 from mavstack.links.base import Link
 from mavstack.links.channel import Channel
 from mavstack.links.os_errors import open_error
@@ -78,9 +81,8 @@ class RockblockLink(Link):
         super().__init__(url, options)
         self._imei = options.text("imei", "")
         self._gateway = options.text("gateway", GATEWAY)
-        account = options.text("account", "")
-        lines = Path(account).read_text(encoding="utf-8").split("\n") if account else []
-        self._account = tuple(line.strip() for line in lines if line.strip())
+        self._account = options.parsed("account", _read_account, "a file of two lines: name and password")
+        self._handshakes = Handshakes()
         self._path = url.path or "/"
         self._delivered = Delivered()
         self._server: asyncio.Server | None = None
@@ -89,7 +91,7 @@ class RockblockLink(Link):
     @property
     def can_send(self) -> bool:
         """True if the account is known."""
-        return len(self._account) == 2
+        return self._account is not None
 
     @property
     def address(self) -> tuple[str, int] | None:
@@ -112,23 +114,30 @@ class RockblockLink(Link):
 
     async def stop_transport(self) -> None:
         """Stop listening."""
+        self._handshakes.close()
         if self._server is not None:
             self._server.close()
 
     def post(self, imei: str, data: bytes) -> str:
         """Send a message to a modem, in a thread; return why the gateway refused it, or an empty text."""
+        if self._account is None:
+            return "the link has no account"
         name, password = self._account
         request = Request(self._gateway, message_form(imei, name, password, data))  # noqa: S310 (configured)
         with urlopen(request, timeout=SEND_TIMEOUT) as answer:  # noqa: S310 (a configured gateway)
             return failure_of(answer.read(_MAX_HEAD))
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        transport = cast("asyncio.Transport", writer.transport)
+        self._handshakes.begin(transport)  # the hook is open to strangers, whose number is bounded
         status = HTTPStatus.BAD_REQUEST
-        with suppress(
-            OSError, ValueError, asyncio.IncompleteReadError, asyncio.LimitOverrunError, TimeoutError
-        ):
+        try:
             async with asyncio.timeout(HOOK_TIMEOUT):
                 status = await self._answer(reader)
+        except (OSError, ValueError, asyncio.IncompleteReadError, asyncio.LimitOverrunError, TimeoutError):
+            pass  # a malformed or unfinished request
+        finally:
+            self._handshakes.end(transport)
         head = f"HTTP/1.1 {status.value} {status.phrase}\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
         with suppress(OSError):
             writer.write(head.encode())
@@ -142,7 +151,7 @@ class RockblockLink(Link):
             name.strip().lower(): value.strip()
             for name, _, value in (line.partition(":") for line in head[1:])
         }
-        if path.partition("?")[0] != self._path:
+        if not compare_digest(path.partition("?")[0].encode("latin-1"), self._path.encode()):
             return HTTPStatus.NOT_FOUND
         size = int(fields.get("content-length", "0"))
         if method != "POST" or not 0 < size <= MAX_BODY:
@@ -165,3 +174,13 @@ class RockblockLink(Link):
             self._modems[imei] = channel = RockblockChannel(self, imei)
             self.inbox.add_channel(channel)
         return self._modems.get(imei)
+
+
+def _read_account(path: str) -> tuple[str, str]:
+    try:
+        name, password = Path(path).read_text("utf-8").split("\n")[:2]
+    except OSError as error:
+        raise ValueError(error) from None
+    if not (name.strip() and password.strip()):
+        raise ValueError("empty")
+    return name.strip(), password.strip()

@@ -28,8 +28,8 @@ from mavstack.errors import InvalidArgumentError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from mavstack.rotation import Quaternion
     from mavstack.sim.vehicle_types import Home
-    from mavstack.simulators.rotation import Quaternion
     from mavstack.simulators.sensors import Fix, Readings, SensorSource
     from mavstack.simulators.state import State
 

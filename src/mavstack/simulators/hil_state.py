@@ -10,8 +10,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final, cast
 
 from mavstack.dialects import common
+from mavstack.rotation import to_euler
 from mavstack.simulators.outputs import Outputs
-from mavstack.simulators.rotation import to_euler
 from mavstack.simulators.state import GRAVITY
 from mavstack.wire import Encoder, Parser
 

@@ -14,7 +14,7 @@ from mavstack.geodesy import ECCENTRICITY_SQUARED, MAGNETIC_RADIUS, SEMI_MAJOR_A
 from mavstack.simulators.magnetic_coefficients import WMM_2025
 
 if TYPE_CHECKING:
-    from mavstack.simulators.rotation import Vector
+    from mavstack.rotation import Vector
 
 #: The year of the coefficients, and the default year of a simulation.
 EPOCH, YEAR = 2025.0, 2026.0

@@ -11,11 +11,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from mavstack.simulators.rotation import LEVEL, from_euler, rotate, rotate_back, to_euler, turned
+from mavstack.rotation import LEVEL, from_euler, rotate, rotate_back, to_euler, turned
 from mavstack.simulators.state import GRAVITY, State
 
 if TYPE_CHECKING:
-    from mavstack.simulators.rotation import Quaternion, Vector
+    from mavstack.rotation import Quaternion, Vector
 
 _STILL: Vector = (0.0, 0.0, 0.0)
 

@@ -14,17 +14,17 @@ from typing import TYPE_CHECKING, Final, Protocol, cast
 
 from mavstack.errors import InvalidArgumentError
 from mavstack.geodesy import LocalFrame
+from mavstack.rotation import rotate_back
 from mavstack.simulators.atmosphere import STANDARD, Atmosphere
 from mavstack.simulators.faults import Faults
 from mavstack.simulators.magnetic_model import magnetic_field
-from mavstack.simulators.rotation import rotate_back
 from mavstack.simulators.sensor_model import SensorChannel, SensorModel, SensorModels
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from mavstack.rotation import Vector
     from mavstack.sim.vehicle_types import Home
-    from mavstack.simulators.rotation import Vector
     from mavstack.simulators.state import State
 
 #: Sensors that a vehicle has only if they are asked for.

@@ -7,10 +7,10 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 from mavstack.errors import InvalidArgumentError
-from mavstack.simulators.rotation import LEVEL
+from mavstack.rotation import LEVEL
 
 if TYPE_CHECKING:
-    from mavstack.simulators.rotation import Quaternion, Vector
+    from mavstack.rotation import Quaternion, Vector
 
 #: Standard gravity in m/s2.
 GRAVITY = 9.80665

@@ -19,6 +19,8 @@ from mavstack.links import Channel
 from mavstack.links import Link
 from mavstack.links.settings import Version
 from mavstack.node.channel_state import ChannelState
+from mavstack.rotation import Quaternion
+from mavstack.rotation import Vector
 from mavstack.security import SigningKey
 from mavstack.security import TimestampStore
 from mavstack.services import Address
@@ -49,8 +51,6 @@ from mavstack.services.extended_parameters import ExtendedParameter
 from mavstack.services.extended_parameters import ExtendedParameterChanged
 from mavstack.services.extended_parameters import ExtendedValue
 from mavstack.services.external import StreamMonitor
-from mavstack.services.external.frames import Quaternion
-from mavstack.services.external.frames import Vector
 from mavstack.services.ftp import Entry
 from mavstack.services.gimbal import GimbalAttitude
 from mavstack.services.gimbal import GimbalDevice

@@ -20,12 +20,13 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
-from math import cos, radians, sin
+from math import radians
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.errors import ActionInterrupted, ActionUnsupported, ContactLost, RemoteCancelled, RemoteError
 from mavstack.node.api_object import ReadOnly
+from mavstack.rotation import from_euler
 from mavstack.services.arguments import check_numbers
 from mavstack.services.setpoints import AttitudeSetpoint, GlobalSetpoint, LocalSetpoint
 from mavstack.vehicle.actions.preconditions import check_preconditions
@@ -194,7 +195,7 @@ class GuidedSession(ReadOnly):
             RemoteCancelled: The connection was closed.
         """
         check_numbers(finite=False, roll=roll, pitch=pitch, yaw=yaw, thrust=thrust)
-        self.set(AttitudeSetpoint(quaternion(radians(roll), radians(pitch), radians(yaw)), thrust=thrust))
+        self.set(AttitudeSetpoint(from_euler(radians(roll), radians(pitch), radians(yaw)), thrust=thrust))
 
     async def __aenter__(self) -> Self:
         check_preconditions(self._vehicle, "guided", _OPERATION)
@@ -261,17 +262,6 @@ def guided(
         mode; the last one, before anything is sent, also if it ignores setpoints of the type of `first`.
     """
     return GuidedSession(vehicle, rate, first, timeout)
-
-
-def quaternion(roll: float, pitch: float, yaw: float) -> tuple[float, float, float, float]:
-    """Return the rotation of three angles in radians as w, x, y, z."""
-    cr, sr, cp, sp, cy, sy = (function(angle / 2) for angle in (roll, pitch, yaw) for function in (cos, sin))
-    return (
-        cr * cp * cy + sr * sp * sy,
-        sr * cp * cy - cr * sp * sy,
-        cr * sp * cy + sr * cp * sy,
-        cr * cp * sy - sr * sp * cy,
-    )
 
 
 def _down(up: float) -> float:

@@ -68,7 +68,7 @@ def test_an_observer_changes_nothing() -> None:
     fly(COPTER, scenario)
 
 
-def test_fields_that_would_act_by_being_left_out_are_required() -> None:
+def test_fields_that_do_not_fit_are_refused() -> None:
     with pytest.raises(InvalidArgumentError, match="needs the field 'value'"):
         request_fields("mavros_msgs/srv/CommandBool_Request", {})
     with pytest.raises(InvalidArgumentError, match="must be true or false"):
@@ -77,6 +77,8 @@ def test_fields_that_would_act_by_being_left_out_are_required() -> None:
         request_fields(
             "mavstack_msgs/action/Goto_Goal", {"latitude": 1, "longitude": 2, "yaw": 0}, all_required=True
         )
+    with pytest.raises(InvalidArgumentError, match="a sequence must be a list, got 4000000000"):
+        request_fields("mavros_msgs/srv/FileWrite_Request", {"data": 4_000_000_000})
     with pytest.raises(InvalidArgumentError, match="no field 'mode'"):
         request_fields("mavros_msgs/srv/SetMode_Request", {"mode": "AUTO"})
 

@@ -15,10 +15,10 @@ from mavstack.bridges.core.frames import (
     from_ros_attitude,
     ned_enu,
     ned_to_enu_yaw,
-    quaternion_of,
     rotate,
     to_ros_attitude,
 )
+from mavstack.rotation import from_euler
 
 angles = st.floats(-3.0, 3.0)
 numbers = st.floats(-1e3, 1e3)
@@ -39,7 +39,7 @@ def test_a_level_vehicle_that_points_north_has_a_yaw_of_90_degrees() -> None:
 def test_attitudes_turn_vectors_as_those_of_mavlink(
     roll: float, pitch: float, yaw: float, x: float, y: float, z: float
 ) -> None:
-    w, i, j, k = quaternion_of(roll, pitch, yaw)
+    w, i, j, k = from_euler(roll, pitch, yaw)
     in_ned = rotate((i, j, k, w), (x, y, z))
     in_enu = rotate(to_ros_attitude(w, i, j, k), frd_flu(x, y, z))
     assert in_enu == pytest.approx(ned_enu(*in_ned), abs=1e-6)
@@ -47,12 +47,12 @@ def test_attitudes_turn_vectors_as_those_of_mavlink(
 
 @given(angles, angles, angles)
 def test_attitudes_return(roll: float, pitch: float, yaw: float) -> None:
-    q = quaternion_of(roll, pitch, yaw)
+    q = from_euler(roll, pitch, yaw)
     assert from_ros_attitude(*to_ros_attitude(*q)) == pytest.approx(q)
     assert flip_body(*flip_body(*q)) == q
 
 
 @given(angles, angles, angles, numbers, numbers, numbers)
 def test_the_reverse_rotation(roll: float, pitch: float, yaw: float, x: float, y: float, z: float) -> None:
-    q = to_ros_attitude(*quaternion_of(roll, pitch, yaw))
+    q = to_ros_attitude(*from_euler(roll, pitch, yaw))
     assert rotate(conjugate(q), rotate(q, (x, y, z))) == pytest.approx((x, y, z), abs=1e-6)

@@ -21,6 +21,7 @@ av = pytest.importorskip("av")
 from mavstack.server.video import gateway as module  # noqa: E402
 from mavstack.server.video.gateway import VideoGateway  # noqa: E402
 from mavstack.sim.video_camera import VideoCamera, attitude_picture  # noqa: E402
+from tests.waiting import wait_until  # noqa: E402
 
 
 @asynccontextmanager
@@ -81,6 +82,29 @@ async def test_a_camera_that_does_not_answer_leaves_no_viewer():
         async with browser(gateway, f"rtsp://127.0.0.1:{port}/none"):
             pass
     assert (gateway.viewers, gateway.cameras) == (0, 0)
+
+
+async def test_a_browser_that_does_not_connect_in_time_leaves_no_viewer(monkeypatch):
+    monkeypatch.setattr(module, "CONNECT_TIMEOUT", 0.2)
+    async with video() as (gateway, camera):
+        peer = aiortc.RTCPeerConnection()
+        peer.addTransceiver("video", direction="recvonly")
+        await peer.setLocalDescription(await peer.createOffer())
+        await gateway.watch(read_address(camera.url), peer.localDescription.sdp)
+        assert gateway.viewers == 1
+        await wait_until(lambda: (gateway.viewers, gateway.cameras) == (0, 0))
+        await peer.close()
+
+
+async def test_a_camera_that_ended_its_stream_is_opened_again():
+    async with video() as (gateway, camera), browser(gateway, camera.url) as (track, _):
+        await picture_of(track)
+        (source,) = gateway._sources.values()
+        source._track.stop()
+        async with browser(gateway, camera.url) as (other, _):
+            await picture_of(other)
+            assert gateway.cameras == 1
+            assert gateway._sources != {next(iter(gateway._sources)): source}
 
 
 async def test_viewers_are_bounded(monkeypatch):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from mavstack.dialects import common
-from mavstack.services.external import PoseEstimate
+from mavstack.services.external import Frame, PoseEstimate
 from mavstack.sim.ardupilot.arming import prearm_problems
 from tests.sim.harness import SimulationHarness, VehicleHarness
 
@@ -42,7 +42,7 @@ def see(one: VehicleHarness, seconds: float, *, north: float = 0.0, **fields: fl
         truth = one.vehicle.body.truth
         q = (1.0, 0.0, 0.0, 0.0)
         estimate = PoseEstimate(
-            (truth.north + north, truth.east, truth.down), q, frame="NED", body_frame="FRD"
+            (truth.north + north, truth.east, truth.down), q, frame=Frame.NED, body_frame=Frame.FRD
         )
         message = estimate.to_odometry(
             round(one.vehicle.now * 1e6), only_frd=one.vehicle.firmware == "ardupilot"

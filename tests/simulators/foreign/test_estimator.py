@@ -6,8 +6,8 @@ import math
 
 import pytest
 
+from mavstack.rotation import from_euler, rotate_back, to_euler
 from mavstack.simulators.foreign.estimator import Estimator
-from mavstack.simulators.rotation import from_euler, rotate_back, to_euler
 
 
 def test_it_levels_itself_at_once_and_turns_with_the_gyroscope():

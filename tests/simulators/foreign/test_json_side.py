@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mavstack.rotation import to_euler
 from mavstack.sim.vehicle_types import DEFAULT_HOME
 from mavstack.simulators.ardupilot import JsonInterface, ServoOutputs
 from mavstack.simulators.bodies.copter import Copter
 from mavstack.simulators.foreign.json_side import JsonSide
 from mavstack.simulators.outputs import Outputs
-from mavstack.simulators.rotation import to_euler
 from mavstack.simulators.sensors import Sensors
 
 GOOD = {

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from mavstack.rotation import from_euler, to_euler
 from mavstack.sim.motion.external import ActuatorDemand
 from mavstack.sim.vehicle_types import DEFAULT_HOME, VehicleType
 from mavstack.simulators.bodies.copter import Copter
 from mavstack.simulators.foreign.loops import LOOPS, CopterLoops, PlaneLoops, RoverLoops
 from mavstack.simulators.foreign.sample import ForeignSample
-from mavstack.simulators.rotation import from_euler, to_euler
 
 
 def sample(**changes):

@@ -7,10 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mavstack.dialects import Dialect, common
+from mavstack.rotation import from_euler, to_euler
 from mavstack.sim.vehicle_types import DEFAULT_HOME
 from mavstack.simulators.foreign.px4_side import Px4Side, SidePhase
 from mavstack.simulators.px4 import Px4Interface
-from mavstack.simulators.rotation import from_euler, to_euler
 from mavstack.simulators.sensors import Sensors
 from mavstack.simulators.state import State
 from mavstack.wire import Parser, encode

@@ -7,11 +7,16 @@ Both changes of axes are their own inverses. MAVLink's quaternions are (w, x, y,
 
 from __future__ import annotations
 
-from math import cos, pi, remainder, sin, sqrt
-from typing import Final, TypeAlias
+from typing import TYPE_CHECKING
 
-Vector: TypeAlias = tuple[float, float, float]
-Quaternion: TypeAlias = tuple[float, float, float, float]
+if TYPE_CHECKING:
+    from mavstack.rotation import Quaternion, Vector
+
+from math import pi, remainder, sqrt
+from typing import Final
+
+from mavstack.rotation import rotate as rotate_vector
+
 _HALF: Final = sqrt(0.5)
 
 
@@ -45,29 +50,10 @@ def ned_to_enu_yaw(yaw: float) -> float:
     return remainder(pi / 2 - yaw, 2 * pi)
 
 
-def quaternion_of(roll: float, pitch: float, yaw: float) -> Quaternion:
-    """Return the rotation of three angles in radians as (w, x, y, z)."""
-    cr, sr = cos(roll / 2), sin(roll / 2)
-    cp, sp = cos(pitch / 2), sin(pitch / 2)
-    cy, sy = cos(yaw / 2), sin(yaw / 2)
-    return (
-        cr * cp * cy + sr * sp * sy,
-        sr * cp * cy - cr * sp * sy,
-        cr * sp * cy + sr * cp * sy,
-        cr * cp * sy - sr * sp * cy,
-    )
-
-
 def rotate(q: Quaternion, v: Vector) -> Vector:
     """Return a vector rotated by a quaternion (x, y, z, w)."""
     x, y, z, w = q
-    a, b, c = v
-    tx, ty, tz = 2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)
-    return (
-        a + w * tx + y * tz - z * ty,
-        b + w * ty + z * tx - x * tz,
-        c + w * tz + x * ty - y * tx,
-    )
+    return rotate_vector((w, x, y, z), v)
 
 
 def conjugate(q: Quaternion) -> Quaternion:

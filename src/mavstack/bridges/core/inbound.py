@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, Final
 from mavstack.errors import InvalidArgumentError
 
 if TYPE_CHECKING:
-    from mavstack.bridges.core.frames import Quaternion, Vector
     from mavstack.bridges.core.view import VehicleView
+    from mavstack.rotation import Quaternion, Vector
     from mavstack.services import Address
 
 #: Nanoseconds after which a sample that steers is too old.

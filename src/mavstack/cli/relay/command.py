@@ -55,6 +55,9 @@ def run(arguments: Namespace) -> int:
 
 
 def _add_serve(actions: Actions) -> None:
+    from mavstack.relay.rooms import Limits
+
+    limits = Limits()
     add = actions.add("serve", "run a relay until Ctrl-C", serve).add_argument
     add("--tickets", required=True, metavar="KEY", help="the key of the tickets: a file or a key's name")
     add("--host", default="127.0.0.1", metavar="ADDRESS", help="address to listen on (default: 127.0.0.1)")
@@ -64,14 +67,20 @@ def _add_serve(actions: Actions) -> None:
     add(
         "--max-members",
         type=int,
-        default=256,
+        default=limits.members,
         metavar="N",
-        help="connections at the same time (default: 256)",
+        help=f"connections at the same time (default: {limits.members})",
     )
-    add("--max-guests", type=int, default=16, metavar="N", help="guests of one room (default: 16)")
     add(
-        "--pace", type=int, default=512, metavar="KB",
-        help="kilobytes per second that one connection may send (default: 512)",
+        "--max-guests",
+        type=int,
+        default=limits.guests,
+        metavar="N",
+        help=f"guests of one room (default: {limits.guests})",
+    )
+    add(
+        "--pace", type=int, default=limits.pace >> 10, metavar="KB",
+        help=f"kilobytes per second that one connection may send (default: {limits.pace >> 10})",
     )  # fmt: skip
     add("--for", dest="duration", type=seconds, metavar="SECONDS", help="end after this time")
     add("--json", action="store_true", help="print the address, and at the end the counts, as JSON objects")

@@ -1,7 +1,7 @@
 """The viewers of the station's video: each has a WebRTC connection, made by one HTTP request (WHEP).
 
-Viewers and cameras are bounded. A connection that fails or is closed by its browser frees its place, and the
-last viewer of a camera closes it.
+Viewers and cameras are bounded. A connection that fails, is not made in time, or is closed by its browser
+frees its place, and the last viewer of a camera closes it.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 from dataclasses import dataclass, field
 from secrets import token_urlsafe
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.errors import MissingExtraError
 from mavstack.http.bodies import RefusedError
@@ -21,6 +21,8 @@ except ImportError as missing:
     raise MissingExtraError("video in the station", "video") from missing
 
 if TYPE_CHECKING:
+    from collections.abc import Coroutine
+
     from aiortc import RTCRtpCodecCapability
 
     from mavstack.server.video.addresses import CameraAddress
@@ -28,6 +30,8 @@ if TYPE_CHECKING:
 #: Viewers, and cameras, at the same time.
 MAX_VIEWERS: Final = 16
 MAX_CAMERAS: Final = 8
+#: Seconds in which a browser must connect after its request.
+CONNECT_TIMEOUT: Final = 20.0
 _ENDED: Final = frozenset({"failed", "closed"})
 
 
@@ -52,7 +56,7 @@ class VideoGateway:
         self._viewers: dict[str, _Viewer] = {}
         self._sources: dict[tuple[CameraAddress, bool], CameraSource] = {}
         self._opening = asyncio.Lock()
-        self._closing: set[asyncio.Future[None]] = set()
+        self._closing: set[asyncio.Future[object]] = set()
 
     @property
     def viewers(self) -> int:
@@ -91,6 +95,7 @@ class VideoGateway:
         except BaseException:
             await self.leave(name)
             raise
+        asyncio.get_running_loop().call_later(CONNECT_TIMEOUT, self._check_connected, name)
         return Answer(name, sdp)
 
     async def leave(self, name: str) -> bool:
@@ -99,11 +104,7 @@ class VideoGateway:
         if viewer is None:
             return False
         if not any(each.key == viewer.key for each in self._viewers.values()):
-            source = self._sources.pop(viewer.key, None)
-            if source is not None:
-                self._closing.add(closing := asyncio.ensure_future(source.close()))
-                closing.add_done_callback(self._closing.discard)
-                await asyncio.shield(closing)
+            await self._end_source(viewer.key)
         await viewer.peer.close()
         return True
 
@@ -112,8 +113,26 @@ class VideoGateway:
         await asyncio.gather(*map(self.leave, tuple(self._viewers)))
         await asyncio.gather(*self._closing)
 
+    async def _end_source(self, key: tuple[CameraAddress, bool]) -> None:
+        source = self._sources.pop(key, None)
+        if source is not None:
+            await asyncio.shield(self._in_background(source.close()))
+
+    def _in_background(self, work: Coroutine[Any, Any, object]) -> asyncio.Future[object]:
+        """Run what `close` waits for."""
+        self._closing.add(closing := asyncio.ensure_future(work))
+        closing.add_done_callback(self._closing.discard)
+        return closing
+
+    def _check_connected(self, name: str) -> None:
+        viewer = self._viewers.get(name)
+        if viewer is not None and viewer.peer.connectionState != "connected":
+            self._in_background(self.leave(name))
+
     async def _source(self, key: tuple[CameraAddress, bool]) -> CameraSource:
         async with self._opening:
+            if key in self._sources and not self._sources[key].is_live:
+                await self._end_source(key)
             if key not in self._sources:
                 if len(self._sources) >= MAX_CAMERAS:
                     raise RefusedError(503, f"{MAX_CAMERAS} cameras are open already")

@@ -55,12 +55,14 @@ class CameraSource:
         self.codec = codec
         self._player, self._track = player, track
         self._relay = MediaRelay()
-        #: Number of viewers.
-        self.viewers = 0
+
+    @property
+    def is_live(self) -> bool:
+        """True until the camera has ended its stream."""
+        return bool(self._track.readyState == "live")
 
     def subscribe(self) -> MediaStreamTrack:
         """Return a track for one viewer."""
-        self.viewers += 1
         return self._relay.subscribe(self._track)
 
     async def close(self) -> None:

@@ -14,23 +14,22 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError
+from mavstack.rotation import rotate, to_euler
 from mavstack.services.external.frames import (
     FULL,
     TRIANGLE,
     Frame,
-    Quaternion,
-    Vector,
     canonical,
     covariance_to_mavlink,
-    euler_angles,
     nan_triangle,
     orientation_to_mavlink,
-    rotate,
     to_mavlink,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from mavstack.rotation import Quaternion, Vector
 
 _NOTHING: Final = (nan, nan, nan)
 _MAX_QUALITY: Final = 100
@@ -126,7 +125,7 @@ class PoseEstimate:
         made: list[common.VisionPositionEstimate | common.VisionSpeedEstimate] = []
         if self.position is not None or self.orientation is not None:
             x, y, z = self._position
-            roll, pitch, yaw = _NOTHING if self.orientation is None else euler_angles(self._orientation)
+            roll, pitch, yaw = _NOTHING if self.orientation is None else to_euler(self._orientation)
             covariance = _covariance(self.frame, self.pose_covariance)
             made.append(
                 common.VisionPositionEstimate(

@@ -9,15 +9,17 @@ world.
 from __future__ import annotations
 
 from enum import StrEnum
-from math import asin, atan2, copysign, hypot, nan, pi, sqrt
+from math import copysign, hypot, nan, sqrt
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final, TypeAlias
+from typing import TYPE_CHECKING, Final
+
+from mavstack.rotation import multiply
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-Vector: TypeAlias = "tuple[float, float, float]"
-Quaternion: TypeAlias = "tuple[float, float, float, float]"
+    from mavstack.rotation import Quaternion, Vector
+
 _HALF: Final = sqrt(0.5)
 #: The number of entries in the upper right triangle of a covariance matrix, and in the whole of it.
 TRIANGLE, FULL = 21, 36
@@ -121,36 +123,8 @@ def _symmetric(triangle: Sequence[float]) -> list[list[float]]:
     return matrix
 
 
-def multiply(one: Quaternion, other: Quaternion) -> Quaternion:
-    """Return the product of two quaternions."""
-    a, b, c, d = one
-    w, x, y, z = other
-    return (
-        a * w - b * x - c * y - d * z,
-        a * x + b * w + c * z - d * y,
-        a * y - b * z + c * w + d * x,
-        a * z + b * y - c * x + d * w,
-    )
-
-
 def canonical(quaternion: Quaternion) -> Quaternion:
     """Return the unit quaternion of a rotation whose first number is not negative."""
     w, x, y, z = quaternion
     length = copysign(hypot(w, x, y, z), w)
     return w / length, x / length, y / length, z / length
-
-
-def rotate(quaternion: Quaternion, vector: Vector) -> Vector:
-    """Return a vector of the body in the world."""
-    w, x, y, z = quaternion
-    _, a, b, c = multiply(multiply(quaternion, (0.0, *vector)), (w, -x, -y, -z))
-    return a, b, c
-
-
-def euler_angles(quaternion: Quaternion) -> Vector:
-    """Return roll, pitch and yaw in radians."""
-    w, x, y, z = quaternion
-    sine = 2 * (w * y - z * x)
-    pitch = copysign(pi / 2, sine) if abs(sine) >= 1 else asin(sine)
-    roll = atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
-    return roll, pitch, atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))

@@ -6,7 +6,7 @@ nose down.
 
 from __future__ import annotations
 
-from math import atan2, cos, degrees, hypot, sin, sqrt
+from math import atan2, degrees, hypot, sqrt
 from typing import TYPE_CHECKING, Final
 
 from mavstack.msp.messages.battery import (
@@ -23,6 +23,7 @@ from mavstack.msp.messages.gps import CompGps, RawGps
 from mavstack.msp.messages.motors import Motor, MotorTelemetry, MotorTelemetryItem
 from mavstack.msp.messages.rc import Rc
 from mavstack.msp.messages.sensors import Altitude, Attitude, AttitudeQuaternion, RawImu
+from mavstack.rotation import from_euler
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -51,11 +52,8 @@ def attitude(controller: System) -> Attitude:
 
 def quaternion(controller: System) -> AttitudeQuaternion:
     """Return MSP_ATTITUDE_QUATERNION, in axes forward, left and up."""
-    roll, pitch, yaw = (angle / 2 for angle in controller.body.estimate[9:12])
-    w = cos(roll) * cos(pitch) * cos(yaw) + sin(roll) * sin(pitch) * sin(yaw)
-    x = sin(roll) * cos(pitch) * cos(yaw) - cos(roll) * sin(pitch) * sin(yaw)
-    y = cos(roll) * sin(pitch) * cos(yaw) + sin(roll) * cos(pitch) * sin(yaw)
-    z = cos(roll) * cos(pitch) * sin(yaw) - sin(roll) * sin(pitch) * cos(yaw)
+    estimate = controller.body.estimate
+    w, x, y, z = from_euler(estimate.roll, estimate.pitch, estimate.yaw)
     return AttitudeQuaternion(w, x, -y, -z)
 
 

@@ -7,11 +7,12 @@ when they change.
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, isnan, sin
+from math import atan2, hypot, isnan
 from struct import pack
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
+from mavstack.rotation import from_euler
 from mavstack.sim.storage.packing import channels, pressure_altitude, text_of
 from mavstack.sim.storage.ulog_format import block_of
 from mavstack.sim.storage.ulog_topics import TOPICS
@@ -225,7 +226,7 @@ class UlogWriter:
         distance = sensors.distance
         latitude, longitude, altitude = self._start.origin
         return (
-            time, time, *_quaternion(motion.roll, motion.pitch, motion.yaw),
+            time, time, *from_euler(motion.roll, motion.pitch, motion.yaw),
             time, time, time, latitude, longitude, motion.north, motion.east, motion.down,
             motion.velocity_north, motion.velocity_east, motion.velocity_down, motion.velocity_down,
             motion.acceleration_north, motion.acceleration_east, motion.acceleration_down, motion.yaw,
@@ -288,19 +289,6 @@ class UlogWriter:
 def _airspeed(sample: FlightSample, to_int: Rounding) -> tuple[Scalar, ...]:
     """Return the values of the airspeed topic."""
     return (sample.time_us, sample.time_us, sample.airspeed, sample.airspeed)
-
-
-def _quaternion(roll: float, pitch: float, yaw: float) -> tuple[float, float, float, float]:
-    """Return an attitude as (w, x, y, z)."""
-    cos_roll, sin_roll = cos(roll / 2), sin(roll / 2)
-    cos_pitch, sin_pitch = cos(pitch / 2), sin(pitch / 2)
-    cos_yaw, sin_yaw = cos(yaw / 2), sin(yaw / 2)
-    return (
-        cos_roll * cos_pitch * cos_yaw + sin_roll * sin_pitch * sin_yaw,
-        sin_roll * cos_pitch * cos_yaw - cos_roll * sin_pitch * sin_yaw,
-        cos_roll * sin_pitch * cos_yaw + sin_roll * cos_pitch * sin_yaw,
-        cos_roll * cos_pitch * sin_yaw - sin_roll * sin_pitch * cos_yaw,
-    )
 
 
 def _warning(remaining: float) -> int:

@@ -10,9 +10,9 @@ from math import atan2, degrees, hypot, nan
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import ardupilotmega, common
+from mavstack.rotation import from_euler
 from mavstack.sim.autopilot.behaviours.orbit import Orbit
 from mavstack.sim.telemetry.scaling import UINT16_MAX, degrees_e7, int16, uint8, uint16
-from mavstack.sim.telemetry.view import quaternion
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
@@ -135,7 +135,7 @@ class ControlMessages:
         return common.AttitudeTarget(
             self._view.milliseconds(now),
             0,
-            quaternion(estimate.roll, estimate.pitch, estimate.yaw),
+            from_euler(estimate.roll, estimate.pitch, estimate.yaw),
             estimate.roll_rate,
             estimate.pitch_rate,
             estimate.yaw_rate,

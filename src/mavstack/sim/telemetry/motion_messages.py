@@ -10,6 +10,7 @@ from math import atan2, cos, degrees, hypot, nan, sin
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import ardupilotmega, common
+from mavstack.rotation import from_euler
 from mavstack.sim.telemetry.scaling import (
     centidegrees,
     degrees_e7,
@@ -19,7 +20,6 @@ from mavstack.sim.telemetry.scaling import (
     uint16,
     whole_degrees,
 )
-from mavstack.sim.telemetry.view import quaternion
 
 if TYPE_CHECKING:
     from mavstack.dialects import Message
@@ -70,7 +70,7 @@ class MotionMessages:
         """Return ATTITUDE_QUATERNION."""
         estimate = self._body.estimate
         rates = (estimate.roll_rate, estimate.pitch_rate, estimate.yaw_rate)
-        w, x, y, z = quaternion(estimate.roll, estimate.pitch, estimate.yaw)
+        w, x, y, z = from_euler(estimate.roll, estimate.pitch, estimate.yaw)
         return common.AttitudeQuaternion(self._view.milliseconds(now), w, x, y, z, *rates)
 
     def simstate(self, now: float) -> Message:
@@ -97,7 +97,7 @@ class MotionMessages:
         airspeed = uint16(self._body.airspeed * 100.0)
         return common.HilStateQuaternion(
             self._view.microseconds(now),
-            quaternion(true.roll, true.pitch, true.yaw),
+            from_euler(true.roll, true.pitch, true.yaw),
             true.roll_rate,
             true.pitch_rate,
             true.yaw_rate,
@@ -184,7 +184,7 @@ class MotionMessages:
             x=estimate.north,
             y=estimate.east,
             z=estimate.down,
-            q=quaternion(estimate.roll, estimate.pitch, estimate.yaw),
+            q=from_euler(estimate.roll, estimate.pitch, estimate.yaw),
             vx=estimate.velocity_north,
             vy=estimate.velocity_east,
             vz=estimate.velocity_down,

@@ -6,6 +6,7 @@ from math import isfinite, nan
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import ardupilotmega, common
+from mavstack.rotation import from_euler
 from mavstack.sim.autopilot.terrain import terrain_report
 from mavstack.sim.telemetry.health import SensorHealth
 from mavstack.sim.telemetry.scaling import (
@@ -17,7 +18,6 @@ from mavstack.sim.telemetry.scaling import (
     percent,
     uint16,
 )
-from mavstack.sim.telemetry.view import quaternion
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 
 if TYPE_CHECKING:
@@ -167,7 +167,7 @@ class StatusMessages:
             north,
             east,
             down,
-            q=quaternion(0.0, 0.0, yaw),
+            q=from_euler(0.0, 0.0, yaw),
             time_usec=self._view.microseconds(now),
         )
 

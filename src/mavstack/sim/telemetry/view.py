@@ -6,7 +6,7 @@ were computed, the position of home until home changes, and the result of the ar
 
 from __future__ import annotations
 
-from math import cos, nan, sin
+from math import nan
 from typing import TYPE_CHECKING, NamedTuple
 
 from mavstack.sim.vehicle_types import VehicleType
@@ -143,16 +143,3 @@ class VehicleView:
     def parameter(self, name: str, default: float) -> float:
         """Return a parameter as a number, or `default` if the vehicle does not have it."""
         return float(self.parameters.get(name, default))
-
-
-def quaternion(roll: float, pitch: float, yaw: float) -> tuple[float, float, float, float]:
-    """Return an attitude in radians as (w, x, y, z)."""
-    sr, cr = sin(roll * 0.5), cos(roll * 0.5)
-    sp, cp = sin(pitch * 0.5), cos(pitch * 0.5)
-    sy, cy = sin(yaw * 0.5), cos(yaw * 0.5)
-    return (
-        cr * cp * cy + sr * sp * sy,
-        sr * cp * cy - cr * sp * sy,
-        cr * sp * cy + sr * cp * sy,
-        cr * cp * sy - sr * sp * cy,
-    )

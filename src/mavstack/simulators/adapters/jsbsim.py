@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.errors import InvalidArgumentError, MissingExtraError
 from mavstack.geodesy import LocalFrame
-from mavstack.simulators.rotation import from_euler
+from mavstack.rotation import from_euler
 from mavstack.simulators.state import State
 
 if TYPE_CHECKING:

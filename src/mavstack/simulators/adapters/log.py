@@ -16,9 +16,9 @@ import numpy as np
 
 from mavstack.errors import InvalidArgumentError, MavstackError
 from mavstack.geodesy import LocalFrame
+from mavstack.rotation import LEVEL, from_euler
 from mavstack.simulators.atmosphere import STANDARD, Atmosphere
 from mavstack.simulators.faults import Faults
-from mavstack.simulators.rotation import LEVEL, from_euler
 from mavstack.simulators.sensors import Fix, Readings
 from mavstack.simulators.state import GRAVITY, State
 

@@ -12,14 +12,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mavstack.errors import InvalidArgumentError, MissingExtraError
-from mavstack.simulators.rotation import from_euler, rotate_back
+from mavstack.rotation import from_euler, rotate_back
 from mavstack.simulators.state import GRAVITY, State
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from mavstack.rotation import Quaternion, Vector
     from mavstack.sim.vehicle_types import Home
-    from mavstack.simulators.rotation import Quaternion, Vector
 
 
 class MujocoPhysics:

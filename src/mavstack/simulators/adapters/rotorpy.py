@@ -12,14 +12,14 @@ import math
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.errors import InvalidArgumentError, MissingExtraError
-from mavstack.simulators.rotation import rotate_back, to_euler
+from mavstack.rotation import rotate_back, to_euler
 from mavstack.simulators.state import GRAVITY, State
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from mavstack.rotation import Quaternion, Vector
     from mavstack.sim.vehicle_types import Home
-    from mavstack.simulators.rotation import Quaternion, Vector
 
 #: Signs of a rotor's place forward and left, by the number of its motor, and its direction (up: positive).
 _PLACES: Final = (((1, -1), -1.0), ((-1, 1), -1.0), ((1, 1), 1.0), ((-1, -1), 1.0))

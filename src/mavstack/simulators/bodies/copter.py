@@ -13,8 +13,8 @@ from mavstack.simulators.rigid_body import RigidBody
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from mavstack.rotation import Vector
     from mavstack.sim.vehicle_types import Home
-    from mavstack.simulators.rotation import Vector
     from mavstack.simulators.state import State
 
 #: Kilograms, moments of inertia (kg m2), newtons of a motor at full, metres of an arm.

@@ -8,16 +8,16 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final
 
+from mavstack.rotation import from_euler, rotate_back, to_euler
 from mavstack.simulators.bodies.wing import wing_forces
 from mavstack.simulators.rigid_body import RigidBody
-from mavstack.simulators.rotation import from_euler, rotate_back, to_euler
 from mavstack.simulators.state import GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from mavstack.rotation import Vector
     from mavstack.sim.vehicle_types import Home
-    from mavstack.simulators.rotation import Vector
     from mavstack.simulators.state import State
 
 MASS: Final = 1.8

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final
 
+from mavstack.rotation import rotate_back
 from mavstack.simulators.rigid_body import RigidBody
-from mavstack.simulators.rotation import rotate_back
 from mavstack.simulators.state import GRAVITY
 
 if TYPE_CHECKING:

@@ -10,14 +10,14 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from mavstack.simulators.rotation import from_euler, rotate_back
+from mavstack.rotation import from_euler, rotate_back
 from mavstack.simulators.state import GRAVITY, State
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from mavstack.rotation import Vector
     from mavstack.sim.vehicle_types import Home
-    from mavstack.simulators.rotation import Vector
 
 
 @dataclass(frozen=True)

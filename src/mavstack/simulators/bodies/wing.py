@@ -10,7 +10,7 @@ import math
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from mavstack.simulators.rotation import Vector
+    from mavstack.rotation import Vector
 
 #: Wing area (m2), span and chord (m).
 AREA, SPAN, CHORD = 0.4, 1.5, 0.27

@@ -10,11 +10,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final
 
-from mavstack.simulators.rotation import LEVEL, from_euler, rotate, rotate_back, to_euler, turned
+from mavstack.rotation import LEVEL, from_euler, rotate, rotate_back, to_euler, turned
 from mavstack.simulators.state import GRAVITY
 
 if TYPE_CHECKING:
-    from mavstack.simulators.rotation import Quaternion, Vector
+    from mavstack.rotation import Quaternion, Vector
 
 #: Gains: tilt in 1/s, heading for each sample, position and velocity for each report.
 _TILT, _HEADING, _POSITION, _VELOCITY = 0.4, 0.05, 0.3, 0.4

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 
 from mavstack.dialects import Dialect
 from mavstack.errors import InvalidArgumentError, LinkError
+from mavstack.rotation import rotate, to_euler
 from mavstack.sim.motion.external import ExternalMotion
 from mavstack.sim.motion.readings import Motion
 from mavstack.sim.runner import Runner
@@ -27,7 +28,6 @@ from mavstack.simulators.foreign.json_side import JsonSide
 from mavstack.simulators.foreign.loops import LOOPS, Loops
 from mavstack.simulators.foreign.px4_side import Px4Side
 from mavstack.simulators.pace import Pace
-from mavstack.simulators.rotation import rotate, to_euler
 from mavstack.simulators.simulator import listen_address
 from mavstack.simulators.state import GRAVITY
 

@@ -12,13 +12,13 @@ import re
 import struct
 from typing import TYPE_CHECKING, Any, Final
 
+from mavstack.rotation import from_euler
 from mavstack.simulators.foreign.sample import ForeignSample
-from mavstack.simulators.rotation import from_euler
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from mavstack.simulators.rotation import Quaternion, Vector
+    from mavstack.rotation import Quaternion, Vector
 
 #: The first number of a datagram by its outputs.
 _MAGICS: Final = {16: 18458, 32: 29569}

@@ -10,17 +10,17 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final, Protocol
 
+from mavstack.rotation import rotate, to_euler
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.simulators.bodies.copter import MOTORS
-from mavstack.simulators.rotation import rotate, to_euler
 from mavstack.simulators.state import GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
+    from mavstack.rotation import Vector
     from mavstack.sim.motion.external import ActuatorDemand
     from mavstack.simulators.foreign.sample import ForeignSample
-    from mavstack.simulators.rotation import Vector
 
 
 class Loops(Protocol):

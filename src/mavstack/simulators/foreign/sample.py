@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from mavstack.simulators.rotation import Quaternion, Vector
+    from mavstack.rotation import Quaternion, Vector
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from mavstack.dialects import Message
-    from mavstack.services.external.frames import Quaternion, Vector
+    from mavstack.rotation import Quaternion, Vector
     from mavstack.vehicle.vehicle import Vehicle
 
 

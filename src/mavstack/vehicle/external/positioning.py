@@ -12,7 +12,7 @@ from mavstack.vehicle.firmware import firmware_of
 
 if TYPE_CHECKING:
     from mavstack.dialects import Message
-    from mavstack.services.external.frames import Vector
+    from mavstack.rotation import Vector
     from mavstack.vehicle.external.external import External
 
 _IGNORE = common.GpsInputIgnoreFlags

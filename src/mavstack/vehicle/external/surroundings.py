@@ -6,6 +6,7 @@ from math import radians
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
+from mavstack.rotation import from_euler, rotate
 from mavstack.services.arguments import check_numbers
 from mavstack.services.external import (
     distance_message,
@@ -14,14 +15,12 @@ from mavstack.services.external import (
     landing_message,
     obstacle_message,
 )
-from mavstack.services.external.frames import rotate
 from mavstack.vehicle.external.times import microseconds
-from mavstack.vehicle.guided_session import quaternion
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from mavstack.services.external.frames import Quaternion, Vector
+    from mavstack.rotation import Quaternion, Vector
     from mavstack.vehicle.external.external import External
     from mavstack.vehicle.vehicle import Vehicle
 
@@ -195,6 +194,6 @@ def _in_local_frame(vehicle: Vehicle, seen: Vector) -> Vector | None:
     if place is None or attitude is None or age is None or age > _MAX_POSE_AGE:
         return None
     turned = rotate(
-        quaternion(*(radians(each) for each in (attitude.roll, attitude.pitch, attitude.yaw))), seen
+        from_euler(*(radians(each) for each in (attitude.roll, attitude.pitch, attitude.yaw))), seen
     )
     return place.north + turned[0], place.east + turned[1], place.down + turned[2]

@@ -131,6 +131,8 @@ class _RadioFlight:
             await self._begin()
             end = math.inf if duration is None else self._now() + duration
             while self._now() < end:
+                if relay.done():
+                    relay.result()  # raises why it ended
                 self._check()
                 await asyncio.sleep(_CHECK_INTERVAL)
         except BaseException:

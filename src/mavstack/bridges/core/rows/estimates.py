@@ -6,7 +6,6 @@ from math import asin, atan2, degrees, isfinite, nan
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.bridges.core.frames import (
-    Quaternion,
     flip_body,
     frd_flu,
     from_ros_attitude,
@@ -22,6 +21,7 @@ from mavstack.errors import InvalidArgumentError
 if TYPE_CHECKING:
     from mavstack.bridges.core.inbound import Inbound
     from mavstack.dialects import Message
+    from mavstack.rotation import Quaternion
 
 Fields = dict[str, Any]
 _NO_COVARIANCE: Final = (nan, *[0.0] * 20)

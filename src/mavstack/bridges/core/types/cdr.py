@@ -288,6 +288,8 @@ def _flatten_field(kind: FieldType, value: Any, values: list[Any]) -> None:
             _flatten_field(FieldType(kind.base, text_bound=kind.text_bound), element, values)
     elif inner is not None:
         values.append(tuple(tuple(flatten(inner, element)) for element in value or ()))
+    elif isinstance(value, int):  # bytes(number) would allocate as many
+        raise CdrError(f"a sequence must be a list, got {value}")
     else:
         values.append(bytes(value or ()) if kind.base in _BYTES else tuple(value or ()))
 

@@ -10,9 +10,10 @@ Orbits and takeoffs are behaviours of their own. A repeated equal command only r
 from __future__ import annotations
 
 from abc import abstractmethod
-from math import asin, atan2, copysign, cos, hypot, sin
+from math import copysign, cos, hypot, sin
 from typing import TYPE_CHECKING, TypeAlias
 
+from mavstack.rotation import to_euler
 from mavstack.sim.autopilot.behaviour import Behaviour
 from mavstack.sim.autopilot.behaviours.steps import ClimbControl, transition
 from mavstack.sim.autopilot.ticks import TICK
@@ -237,7 +238,7 @@ class Attitude(GuidedCommand):
     def __init__(self, autopilot: SimulatedAutopilot, setpoint: AttitudeSetpoint) -> None:
         super().__init__(autopilot)
         self._setpoint = setpoint
-        self._angles = None if setpoint.attitude is None else euler(setpoint.attitude)
+        self._angles = None if setpoint.attitude is None else to_euler(setpoint.attitude)
         self._climb = ClimbControl(autopilot)
 
     def key(self) -> Hashable:
@@ -293,14 +294,3 @@ class Attitude(GuidedCommand):
             yaw=None if rate else heading,
             yaw_rate=rate or None,
         )
-
-
-def euler(quaternion: tuple[float, float, float, float]) -> tuple[float, float, float]:
-    """Return roll, pitch and yaw of a quaternion."""
-    w, x, y, z = quaternion
-    sine = min(max(2 * (w * y - z * x), -1.0), 1.0)
-    return (
-        atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)),
-        asin(sine),
-        atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)),
-    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, TypeAlias
 
-from mavstack.sim.telemetry.view import quaternion
+from mavstack.rotation import from_euler
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -89,7 +89,7 @@ def _global_position(vehicle: SimulatedVehicle) -> Fields:
 
 def _attitude(vehicle: SimulatedVehicle) -> Fields:
     here = vehicle.body.estimate
-    return {"q": quaternion(here.roll, here.pitch, here.yaw)}
+    return {"q": from_euler(here.roll, here.pitch, here.yaw)}
 
 
 def _angular_velocity(vehicle: SimulatedVehicle) -> Fields:

@@ -6,10 +6,11 @@ values count only if the finer message has not been received for a while.
 
 from __future__ import annotations
 
-from math import asin, atan2, cos, degrees, hypot, radians, sin
+from math import cos, degrees, hypot, radians, sin
 from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import ardupilotmega, common
+from mavstack.rotation import multiply, rotate, to_euler
 from mavstack.vehicle.firmware import firmware_class
 from mavstack.vehicle.telemetry.readers.conversions import (
     INT16_MAX,
@@ -140,20 +141,7 @@ def _for_display(message: common.AttitudeQuaternion) -> tuple[Quaternion, Vector
     w, x, y, z = offset = message.repr_offset_q
     if not hypot(*offset) >= _MIN_NORM:
         return own, rates
-    _, *turned = product(product((w, x, y, z), (0.0, *rates)), (w, -x, -y, -z))
-    return product(own, (w, x, y, z)), (turned[0], turned[1], turned[2])
-
-
-def product(a: Quaternion, b: Quaternion) -> Quaternion:
-    """Return the rotation `b`, then `a`."""
-    aw, ax, ay, az = a
-    bw, bx, by, bz = b
-    return (
-        aw * bw - ax * bx - ay * by - az * bz,
-        aw * bx + ax * bw + ay * bz - az * by,
-        aw * by - ax * bz + ay * bw + az * bx,
-        aw * bz + ax * by - ay * bx + az * bw,
-    )
+    return multiply(own, (w, x, y, z)), rotate((w, x, y, z), rates)
 
 
 def euler(quaternion: Quaternion) -> Vector | None:
@@ -162,7 +150,4 @@ def euler(quaternion: Quaternion) -> Vector | None:
     if finite(norm) is None or norm < _MIN_NORM:
         return None
     w, x, y, z = (part / norm for part in quaternion)
-    roll = atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
-    pitch = asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))
-    yaw = atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
-    return roll, pitch, yaw
+    return to_euler((w, x, y, z))

@@ -1,6 +1,7 @@
-"""Rotations by unit quaternions (w, x, y, z), from body axes (forward, right, down) to north, east, down.
+"""Rotations by unit quaternions (w, x, y, z), which turn vectors of a body into those of the world.
 
-Plain floats: for one body they are faster than arrays.
+MAVLink has (w, x, y, z) too; its bodies have the axes forward, right, down, its world north, east, down. The
+order of three angles is yaw, pitch, roll. Plain floats: for one body they are faster than arrays.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ LEVEL: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
 def rotate(quaternion: Quaternion, vector: Vector) -> Vector:
-    """Return a vector of body axes in north, east, down."""
+    """Return a vector of the body in the world."""
     w, x, y, z = quaternion
     a, b, c = vector
     # t = 2 (q x v); v' = v + w t + q x t
@@ -28,9 +29,21 @@ def rotate(quaternion: Quaternion, vector: Vector) -> Vector:
 
 
 def rotate_back(quaternion: Quaternion, vector: Vector) -> Vector:
-    """Return a vector of north, east, down in body axes."""
+    """Return a vector of the world in the body."""
     w, x, y, z = quaternion
     return rotate((w, -x, -y, -z), vector)
+
+
+def multiply(one: Quaternion, other: Quaternion) -> Quaternion:
+    """Return the product of two quaternions: the rotation `other`, then `one`."""
+    a, b, c, d = one
+    w, x, y, z = other
+    return (
+        a * w - b * x - c * y - d * z,
+        a * x + b * w + c * z - d * y,
+        a * y - b * z + c * w + d * x,
+        a * z + b * y - c * x + d * w,
+    )
 
 
 def turned(quaternion: Quaternion, rates: Vector, dt: float) -> Quaternion:
@@ -50,12 +63,7 @@ def turned(quaternion: Quaternion, rates: Vector, dt: float) -> Quaternion:
         return quaternion
     half = 0.5 * rate * dt
     scale = math.sin(half) / rate
-    bw, bx, by, bz = math.cos(half), p * scale, q * scale, r * scale
-    w, x, y, z = quaternion
-    ow = w * bw - x * bx - y * by - z * bz
-    ox = w * bx + x * bw + y * bz - z * by
-    oy = w * by - x * bz + y * bw + z * bx
-    oz = w * bz + x * by - y * bx + z * bw
+    ow, ox, oy, oz = multiply(quaternion, (math.cos(half), p * scale, q * scale, r * scale))
     length = 1.0 / math.sqrt(ow * ow + ox * ox + oy * oy + oz * oz)
     return ow * length, ox * length, oy * length, oz * length
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mavstack.simulators.rotation import LEVEL, from_euler, rotate, rotate_back, to_euler, turned
+from mavstack.rotation import LEVEL, from_euler, rotate, rotate_back, to_euler, turned
 
 angles = st.tuples(st.floats(-3.1, 3.1), st.floats(-1.5, 1.5), st.floats(-3.1, 3.1))
 vectors = st.tuples(*[st.floats(-100, 100)] * 3)
