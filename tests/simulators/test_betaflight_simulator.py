@@ -57,6 +57,18 @@ async def test_it_sends_states_and_sticks_and_takes_motors():
     assert world.interface.invalid == 1
 
 
+@pytest.mark.parametrize(("speed", "times"), [(1.0, {0.0}), (0.0, {0.0025, 0.005})])
+async def test_betaflight_keeps_its_own_clock_in_real_time(speed, times):
+    port, (state, sticks) = three_ports()
+    with state, sticks:
+        state.setblocking(False)
+        async with BetaflightSimulator(listen=f"udpin://127.0.0.1:{port}", speed=speed) as world:
+            await asyncio.wait_for(world.run(until=0.005), 30)
+            loop = asyncio.get_running_loop()
+            packets = [await loop.sock_recv(state, 256) for _ in range(2)]
+    assert {struct.unpack("<18d", packet)[0] for packet in packets} == times
+
+
 def test_bodies_without_motors_are_refused():
     with pytest.raises(InvalidArgumentError, match="which the physics plane has not"):
         BetaflightSimulator("plane")
