@@ -59,7 +59,7 @@ def test_the_urls_of_an_invitation(capsys, key):
     assert (host.host, host.port, host.path) == ("relay.example", 443, "/meet")
     assert host.options["secret"] == guest.options["secret"] != ""
     assert "tls" not in host.options
-    assert "pass it on as a password" in found.err
+    assert "keep it secret" in found.err
 
 
 @pytest.mark.parametrize(

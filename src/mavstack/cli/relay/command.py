@@ -161,7 +161,7 @@ def invite(arguments: Namespace) -> int:
         return 0
     echo(f"room {arguments.room}, until {arguments.days:g} days from now", error=True)
     echo("for the vehicle:", f"  {host}", "for ground stations:", f"  {guest}")
-    echo("whoever has a URL can take its side: keep it secret, like a password", error=True)
+    echo("a URL opens the room for everybody: keep it secret, like a password", error=True)
     return 0
 
 
