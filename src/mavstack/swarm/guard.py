@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mavstack.errors import InvalidArgumentError
-from mavstack.swarm.separation import distances, pairs_below
+from mavstack.swarm.separation import near_pairs, nearest_pair
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -104,16 +104,18 @@ class Guard:
         return bool(self._present)
 
     def _separations(self, positions: Points) -> list[Finding]:
-        between = distances(positions)
-        known = np.where(np.isnan(between), np.inf, between)
-        self.smallest_separation = min(self.smallest_separation, float(known.min(initial=math.inf)))
+        nearest, _, _ = nearest_pair(positions)
+        self.smallest_separation = min(self.smallest_separation, nearest)
+        if nearest >= self.limits.separation:
+            return []
+        pairs, between = near_pairs(positions, self.limits.separation)
         return [
             Finding(
                 Breach.SEPARATION,
-                (int(first), int(second)),
-                f"{known[first, second]:.1f} m apart, at least {self.limits.separation:g} m are kept",
+                (first, second),
+                f"{metres:.1f} m apart, at least {self.limits.separation:g} m are kept",
             )
-            for first, second in pairs_below(known, self.limits.separation)
+            for (first, second), metres in zip(pairs.tolist(), between.tolist(), strict=True)
         ]
 
     def _places(self, positions: Points) -> list[Finding]:

@@ -57,7 +57,8 @@ class Roster:
     @property
     def present(self) -> tuple[int, ...]:
         """The members that are present, in order."""
-        return tuple(member for member in self.members if member not in self._lost | self._gone)
+        absent = self._lost | self._gone
+        return tuple(member for member in self.members if member not in absent)
 
     @property
     def leader(self) -> int | None:

@@ -23,15 +23,19 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from mavstack.errors import InvalidArgumentError
+from mavstack.errors import InvalidArgumentError, MissingExtraError
 
 if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
+
     from mavstack.swarm.arrays import Indices, Points
 
 #: Vertical distance that separates two multicopters as well as one metre of ground distance, in metres.
 VERTICAL_FACTOR: Final = 2.0
 #: Standard deviations of a position that count as its largest error.
 SIGMAS: Final = 4.0
+#: Part by which a tree searches farther, so that its rounding loses no pair.
+_ROUNDING: Final = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,13 +94,63 @@ def distances(points: Points) -> Points:
 def nearest_pair(points: Points) -> tuple[float, int, int]:
     """Return the smallest scaled distance of two vehicles in metres, and their indices.
 
-    With fewer than two vehicles the distance is infinite.
+    With fewer than two known positions the distance is infinite.
+
+    Args:
+        points: Positions in metres, an array of shape (n, 3). NaN: unknown.
+
+    Raises:
+        MissingExtraError: scipy is not installed.
     """
-    if len(points) < 2:
+    known, space = _known(points)
+    if len(known) < 2:
         return float("inf"), 0, 0
-    between = distances(points)
-    first, second = np.unravel_index(int(between.argmin()), between.shape)
-    return float(between[first, second]), int(first), int(second)
+    between, neighbours = _tree(space).query(space, k=2)
+    first = int(between[:, 1].argmin())
+    # Of vehicles at the same place, each may be found as its own second neighbour.
+    second = next(int(each) for each in neighbours[first] if each != first)
+    low, high = sorted((int(known[first]), int(known[second])))
+    return float(np.linalg.norm(space[first] - space[second])), low, high
+
+
+def near_pairs(points: Points, limit: float) -> tuple[Indices, Points]:
+    """Return the pairs of vehicles that are nearer than a limit, the nearest first.
+
+    The work grows with the number of vehicles and of near pairs, not with that of all pairs.
+
+    Args:
+        points: Positions in metres, an array of shape (n, 3). NaN: unknown.
+        limit: Metres, heights divided by `VERTICAL_FACTOR`.
+
+    Returns:
+        Indices of the vehicles, an array of shape (m, 2), and the scaled distance of each pair.
+
+    Raises:
+        MissingExtraError: scipy is not installed.
+    """
+    known, space = _known(points)
+    if len(known) < 2:
+        return np.empty((0, 2), np.int64), np.empty(0)
+    pairs = _tree(space).query_pairs(limit * (1.0 + _ROUNDING), output_type="ndarray")
+    between = np.linalg.norm(space[pairs[:, 0]] - space[pairs[:, 1]], axis=1)
+    order = np.lexsort((pairs[:, 1], pairs[:, 0], between))
+    order = order[between[order] < limit]
+    return known[pairs[order]], between[order]
+
+
+def _known(points: Points) -> tuple[Indices, Points]:
+    """Return the indices of the vehicles with a position, and their scaled positions."""
+    space = scaled(points)
+    known = np.flatnonzero(np.isfinite(space).all(axis=1))
+    return known, space[known]
+
+
+def _tree(space: Points) -> cKDTree:
+    try:
+        from scipy.spatial import cKDTree
+    except ImportError as error:
+        raise MissingExtraError("swarms need scipy", "swarm") from error
+    return cKDTree(space)
 
 
 def closest_approaches(starts: Points, ends: Points) -> Points:

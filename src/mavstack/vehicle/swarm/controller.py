@@ -210,13 +210,15 @@ class SwarmController:
         places, motion = self._course.state(self._elapsed)
         if self._waits:
             motion = np.zeros_like(motion)
-        active = [index for index, each in enumerate(self._flying) if each in set(self.active)]
+        present = set(self.active)
+        active = [index for index, each in enumerate(self._flying) if each in present]
         if not active:
             # Members whose positions are late may return: their last setpoints are streamed meanwhile.
             if self._stopped is None and not any(each.is_following for each in self.members):
                 self._stopped = SwarmStopped("no member follows setpoints any more", ())
             return
-        rows = [self.members.index(self._flying[index]) for index in active]
+        row_of = {member: row for row, member in enumerate(self.members)}
+        rows = [row_of[self._flying[index]] for index in active]
         self._send(active, positions[rows], velocities[rows], (places[active], motion[active]))
 
     def _send(
