@@ -79,8 +79,9 @@ class RecordingOptions(Options):
         return super().choice(name, choices)
 
     def parsed(self, name: str, parse: Callable[[str], Value], expected: str) -> Value | None:
-        kinds = {"id": "ids", "mavlink": "1, 2 or auto", "heartbeat_rate": "hertz", "secret": expected}
-        self._note(name, kinds[name], "none" if name == "secret" else "that of the node")
+        of_the_node = {"id": "ids", "mavlink": "1, 2 or auto", "heartbeat_rate": "hertz"}
+        default = "that of the node" if name in of_the_node else "none"
+        self._note(name, of_the_node.get(name, expected), default)
         return super().parsed(name, parse, expected)
 
     def prefixed(self, prefix: str) -> dict[str, str]:

@@ -46,10 +46,10 @@ async def _watch(call: Call[None, WatchQuery]) -> Response:
     return Response(answer.sdp, status_code=201, media_type=_SDP, headers=headers)
 
 
-async def _leave(call: PlainCall) -> Response:
+async def _leave(call: PlainCall) -> dict[str, int]:
     # The closed connection of a viewer may have ended it already.
     await call.station.video().leave(call.path("viewer"))
-    return Response(status_code=200)
+    return {"viewers": call.station.video_viewers}
 
 
 ROUTES: tuple[AnyRoute, ...] = (
@@ -82,5 +82,6 @@ ROUTES: tuple[AnyRoute, ...] = (
         summary="End watching a camera",
         tag="cameras",
         role=Role.OPERATE,
+        answer={"viewers": 0},
     ),
 )
