@@ -81,13 +81,16 @@ OF_TYPE: dict[VehicleType, dict[str, Any]] = {
 }
 
 
+FLIGHT_PARAMETER_NAMES = sorted(FlightParameters.__annotations__.keys() - {"limits"})
+
+
 def new_flight_parameters(kind: VehicleType = VehicleType.COPTER, **values: Any) -> Any:
     """FlightParameters of which every one can be set."""
     given = FLIGHT_PARAMETERS | OF_TYPE.get(kind, {}) | values
-    names = {name: given.get(name, 1.0) for name in FlightParameters.__abstractmethods__}
+    names = {name: given.get(name, 1.0) for name in FLIGHT_PARAMETER_NAMES}
     if kind is VehicleType.VTOL:
         names["cruise_speed"] = property(lambda self: 20.0 if self.body.flies_forward else 8.0)
-    return type("StubFlightParameters", (FlightParameters,), names)()
+    return type("StubFlightParameters", (FlightParameters,), names)(None)
 
 
 class StubProfile(FirmwareProfile):

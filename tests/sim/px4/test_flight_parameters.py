@@ -18,7 +18,7 @@ from mavstack.sim.px4.identity import CAPABILITIES
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.sim.px4.harness import FIELD_ALTITUDE, Px4Harness
 
-NAMES = sorted(FlightParameters.__abstractmethods__)
+NAMES = sorted(FlightParameters.__annotations__.keys() - {"limits"})
 
 
 def flight_parameters(vehicle_type: VehicleType) -> Px4FlightParameters:

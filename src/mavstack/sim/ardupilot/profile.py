@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from mavstack.services import Address
     from mavstack.services.mission import MissionItem
     from mavstack.services.version import FirmwareVersion
-    from mavstack.sim.ardupilot.base_flight_parameters import ArdupilotFlightParameters
+    from mavstack.sim.ardupilot.flight_parameters import ArdupilotFlightParameters
     from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.firmware_profile import Mode
     from mavstack.sim.vehicle import SimulatedVehicle

@@ -1,159 +1,152 @@
 """Flight parameters: the speeds, altitudes and radii that behaviours use.
 
 Each is computed from a parameter of the firmware, in metres, seconds and radians, at the moment of use, so
-that a parameter that is set in flight takes effect immediately.
+that a parameter that is set in flight takes effect immediately. An invalid value (zero or NaN) is replaced by
+the minimum that can be flown.
+
+    class RoverFlightParameters(FlightParameters):
+        cruise_speed = from_parameter("WP_SPEED", minimum=0.1)
+        takeoff_altitude = 0.0
+
+        @computed
+        def circle_radius(self) -> float:
+            return self.cruise_speed * 10
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from math import inf, isfinite
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, TypeVar, cast
+
+if TYPE_CHECKING:
+    from mavstack.sim.motion import Body
+    from mavstack.sim.parameters import Parameters
+
+#: Limit of the body that a parameter sets, and the parameter's unit.
+Limits: TypeAlias = Mapping[str, tuple[str, float]]
+_Value = TypeVar("_Value")
 
 
-class FlightParameters(ABC):
+def computed(function: Callable[[Any], _Value]) -> _Value:
+    """Declare a flight parameter that a function of the flight parameters computes at each use.
+
+    `computed(attrgetter("sink_speed"))` declares one that equals another one.
+    """
+    return cast("_Value", property(function))
+
+
+def from_parameter(
+    name: str, unit: float = 1.0, *, minimum: float = -inf, default: float = 0.0, zero_means: float = 0.0
+) -> float:
+    """Declare a flight parameter that `FlightParameters.number` reads from one parameter at each use."""
+    return computed(
+        lambda flight: float(flight.number(name, unit, minimum=minimum, default=default) or zero_means)
+    )
+
+
+class FlightParameters:
     """The flight parameters of one vehicle; each firmware computes them from its own parameters."""
 
-    @property
-    @abstractmethod
-    def takeoff_altitude(self) -> float:
-        """Default altitude of a takeoff, in metres above the ground."""
+    #: Limits of the body by parameter.
+    limits: ClassVar[Limits] = MappingProxyType({})
 
-    @property
-    @abstractmethod
-    def cruise_speed(self) -> float:
-        """Speed in m/s: over ground for a vehicle that can stop, through the air for a wing."""
-
-    @property
-    @abstractmethod
-    def climb_speed(self) -> float:
-        """Climb rate, in m/s."""
-
-    @property
-    @abstractmethod
-    def sink_speed(self) -> float:
-        """Descent rate, in m/s, positive."""
-
-    @property
-    @abstractmethod
-    def land_speed(self) -> float:
-        """Descent rate near the ground, in m/s, positive."""
-
-    @property
-    @abstractmethod
-    def acceptance_radius(self) -> float:
-        """Distance at which a point counts as reached, in metres."""
-
-    @property
-    @abstractmethod
-    def loiter_radius(self) -> float:
-        """Default radius of a circle, in metres; negative means counter-clockwise."""
-
-    @property
-    @abstractmethod
-    def return_altitude(self) -> float:
-        """Altitude of the return, in metres above home; -infinity keeps the current altitude."""
-
-    @property
-    @abstractmethod
-    def return_loiter_time(self) -> float:
-        """Wait above home before the landing, in seconds; infinity stays there."""
-
-    @property
-    @abstractmethod
-    def setpoint_timeout(self) -> float:
-        """Time that a velocity setpoint is flown if it is not repeated, in seconds."""
-
-    @property
-    @abstractmethod
-    def disarm_delay(self) -> float:
-        """Time from landing to disarming, in seconds; infinity never disarms."""
+    #: Default altitude of a takeoff, in metres above the ground.
+    takeoff_altitude: float
+    #: Speed in m/s: over ground for a vehicle that can stop, through the air for a wing.
+    cruise_speed: float
+    #: Climb rate, in m/s.
+    climb_speed: float
+    #: Descent rate, in m/s, positive.
+    sink_speed: float
+    #: Descent rate near the ground, in m/s, positive.
+    land_speed: float
+    #: Distance at which a point counts as reached, in metres.
+    acceptance_radius: float
+    #: Default radius of a circle, in metres; negative means counter-clockwise.
+    loiter_radius: float
+    #: Altitude of the return, in metres above home; -infinity keeps the current altitude.
+    return_altitude: float
+    #: Wait above home before the landing, in seconds; infinity stays there.
+    return_loiter_time: float
+    #: Time that a velocity setpoint is flown if it is not repeated, in seconds.
+    setpoint_timeout: float
+    #: Time from landing to disarming, in seconds; infinity never disarms.
+    disarm_delay: float
 
     # Manual flight
 
-    @property
-    @abstractmethod
-    def lean_angle(self) -> float:
-        """Maximum lean of a hovering vehicle or bank of a wing at full stick, in radians."""
-
-    @property
-    @abstractmethod
-    def pilot_climb_speed(self) -> float:
-        """Climb and descent rate at full throttle stick, in m/s."""
-
-    @property
-    @abstractmethod
-    def pilot_yaw_rate(self) -> float:
-        """Yaw rate at full stick, in rad/s."""
-
-    @property
-    @abstractmethod
-    def acro_rate(self) -> float:
-        """Roll and pitch rate at full stick in rate modes, in rad/s."""
+    #: Maximum lean of a hovering vehicle or bank of a wing at full stick, in radians.
+    lean_angle: float
+    #: Climb and descent rate at full throttle stick, in m/s.
+    pilot_climb_speed: float
+    #: Yaw rate at full stick, in rad/s.
+    pilot_yaw_rate: float
+    #: Roll and pitch rate at full stick in rate modes, in rad/s.
+    acro_rate: float
 
     # Landing and return
 
-    @property
-    @abstractmethod
-    def land_slow_altitude(self) -> float:
-        """Height above the ground below which the vehicle descends at `land_speed`, in metres."""
-
-    @property
-    @abstractmethod
-    def land_disarm_delay(self) -> float:
-        """Time from the touchdown of a landing to disarming, in seconds; other modes use `disarm_delay`."""
-
-    @property
-    @abstractmethod
-    def return_descend_altitude(self) -> float:
-        """Altitude of the wait above home, in metres above home; infinity keeps the return altitude."""
-
-    @property
-    @abstractmethod
-    def return_cone_slope(self) -> float:
-        """Climb of a return near home, as altitude over distance; 0 climbs to `return_altitude`."""
-
-    @property
-    @abstractmethod
-    def glide_slope(self) -> float:
-        """Height over distance of a wing's final approach."""
-
-    @property
-    @abstractmethod
-    def flare_altitude(self) -> float:
-        """Height above the ground where a landing wing raises its nose, in metres."""
+    #: Height above the ground below which the vehicle descends at `land_speed`, in metres.
+    land_slow_altitude: float
+    #: Time from the touchdown of a landing to disarming, in seconds; other modes use `disarm_delay`.
+    land_disarm_delay: float
+    #: Altitude of the wait above home, in metres above home; infinity keeps the return altitude.
+    return_descend_altitude: float
+    #: Climb of a return near home, as altitude over distance; 0 climbs to `return_altitude`.
+    return_cone_slope: float
+    #: Height over distance of a wing's final approach.
+    glide_slope: float
+    #: Height above the ground where a landing wing raises its nose, in metres.
+    flare_altitude: float
 
     # Circles
 
-    @property
-    @abstractmethod
-    def circle_radius(self) -> float:
-        """Radius of the circle or orbit mode, in metres; negative means counter-clockwise."""
-
-    @property
-    @abstractmethod
-    def circles_where_it_is(self) -> bool:
-        """True if the circle mode circles the current position, not a point one radius ahead."""
-
-    @property
-    @abstractmethod
-    def circle_speed(self) -> float:
-        """Speed along the circle of that mode, in m/s; wings fly at their cruise speed."""
+    #: Radius of the circle or orbit mode, in metres; negative means counter-clockwise.
+    circle_radius: float
+    #: True if the circle mode circles the current position, not a point one radius ahead.
+    circles_where_it_is: bool
+    #: Speed along the circle of that mode, in m/s; wings fly at their cruise speed.
+    circle_speed: float
 
     # Guided flight
 
-    @property
-    @abstractmethod
-    def setpoint_frames(self) -> frozenset[int]:
-        """The frames that SET_POSITION_TARGET_LOCAL_NED may use; setpoints in other frames are ignored."""
-
+    #: The frames that SET_POSITION_TARGET_LOCAL_NED may use; setpoints in other frames are ignored.
+    setpoint_frames: frozenset[int]
     #: False if only the altitude of position setpoints is followed, as by ArduPlane.
     follows_positions = True
+    #: True if the thrust of an attitude setpoint means a climb rate (0.5 holds the altitude).
+    thrust_is_climb: bool
+    #: Distance beyond which a hovering VTOL flies forward, in metres; infinity never.
+    forward_beyond: float
 
-    @property
-    @abstractmethod
-    def thrust_is_climb(self) -> bool:
-        """True if the thrust of an attitude setpoint means a climb rate (0.5 holds the altitude)."""
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = parameters
 
-    @property
-    @abstractmethod
-    def forward_beyond(self) -> float:
-        """Distance beyond which a hovering VTOL flies forward, in metres; infinity never."""
+    def number(self, name: str, unit: float = 1.0, *, minimum: float = -inf, default: float = 0.0) -> float:
+        """Return a parameter in metres, seconds or radians."""
+        value = float(self._parameters.get(name, default / unit)) * unit
+        return max(value, minimum) if isfinite(value) else max(default, minimum)
+
+    def apply_limits(self, body: Body) -> None:
+        """Set the limits of the body, and again whenever their parameters change."""
+        for name, (limit, unit) in self.limits.items():
+            if name in self._parameters:
+                set_limit = self._limit_setter(body, name, limit, unit)
+                set_limit(None)
+                self._parameters.on_change(name, set_limit)
+
+    def _limit_setter(self, body: Body, name: str, limit: str, unit: float) -> Callable[[object], None]:
+        """Return the callback that sets a limit from a parameter."""
+
+        def set_limit(value: object) -> None:
+            number = self.limit_of(self.number(name, unit))
+            if number > 0:
+                body.set_limit(limit, number)
+
+        return set_limit
+
+    def limit_of(self, number: float) -> float:
+        """Return the limit that the value of a parameter means; 0 and below leave the limit as it is."""
+        return number

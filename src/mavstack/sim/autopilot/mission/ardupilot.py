@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from mavstack.services.mission import MissionItem
+    from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.mission.rules import Step
     from mavstack.sim.autopilot.mission.runner import MissionRunner
 
@@ -141,6 +142,7 @@ _SILENT = frozenset(
 _LAST_NAVIGATION = 95
 _HIGHEST = 83000.0
 _WINGS = frozenset({VehicleType.PLANE, VehicleType.VTOL})
+_HOVERING = frozenset({VehicleType.COPTER, VehicleType.SUB})
 
 
 class ArdupilotMissionRules(MissionRules):
@@ -149,10 +151,15 @@ class ArdupilotMissionRules(MissionRules):
     first = 1
     actions_meanwhile = True
     waypoints_fly_forward = True
+    wing_stays_landed = True
 
-    @property
-    def zero_altitude_is_here(self) -> bool:  # type: ignore[override]
-        return self.vehicle.vehicle_type in {VehicleType.COPTER, VehicleType.SUB}
+    def __init__(self, autopilot: SimulatedAutopilot) -> None:
+        super().__init__(autopilot)
+        kind = self.vehicle.vehicle_type
+        self.zero_altitude_is_here = kind in _HOVERING
+        self.returns_in_mode = kind not in _HOVERING
+        self.hold_counts = kind not in _WINGS
+        self.radius_counts = self.passes_by = kind in _WINGS
 
     @property
     def restarts(self) -> bool:
@@ -218,31 +225,11 @@ class ArdupilotMissionRules(MissionRules):
             step.mission.send_statustext(f"Reached waypoint #{step.seq}{ending}")
 
     def waited(self, step: Step) -> None:
-        if self.vehicle.vehicle_type in {VehicleType.COPTER, VehicleType.SUB}:
+        if self.vehicle.vehicle_type in _HOVERING:
             step.mission.send_statustext(f"Reached command #{step.seq}")
 
     def reports(self, item: MissionItem) -> bool:
         return item.command not in _SILENT
-
-    @property
-    def returns_in_mode(self) -> bool:
-        return self.vehicle.vehicle_type not in {VehicleType.COPTER, VehicleType.SUB}
-
-    @property
-    def wing_stays_landed(self) -> bool:
-        return True
-
-    @property
-    def hold_counts(self) -> bool:
-        return self.vehicle.vehicle_type not in _WINGS
-
-    @property
-    def radius_counts(self) -> bool:
-        return self.vehicle.vehicle_type in _WINGS
-
-    @property
-    def passes_by(self) -> bool:
-        return self.vehicle.vehicle_type in _WINGS
 
     def finish(self, mission: MissionRunner) -> Iterator[None]:
         kind, autopilot = self.vehicle.vehicle_type, self.autopilot

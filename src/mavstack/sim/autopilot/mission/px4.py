@@ -101,6 +101,7 @@ class Px4MissionRules(MissionRules):
     actions_meanwhile = False
     zero_altitude_is_here = False
     waypoints_fly_forward = False
+    takeoff_flies_to_position = yaw_counts = True
 
     #: Identity of the last reached item.
     _reached: object = None
@@ -193,14 +194,6 @@ class Px4MissionRules(MissionRules):
         # After disarming the mode is Hold, so that the mission does not restart.
         modes = (profile.hold, profile.return_to_launch) if was_last else (profile.return_to_launch,)
         return mission.leave(*modes, reason="mission item")
-
-    @property
-    def takeoff_flies_to_position(self) -> bool:
-        return True
-
-    @property
-    def yaw_counts(self) -> bool:
-        return True
 
     def finish(self, mission: MissionRunner) -> Iterator[None]:
         """End the mission; on the ground the mode stays, and the vehicle is disarmed."""

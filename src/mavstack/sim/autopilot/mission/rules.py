@@ -129,6 +129,20 @@ class MissionRules(ABC):
     zero_altitude_is_here: bool
     #: True if a VTOL flies waypoints in forward flight unless commanded to hover.
     waypoints_fly_forward: bool
+    #: True if NAV_RETURN_TO_LAUNCH changes the mode, False if it is flown as an item.
+    returns_in_mode = True
+    #: True if a plane's landing item ends only by disarming.
+    wing_stays_landed = False
+    #: True if the vehicle flies to the position of a takeoff item after the climb.
+    takeoff_flies_to_position = False
+    #: True if waypoints have a hold time.
+    hold_counts = True
+    #: True if items have a heading in param 4.
+    yaw_counts = False
+    #: True if a waypoint may be passed at the distance of param 3.
+    passes_by = False
+    #: True if waypoints have an acceptance radius.
+    radius_counts = True
 
     def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self.autopilot = autopilot
@@ -197,41 +211,6 @@ class MissionRules(ABC):
     def go_home(self, step: Step) -> Iterator[None]:
         """Change to the mode that returns to launch."""
         return step.mission.leave(self.autopilot.profile.return_to_launch, reason="mission item")
-
-    @property
-    def returns_in_mode(self) -> bool:
-        """True if NAV_RETURN_TO_LAUNCH changes the mode, False if it is flown as an item."""
-        return True
-
-    @property
-    def wing_stays_landed(self) -> bool:
-        """True if a plane's landing item ends only by disarming."""
-        return False
-
-    @property
-    def takeoff_flies_to_position(self) -> bool:
-        """True if the vehicle flies to the position of a takeoff item after the climb."""
-        return False
-
-    @property
-    def hold_counts(self) -> bool:
-        """True if waypoints have a hold time."""
-        return True
-
-    @property
-    def yaw_counts(self) -> bool:
-        """True if items have a heading in param 4."""
-        return False
-
-    @property
-    def passes_by(self) -> bool:
-        """True if a waypoint may be passed at the distance of param 3."""
-        return False
-
-    @property
-    def radius_counts(self) -> bool:
-        """True if waypoints have an acceptance radius."""
-        return True
 
     @abstractmethod
     def finish(self, mission: MissionRunner) -> Iterator[None]:
