@@ -67,6 +67,8 @@ class NodeHost:
         self.may_have_several_peers: Callable[[], bool] = lambda: False
         #: The remote components that were used.
         self.remotes: dict[Address, RemoteComponent] = {}
+        #: Seconds that datagrams may wait for others; see `input_interval`.
+        self.input_interval = 0.0
         #: The driver that runs the engine; None while the node is closed.
         self.open_driver: Driver | None = None
 

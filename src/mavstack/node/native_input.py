@@ -32,6 +32,7 @@ from typing import TYPE_CHECKING, Final
 from mavstack.dialects import common
 from mavstack.links.udp_channel import UdpChannel
 from mavstack.node.dispatch import ANY
+from mavstack.node.input_interval import InputInterval
 from mavstack.node.message_fields import BOOT_FIELDS
 from mavstack.services import message_ids
 
@@ -125,6 +126,8 @@ class NativeInput:
         self._descriptor: int | None = None
         self._is_direct = False
         self._stale_takes = 0
+        #: The interval of looks at the sockets while the event loop waits for them.
+        self.interval = InputInterval(host.input_interval, self._look, self._watch)
 
     # Links and channels
 
@@ -203,14 +206,19 @@ class NativeInput:
 
     def hurry(self) -> None:
         """Let packets come without delay for a moment, because an answer is awaited."""
+        self.interval.hurry(HURRY_TIME)
         self._read_directly(self._intake.hurry(HURRY_TIME))
 
     def _read_directly(self, is_direct: bool) -> None:
         """Wait for the sockets by the event loop, or let the thread do so."""
         if is_direct is not self._is_direct:
             self._is_direct = is_direct
-            for reading in self._readings.values():
-                reading.watch(self._on_readable if is_direct else None)
+            self.interval.end()
+            self._watch(is_direct)
+
+    def _watch(self, is_watching: bool) -> None:
+        for reading in self._readings.values():
+            reading.watch(self._on_readable if is_watching else None)
 
     def stop(self) -> None:
         """Stop the thread; the links read no more."""
@@ -230,6 +238,17 @@ class NativeInput:
         for _ in range(MAX_ROUNDS):
             if not self._take():
                 break
+        self._finish_look()
+        if self._is_direct:
+            self.interval.begin()
+
+    def _look(self) -> bool:
+        """Handle what waits; return whether there was anything and the event loop is to read on."""
+        is_found = self._take()
+        self._finish_look()
+        return is_found
+
+    def _finish_look(self) -> None:
         self.settle()
         self._step()
 

@@ -2479,12 +2479,14 @@ class Node:
         heartbeat_rate: Heartbeats per second; 0: none.
         channel: The only channel whose packets count, by its name or its remote address, such as
             "192.168.1.20:14550" or "/dev/ttyACM0", where several vehicles use one system id; None: all.
+        input_interval: Seconds that datagrams may wait for others while many arrive and no answer is awaited,
+            0 to 1: fewer wake-ups of the program; 0: none waits.
 
     The options `id`, `mavlink`, `signing_key` and `heartbeat_rate` of a link's URL win over the arguments.
 
     Raises:
-        InvalidArgumentError: `system` or `component` is not in 1 to 255, `version` or `heartbeat_rate` is
-            invalid, or the URLs contradict each other.
+        InvalidArgumentError: `system` or `component` is not in 1 to 255, `version`, `heartbeat_rate` or
+            `input_interval` is invalid, or the URLs contradict each other.
         LinkURLError: A URL is invalid.
         SigningError: The key that a URL names cannot be read.
     """
@@ -2502,7 +2504,7 @@ class Node:
     def corrections(self) -> CorrectionSender:
         """The sender of corrections for satellite navigation (GPS_RTCM_DATA), once over each link."""
 
-    def __init__(self, *links: str | Link, system: int=255, component: int=..., type: int=..., autopilot: int=..., dialect: HasCoreDialect | None=None, version: Version=2, signing: SigningKey | None=None, timestamps: TimestampStore | None=None, heartbeat: bool=True, heartbeat_rate: float=1.0, channel: str | None=None) -> None:
+    def __init__(self, *links: str | Link, system: int=255, component: int=..., type: int=..., autopilot: int=..., dialect: HasCoreDialect | None=None, version: Version=2, signing: SigningKey | None=None, timestamps: TimestampStore | None=None, heartbeat: bool=True, heartbeat_rate: float=1.0, channel: str | None=None, input_interval: float=0.0) -> None:
         ...
 
     @property

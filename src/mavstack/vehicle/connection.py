@@ -65,6 +65,7 @@ class NodeOptions(TypedDict, total=False):
     heartbeat: bool
     heartbeat_rate: float
     channel: str | None
+    input_interval: float
 
 
 class Connection(Node, ReadOnly):

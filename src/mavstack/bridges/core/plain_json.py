@@ -17,11 +17,15 @@ from mavstack.errors import InvalidArgumentError
 
 #: Bytes of a request; a plan of some thousand items is far smaller.
 MAX_REQUEST: Final = 1 << 20
+#: Most values: looked up, since the cases below ask abstract classes.
+_PLAIN: Final = frozenset({type(None), bool, int, str})
 _ENCODER: Final = json.JSONEncoder(ensure_ascii=False, separators=(",", ":"), allow_nan=False)
 
 
 def plain(value: object) -> Any:
     """Return a value as JSON has it: None, a bool, a number, a text, a list or a dictionary."""
+    if type(value) in _PLAIN:
+        return value
     match value:
         case None | bool() | str():
             return value

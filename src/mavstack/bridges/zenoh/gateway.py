@@ -38,7 +38,9 @@ logger = logging.getLogger("mavstack.bridges")
 #: Seconds that packets wait for others of the same sample: only those of the same read are put together.
 BATCH_TIME: Final = 0.0
 #: Hertz at which states that changed are published.
-STATE_RATE: Final = 2.0
+STATE_RATE: Final = 1.0
+#: Parts of the vehicles whose states are published one after the other.
+STATE_PARTS: Final = 25
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,10 +146,14 @@ class Gateway:
                     known.set_connected(connected=isinstance(event, VehicleReturned))
 
     async def _publish_states(self) -> None:
+        """Publish all states in each interval, those of a few vehicles at a time: packets wait meanwhile."""
         while True:
-            await asyncio.sleep(1.0 / self.options.state_rate)
-            for vehicle in tuple(self.vehicles.values()):
-                vehicle.publish_states()
+            vehicles = tuple(self.vehicles.values())
+            parts = min(len(vehicles), STATE_PARTS) or 1
+            for part in range(parts):
+                await asyncio.sleep(1.0 / self.options.state_rate / parts)
+                for vehicle in vehicles[part::parts]:
+                    vehicle.publish_states()
 
     # Batches
 

@@ -37,6 +37,8 @@ _OTHERS: Final = (
 _NOTE: Final = """
 A bridge only observes unless --allow-control is given. It runs until Ctrl-C.
 """
+#: Seconds that packets wait for others while many arrive.
+_INPUT_INTERVAL: Final = 0.002
 _ROLES: Final = tuple(role.word for role in Role if role is not Role.OBSERVE)
 
 
@@ -101,7 +103,8 @@ def _serve(arguments: Namespace) -> int:
 
     async def serve() -> int:
         identity: Any = entry.identity
-        async with connect(*with_link_options(arguments.urls, arguments), **identity) as connection:
+        urls = with_link_options(arguments.urls, arguments)
+        async with connect(*urls, input_interval=_INPUT_INTERVAL, **identity) as connection:
             announce_exposure("bridge", connection.links)
             async with (
                 _exported_spans(arguments.otlp, connection),

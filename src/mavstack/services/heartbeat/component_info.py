@@ -100,7 +100,7 @@ class ComponentInfo:
     @property
     def armed(self) -> bool:
         """True if the component reports that its motors may run."""
-        return bool(self.base_mode & common.MavModeFlag.SAFETY_ARMED)
+        return bool(int(self.base_mode) & common.MavModeFlag.SAFETY_ARMED.value)
 
     @property
     def timeout(self) -> float:
