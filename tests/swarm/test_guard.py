@@ -52,6 +52,13 @@ def test_an_old_or_missing_position_is_a_lost_link():
     assert [(each.breach, each.members) for each in found] == [(Breach.LINK, (1,)), (Breach.LINK, (2,))]
 
 
+def test_only_the_separation_of_other_vehicles_counts():
+    guard = Guard(GuardLimits(radius=50.0, separation=3.0))
+    assert guard.check(np.vstack((APART, [99.0, 0.0, 10.0])), NOW) == []
+    (finding,) = guard.check(np.vstack((APART, [11.0, 0.0, 10.0])), NOW)
+    assert (finding.breach, finding.members) == (Breach.SEPARATION, (1, 2))
+
+
 def test_a_polygon_may_be_concave():
     fence = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (5.0, 2.0), (0.0, 10.0)]
     assert is_inside(fence, 1.0, 1.0)

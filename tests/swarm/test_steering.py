@@ -28,3 +28,10 @@ def test_members_on_a_collision_course_turn_away():
     alone = AVOIDANCE.undisturbed(towards + 0.8 * (positions[::-1] - positions))
     assert (np.linalg.norm(steering.velocities - alone, axis=1) > 0.3).all()
     assert np.isnan(steering.places).all()
+
+
+def test_members_avoid_vehicles_that_are_not_members():
+    alone, motion = APART[:1], np.array([[2.0, 0.0, 0.0]])
+    others = APART[1:] * (0.3, 1.0, 1.0), -motion
+    steering = steer_members(alone, motion, (alone, motion), AVOIDANCE, others)
+    assert steering.deviates.tolist() == [True]

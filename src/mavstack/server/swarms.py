@@ -36,6 +36,8 @@ class StationSwarm:
         self._connection = connection
         self._swarm: Swarm | None = None
         self._vehicles: tuple[Vehicle, ...] = ()
+        #: The leader of the last call.
+        self._led: Vehicle | None = None
         self._action: str | None = None
         self._flight: asyncio.Task[Any] | None = None
         #: The reason for which the last call ended without its result; None: it has its result.
@@ -47,7 +49,7 @@ class StationSwarm:
 
         Args:
             systems: Their system ids; None: those of the swarm, or all that are alive.
-            lead: The system id of the leader; None: the one of the swarm, or the first vehicle.
+            lead: The system id of the leader; None: the one that leads or led last, or the first vehicle.
 
         Raises:
             RefusedError: A vehicle was not found, or there is none.
@@ -59,8 +61,9 @@ class StationSwarm:
         if missing := [each for each in (*wanted, *([] if lead is None else [lead])) if each not in known]:
             raise RefusedError(404, f"no vehicle with system id {missing[0]} was found")
         chosen = [known[each] for each in wanted if systems is not None or known[each].alive]
-        if lead is not None:
-            chosen = [known[lead], *(each for each in chosen if each is not known[lead])]
+        leader = self._leader if lead is None else known[lead]
+        if leader is not None and (lead is not None or leader in chosen):
+            chosen = [leader, *(each for each in chosen if each is not leader)]
         if not chosen:
             raise RefusedError(409, "no vehicle is alive: connect vehicles first")
         return chosen
@@ -84,6 +87,7 @@ class StationSwarm:
         """
 
         async def flight() -> None:
+            self._led = vehicles[0]
             await work(await self._enter(vehicles))
 
         await self.run(action, flight)
@@ -121,7 +125,12 @@ class StationSwarm:
             vehicles: The vehicles.
             work: The takeoff of the group.
         """
-        await self.run("takeoff", lambda: work(Group(vehicles)))
+
+        async def flight() -> None:
+            self._led = vehicles[0]
+            await work(Group(vehicles))
+
+        await self.run("takeoff", flight)
         return self.values(vehicles)
 
     async def land(self, vehicles: Sequence[Vehicle]) -> dict[str, Any]:
@@ -168,11 +177,12 @@ class StationSwarm:
         nearest, first, second = (math.inf, 0, 0) if places is None else nearest_pair(places)
         members = self._vehicles if vehicles is None else tuple(vehicles)
         active = () if swarm is None else swarm.vehicles
+        leader = self._leader
         return {
             "active": swarm is not None,
             "action": self._action,
             "reason": self._reason,
-            "leader": active[0].system if active else None,
+            "leader": None if leader is None else leader.system,
             "systems": [each.system for each in members],
             "course_deg": None if swarm is None else round(swarm.course, 1),
             "separation_m": _metres(nearest),
@@ -181,6 +191,12 @@ class StationSwarm:
             "limit_m": None if swarm is None else swarm.options.guard.separation,
             "members": [_member(each, each in active) for each in members],
         }
+
+    @property
+    def _leader(self) -> Vehicle | None:
+        """The vehicle that leads; without a running swarm, the one that led in the last call."""
+        active = () if self._swarm is None else self._swarm.vehicles
+        return active[0] if active else self._led
 
     async def _enter(self, vehicles: Sequence[Vehicle]) -> Swarm:
         """Return the running swarm of these vehicles; members that left it are entered again."""

@@ -90,9 +90,15 @@ class Guard:
 
         Args:
             positions: Metres north, east, up of the origin; an array of shape (n, 3). NaN: unknown.
-            ages: Seconds since each position was measured.
+            ages: Seconds since each position of a member was measured. Positions beyond the last age are of
+                vehicles that are not members: only their separation from members counts.
         """
-        found = [*self._separations(positions), *self._places(positions), *self._links(np.asarray(ages))]
+        members = np.asarray(ages)
+        found = [
+            *self._separations(positions),
+            *self._places(positions[: len(members)]),
+            *self._links(members),
+        ]
         present = {(each.breach, each.members) for each in found}
         fresh = [each for each in found if (each.breach, each.members) not in self._present]
         self._present = present

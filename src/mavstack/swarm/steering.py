@@ -3,6 +3,9 @@
 The preferred velocity of a member is that of its course, and a part of its error of place. Avoidance may
 change it. Where it does not, the setpoint is the place and the velocity of the course, which a vehicle
 tracks best; where it does, the setpoint is the changed velocity alone, since a place ahead would add to it.
+
+A vehicle that is not a member avoids no member. Members take half of the change of velocity that is needed at
+each step, and half of the rest at the next one, which the horizon of several seconds allows.
 """
 
 from __future__ import annotations
@@ -20,6 +23,8 @@ if TYPE_CHECKING:
 _GAIN: Final = 0.8
 #: Change of a velocity, in m/s, above which a member leaves its course.
 _DEVIATES: Final = 0.3
+#: No vehicles that are not members.
+NO_VEHICLES: Final = (np.empty((0, 3)), np.empty((0, 3)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +43,11 @@ class Steering:
 
 
 def steer_members(
-    positions: Points, velocities: Points, course: tuple[Points, Points], avoidance: Avoidance
+    positions: Points,
+    velocities: Points,
+    course: tuple[Points, Points],
+    avoidance: Avoidance,
+    others: tuple[Points, Points] = NO_VEHICLES,
 ) -> Steering:
     """Return the setpoints of all members.
 
@@ -47,10 +56,15 @@ def steer_members(
         velocities: North, east, up in m/s.
         course: Places and velocities of the course now.
         avoidance: The parameters of the avoidance.
+        others: Positions and velocities of vehicles that are not members.
     """
     places, motion = course
     preferred = _limited(motion + _GAIN * (places - positions), avoidance.speed)
-    chosen = avoidance.targets(positions, velocities, preferred)
+    chosen = avoidance.targets(
+        np.vstack((positions, others[0])),
+        np.vstack((velocities, others[1])),
+        np.vstack((preferred, others[1])),
+    )[: len(positions)]
     deviates = np.linalg.norm(chosen - avoidance.undisturbed(preferred), axis=1) > _DEVIATES
     off_course = deviates[:, None]
     return Steering(

@@ -29,9 +29,11 @@ def test_a_swarm_takes_off_flies_a_formation_moves_and_lands() -> None:
         assert moved["members"][0]["latitude"] > before + 0.0002
         assert moved["smallest_separation_m"] > 5.0
         assert (await api.post("/api/swarm/rotate", {"degrees": 45})).json["course_deg"] == 45.0
+        assert (await api.post("/api/swarm/move", {"east": 5, "lead": 2})).json["leader"] == 2
         landed = await api.post("/api/swarm/land")
         assert landed.status == 200, landed.json
         assert not landed.json["active"]
+        assert landed.json["leader"] == 2  # a preview is drawn around it
 
     serve([COPTER, PX4_COPTER, COPTER], scenario)
 

@@ -19,7 +19,7 @@ GOALS = STARTS + np.array([0.0, 30.0, 0.0])
 
 
 class PerfectMember:
-    """A member that is where its last setpoint was."""
+    """A member that is where its last setpoint was, or a step of a tenth of a second along its velocity."""
 
     def __init__(self, system, place):
         self.vehicle = SimpleNamespace(system=system)
@@ -35,13 +35,31 @@ class PerfectMember:
         return self.place, self.velocity
 
     def follow(self, place, velocity):
-        self.place, self.velocity = place, velocity
+        self.place = self.place + 0.1 * velocity if np.isnan(place).any() else place
+        self.velocity = velocity
 
 
-def run(scenario):
+class Stranger(PerfectMember):
+    """A vehicle that is not a member, which flies west along the way of the first member."""
+
+    is_following = False
+
+    def __init__(self):
+        super().__init__(9, STARTS[0] + (0.0, 25.0, 0.0))
+        self.velocity = np.array([0.0, -2.0, 0.0])
+
+    def state(self):
+        self.place = self.place + 0.1 * self.velocity
+        return super().state()
+
+    def follow(self, place, velocity):
+        raise AssertionError("it gets no setpoints")
+
+
+def run(scenario, options=None):
     async def whole():
         members = [PerfectMember(index + 1, place) for index, place in enumerate(STARTS)]
-        controller = SwarmController(members, SwarmOptions(), asyncio.get_running_loop().time)
+        controller = SwarmController(members, options or SwarmOptions(), asyncio.get_running_loop().time)
         loop = asyncio.create_task(controller.run())
         try:
             await scenario(controller, members)
@@ -158,3 +176,27 @@ def test_a_cancelled_call_leaves_the_members_where_they_are():
         assert before[1] < 29.0
 
     run(scenario)
+
+
+def fly_past_a_stranger(controller, members):
+    places = np.vstack((STARTS, STARTS[:1] - (0.0, -25.0, 0.0)))
+    ends = np.vstack((GOALS, STARTS[:1] - (0.0, 30.0, 0.0)))
+    return controller.fly(straight_transition(places, ends), [*members, Stranger()])
+
+
+def test_members_avoid_a_vehicle_that_is_not_a_member():
+    async def scenario(controller, members):
+        await fly_past_a_stranger(controller, members)
+        assert np.array([each.place for each in members]) == pytest.approx(GOALS, abs=1.0)
+        assert controller.guard.smallest_separation > 3.0
+
+    run(scenario)
+
+
+def test_the_guard_counts_a_vehicle_that_is_not_a_member():
+    async def scenario(controller, members):
+        with pytest.raises(SwarmStopped, match="separation of vehicle 1 and vehicle 9") as stopped:
+            await fly_past_a_stranger(controller, members)
+        assert stopped.value.systems == (1, 9)
+
+    run(scenario, SwarmOptions(avoid=False))

@@ -129,3 +129,17 @@ def test_heights_of_setpoints_are_above_the_home_of_the_vehicle():
         assert session.setpoints[0].altitude == pytest.approx(12.0)  # 508 m above the sea, home at 496 m
 
     run_virtually(scenario())
+
+
+@pytest.mark.parametrize(("height", "down"), [(20.0, 2.0), (5.0, 1.0), (2.0, 0.0), (0.0, 0.0)])
+def test_no_velocity_leads_to_the_ground_if_the_program_ends(height, down):
+    session = Session([])
+    member, vehicle = member_of(session)
+    vehicle.message = common.GlobalPositionInt(relative_alt=round(1e3 * height))
+
+    async def scenario():
+        await member.enter()
+        member.follow(np.full(3, np.nan), np.array((1.0, 0.0, -2.0)))
+        assert session.setpoints[0].velocity == pytest.approx((1.0, 0.0, down))
+
+    run_virtually(scenario())

@@ -113,8 +113,25 @@ def test_a_swarm_follows_a_vehicle_that_another_program_flies():
             apart = places(vehicles)
             behind = sorted(np.linalg.norm(apart[:2] - apart[2], axis=1))
             assert behind == pytest.approx([12.0, 24.0], abs=3.0)
+            assert swarm.smallest_separation < 13.0  # the leader counts
             with pytest.raises(InvalidArgumentError, match="is a member"):
                 await swarm.follow(vehicles[0])
+
+    fly(COPTERS, scenario)
+
+
+@pytest.mark.flight
+def test_followers_avoid_a_leader_that_turns_back_through_them():
+    async def scenario(world, _vehicle):
+        vehicles = await launch(world)
+        leader = vehicles[2]
+        async with world.node.swarm(1, 2) as swarm:
+            following = asyncio.create_task(swarm.follow(leader, "column", spacing=12, duration=60.0))
+            await asyncio.sleep(20)
+            await leader.move(north=40)
+            await leader.move(north=-60)
+            await following
+            assert swarm.smallest_separation > 3.0
 
     fly(COPTERS, scenario)
 

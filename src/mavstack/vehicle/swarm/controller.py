@@ -5,6 +5,9 @@ guard judge them, and sends a setpoint to each member that is present. If the gu
 members stand where they are, and the call that waits for the course ends in `SwarmStopped`. A vehicle that
 leaves its mode, since a pilot or `mav swarm stop` took it, leaves the swarm and is not called back.
 
+A course may contain a vehicle that is not a member: a leader that another program flies. Members avoid it,
+and the guard counts it, but it gets no setpoints.
+
 A course has its own time. It stops while no position arrives and while the program is held up, so that
 setpoints continue where they were instead of jumping ahead of the vehicles; a course without an end, which
 follows a vehicle, cannot wait and keeps the time of the clock.
@@ -35,7 +38,7 @@ if TYPE_CHECKING:
 
     from mavstack.swarm.arrays import Points
     from mavstack.swarm.courses import Course
-    from mavstack.vehicle.swarm.member import Member
+    from mavstack.vehicle.swarm.member import Member, State
 
 logger = logging.getLogger("mavstack.vehicle")
 _STEP: Final = 1.0 / RATE
@@ -141,7 +144,7 @@ class SwarmController:
 
         Args:
             course: The course, with a row for each of `members`.
-            members: The members that fly it.
+            members: The members that fly it, and vehicles that are not members.
             until: Seconds after which a course without an end is left.
 
         Raises:
@@ -202,10 +205,9 @@ class SwarmController:
 
     def _step(self) -> None:
         self._update_roster()
-        states = [each.state() for each in self.members]
-        positions = np.array([position for position, _ in states])
-        velocities = np.array([velocity for _, velocity in states])
-        self._check_guard(positions)
+        others = [each for each in self._flying if each not in self.members]
+        states = {each: each.state() for each in (*self.members, *others)}
+        self._check_guard(np.array([position for position, _ in states.values()]), others)
         self._advance()
         places, motion = self._course.state(self._elapsed)
         if self._waits:
@@ -217,19 +219,25 @@ class SwarmController:
             if self._stopped is None and not any(each.is_following for each in self.members):
                 self._stopped = SwarmStopped("no member follows setpoints any more", ())
             return
-        row_of = {member: row for row, member in enumerate(self.members)}
-        rows = [row_of[self._flying[index]] for index in active]
-        self._send(active, positions[rows], velocities[rows], (places[active], motion[active]))
+        flying = [self._flying[index] for index in active]
+        course = places[active], motion[active]
+        if self.options.avoid:
+            course = self._avoiding(
+                course, [states[each] for each in flying], [states[each] for each in others]
+            )
+        for member, place, velocity in zip(flying, *course, strict=True):
+            member.follow(place, velocity)
 
-    def _send(
-        self, active: list[int], positions: Points, velocities: Points, course: tuple[Points, Points]
-    ) -> None:
-        places, motion = course
-        if self.options.avoid and np.isfinite(positions).all():
-            steering = steer_members(positions, velocities, course, self._avoidance)
-            places, motion = steering.places, steering.velocities
-        for index, place, velocity in zip(active, places, motion, strict=True):
-            self._flying[index].follow(place, velocity)
+    def _avoiding(
+        self, course: tuple[Points, Points], members: list[State], others: list[State]
+    ) -> tuple[Points, Points]:
+        """Return the setpoints with which members avoid each other, and vehicles that are not members."""
+        positions, velocities = _columns(members)
+        if not np.isfinite(positions).all():
+            return course
+        known = [each for each in others if np.isfinite(each[0]).all()]
+        steering = steer_members(positions, velocities, course, self._avoidance, _columns(known))
+        return steering.places, steering.velocities
 
     def _update_roster(self) -> None:
         now = self._now()
@@ -244,10 +252,18 @@ class SwarmController:
         if change.leader is not None:
             logger.warning("vehicle %d leads the swarm now", change.leader)
 
-    def _check_guard(self, positions: Points) -> None:
+    def _check_guard(self, positions: Points, others: Sequence[Member]) -> None:
+        vehicles = (*self.members, *others)
         for finding in self.guard.check(positions, [each.age for each in self.members]):
             if finding.breach is Breach.LINK:  # the roster's business
                 continue
-            systems = [self.members[index].vehicle.system for index in finding.members]
+            systems = [vehicles[index].vehicle.system for index in finding.members]
             names = " and ".join(f"vehicle {system}" for system in systems)
             self.stop(f"{finding.breach} of {names}: {finding.text}", systems)
+
+
+def _columns(states: Sequence[State]) -> State:
+    """Return the positions and the velocities of vehicles, two arrays of shape (n, 3)."""
+    return np.array([each for each, _ in states]).reshape(-1, 3), np.array(
+        [each for _, each in states]
+    ).reshape(-1, 3)

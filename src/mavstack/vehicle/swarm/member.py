@@ -21,6 +21,13 @@ if TYPE_CHECKING:
     from mavstack.vehicle.guided_session import GuidedSession
     from mavstack.vehicle.vehicle import Vehicle
 
+    #: Position and velocity, in metres and m/s north, east, up.
+    State = tuple[Points, Points]
+
+#: Metres above home below which no member descends.
+LOWEST_SLOT: Final = 2.0
+#: Seconds for which a vehicle keeps a velocity after the last setpoint (GUID_TIMEOUT of ArduPilot; PX4: 1 s).
+_KEEPS_VELOCITY: Final = 3.0
 #: Rate of positions and of setpoints, in hertz.
 RATE: Final = 10.0
 #: Seconds for which a position is carried on by the velocity.
@@ -54,7 +61,7 @@ class Member:
         """True while the vehicle follows setpoints."""
         return self._session is not None and self.error is None
 
-    def state(self) -> tuple[Points, Points]:
+    def state(self) -> State:
         """Return position and velocity now, metres and m/s north, east, up; NaN if unknown."""
         message = self.vehicle.latest(common.GlobalPositionInt)
         if message is None:
@@ -108,12 +115,19 @@ class Member:
             self.error = error
 
     def _setpoint(self, place: Points, velocity: Points) -> GlobalSetpoint | LocalSetpoint:
+        message = self.vehicle.latest(common.GlobalPositionInt)
         north_speed, east_speed, up_speed = (float(each) for each in velocity)
+        if message is not None:
+            up_speed = max(up_speed, _lowest_speed(message.relative_alt / 1e3))
         motion = (north_speed, east_speed, 0.0 - up_speed)
         if np.isnan(place).any():
             return LocalSetpoint(velocity=motion)
         north, east, up = (float(each) for each in place)
         latitude, longitude, altitude = self._frame.to_global(north, east, -up)
-        message = self.vehicle.latest(common.GlobalPositionInt)
         home = 0.0 if message is None else (message.alt - message.relative_alt) / 1e3
         return GlobalSetpoint(latitude, longitude, altitude - home, velocity=motion)
+
+
+def _lowest_speed(height: float) -> float:
+    """Return the vertical speed at which a vehicle whose program ends now does not reach the ground."""
+    return min(LOWEST_SLOT - height, 0.0) / _KEEPS_VELOCITY

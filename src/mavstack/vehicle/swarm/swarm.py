@@ -16,15 +16,16 @@ from __future__ import annotations
 import asyncio
 import math
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mavstack.dialects import common
-from mavstack.errors import ContactLost, GroupError, InvalidArgumentError
+from mavstack.errors import ContactLost, GroupError, InvalidArgumentError, SwarmStopped
 from mavstack.geodesy import LocalFrame
 from mavstack.node.api_object import ReadOnly
 from mavstack.services.arguments import check_numbers
+from mavstack.swarm.assignment import assign_slots
 from mavstack.swarm.courses import Following, Turn
 from mavstack.swarm.formations import Formation, default_spacing, rotate_to_course
 from mavstack.swarm.leader import LeaderFrame, turn_rate_for
@@ -32,20 +33,16 @@ from mavstack.swarm.shows.check import ShowLimits, check_show
 from mavstack.swarm.shows.show import ShowCourse, placed
 from mavstack.swarm.transitions import Transition, plan_transition, straight_transition
 from mavstack.vehicle.swarm.controller import SwarmController, SwarmOptions
-from mavstack.vehicle.swarm.member import RATE, Member
+from mavstack.vehicle.swarm.member import LOWEST_SLOT, RATE, Member
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterable
     from types import TracebackType
     from typing import Self
 
-    from mavstack.swarm.arrays import Points
+    from mavstack.swarm.arrays import Indices, Points
     from mavstack.swarm.shows.show import Show
     from mavstack.vehicle.vehicle import Vehicle
-
-
-#: Metres above the leader's home below which no formation has a slot.
-LOWEST_SLOT: Final = 2.0
 
 
 class Swarm(ReadOnly):
@@ -138,7 +135,7 @@ class Swarm(ReadOnly):
             SwarmStopped: The guard or `stop` ended the flight.
         """
         check_numbers(course=course, altitude=altitude)
-        members, starts = self._running.active, self._running.places()
+        members, starts = self._present()
         offsets = self._shape(formation, spacing, options).offsets(len(members))
         direction = self._course if course is None else course
         centre = starts[0] if altitude is None else np.array((starts[0, 0], starts[0, 1], altitude))
@@ -160,7 +157,7 @@ class Swarm(ReadOnly):
             SwarmStopped: The guard or `stop` ended the flight.
         """
         check_numbers(north=north, east=east, up=up)
-        members, starts = self._running.active, self._running.places()
+        members, starts = self._present()
         ends = starts + np.array((north, east, up))
         await self._running.fly(straight_transition(starts, ends, self._options.limits), members)
 
@@ -176,7 +173,7 @@ class Swarm(ReadOnly):
             SwarmStopped: The guard or `stop` ended the flight.
         """
         check_numbers(latitude=latitude, longitude=longitude, altitude=altitude)
-        leader = self._running.active[0]
+        leader = self._present()[0][0]
         here, _ = leader.state()
         north, east, _ = self._frame().to_local(latitude, longitude, 0.0)
         position = leader.vehicle.position
@@ -194,7 +191,7 @@ class Swarm(ReadOnly):
             SwarmStopped: The guard or `stop` ended the flight.
         """
         check_numbers(degrees=degrees)
-        members, places = self._running.active, self._running.places()
+        members, places = self._present()
         centre = (float(places[0, 0]), float(places[0, 1]))
         self._course = (self._course + degrees) % 360.0
         await self._running.fly(Turn(places, centre, degrees, self._options.limits), members)
@@ -226,8 +223,12 @@ class Swarm(ReadOnly):
                 f"vehicle {leader.system} is a member, and cannot be followed by the swarm"
             )
         await leader.set_message_rate(common.GlobalPositionInt, RATE)
-        target, members = Member(leader, self._frame()), self._running.active
-        offsets = self._shape(formation, spacing, options).offsets(len(members) + 1)[1:]
+        target, (members, places) = Member(leader, self._frame()), self._present()
+        # Slot 0 is the leader's own: it gets no setpoints, but its followers avoid it.
+        offsets, flying = (
+            self._shape(formation, spacing, options).offsets(len(members) + 1),
+            (target, *members),
+        )
         speed = self._options.limits.speed
         frame = LeaderFrame(self._course, turn_rate_for(offsets, speed / 2.0, speed))
         now = leader.connection.now
@@ -235,10 +236,11 @@ class Swarm(ReadOnly):
         try:
             await asyncio.sleep(0)
             slots, _ = frame.slots(offsets, now())
-            plan = self._plan(self._running.places(), slots)
-            await self._running.fly(plan, members)
-            course = Following(frame, offsets[plan.slots], now())
-            flight = asyncio.create_task(self._running.fly(course, members, until=duration))
+            starts = np.vstack((slots[:1], places))
+            assigned = np.append(0, 1 + assign_slots(starts[1:], slots[1:]))
+            await self._running.fly(self._plan(starts, slots, assigned), flying)
+            course = Following(frame, offsets[assigned], now())
+            flight = asyncio.create_task(self._running.fly(course, flying, until=duration))
             done, _ = await asyncio.wait((measure, flight), return_when=asyncio.FIRST_COMPLETED)
             flight.cancel()
             for each in done:
@@ -267,7 +269,7 @@ class Swarm(ReadOnly):
             SwarmStopped: The guard or `stop` ended the flight.
         """
         check_numbers(orientation=orientation)
-        members, starts = self._running.active, self._running.places()
+        members, starts = self._present()
         options = self._options
         limits = ShowLimits(options.margins.planned_distance, options.limits, math.inf, math.inf)
         await asyncio.to_thread(_check_show, show, len(members), limits)
@@ -305,6 +307,13 @@ class Swarm(ReadOnly):
             raise InvalidArgumentError("the swarm is not running: use `async with`")
         return self._controller
 
+    def _present(self) -> tuple[list[Member], Points]:
+        """Return the members that follow setpoints, at least one, and their positions."""
+        members = self._running.active
+        if not members:
+            raise SwarmStopped("no member follows setpoints any more", ())
+        return members, self._running.places()
+
     def _shape(self, formation: str | Formation, spacing: float | None, options: dict[str, Any]) -> Formation:
         if isinstance(formation, Formation):
             return formation
@@ -312,13 +321,14 @@ class Swarm(ReadOnly):
             spacing = default_spacing(formation, self._options.margins.planned_distance)
         return Formation(formation, spacing=spacing, **options)
 
-    def _plan(self, starts: Points, slots: Points) -> Transition:
+    def _plan(self, starts: Points, slots: Points, assigned: Indices | None = None) -> Transition:
         margins = self._options.margins
         return plan_transition(
             starts,
             slots,
             margins.planned_distance,
             limits=self._options.limits,
+            slots=assigned,
             closest_start=margins.minimum,
         )
 

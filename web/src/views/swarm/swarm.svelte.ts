@@ -57,15 +57,15 @@ class SwarmView {
   size: number | null = $state(200);
   track: number | null = $state(20);
 
-  readonly systems: readonly number[] = $derived(
-    this.chosen.length > 0
-      ? this.chosen
-      : fleet.vehicles.filter(({ state }) => state.alive).map(({ system }) => system),
-  );
+  /** The members of the next call, as the station chooses them. */
+  readonly systems: readonly number[] = $derived.by(() => {
+    if (this.chosen.length > 0) return this.chosen;
+    if (this.state?.active) return this.state.systems;
+    return fleet.vehicles.filter(({ state }) => state.alive).map(({ system }) => system);
+  });
   readonly leader: number | null = $derived(
-    this.lead !== null && this.systems.includes(this.lead)
-      ? this.lead
-      : (this.state?.leader ?? this.systems[0] ?? null),
+    [this.lead, this.state?.leader, this.systems[0]].find((each) => each != null && this.systems.includes(each)) ??
+      null,
   );
 
   /** The fields of a formation, as requests have them. */
