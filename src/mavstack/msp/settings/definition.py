@@ -184,7 +184,7 @@ class SettingDefinition:
             value: The new value.
         """
         if self.build is not None:
-            return self.build(current, self.name, value)
+            return self.build(current, self.path.field, value)
         return self.write.from_message(current, **self.path.changed(current, value))
 
 

@@ -7,18 +7,22 @@ its message has for it.
 from __future__ import annotations
 
 import dataclasses
+import re
 from dataclasses import dataclass
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from mavstack.msp.messages.codecs import Number
 from mavstack.msp.messages.fields import Record, layout_of
+from mavstack.msp.messages.identification import Name
 from mavstack.msp.messages.layout import TableMessage
+from mavstack.msp.messages.registry import all_messages
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from mavstack.msp.messages.base import MspMessage
-    from mavstack.sim.msp.settings import NamedSetting, SettingStore
+    from mavstack.sim.msp.settings import SettingStore
 
 _TEXT = "-"
 
@@ -35,6 +39,7 @@ class CliSetting:
         maximum: Largest value; of a text its length.
         words: The names of the values 0, 1, …; empty for a number.
         is_text: The value is a text.
+        default: The default, if no message has the setting.
     """
 
     name: str
@@ -44,6 +49,7 @@ class CliSetting:
     maximum: int = 0xFF
     words: tuple[str, ...] = ()
     is_text: bool = False
+    default: int = 0
 
     @property
     def limits(self) -> str:
@@ -66,7 +72,7 @@ class CliSetting:
     def value(self, store: SettingStore, *, default: bool = False) -> Any:  # noqa: ANN401 - int or str
         """Return the value, or its default: an integer of the firmware, or a text."""
         if self.kind is None:
-            return store.facts.named[self.name].default if default else store.named[self.name]
+            return self.default if default else store.named[self.name]
         message = store.default(self.kind) if default else store.get(self.kind)
         return _raw(message, self.path)
 
@@ -104,6 +110,11 @@ class SettingTable:
     def __len__(self) -> int:
         return len(self._settings)
 
+    @property
+    def without_message(self) -> dict[str, int]:
+        """The defaults of the settings that are in no message, by their names."""
+        return {each.name: each.default for each in self if each.kind is None}
+
     def get(self, name: str) -> CliSetting | None:
         """Return a setting by its name, upper or lower case; None if there is none."""
         return self._settings.get(name.lower())
@@ -113,10 +124,35 @@ class SettingTable:
         return [each for each in self if text.lower() in each.name]
 
 
-def named_settings(named: Iterable[tuple[str, NamedSetting]]) -> Iterator[CliSetting]:
-    """Yield the settings that no message has."""
-    for name, each in named:
-        yield CliSetting(name, None, (), each.minimum, each.maximum, each.words)
+def read_settings(name: str) -> SettingTable:
+    """Return the settings of a file in this folder, whose head describes its lines."""
+    messages: dict[str, type[MspMessage]] = {kind.__name__: kind for kind in all_messages()}
+    messages[Name.__name__] = Name
+    section: type[MspMessage] | None = None
+    settings = []
+    for line in (files(__package__) / name).read_text("ascii").splitlines():
+        if line.startswith("["):
+            section = messages.get(line.strip("[]"))
+        elif line and not line.startswith("#"):
+            settings.append(_setting(section, *line.split(" | ")))
+    return SettingTable(settings)
+
+
+def _setting(kind: type[MspMessage] | None, name: str, place: str, values: str) -> CliSetting:
+    """Return the setting of a line."""
+    low, found, high = values.removeprefix("text ").rpartition("..")
+    setting = CliSetting(
+        name,
+        kind,
+        minimum=int(low) if found else 0,
+        maximum=int(high) if found else 0,
+        words=() if found else tuple(values.split(" / ")),
+        is_text=values.startswith("text "),
+    )
+    if kind is None:
+        return dataclasses.replace(setting, default=int(place))
+    steps = re.findall(r"\w+", place)
+    return dataclasses.replace(setting, path=tuple(int(step) if step.isdigit() else step for step in steps))
 
 
 def _raw(owner: Any, path: tuple[str | int, ...]) -> Any:  # noqa: ANN401 - message, record or list

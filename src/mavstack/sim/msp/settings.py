@@ -36,23 +36,6 @@ _NAMED, _SELECTED, _RANGE, _WAYPOINT = 0xFF00, 0xFF01, 35, 118
 
 
 @dataclass(frozen=True, slots=True)
-class NamedSetting:
-    """A setting that has a CLI name and no message: an integer, or one of some words.
-
-    Attributes:
-        default: The default; of words its index.
-        minimum: Smallest value.
-        maximum: Largest value.
-        words: The names of the values 0, 1, …; empty for a number.
-    """
-
-    default: int
-    minimum: int = 0
-    maximum: int = 0xFFFF
-    words: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
 class SettingFacts:
     """All settings of a firmware with their defaults.
 
@@ -61,7 +44,7 @@ class SettingFacts:
         messages: The default of each message.
         pid_profile: Messages that each PID profile has.
         rate_profile: Messages that each rate profile has.
-        named: Settings without a message, by their CLI names.
+        named: Defaults of the settings that are in no message, by their CLI names.
         range_count: Number of mode ranges.
         mode_ranges: The first mode ranges of the default.
     """
@@ -70,7 +53,7 @@ class SettingFacts:
     messages: Sequence[MspMessage]
     pid_profile: frozenset[type[MspMessage]]
     rate_profile: frozenset[type[MspMessage]]
-    named: Mapping[str, NamedSetting]
+    named: Mapping[str, int]
     range_count: int
     mode_ranges: Sequence[ModeRange] = ()
 
@@ -87,7 +70,7 @@ class SettingStore:
         facts = self.facts
         self.pid_profile = self.rate_profile = 0
         self._messages: dict[tuple[type[MspMessage], int], MspMessage] = {}
-        self.named = {name: each.default for name, each in facts.named.items()}
+        self.named = dict(facts.named)
         empty = [ModeRange()] * (facts.range_count - len(facts.mode_ranges))
         self.mode_ranges = [*facts.mode_ranges, *empty]
         self._defaults = {type(message): message for message in facts.messages}
@@ -157,7 +140,7 @@ class SettingStore:
         for (kind, profile), message in self._messages.items():
             frames.append(_frame(kind.COMMAND, message.encode(info), profile))
         for name, value in self.named.items():
-            if value != self.facts.named[name].default:
+            if value != self.facts.named[name]:
                 frames.append(_frame(_NAMED, f"{name}={value}".encode()))
         for index, each in enumerate(self.mode_ranges):
             frames.append(_frame(_RANGE, bytes([index, *dataclasses.astuple(each)])))
