@@ -35,9 +35,8 @@ def sent(harness: VehicleHarness, seconds: float) -> set[type]:
     return {type(message) for message in harness.received[before:]}
 
 
-@pytest.mark.parametrize("firmware", LINKS)
-def test_the_command_starts_and_ends_it(firmware):
-    harness = harness_of(firmware, high_latency=True)
+def test_the_command_starts_and_ends_it():
+    harness = harness_of("ardupilot", high_latency=True)
     quiet = {common.Statustext, common.Event, common.CurrentEventSequence}
     assert sent(harness, 5) <= quiet
     assert harness.command(CMD.CONTROL_HIGH_LATENCY, 1) == ACCEPTED
@@ -45,11 +44,25 @@ def test_the_command_starts_and_ends_it(firmware):
     assert common.HighLatency2 in kinds
     assert common.Heartbeat not in kinds
     assert common.Attitude not in kinds
-    interval = {"ardupilot": 5.0, "px4": 200 / 3}[firmware]
     times = [m.timestamp / 1e3 for m in harness.received if isinstance(m, common.HighLatency2)]
-    assert times[2] - times[1] == pytest.approx(interval, abs=0.1)
+    assert times[2] - times[1] == pytest.approx(5.0, abs=0.1)
     assert harness.command(CMD.CONTROL_HIGH_LATENCY, 0) == ACCEPTED
     assert common.HighLatency2 not in sent(harness, 140)
+    assert harness.command(CMD.CONTROL_HIGH_LATENCY, 2) == FAILED
+
+
+def test_px4_sends_it_while_no_ground_station_is_heard():
+    harness = harness_of("px4", high_latency=True)
+    sent(harness, 1)
+    assert common.HighLatency2 not in sent(harness, 70)  # the harness sends heartbeats
+    assert harness.command(CMD.CONTROL_HIGH_LATENCY, 1) == ACCEPTED
+    sent(harness, 1)
+    assert common.HighLatency2 not in sent(harness, 70)  # the command lasted until the next status
+    harness.sends_heartbeats = False
+    before = len(harness.received)
+    assert common.Heartbeat not in sent(harness, 180)
+    reports = [m for m in harness.received[before:] if isinstance(m, common.HighLatency2)]
+    assert (reports[1].timestamp - reports[0].timestamp) / 1e3 == pytest.approx(200 / 3, abs=0.1)
 
 
 @pytest.mark.parametrize(("firmware", "answer"), [("ardupilot", ACCEPTED), ("px4", FAILED)])
@@ -70,8 +83,9 @@ def test_readers_take_the_values(firmware):
         simulated.reboot()
         make_ready(simulation)
         network = MemoryNetwork()
-        async with running(simulation, network.link()), connect(network.link()) as connection:
-            await connection.component(1, 1).command(CMD.CONTROL_HIGH_LATENCY, 1)
+        async with running(simulation, network.link()), connect(network.link(), heartbeat=False) as connection:
+            if firmware == "ardupilot":
+                await connection.component(1, 1).command(CMD.CONTROL_HIGH_LATENCY, 1)
             vehicle = await connection.wait_for_vehicle(timeout=100)
             async with vehicle.component.stream(common.HighLatency2) as reports:
                 await anext(reports)

@@ -1,8 +1,15 @@
 """HIGH_LATENCY2 in place of all streams, on vehicles whose link is one of high latency.
 
 ArduPilot has such a link with SERIAL1_PROTOCOL 43, PX4 with MAV_0_MODE 6 (`mavlink start -m iridium`). It
-sends no heartbeat and no stream; MAV_CMD_CONTROL_HIGH_LATENCY starts and ends HIGH_LATENCY2, every 5 s from
-ArduPilot and every 67 s from PX4. Without such a link PX4 answers FAILED, ArduPilot ACCEPTED.
+sends no heartbeat and no stream, and answers requests and commands.
+
+- ArduPilot: MAV_CMD_CONTROL_HIGH_LATENCY 1 starts HIGH_LATENCY2 every 5 s, 0 ends it, and other values are
+  answered with FAILED; a vehicle without such a link answers ACCEPTED. Source: GCS_Common.cpp,
+  handle_control_high_latency (pull request 19882); wiki, common-MAVLink-high-latency.
+- PX4: HIGH_LATENCY2 every 67 s (MAV_0_HL_FREQ 0.015 Hz) from the boot on. It ends when a heartbeat of a
+  ground station comes over any link, and starts when the ground station is lost; the command, where above
+  0.5 means on, holds only until the next status of the vehicle. A vehicle without such a link answers FAILED.
+  Source: PX4 1.17, Mavlink::handleStatus and handleCommands, Commander.cpp, mavlink/module.yaml.
 """
 
 from __future__ import annotations
@@ -11,6 +18,7 @@ from math import atan2, degrees, hypot
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
+from mavstack.sim.autopilot.failsafes import ground_silence
 from mavstack.sim.telemetry.scaling import degrees_e7, int16, percent, uint8, uint16
 from mavstack.sim.telemetry.view import VehicleView
 from mavstack.sim.vehicle_types import Firmware
@@ -24,6 +32,8 @@ INTERVALS: Final = {Firmware.ARDUPILOT: 5.0, Firmware.PX4: 1 / 0.015}
 #: The parameter of each firmware, and its value for a link of high latency.
 _PARAMETERS: Final = {Firmware.ARDUPILOT: ("SERIAL1_PROTOCOL", 43), Firmware.PX4: ("MAV_0_MODE", 6)}
 _RESULT, _FLAG = common.MavResult, common.HlFailureFlag
+#: Seconds between two statuses of a PX4 vehicle that reports no change.
+_STATUS_INTERVAL: Final = 0.5
 _UNKNOWN_CUSTOM: Final = -128
 _LOW_BATTERY: Final = 0.15
 _MAX_INT8: Final = 127
@@ -35,6 +45,8 @@ class HighLatency:
     def __init__(self, vehicle: SimulatedVehicle) -> None:
         self._vehicle = vehicle
         self._view = VehicleView(vehicle)
+        self._is_on = False
+        self._status_due = 0.0
         name, value = _PARAMETERS[vehicle.firmware]
         #: True if the vehicle's link is one of high latency.
         self.is_used = int(vehicle.parameters.get(name, 0)) == value
@@ -43,6 +55,18 @@ class HighLatency:
         vehicle.services.beacon.enabled = vehicle.modes.enabled = not self.is_used
         if self.is_used:
             vehicle.messages.stop_streams(vehicle.now)
+            if vehicle.firmware is Firmware.PX4:
+                vehicle.autopilot.watches.append(self)
+
+    def tick(self, now: float) -> None:
+        """Start and end HIGH_LATENCY2 by the presence of a ground station (PX4)."""
+        if now < self._status_due:
+            return
+        self._status_due = now + _STATUS_INTERVAL
+        silence = ground_silence(self._vehicle.autopilot)
+        lost = silence is None or silence > float(self._vehicle.parameters["COM_DL_LOSS_T"])
+        if lost != self._is_on:
+            self._switch(lost)
 
     def _control(self, request: CommandRequest) -> common.MavResult:
         vehicle, wanted = self._vehicle, request.command.param1
@@ -59,10 +83,14 @@ class HighLatency:
             text = f"High Latency {'enabled' if is_on else 'disabled'}"
             vehicle.send_statustext(text, common.MavSeverity.NOTICE)
         if self.is_used:
-            interval = INTERVALS[vehicle.firmware] if is_on else 0.0
-            vehicle.messages.set_interval(common.HighLatency2, interval, vehicle.now)
-            vehicle.touch(vehicle.messages)
+            self._switch(is_on)
         return _RESULT.ACCEPTED
+
+    def _switch(self, is_on: bool) -> None:
+        vehicle, self._is_on = self._vehicle, is_on
+        interval = INTERVALS[vehicle.firmware] if is_on else 0.0
+        vehicle.messages.set_interval(common.HighLatency2, interval, vehicle.now)
+        vehicle.touch(vehicle.messages)
 
     def message(self, now: float) -> common.HighLatency2:
         """Return HIGH_LATENCY2."""
