@@ -45,7 +45,7 @@ ATTACKED_ELSEWHERE = {"bridge", "firmware", "msp", "radio"}
 WRITERS = {"common/output.py", "common/live_display.py"}
 
 WITH_VEHICLE = [
-    "rid status", "rid send --operator 47,8 --for 1",
+    "rid status", "rid send --operator 47,8 --for 1", "external check", "external odometry --for 1",
     "vehicle arm --system 1",
     "vehicle check", "vehicle airframe", "vehicle ports",
     "vehicle disarm", "vehicle takeoff 10", "vehicle land --no-wait", "vehicle rtl --no-wait",

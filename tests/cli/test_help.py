@@ -38,6 +38,7 @@ WITH_VEHICLE = (
     "serial",
     "terrain",
     "bridge",
+    "external",
     "key",
     "msp",
     "radio",

@@ -88,6 +88,7 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
             _entry("bridge", "vehicles on the buses of robotics: ROS 2, Zenoh; the mapping table"),
             _entry("key", "signing keys: new, list, remove; install one on a vehicle, turn signing off"),
             _entry("rtk", "corrections for satellite navigation, from a caster or a base to vehicles"),
+            _entry("external", "measurements of a companion computer to a vehicle, from lines of text"),
             _entry("serial", "serial ports of a vehicle, and its position as NMEA, for other programs"),
             _entry("traffic", "aircraft of an ADS-B receiver to vehicles, with alarms"),
             _entry("rid", "Remote ID: may a vehicle arm, and why not; the messages of its operator"),

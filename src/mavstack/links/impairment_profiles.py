@@ -1,7 +1,7 @@
 """Impairments as of real modems, by name: `udpout://127.0.0.1:14550?impairment=acoustic`.
 
-Sound in water needs 0.67 s for a kilometre; data sheets state rate and range, and no loss, since it depends on
-echoes and waves. The loss is an example. Sources of the other values:
+Sound in water needs 0.67 s for a kilometre. Data sheets state rate and range, and no loss, since it depends
+on echoes and waves: the loss is an example. Sources of the other values:
 
 - `acoustic`: EvoLogics S2C R 18/34, data sheet: up to 13.9 kbit/s, range 3.5 km. Both directions share the
   water, so each has half of it; 0.35 s is 0.5 km.

@@ -1412,12 +1412,14 @@ class External:
         InvalidStateError: The connection is closed.
     """
 
-    def check(self, *, timeout: float | None=None) -> ExternalStatus:
+    def check(self, *, parts: frozenset[str]=..., timeout: float | None=None) -> ExternalStatus:
         """Find out whether the estimator uses the estimates of this program, and why not.
 
     Parameters are requested, and the status of the estimator if none was received lately.
 
     Args:
+        parts: The parts that another program sends, of "position", "yaw" and "velocity": then only the
+            settings and the status of the vehicle count. Empty: the estimates of this program.
         timeout: Seconds for each request; None: a few seconds.
 
     Returns:

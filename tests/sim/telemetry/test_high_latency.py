@@ -83,7 +83,8 @@ def test_readers_take_the_values(firmware):
         simulated.reboot()
         make_ready(simulation)
         network = MemoryNetwork()
-        async with running(simulation, network.link()), connect(network.link(), heartbeat=False) as connection:
+        link = network.link()
+        async with running(simulation, network.link()), connect(link, heartbeat=False) as connection:
             if firmware == "ardupilot":
                 await connection.component(1, 1).command(CMD.CONTROL_HIGH_LATENCY, 1)
             vehicle = await connection.wait_for_vehicle(timeout=100)

@@ -18,12 +18,16 @@ _PARAMETER_TIMEOUT: Final = 3.0
 _STATUS_AGE: Final = 3.0
 
 
-async def check(external: External, *, timeout: float | None = None) -> ExternalStatus:
+async def check(
+    external: External, *, parts: frozenset[str] = frozenset(), timeout: float | None = None
+) -> ExternalStatus:
     """Find out whether the estimator uses the estimates of this program, and why not.
 
     Parameters are requested, and the status of the estimator if none was received lately.
 
     Args:
+        parts: The parts that another program sends, of "position", "yaw" and "velocity": then only the
+            settings and the status of the vehicle count. Empty: the estimates of this program.
         timeout: Seconds for each request; None: a few seconds.
 
     Returns:
@@ -41,8 +45,8 @@ async def check(external: External, *, timeout: float | None = None) -> External
     rate = external.monitor.rate(now)
     facts = EstimatorFacts(
         vehicle.autopilot,
-        external.monitor.parts,
-        rate,
+        parts or external.monitor.parts,
+        None if parts else rate,
         delay,
         external.monitor.quality,
         await _parameters(external.vehicle, timeout or _PARAMETER_TIMEOUT),

@@ -77,7 +77,7 @@ class EstimatorFacts:
     Attributes:
         autopilot: The MAV_AUTOPILOT.
         parts: The parts that are sent: "position", "yaw", "velocity".
-        rate: Estimates per second.
+        rate: Estimates per second; None: another program sends them.
         delay: Seconds; None: not known.
         quality: The quality of the last estimate in percent.
         parameters: The values of `PARAMETERS`; those that the vehicle lacks are missing.
@@ -86,7 +86,7 @@ class EstimatorFacts:
 
     autopilot: int
     parts: frozenset[str]
-    rate: float
+    rate: float | None
     delay: float | None = None
     quality: int = 0
     parameters: Mapping[str, float] = field(default_factory=dict)
@@ -108,7 +108,7 @@ def _stream(facts: EstimatorFacts) -> Iterator[str]:
         yield "nothing was sent"
         return
     lowest = MIN_RATES.get(facts.autopilot, 4.0)
-    if facts.rate < lowest * _ENOUGH:
+    if facts.rate is not None and facts.rate < lowest * _ENOUGH:
         yield f"it comes at {facts.rate:.1f} Hz, and the firmware needs {lowest:.1f} Hz (30 Hz is usual)"
 
 
@@ -140,7 +140,7 @@ def _px4(facts: EstimatorFacts) -> Iterator[str]:
     if facts.delay is not None and facts.delay > limit:
         yield f"it is {facts.delay * 1000:.0f} ms old, and EKF2_DELAY_MAX is {limit * 1000:.0f} ms"
     lowest = known.get("EKF2_EV_QMIN", 0)
-    if 0 < lowest > facts.quality:
+    if facts.rate is not None and 0 < lowest > facts.quality:
         yield f"its quality is {facts.quality}, and EKF2_EV_QMIN is {lowest:g}"
 
 

@@ -1,0 +1,100 @@
+"""Measurements of companion computers for a vehicle, and whether its estimator uses them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+from msgspec import Meta, Struct
+
+from mavstack.http.request_fields import Fields
+from mavstack.security.roles import Role
+from mavstack.server.api_route import AnyRoute, ApiRoute, Call
+from mavstack.vehicle.external.records import KINDS, arguments_of, send_record
+
+if TYPE_CHECKING:
+    from mavstack.server.api_route import PlainCall
+
+_PATH: Final = "/api/vehicles/{system}/external"
+#: A target to follow is part of a flight; the others tell a vehicle where it is or what is around it.
+_OPERATED: Final = frozenset({"follow-target"})
+_PARTS: Final = frozenset({"position", "yaw"})
+_MAX_NUMBERS: Final = 72
+
+
+class Measurement(Fields):
+    """A measurement of a companion computer."""
+
+    values: Annotated[
+        dict[str, str | float | Annotated[list[float | None], Meta(max_length=_MAX_NUMBERS)] | None],
+        Meta(
+            description="The arguments by their names; null in a list is not known.",
+            examples=[{"position": [1.0, 2.0, 3.0], "orientation": [1.0, 0.0, 0.0, 0.0], "frame": "ENU"}],
+        ),
+    ]
+
+
+class Sent(Struct):
+    """The kind of a measurement that was sent, and the number of estimates that the station sent."""
+
+    kind: str
+    estimates: int
+
+
+class EstimatorUse(Struct):
+    """The use of estimates by the estimator: the reasons against it, and the stream of the station."""
+
+    used: bool
+    reasons: list[str]
+    sent: int
+    rate_hz: float
+    delay_s: float | None
+
+
+async def _check(call: PlainCall) -> EstimatorUse:
+    external = call.vehicle.external
+    parts = frozenset() if external.monitor.rate(external.vehicle.component.now()) else _PARTS
+
+    async def read() -> EstimatorUse:
+        status = await external.check(parts=parts)
+        return EstimatorUse(status.is_used, list(status.reasons), status.sent, status.rate, status.delay)
+
+    return await call.read("external", read)
+
+
+def _route(kind: str) -> AnyRoute:
+    async def handler(call: Call[Measurement, None]) -> dict[str, Any]:
+        external = call.vehicle.external
+        send_record(external, kind, call.body.values)
+        return {"kind": kind, "estimates": external.monitor.sent}
+
+    return ApiRoute(
+        method="POST",
+        path=f"{_PATH}/{kind}",
+        handler=handler,
+        summary=f"Send {kind.replace('-', ' ')} to a vehicle: {', '.join(arguments_of(kind))}",
+        tag="vehicles",
+        role=Role.OPERATE if kind in _OPERATED else Role.ADMINISTER,
+        body=Measurement,
+        answer={"kind": kind, "estimates": 0},
+        answer_model=Sent,
+    )
+
+
+ROUTES: Final[tuple[AnyRoute, ...]] = (
+    ApiRoute(
+        method="GET",
+        path=_PATH,
+        handler=_check,
+        summary="Find out whether the estimator of a vehicle uses external estimates",
+        tag="vehicles",
+        answer={
+            "used": False,
+            "reasons": ["VISO_TYPE is 0: set it to 1 (MAVLink), and reboot"],
+            "sent": 0,
+            "rate_hz": 0.0,
+            "delay_s": None,
+        },
+        answer_model=EstimatorUse,
+    ),
+    *map(_route, KINDS),
+)
