@@ -123,14 +123,7 @@ def decode_message(row: MessageRow, table: Table) -> MessageDefinition:
         for field_name, kind, array_length, offset, enum in field_rows
     ]
     return MessageDefinition(
-        number,
-        name,
-        tuple(fields_),
-        crc_extra,
-        base_length,
-        length,
-        origin=table.name,
-        **_restore(metadata),
+        number, name, tuple(fields_), crc_extra, base_length, length, origin=table.name, **_restore(metadata)
     )
 
 

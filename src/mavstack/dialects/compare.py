@@ -9,10 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, TypeVar
 
-from mavstack.dialects.model import (
-    EnumParam,
-    Replacement,
-)
+from mavstack.dialects.model import EnumParam, Replacement
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -219,10 +219,7 @@ def _sampled(
 
 
 def _matches(
-    times: NDArray[np.float64],
-    wanted: NDArray[np.float64],
-    direction: Direction,
-    tolerance: float | None,
+    times: NDArray[np.float64], wanted: NDArray[np.float64], direction: Direction, tolerance: float | None
 ) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
     """Return the position of the match of each wanted time, and whether there is one."""
     if not len(times):

@@ -162,11 +162,7 @@ def _systems(log: Log, table: MessageTable) -> NDArray[np.int64]:
 
 
 def _track(
-    source: _Source,
-    table: MessageTable,
-    times: NDArray[np.float64],
-    rows: NDArray[np.bool_],
-    system: int,
+    source: _Source, table: MessageTable, times: NDArray[np.float64], rows: NDArray[np.bool_], system: int
 ) -> Track:
     latitudes = np.asarray(table[source.latitude]).astype(np.float64) * source.degrees
     longitudes = np.asarray(table[source.longitude]).astype(np.float64) * source.degrees

@@ -134,13 +134,7 @@ PARAMETERS: Final[Mapping[str, RadioParameter]] = MappingProxyType(
                 9, "MAX_FREQ", "highest frequency", *_FREQUENCY, "kHz", zero="that of the board", shared=True
             ),
             RadioParameter(
-                10,
-                "NUM_CHANNELS",
-                "number of hopping channels",
-                1,
-                50,
-                zero="that of the board",
-                shared=True,
+                10, "NUM_CHANNELS", "number of hopping channels", 1, 50, zero="that of the board", shared=True
             ),
             RadioParameter(11, "DUTY_CYCLE", "share of time in which the radio may transmit", 0, 100, "%"),
             RadioParameter(

@@ -86,11 +86,7 @@ class Admission:
         self._updated = 0.0
 
     def admit(
-        self,
-        holder: str,
-        places: Sequence[Place[T_co]],
-        now: float,
-        proof: Proof = Proof.SILENT,
+        self, holder: str, places: Sequence[Place[T_co]], now: float, proof: Proof = Proof.SILENT
     ) -> Decision[T_co]:
         """Decide on a newcomer.
 

@@ -229,8 +229,7 @@ class TimestampStore:
 
 
 def _merged_streams(
-    known: Mapping[str, Mapping[StreamId, int]],
-    streams: Iterable[tuple[SigningKey, Mapping[StreamId, int]]],
+    known: Mapping[str, Mapping[StreamId, int]], streams: Iterable[tuple[SigningKey, Mapping[StreamId, int]]]
 ) -> dict[str, dict[StreamId, int]]:
     """Return the streams with the newest timestamp of each."""
     merged = {name: dict(timestamps) for name, timestamps in known.items()}

@@ -37,12 +37,7 @@ ORIENTATIONS: Final[Mapping[str, common.MavSensorOrientation]] = MappingProxyTyp
 )
 #: Names of kinds.
 KINDS: Final[Mapping[str, common.MavDistanceSensor]] = MappingProxyType(
-    {
-        "laser": _KIND.LASER,
-        "sonar": _KIND.ULTRASOUND,
-        "infrared": _KIND.INFRARED,
-        "radar": _KIND.RADAR,
-    }
+    {"laser": _KIND.LASER, "sonar": _KIND.ULTRASOUND, "infrared": _KIND.INFRARED, "radar": _KIND.RADAR}
 )
 #: Usual ranges of each kind in metres.
 _RANGES: Final = MappingProxyType(

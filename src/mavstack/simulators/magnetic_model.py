@@ -39,11 +39,7 @@ def magnetic_field(latitude: float, longitude: float, altitude: float = 0.0, *, 
     north, east, down = _spherical(radius, geocentric, math.radians(longitude), year - EPOCH)
     tilt = geocentric - geodetic
     cosine, sine = math.cos(tilt), math.sin(tilt)
-    return (
-        _GAUSS * (north * cosine - down * sine),
-        _GAUSS * east,
-        _GAUSS * (north * sine + down * cosine),
-    )
+    return (_GAUSS * (north * cosine - down * sine), _GAUSS * east, _GAUSS * (north * sine + down * cosine))
 
 
 def _geocentric(latitude: float, altitude: float) -> tuple[float, float]:

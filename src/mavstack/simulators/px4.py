@@ -148,14 +148,7 @@ class Px4Interface:
         bits, field, altitude = INERTIAL_BITS, readings.magnetic, readings.altitude
         if field is None and altitude is None and readings.airspeed is None:
             return common.HilSensor(
-                time_usec=self.time,
-                xacc=ax,
-                yacc=ay,
-                zacc=az,
-                xgyro=p,
-                ygyro=q,
-                zgyro=r,
-                fields_updated=bits,
+                time_usec=self.time, xacc=ax, yacc=ay, zacc=az, xgyro=p, ygyro=q, zgyro=r, fields_updated=bits
             )
         message = common.HilSensor(time_usec=self.time, xacc=ax, yacc=ay, zacc=az, xgyro=p, ygyro=q, zgyro=r)
         if field is not None:

@@ -84,13 +84,7 @@ class RigidBody:
     def state(self, airspeed: float | None = None, battery: tuple[float, float] | None = None) -> State:
         """Return the state, with what the body alone knows."""
         return State(
-            self.position,
-            self.velocity,
-            self.attitude,
-            self.rates,
-            self.specific_force,
-            airspeed,
-            battery,
+            self.position, self.velocity, self.attitude, self.rates, self.specific_force, airspeed, battery
         )
 
     def _turn(self, torque: Vector, dt: float) -> None:

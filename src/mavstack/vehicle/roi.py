@@ -59,12 +59,7 @@ class RegionOfInterest(ReadOnly):
         await self._request(self._firmware.look_at(location), timeout)
 
     async def set_next_waypoint(
-        self,
-        *,
-        pitch: float = 0.0,
-        roll: float = 0.0,
-        yaw: float = 0.0,
-        timeout: float | None = None,
+        self, *, pitch: float = 0.0, roll: float = 0.0, yaw: float = 0.0, timeout: float | None = None
     ) -> None:
         """Keep pointing at the next waypoint, turned by an offset (MAV_CMD_DO_SET_ROI_WPNEXT_OFFSET).
 

@@ -98,8 +98,7 @@ class Vehicle(ReadOnly):
     actuators = Part(Actuators, "The outputs: servos, relays, actuators, motor tests, gripper and winch.")
     calibration = Part(Calibration, "The calibrations of the sensors, the radio control and the motors.")
     roi = Part(
-        RegionOfInterest,
-        "The region of interest: the point that the gimbal or the nose keeps pointing at.",
+        RegionOfInterest, "The region of interest: the point that the gimbal or the nose keeps pointing at."
     )
 
     external = Part(External, "The data of a companion computer: estimates, obstacles, targets.")
@@ -369,11 +368,7 @@ class Vehicle(ReadOnly):
     set_message_rate = messages.set_message_rate
 
     def events(
-        self,
-        *,
-        severity: int = LogLevel.DEBUG,
-        component: int | None = None,
-        queue: int = DEFAULT_QUEUE,
+        self, *, severity: int = LogLevel.DEBUG, component: int | None = None, queue: int = DEFAULT_QUEUE
     ) -> EventStream:
         """Subscribe to the vehicle's events (EVENT): notices that arrive in order and each once.
 

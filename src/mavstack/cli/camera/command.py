@@ -249,12 +249,7 @@ def _act(arguments: Namespace, do: Callable[[Camera], Awaitable[object]], text: 
 
 
 def _add(
-    actions: Actions,
-    name: str,
-    summary: str,
-    do: Callable[[Namespace], int],
-    *,
-    changes: bool = False,
+    actions: Actions, name: str, summary: str, do: Callable[[Namespace], int], *, changes: bool = False
 ) -> ArgumentParser:
     action = add_vehicle_action(actions, name, summary, do, changes=changes)
     add_camera_option(action)

@@ -10,13 +10,7 @@ from argparse import ArgumentTypeError
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
-from mavstack.links.settings import (
-    ADDRESS_FORMAT,
-    RATE_FORMAT,
-    VERSIONS,
-    parse_address,
-    parse_heartbeat_rate,
-)
+from mavstack.links.settings import ADDRESS_FORMAT, RATE_FORMAT, VERSIONS, parse_address, parse_heartbeat_rate
 
 if TYPE_CHECKING:
     from argparse import Namespace, _ActionsContainer

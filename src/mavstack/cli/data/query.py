@@ -32,9 +32,7 @@ def add_actions(actions: Actions) -> None:
     parser = actions.add("query", "ask logs in SQL, or in a short form", query)
     add_log_options(parser, several=True)
     parser.add_argument(
-        "query",
-        metavar="QUERY",
-        help="SQL with messages as tables, or MESSAGE.FIELD, … [where CONDITION]",
+        "query", metavar="QUERY", help="SQL with messages as tables, or MESSAGE.FIELD, … [where CONDITION]"
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object per row")
     parser.add_argument("--csv", action="store_true", help="print CSV")

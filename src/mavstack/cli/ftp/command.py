@@ -14,16 +14,7 @@ from mavstack.cli.common.text import size_text
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.ftp.download import Download, target_for
 from mavstack.cli.ftp.limited import LimitedFtp, add_entries_option, add_size_option, add_timeout_option
-from mavstack.cli.ftp.paths import (
-    RemotePath,
-    find,
-    is_pattern,
-    join,
-    local_name,
-    look_up,
-    split,
-    walk,
-)
+from mavstack.cli.ftp.paths import RemotePath, find, is_pattern, join, local_name, look_up, split, walk
 from mavstack.cli.ftp.upload import Upload
 from mavstack.errors import FileDenied, MavstackError, RemoteTimeout
 
@@ -249,9 +240,7 @@ async def _downloads(ftp: LimitedFtp, arguments: Namespace) -> list[tuple[Remote
         else:
             top = Path(arguments.local or ".")
             jobs += await _tree(
-                ftp,
-                found,
-                top / local_name(split(found.path)[1] or "root") if into_directory else top,
+                ftp, found, top / local_name(split(found.path)[1] or "root") if into_directory else top
             )
     ftp.check_sizes((found.entry for found, _ in jobs), arguments.path)
     return jobs

@@ -324,12 +324,7 @@ def _json(
 
 
 def _add(
-    actions: Actions,
-    name: str,
-    summary: str,
-    do: Callable[[Namespace], int],
-    *,
-    changes: bool = False,
+    actions: Actions, name: str, summary: str, do: Callable[[Namespace], int], *, changes: bool = False
 ) -> ArgumentParser:
     action = add_vehicle_action(actions, name, summary, do, changes=changes)
     action.add_argument(

@@ -27,12 +27,7 @@ from mavstack.cli.key.rotate import rotate
 from mavstack.cli.key.vehicle_key import require_ready
 from mavstack.errors import RemoteTimeout
 from mavstack.security import SigningKey
-from mavstack.security.key_store import (
-    find_key,
-    key_path,
-    store_key,
-    uses_keyring,
-)
+from mavstack.security.key_store import find_key, key_path, store_key, uses_keyring
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace

@@ -65,8 +65,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="MAVLink FTP, which is faster, or log messages (default: FTP if the file of the log is known)",
     )
     add_size_option(
-        get_parser,
-        "fail if a log has more bytes, such as 500k or 2G (default: about twice its listed size)",
+        get_parser, "fail if a log has more bytes, such as 500k or 2G (default: about twice its listed size)"
     )
     add_timeout_option(get_parser)
     erase_parser = add_vehicle_action(actions, "erase", "erase all logs", erase, changes=True)

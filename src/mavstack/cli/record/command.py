@@ -8,13 +8,7 @@ from typing import TYPE_CHECKING, Final
 from mavstack.cli.common.ending_signals import run_until_signal
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.link_options import add_link_options
-from mavstack.cli.common.options import (
-    add_dialect_option,
-    byte_size,
-    message_ids,
-    seconds,
-    system_id,
-)
+from mavstack.cli.common.options import add_dialect_option, byte_size, message_ids, seconds, system_id
 from mavstack.cli.record.observer import RecordingObserver
 from mavstack.cli.record.status import RecordingStatus
 from mavstack.cli.watch.observation import follow_sources

@@ -35,13 +35,7 @@ if TYPE_CHECKING:
 #: Seconds between updates of the prompt.
 _REFRESH_INTERVAL: Final = 0.5
 _STYLE: Final = Style.from_dict(
-    {
-        "system": "bold",
-        "mode": "ansicyan",
-        "armed": "bold ansired",
-        "silent": "ansiyellow",
-        "end": "",
-    }
+    {"system": "bold", "mode": "ansicyan", "armed": "bold ansired", "silent": "ansiyellow", "end": ""}
 )
 
 

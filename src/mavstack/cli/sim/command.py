@@ -33,13 +33,7 @@ from mavstack.cli.sim.event_printer import EventPrinter
 from mavstack.cli.sim.flight_controllers import DEFAULT_OUT as DEFAULT_MSP_OUT
 from mavstack.cli.sim.flight_controllers import PREFIX, controller_firmwares, transports
 from mavstack.cli.sim.video import add_video_option, filming
-from mavstack.sim.vehicle_types import (
-    DEFAULT_HOME,
-    ControllerFirmware,
-    Firmware,
-    TerrainSource,
-    VehicleType,
-)
+from mavstack.sim.vehicle_types import DEFAULT_HOME, ControllerFirmware, Firmware, TerrainSource, VehicleType
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace

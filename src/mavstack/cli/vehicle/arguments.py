@@ -22,12 +22,7 @@ def add_action(
 
 
 def add_timed(
-    actions: Actions,
-    name: str,
-    summary: str,
-    run_action: Callable[[Namespace], int],
-    *,
-    fleet: bool = True,
+    actions: Actions, name: str, summary: str, run_action: Callable[[Namespace], int], *, fleet: bool = True
 ) -> ArgumentParser:
     """Add an action that changes something; without `fleet`, on one vehicle only."""
     parser = add_vehicle_action(actions, name, summary, run_action, fleet=fleet, changes=True)

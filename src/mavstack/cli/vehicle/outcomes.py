@@ -26,9 +26,7 @@ if TYPE_CHECKING:
 
 
 def run_on_vehicles(
-    arguments: Namespace,
-    work: Callable[[Vehicle], Awaitable[str]],
-    remaining: Remaining | None = None,
+    arguments: Namespace, work: Callable[[Vehicle], Awaitable[str]], remaining: Remaining | None = None
 ) -> int:
     """Run `work` on the selected vehicles, or on that of a session; it returns the text of a success."""
     session_work = getattr(arguments, "session_work", None)

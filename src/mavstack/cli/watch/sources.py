@@ -56,10 +56,7 @@ class WatchedSource:
 
 
 def open_sources(
-    texts: Sequence[str],
-    dialect: Dialect,
-    selection: Selection,
-    observer_class: type[Observer] = Observer,
+    texts: Sequence[str], dialect: Dialect, selection: Selection, observer_class: type[Observer] = Observer
 ) -> list[WatchedSource]:
     """Return the sources of the command line; raises UsageError if there are too many."""
     if len(texts) > MAX_SOURCES:

@@ -10,13 +10,7 @@ import re
 from typing import TYPE_CHECKING
 
 from mavstack.errors import ParameterFileError
-from mavstack.files.parameters.format import (
-    comment_lines,
-    content_lines,
-    head_comments,
-    number_of,
-    shown,
-)
+from mavstack.files.parameters.format import comment_lines, content_lines, head_comments, number_of, shown
 from mavstack.files.parameters.parameter_file import ParameterFile, StoredParameter, is_name
 
 if TYPE_CHECKING:

@@ -128,13 +128,7 @@ def return_item(point: ReturnPoint) -> MissionItem:
 
 def _fence_item(command: int, first: float, group: float, place: Point) -> MissionItem:
     return MissionItem(
-        command,
-        first,
-        group,
-        param5=place[0],
-        param6=place[1],
-        frame=FRAME.GLOBAL,
-        autocontinue=False,
+        command, first, group, param5=place[0], param6=place[1], frame=FRAME.GLOBAL, autocontinue=False
     )
 
 

@@ -22,14 +22,7 @@ from math import isfinite, isnan
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.dialects import common
-from mavstack.files.plans.fence import (
-    Circle,
-    FenceAreas,
-    Polygon,
-    ReturnPoint,
-    fence_areas,
-    fence_items,
-)
+from mavstack.files.plans.fence import Circle, FenceAreas, Polygon, ReturnPoint, fence_areas, fence_items
 from mavstack.files.plans.json_tree import JsonValue, as_json
 from mavstack.files.plans.model import CMD, FRAME, Home, PlanFile, Settings, item_of
 from mavstack.files.plans.parsing import bounded

@@ -90,10 +90,7 @@ _UNKNOWN_LOAD: Final = 1000.0
 
 
 def _define(
-    title: str,
-    unit: str,
-    *sources: tuple[str, str] | tuple[str, str, float],
-    unknown_from: float = inf,
+    title: str, unit: str, *sources: tuple[str, str] | tuple[str, str, float], unknown_from: float = inf
 ) -> SignalDefinition:
     found = (SignalColumn(*source)._replace(unknown_from=unknown_from) for source in sources)
     return SignalDefinition(title, unit, tuple(found))

@@ -18,14 +18,7 @@ if TYPE_CHECKING:
     from mavstack.logs.schema import DType
 
 _STATES: Final = ("GPS_FIX_HOME", "GPS_FIX", "CALIBRATE_MAG", "SMALL_ANGLE", "FIXED_WING")
-_PHASES: Final = (
-    "IDLE",
-    "RX_LOSS_DETECTED",
-    "LANDING",
-    "LANDED",
-    "RX_LOSS_MONITORING",
-    "RX_LOSS_RECOVERED",
-)
+_PHASES: Final = ("IDLE", "RX_LOSS_DETECTED", "LANDING", "LANDED", "RX_LOSS_MONITORING", "RX_LOSS_RECOVERED")
 #: Flight modes by bit, of Betaflight 4.0 and 4.5.
 _MODES_4_0: Final = (
     "ARM",

@@ -12,14 +12,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.logs.blackbox.compiled import compile_decoder
-from mavstack.logs.blackbox.encodings import (
-    GROUPS,
-    NOTHING,
-    READERS,
-    TAG8_4S16,
-    TAG8_8SVB,
-    read_tag8_4s16_v1,
-)
+from mavstack.logs.blackbox.encodings import GROUPS, NOTHING, READERS, TAG8_4S16, TAG8_8SVB, read_tag8_4s16_v1
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -64,11 +64,7 @@ def info(log: Log) -> dict[str, str]:
     first = _first_vehicle(log)
     if first is None:
         return {}
-    facts = {
-        "system": str(first.system),
-        "vehicle_type": first.vehicle_type,
-        "autopilot": first.autopilot,
-    }
+    facts = {"system": str(first.system), "vehicle_type": first.vehicle_type, "autopilot": first.autopilot}
     version = _last_row(log, "AUTOPILOT_VERSION", first.system)
     if version is not None:
         facts["firmware_version"] = _version_text(int(version["flight_sw_version"]))

@@ -125,14 +125,7 @@ class BoardInfo(MspMessage):
         revision = int.from_bytes(payload[4:6], "little")
         target, name, manufacturer = texts
         return cls(
-            _text(payload[:4]),
-            revision,
-            osd,
-            capabilities,
-            target,
-            name,
-            manufacturer,
-            payload[position:],
+            _text(payload[:4]), revision, osd, capabilities, target, name, manufacturer, payload[position:]
         )
 
     def encode(self, firmware: FirmwareInfo | None = None) -> bytes:  # noqa: D102

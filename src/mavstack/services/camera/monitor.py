@@ -99,10 +99,7 @@ class CameraMonitor(Service):
     )
 
     def __init__(
-        self,
-        local: Address,
-        target: Address,
-        begin: Callable[[Operation[Any], float], None] | None = None,
+        self, local: Address, target: Address, begin: Callable[[Operation[Any], float], None] | None = None
     ) -> None:
         super().__init__(local)
         self.target = self.source_filter = target

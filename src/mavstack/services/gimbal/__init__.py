@@ -13,12 +13,7 @@ from mavstack.services.gimbal.operations import (
 )
 from mavstack.services.gimbal.reports import GimbalAttitude, GimbalInformation, GimbalStatus
 from mavstack.services.gimbal.rotation import angles_of, quaternion_of
-from mavstack.services.gimbal.server import (
-    GimbalControlChanged,
-    GimbalDevice,
-    GimbalManagerServer,
-    GimbalSet,
-)
+from mavstack.services.gimbal.server import GimbalControlChanged, GimbalDevice, GimbalManagerServer, GimbalSet
 from mavstack.services.gimbal.setpoint import GimbalSetpoint, GimbalSticks, GimbalValue
 from mavstack.services.gimbal.streamer import GimbalStreamer
 

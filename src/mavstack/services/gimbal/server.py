@@ -245,10 +245,7 @@ class GimbalManagerServer(Service):
         return _RESULT.ACCEPTED if gimbals else _RESULT.DENIED
 
     def _look(
-        self,
-        device_id: float,
-        interest: RegionOfInterest | SystemOfInterest | None,
-        request: CommandRequest,
+        self, device_id: float, interest: RegionOfInterest | SystemOfInterest | None, request: CommandRequest
     ) -> common.MavResult:
         gimbals, now = self._controlled(device_id, request.source), request.received_at
         for gimbal in gimbals:

@@ -20,11 +20,7 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.heartbeat.address_conflict import AddressConflictDetector
-from mavstack.services.heartbeat.admission import (
-    MAX_COMPONENTS,
-    NewComponentLimit,
-    components_to_remove,
-)
+from mavstack.services.heartbeat.admission import MAX_COMPONENTS, NewComponentLimit, components_to_remove
 from mavstack.services.heartbeat.boot_time_filter import BootTimeFilters
 from mavstack.services.heartbeat.boot_tracker import CONFLICT_ENDS_AFTER, MAX_PATH_DELAY, Finding
 from mavstack.services.heartbeat.component_info import HEARTBEAT_TIMEOUT, ComponentInfo
@@ -79,11 +75,7 @@ class Discovery(Service):
     """
 
     handles = message_ids(
-        common.Heartbeat,
-        common.HighLatency2,
-        common.AutopilotVersion,
-        common.Timesync,
-        *_WITH_BOOT_TIME,
+        common.Heartbeat, common.HighLatency2, common.AutopilotVersion, common.Timesync, *_WITH_BOOT_TIME
     )
     accepts_own_packets = True
     observes_all_senders = True

@@ -91,10 +91,7 @@ class DownloadPlan(Transfer[Plan]):
         target, seq = self.target, len(self._items)
         kind = common.MissionRequest if self._float else common.MissionRequestInt
         message = kind(
-            target_system=target.system,
-            target_component=target.component,
-            seq=seq,
-            mission_type=self.type,
+            target_system=target.system, target_component=target.component, seq=seq, mission_type=self.type
         )
         self.request(message, now)
 

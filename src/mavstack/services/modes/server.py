@@ -135,9 +135,7 @@ class ModeServer(Service):
         commands.support(common.MavCmd.DO_SET_STANDARD_MODE, self.set_standard_mode)
         others = commands.handler_of(common.MavCmd.REQUEST_MESSAGE)
 
-        def requested(
-            request: CommandRequest,
-        ) -> common.MavResult | tuple[common.MavResult, int] | None:
+        def requested(request: CommandRequest) -> common.MavResult | tuple[common.MavResult, int] | None:
             if others is None or _integer(request.command.param1) in OFFERED:
                 return self.requested(request)
             return others(request)

@@ -140,8 +140,5 @@ class ParameterTable:
             for definition in self
         }
         return write(
-            chosen,
-            total=len(self),
-            defaults=defaults if with_defaults else None,
-            block_size=block_size,
+            chosen, total=len(self), defaults=defaults if with_defaults else None, block_size=block_size
         )

@@ -1,12 +1,7 @@
 """Setpoints for offboard and guided modes (guide: offboard control interface)."""
 
 from mavstack.services.setpoints.receiver import SetpointReceived, SetpointReceiver, SetpointsTimedOut
-from mavstack.services.setpoints.setpoint import (
-    AttitudeSetpoint,
-    GlobalSetpoint,
-    LocalSetpoint,
-    Setpoint,
-)
+from mavstack.services.setpoints.setpoint import AttitudeSetpoint, GlobalSetpoint, LocalSetpoint, Setpoint
 from mavstack.services.setpoints.streamer import SetpointStreamer
 
 __all__ = [

@@ -15,12 +15,7 @@ from mavstack.dialects import common
 from mavstack.errors import SetpointError
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.service import Event, Service
-from mavstack.services.setpoints.setpoint import (
-    AttitudeSetpoint,
-    GlobalSetpoint,
-    LocalSetpoint,
-    Setpoint,
-)
+from mavstack.services.setpoints.setpoint import AttitudeSetpoint, GlobalSetpoint, LocalSetpoint, Setpoint
 
 if TYPE_CHECKING:
     from mavstack.wire import Packet

@@ -52,11 +52,7 @@ class TerrainClient(Service):
     handles = message_ids(common.TerrainData)
 
     def __init__(
-        self,
-        local: Address,
-        terrain: TerrainMap,
-        wanted: Callable[[], Iterable[Position]],
-        now: float = 0.0,
+        self, local: Address, terrain: TerrainMap, wanted: Callable[[], Iterable[Position]], now: float = 0.0
     ) -> None:
         super().__init__(local)
         self.terrain = terrain

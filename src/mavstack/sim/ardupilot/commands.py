@@ -124,10 +124,7 @@ class ArdupilotMission(MissionCommands):
     """Mission commands; a copter can pause."""
 
     def handlers(self) -> Handlers:
-        handlers: dict[int, Handler] = {
-            _CMD.MISSION_START: self.start,
-            _CMD.DO_JUMP_TAG: self.jump_to_tag,
-        }
+        handlers: dict[int, Handler] = {_CMD.MISSION_START: self.start, _CMD.DO_JUMP_TAG: self.jump_to_tag}
         if self.vehicle.vehicle_type.flies:
             handlers[_CMD.DO_LAND_START] = self.start_landing
         if self.vehicle.vehicle_type is VehicleType.COPTER:

@@ -23,11 +23,7 @@ from mavstack.sim.ardupilot.identity import VERSION, version_of
 from mavstack.sim.ardupilot.messages import ArdupilotMessages, guided_item
 from mavstack.sim.ardupilot.mode_switch import ModeSwitch
 from mavstack.sim.ardupilot.modes import BLOCKABLE, MODE_ROLES, MODES
-from mavstack.sim.ardupilot.motor_calibration import (
-    CompassMotorCalibration,
-    EscCalibration,
-    compass_motor_of,
-)
+from mavstack.sim.ardupilot.motor_calibration import CompassMotorCalibration, EscCalibration, compass_motor_of
 from mavstack.sim.ardupilot.sd_card import flash_from_sd_card
 from mavstack.sim.ardupilot.simulation_parameters import SimulationParameters
 from mavstack.sim.ardupilot.terrain import register_terrain

@@ -18,14 +18,7 @@ if TYPE_CHECKING:
     from mavstack.services import Address
     from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
-_POSITIONS: Final = (
-    "level",
-    "on its LEFT side",
-    "on its RIGHT side",
-    "nose DOWN",
-    "nose UP",
-    "on its BACK",
-)
+_POSITIONS: Final = ("level", "on its LEFT side", "on its RIGHT side", "nose DOWN", "nose UP", "on its BACK")
 _SUCCESS: Final = int(ardupilotmega.AccelcalVehiclePos.SUCCESS)
 #: The COMMAND_ACK of an older ground station has a command up to this one, and this result.
 _MAX_ACK_COMMAND, _ACK_RESULT = 6, int(common.MavResult.TEMPORARILY_REJECTED)
@@ -158,10 +151,7 @@ class Calibrations:
             status = _STATUS.RUNNING_STEP_ONE if percent < _FIRST_STEP else _STATUS.RUNNING_STEP_TWO
             self._autopilot.vehicle.services.send(
                 ardupilotmega.MagCalProgress(
-                    cal_mask=_COMPASSES,
-                    cal_status=status,
-                    attempt=1,
-                    completion_pct=percent,
+                    cal_mask=_COMPASSES, cal_status=status, attempt=1, completion_pct=percent
                 )
             )
             return

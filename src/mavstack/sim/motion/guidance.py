@@ -12,14 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mavstack.sim.motion.arrays import (
-    Array,
-    approach_speed,
-    clip,
-    dot,
-    horizontal_length,
-    limit_length,
-)
+from mavstack.sim.motion.arrays import Array, approach_speed, clip, dot, horizontal_length, limit_length
 from mavstack.sim.motion.demands import Mode
 
 if TYPE_CHECKING:

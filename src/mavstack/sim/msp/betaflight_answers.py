@@ -10,13 +10,7 @@ from typing import TYPE_CHECKING, Final
 from mavstack.msp.commands import MspCommand as Command
 from mavstack.msp.messages.arming import SensorFlag
 from mavstack.msp.messages.battery import CurrentMeters, VoltageMeters
-from mavstack.msp.messages.config import (
-    CfSerialConfig,
-    LegacySerialPort,
-    Rtc,
-    SerialConfig,
-    SerialFunction,
-)
+from mavstack.msp.messages.config import CfSerialConfig, LegacySerialPort, Rtc, SerialConfig, SerialFunction
 from mavstack.msp.messages.identification import Name
 from mavstack.msp.messages.motors import MotorTelemetry
 from mavstack.msp.messages.osd import GENERAL_SETTINGS, TIMER_SETTINGS, OsdConfig, SetOsdConfig

@@ -15,10 +15,7 @@ from mavstack.msp.messages.battery import (
     VoltageMeterConfig,
     VoltageMeterSettings,
 )
-from mavstack.msp.messages.blackbox import (
-    BlackboxConfig,
-    BlackboxDevice,
-)
+from mavstack.msp.messages.blackbox import BlackboxConfig, BlackboxDevice
 from mavstack.msp.messages.config import (
     ArmingConfig,
     Feature,
@@ -30,12 +27,7 @@ from mavstack.msp.messages.config import (
 from mavstack.msp.messages.filters import AdvancedConfig, FilterConfig
 from mavstack.msp.messages.gps import GpsConfig, GpsRescue, GpsRescuePids
 from mavstack.msp.messages.identification import BoardInfo, Name
-from mavstack.msp.messages.motors import (
-    MixerConfig,
-    Motor3dConfig,
-    MotorConfig,
-    MotorOutputReordering,
-)
+from mavstack.msp.messages.motors import MixerConfig, Motor3dConfig, MotorConfig, MotorOutputReordering
 from mavstack.msp.messages.pid import Gains, Pid, PidAdvanced, SimplifiedTuning
 from mavstack.msp.messages.rc import (
     FailsafeConfig,
@@ -46,12 +38,7 @@ from mavstack.msp.messages.rc import (
     RxConfig,
     RxMap,
 )
-from mavstack.msp.messages.sensors import (
-    AccTrim,
-    BoardAlignmentConfig,
-    CompassConfig,
-    SensorConfig,
-)
+from mavstack.msp.messages.sensors import AccTrim, BoardAlignmentConfig, CompassConfig, SensorConfig
 
 MESSAGES: Final = (
     BoardInfo(

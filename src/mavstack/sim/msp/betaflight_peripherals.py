@@ -4,34 +4,16 @@ from __future__ import annotations
 
 from typing import Final
 
-from mavstack.msp.messages.blackbox import (
-    DataflashSummary,
-    SdCardState,
-    SdCardSummary,
-)
-from mavstack.msp.messages.config import (
-    BeeperConfig,
-    BeeperFlag,
-)
+from mavstack.msp.messages.blackbox import DataflashSummary, SdCardState, SdCardSummary
+from mavstack.msp.messages.config import BeeperConfig, BeeperFlag
 from mavstack.msp.messages.gps import GpsSvInfo
 from mavstack.msp.messages.led_strip import HsvColor, LedColors, LedStripConfig, LedStripValues
 from mavstack.msp.messages.modes import AdjustmentRange, AdjustmentRanges
-from mavstack.msp.messages.motors import (
-    Servo,
-    ServoConfigurations,
-    ServoMixRules,
-    ServoSettings,
-)
+from mavstack.msp.messages.motors import Servo, ServoConfigurations, ServoMixRules, ServoSettings
 from mavstack.msp.messages.osd import OsdCanvas, OsdConfig, OsdUnits, VideoSystem
 from mavstack.msp.messages.pid import PidController, PidNames
-from mavstack.msp.messages.rc import (
-    ChannelFailsafe,
-    RxFailConfig,
-    TxInfo,
-)
-from mavstack.msp.messages.sensors import (
-    SonarAltitude,
-)
+from mavstack.msp.messages.rc import ChannelFailsafe, RxFailConfig, TxInfo
+from mavstack.msp.messages.sensors import SonarAltitude
 from mavstack.msp.messages.status import Debug
 from mavstack.msp.messages.vtx import VtxConfig, VtxType
 

@@ -11,14 +11,7 @@ from __future__ import annotations
 from math import atan2, cos, hypot, inf, radians, sin
 from typing import TYPE_CHECKING, Final
 
-from mavstack.msp.messages.navigation import (
-    HOME_WAYPOINT,
-    NavError,
-    NavMode,
-    NavState,
-    WaypointAction,
-    Wp,
-)
+from mavstack.msp.messages.navigation import HOME_WAYPOINT, NavError, NavMode, NavState, WaypointAction, Wp
 from mavstack.sim.msp import scripts
 from mavstack.sim.msp.receiver import LOW
 from mavstack.sim.msp.waypoints import ABOVE_SEA, WITHOUT_POSITION, Mission
@@ -33,14 +26,7 @@ if TYPE_CHECKING:
 #: Numbers of waypoints: the target of the vehicle, and its position; writing the latter sets the target.
 TARGET, GUIDED = 254, 255
 #: Boxes that navigate, the most important first.
-NAVIGATION_BOXES: Final = (
-    "NAV RTH",
-    "NAV WP",
-    "NAV CRUISE",
-    "NAV COURSE HOLD",
-    "NAV POSHOLD",
-    "NAV ALTHOLD",
-)
+NAVIGATION_BOXES: Final = ("NAV RTH", "NAV WP", "NAV CRUISE", "NAV COURSE HOLD", "NAV POSHOLD", "NAV ALTHOLD")
 _NEEDS_POSITION: Final = frozenset(NAVIGATION_BOXES) - {"NAV ALTHOLD"}
 #: Throttle deflection around the middle that holds the altitude.
 _THROTTLE_DEADBAND: Final = 0.1

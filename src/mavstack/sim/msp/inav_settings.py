@@ -111,11 +111,5 @@ def inav_facts() -> SettingFacts:
     )
     named = CLI_SETTINGS.without_message
     return SettingFacts(
-        INFO,
-        _MESSAGES,
-        frozenset((InavPid, InavRateProfile)),
-        frozenset(),
-        named,
-        40,
-        ranges,
+        INFO, _MESSAGES, frozenset((InavPid, InavRateProfile)), frozenset(), named, 40, ranges
     )

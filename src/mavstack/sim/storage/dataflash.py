@@ -220,14 +220,7 @@ class DataflashWriter:
 def _formats(time_us: int) -> bytes:
     """Return all format, unit and multiplier records."""
     formats = [
-        _record(
-            "FMT",
-            kind.type,
-            kind.length,
-            kind.name.encode(),
-            kind.format.encode(),
-            kind.labels.encode(),
-        )
+        _record("FMT", kind.type, kind.length, kind.name.encode(), kind.format.encode(), kind.labels.encode())
         for kind in FORMATS.values()
     ]
     units = [_record("UNIT", time_us, ord(letter), name.encode()) for letter, name in UNITS.items()]

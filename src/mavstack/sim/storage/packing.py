@@ -47,11 +47,7 @@ class Block:
         ]
         self.size = self._struct.size
 
-    def pack(
-        self,
-        values: Values,
-        sample: FlightSample,
-    ) -> bytes:
+    def pack(self, values: Values, sample: FlightSample) -> bytes:
         """Return the bytes of a sample, with the values that `values` reads from it."""
         try:
             return self._struct.pack(*self._all(values(sample, round)))

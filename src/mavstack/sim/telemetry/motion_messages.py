@@ -118,8 +118,7 @@ class MotionMessages:
         """Return AHRS: the last corrections of the estimate."""
         health = self._view.health
         return ardupilotmega.Ahrs(
-            error_rp=0.003 * (1.0 + health.velocity_variance),
-            error_yaw=0.01 * health.compass_variance,
+            error_rp=0.003 * (1.0 + health.velocity_variance), error_yaw=0.01 * health.compass_variance
         )
 
     def ahrs2(self, now: float) -> Message:

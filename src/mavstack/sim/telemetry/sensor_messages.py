@@ -12,15 +12,7 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import ardupilotmega, common
 from mavstack.sim.motion.readings import DILUTION
 from mavstack.sim.telemetry.motion_messages import pressure_altitude
-from mavstack.sim.telemetry.scaling import (
-    UINT16_MAX,
-    centidegrees,
-    degrees_e7,
-    int16,
-    int32,
-    uint16,
-    uint32,
-)
+from mavstack.sim.telemetry.scaling import UINT16_MAX, centidegrees, degrees_e7, int16, int32, uint16, uint32
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -9,15 +9,7 @@ from mavstack.dialects import ardupilotmega, common
 from mavstack.rotation import from_euler
 from mavstack.sim.autopilot.terrain import terrain_report
 from mavstack.sim.telemetry.health import SensorHealth
-from mavstack.sim.telemetry.scaling import (
-    INT16_MAX,
-    UINT16_MAX,
-    degrees_e7,
-    int16,
-    int32,
-    percent,
-    uint16,
-)
+from mavstack.sim.telemetry.scaling import INT16_MAX, UINT16_MAX, degrees_e7, int16, int32, percent, uint16
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 
 if TYPE_CHECKING:

@@ -56,23 +56,14 @@ COLUMNS: Final[dict[str, tuple[Columns, ...]]] = {
         Columns("sensor_mag", ("x", "y", "z")),
         Columns("MAG", ("MagX", "MagY", "MagZ"), 1e-3),
     ),
-    "pressure": (
-        Columns("vehicle_air_data", ("baro_pressure_pa",), 1e-2),
-        Columns("BARO", ("Press",), 1e-2),
-    ),
+    "pressure": (Columns("vehicle_air_data", ("baro_pressure_pa",), 1e-2), Columns("BARO", ("Press",), 1e-2)),
     "fix": (
         Columns(
             "vehicle_gps_position", ("lat", "lon", "alt", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "fix_type")
         ),
         Columns(
             "vehicle_gps_position",
-            (
-                "latitude_deg",
-                "longitude_deg",
-                "altitude_msl_m",
-                *_VELOCITY,
-                "fix_type",
-            ),
+            ("latitude_deg", "longitude_deg", "altitude_msl_m", *_VELOCITY, "fix_type"),
         ),
         Columns("GPS", ("Lat", "Lng", "Alt", "Spd", "GCrs", "VZ", "Status")),
     ),

@@ -89,11 +89,7 @@ class MujocoPhysics:
         north, west, up = offset.tolist()
         v_north, v_west, v_up, p, q, r = self._data.qvel[:6].tolist()
         return State(
-            (north, -west, -up),
-            (v_north, -v_west, -v_up),
-            self._attitude(),
-            (p, -q, -r),
-            self._force,
+            (north, -west, -up), (v_north, -v_west, -v_up), self._attitude(), (p, -q, -r), self._force
         )
 
 

@@ -105,11 +105,7 @@ class RotorpyPhysics:
         v_east, v_north, v_up = self._now["v"].tolist()
         p, q, r = self._now["w"].tolist()
         return State(
-            (north, east, -up),
-            (v_north, v_east, -v_up),
-            _attitude(self._now["q"]),
-            (p, -q, -r),
-            self._force,
+            (north, east, -up), (v_north, v_east, -v_up), _attitude(self._now["q"]), (p, -q, -r), self._force
         )
 
 

@@ -18,11 +18,7 @@ from mavstack.geodesy import offset_location
 from mavstack.services.arguments import check_number, check_numbers
 from mavstack.vehicle.action_monitor import MIN_PROGRESS, STALL_TIMEOUT, ActionGoal
 from mavstack.vehicle.actions.arrival import Arrival, check_tolerance, tolerance_if_waiting
-from mavstack.vehicle.actions.limits import (
-    check_location,
-    check_target,
-    explain_far_target,
-)
+from mavstack.vehicle.actions.limits import check_location, check_target, explain_far_target
 from mavstack.vehicle.actions.orbiting import Orbiting, check_radius
 from mavstack.vehicle.actions.preconditions import check_preconditions
 from mavstack.vehicle.actions.quadplane import detect_quadplane
@@ -185,12 +181,7 @@ async def move(
     location = Location(*offset_location(position.latitude, position.longitude, north, east), altitude)
     timeout = remaining_timeout(vehicle, timeout, started)
     await _go(
-        vehicle,
-        location,
-        tolerance=tolerance,
-        override_limits=override_limits,
-        wait=wait,
-        timeout=timeout,
+        vehicle, location, tolerance=tolerance, override_limits=override_limits, wait=wait, timeout=timeout
     )
 
 

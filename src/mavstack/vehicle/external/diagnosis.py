@@ -160,9 +160,7 @@ def _status(facts: EstimatorFacts) -> Iterator[str]:
             yield f"{name} rejects the {word}: test ratio {value:.1f}"
 
 
-def _ratios(
-    status: common.EstimatorStatus | ardupilotmega.EkfStatusReport,
-) -> tuple[tuple[float, str], ...]:
+def _ratios(status: common.EstimatorStatus | ardupilotmega.EkfStatusReport) -> tuple[tuple[float, str], ...]:
     if isinstance(status, common.EstimatorStatus):
         return (status.pos_horiz_ratio, "position"), (status.vel_ratio, "velocity"), (status.mag_ratio, "yaw")
     return (

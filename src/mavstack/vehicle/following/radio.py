@@ -224,10 +224,7 @@ class _RadioFlight:
         return leader.alt / 1e3 + place.up - home
 
     def _position(self, vehicle: Vehicle) -> Points:
-        message, age = (
-            vehicle.latest(common.GlobalPositionInt),
-            vehicle.age(common.GlobalPositionInt),
-        )
+        message, age = (vehicle.latest(common.GlobalPositionInt), vehicle.age(common.GlobalPositionInt))
         if message is None or age is None or age > _OLD:
             return np.full(3, math.nan)
         north, east, down = self._frame.to_local(message.lat / 1e7, message.lon / 1e7, message.alt / 1e3)

@@ -72,11 +72,7 @@ def _registry(
         for folder, modules in (("enums", enums), ("messages", messages))
         for number, module in enumerate(modules, 1)
     )
-    return {
-        "imports": "\n".join(imports),
-        "classes": "\n".join(classes),
-        "enums": "\n".join(sorted(rows)),
-    }
+    return {"imports": "\n".join(imports), "classes": "\n".join(classes), "enums": "\n".join(sorted(rows))}
 
 
 def _example(library: Library, names: Names) -> dict[str, Any]:

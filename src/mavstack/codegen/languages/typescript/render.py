@@ -11,12 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.codegen.language import Language
 from mavstack.codegen.languages.typescript.fields import Property, is_wide, make_property
-from mavstack.codegen.languages.typescript.names import (
-    RESERVED_WORDS,
-    Names,
-    file_names,
-    property_names,
-)
+from mavstack.codegen.languages.typescript.names import RESERVED_WORDS, Names, file_names, property_names
 from mavstack.codegen.languages.typescript.package import package_files
 from mavstack.codegen.languages.typescript.runtime import runtime_files
 from mavstack.codegen.templates import Templates, one_line

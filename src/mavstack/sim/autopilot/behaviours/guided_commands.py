@@ -198,10 +198,7 @@ class Motion(GuidedCommand):
         north, east, down = self._wanted()
         if self._heading is not None:
             turned = self.autopilot.body.estimate.yaw - self._heading
-            north, east = (
-                north * cos(turned) - east * sin(turned),
-                north * sin(turned) + east * cos(turned),
-            )
+            north, east = (north * cos(turned) - east * sin(turned), north * sin(turned) + east * cos(turned))
         self.autopilot.target = self._target()
         yaw = self.autopilot.maneuvers.yaw if self._yaw is None and self._yaw_rate is None else self._yaw
         self.autopilot.body.fly_velocity(north, east, down, yaw=yaw, yaw_rate=self._yaw_rate)

@@ -96,10 +96,7 @@ class GimbalCommands(CommandGroup):
     """The direction of the gimbal."""
 
     def handlers(self) -> Handlers:
-        return {
-            _CMD.DO_MOUNT_CONTROL: self.control_mount,
-            _CMD.DO_GIMBAL_MANAGER_PITCHYAW: self.point,
-        }
+        return {_CMD.DO_MOUNT_CONTROL: self.control_mount, _CMD.DO_GIMBAL_MANAGER_PITCHYAW: self.point}
 
     def control_mount(self, request: CommandRequest) -> common.MavResult:
         """DO_MOUNT_CONTROL: angles in degrees, in the mode of param 7."""

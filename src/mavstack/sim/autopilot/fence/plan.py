@@ -22,10 +22,7 @@ _CMD = common.MavCmd
 _F = common.MavFrame
 _RESULT = common.MavMissionResult
 
-_POLYGONS = {
-    _CMD.NAV_FENCE_POLYGON_VERTEX_INCLUSION: True,
-    _CMD.NAV_FENCE_POLYGON_VERTEX_EXCLUSION: False,
-}
+_POLYGONS = {_CMD.NAV_FENCE_POLYGON_VERTEX_INCLUSION: True, _CMD.NAV_FENCE_POLYGON_VERTEX_EXCLUSION: False}
 _CIRCLES = {_CMD.NAV_FENCE_CIRCLE_INCLUSION: True, _CMD.NAV_FENCE_CIRCLE_EXCLUSION: False}
 _COMMANDS = frozenset({*_POLYGONS, *_CIRCLES, _CMD.NAV_FENCE_RETURN_POINT})
 _FRAMES = frozenset({_F.GLOBAL, _F.GLOBAL_INT, _F.GLOBAL_RELATIVE_ALT, _F.GLOBAL_RELATIVE_ALT_INT})
@@ -64,10 +61,7 @@ def read_fence(items: Sequence[MissionItem], frame: LocalFrame) -> Fence:
         return Fence()
     returns = (group[0] for group in groups if group[0].command == _CMD.NAV_FENCE_RETURN_POINT)
     point = next(returns, None)
-    return Fence(
-        tuple(_shapes(groups, frame)),
-        None if point is None else _return_point(point, frame),
-    )
+    return Fence(tuple(_shapes(groups, frame)), None if point is None else _return_point(point, frame))
 
 
 def _return_point(item: MissionItem, frame: LocalFrame) -> tuple[float, float, float]:

@@ -53,10 +53,7 @@ class Px4FenceRules(FenceRules):
         watched |= Breach.RADIUS if radius > 0 else Breach.NONE
         watched |= Breach.HIGH if height > 0 else Breach.NONE
         return FenceLimits(
-            watched,
-            highest=height if height > 0 else inf,
-            radius=radius if radius > 0 else inf,
-            union=True,
+            watched, highest=height if height > 0 else inf, radius=radius if radius > 0 else inf, union=True
         )
 
     def breached(self, watch: FenceWatch, new: Breach) -> None:

@@ -171,10 +171,7 @@ def point_gimbal(step: Step) -> Iterator[None]:
     locked = bool(step.whole(5) & common.GimbalManagerFlags.YAW_LOCK)
     payload.region_of_interest = None
     payload.gimbal = Gimbal(
-        roll=now.roll,
-        pitch=_angle(step, 1, now.pitch),
-        yaw=_angle(step, 2, now.yaw),
-        yaw_locked=locked,
+        roll=now.roll, pitch=_angle(step, 1, now.pitch), yaw=_angle(step, 2, now.yaw), yaw_locked=locked
     )
 
 
