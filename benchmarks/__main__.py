@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from . import (
     best,
     bridge_programs,
+    bridge_requests,
     bridges,
     c_library,
     codegen_c,
@@ -60,6 +61,7 @@ ROWS: dict[str, Callable[[rows.Bench], Iterator[Row]]] = {
     "msp": msp.rows,
     "bridges": bridges.rows,
     "bridge-programs": bridge_programs.rows,
+    "bridge-requests": bridge_requests.rows,
     "swarms": swarms.rows,
     "codegen-c": codegen_c.rows,
     "codegen-python": codegen_python.rows,

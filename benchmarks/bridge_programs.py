@@ -14,6 +14,7 @@ import statistics
 import struct
 import subprocess
 import sys
+import tempfile
 import time
 from contextlib import contextmanager
 from pathlib import Path
@@ -40,6 +41,8 @@ _FIRST_RATE: Final = struct.Struct("<d")
 _FROM_END: Final = -8 * (21 + 3)
 _WARM_UP: Final = 3.0
 _NUMBERS: Final = 1 << 20
+#: Installed packages have bytecode; that of the work tree is kept here.
+_BYTECODE: Final = Path(tempfile.gettempdir()) / f"mavstack-bytecode-{os.getuid()}"
 
 
 def rows(bench: Bench) -> Iterator[Row]:
@@ -96,10 +99,10 @@ class _Run:
     ) -> None:
         self._arrivals: dict[int, float] = {}
         self._parser, self._decode = Parser(Dialect.load("all")), decode
-        with _router(zenoh) as (session, endpoint), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+        with router(zenoh) as (session, endpoint), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
             subscriber = session.declare_subscriber(key, self._arrived)
-            address = ("127.0.0.1", _free_port())
-            with _bridge(name, address[1], endpoint) as process:
+            address = ("127.0.0.1", free_port())
+            with bridge(name, address[1], endpoint) as process:
                 _send(out, address, systems, rate, _WARM_UP, 0)
                 used, begun = _processor_time(process), time.monotonic()
                 times = _send(out, address, systems, rate, seconds, 100_000)
@@ -147,10 +150,11 @@ def _send(
 
 
 @contextmanager
-def _router(
+def router(
     zenoh: Any,  # noqa: ANN401 (it has no base class)
 ) -> Iterator[tuple[Any, str]]:
-    endpoint = f"tcp/127.0.0.1:{_free_port()}"
+    """Run a Zenoh router; yield its session and its endpoint."""
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
     config = zenoh.Config()
     config.insert_json5("mode", '"router"')
     config.insert_json5("scouting/multicast/enabled", "false")
@@ -160,9 +164,13 @@ def _router(
 
 
 @contextmanager
-def _bridge(name: str, port: int, endpoint: str) -> Iterator[subprocess.Popen[str]]:
+def bridge(name: str, port: int, endpoint: str, *options: str) -> Iterator[subprocess.Popen[str]]:
+    """Run a bridge of the vehicles on a port; yield its process when it is ready."""
     command = [sys.executable, "-m", "mavstack", "bridge", name, f"udpin://127.0.0.1:{port}"]
-    process = subprocess.Popen([*command, "--connect", endpoint], stdout=subprocess.PIPE, text=True)
+    words = [*command, "--connect", endpoint, *options]
+    environment = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
+    environment |= {"PYTHONPYCACHEPREFIX": str(_BYTECODE)}
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env=environment)
     try:
         assert process.stdout is not None
         process.stdout.readline()
@@ -177,7 +185,8 @@ def _processor_time(process: subprocess.Popen[str]) -> float:
     return (int(values[11]) + int(values[12])) / os.sysconf("SC_CLK_TCK")
 
 
-def _free_port() -> int:
+def free_port() -> int:
+    """Return a port that no program uses."""
     with socket.create_server(("127.0.0.1", 0)) as server:
         port: int = server.getsockname()[1]
         return port
