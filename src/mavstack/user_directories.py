@@ -32,6 +32,15 @@ def state_directory() -> Path:
     return _absolute(_directories().user_state_path)
 
 
+def data_directory() -> Path:
+    """Return the folder of files that a user has downloaded or made, such as maps.
+
+    Raises:
+        RuntimeError: There is no home directory.
+    """
+    return _absolute(_directories().user_data_path)
+
+
 def config_directory() -> Path:
     """Return the folder of files that belong to the user, such as keys; on Windows it roams with the user.
 

@@ -39,8 +39,8 @@ REACHED = {
 }  # fmt: skip
 #: Commands that are attacked by another test, which has the devices for that: tests/cli/radio,
 #: tests/cli/msp, tests/cli/firmware.
-#: Bridges print no text of a vehicle.
-ATTACKED_ELSEWHERE = {"bridge", "firmware", "msp", "radio"}
+#: Bridges and maps print no text of a vehicle.
+ATTACKED_ELSEWHERE = {"bridge", "firmware", "map", "msp", "radio"}
 #: The only modules that may write to the terminal.
 WRITERS = {"common/output.py", "common/live_display.py"}
 

@@ -37,6 +37,7 @@ WITH_VEHICLE = (
     "rid",
     "serial",
     "terrain",
+    "map",
     "bridge",
     "external",
     "key",

@@ -93,6 +93,7 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
             _entry("traffic", "aircraft of an ADS-B receiver to vehicles, with alarms"),
             _entry("rid", "Remote ID: may a vehicle arm, and why not; the messages of its operator"),
             _entry("terrain", "heights of the terrain: serve them to vehicles, check what a vehicle has"),
+            _entry("map", "maps for places without network: download an area, list, info, remove"),
             _entry("shell", "interactive console: arm, mode, takeoff, wp, param, ftp, log"),
             _entry("dialect", "list, show, check, compare and import message definitions"),
             _entry("gen", "libraries in C, C++, TypeScript and other languages from a dialect", logs=False),

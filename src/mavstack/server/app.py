@@ -37,6 +37,7 @@ from mavstack.server.api import (
     firmware,
     generator,
     gimbals,
+    maps,
     messages,
     parameters,
     part_calls,
@@ -119,6 +120,7 @@ ROUTES: Final[tuple[AnyRoute, ...]] = (
     *simulators.ROUTES,
     *firmware.ROUTES,
     *generator.ROUTES,
+    *maps.ROUTES,
     *video.ROUTES,
 )
 

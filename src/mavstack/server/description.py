@@ -43,6 +43,13 @@ _PATH_PARTS: Final[dict[str, dict[str, Any]]] = {
     },
     "part": {"description": "The name of a service.", "schema": _TEXT, "example": "terrain"},
     "call": {"description": "The name of a call of the service.", "schema": _TEXT, "example": "check"},
+    "zoom": {"description": "The zoom level of a tile.", "schema": {"type": "integer"}, "example": 10},
+    "x": {
+        "description": "The column of a tile, from the west.",
+        "schema": {"type": "integer"},
+        "example": 536,
+    },
+    "y": {"description": "The row of a tile, from the north.", "schema": {"type": "integer"}, "example": 358},
     "log": {"description": "The name of a recording or a log.", "schema": _TEXT, "example": "flight.tlog"},
 }
 _WEBSOCKETS: Final = (

@@ -34,6 +34,7 @@ from mavstack.errors import (
 )
 from mavstack.flashing.failures import FirmwareFileError, FlashingError, FlashingRefused
 from mavstack.http.bodies import RefusedError
+from mavstack.maps.failures import MapError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -59,6 +60,7 @@ STATUSES: Final[Sequence[tuple[type[Exception], HTTPStatus]]] = (
     (FirmwareFileError, HTTPStatus.BAD_REQUEST),
     (FlashingRefused, HTTPStatus.CONFLICT),
     (FlashingError, HTTPStatus.BAD_GATEWAY),
+    (MapError, HTTPStatus.BAD_GATEWAY),
     (UnknownMessageError, HTTPStatus.NOT_FOUND),
     (LogError, HTTPStatus.CONFLICT),
     (MissingExtraError, HTTPStatus.NOT_IMPLEMENTED),

@@ -24,6 +24,7 @@ from mavstack.server.calibrations import Calibrations
 from mavstack.server.client_shares import ClientShares
 from mavstack.server.firmware import StationFlasher
 from mavstack.server.generator.runner import GeneratorRunner
+from mavstack.server.maps import StationMaps
 from mavstack.server.observer_lane import ObserverLane
 from mavstack.server.packet_hub import PacketHub
 from mavstack.server.recordings import Recordings
@@ -81,6 +82,7 @@ class Station:
         telemetry: Request telemetry from each vehicle.
         router: The client of a router that runs beside the station; None: there is none.
         programs: Firmware programs by name, which administrators may start in simulated worlds.
+        maps: The folder of maps; None: there are none.
     """
 
     def __init__(
@@ -92,6 +94,7 @@ class Station:
         telemetry: bool = True,
         router: ControlClient | None = None,
         programs: Mapping[str, str] = MappingProxyType({}),
+        maps: str | PathLike[str] | None = None,
     ) -> None:
         self.connection = Connection() if connection is None else connection
         self.sources = Sources(self.connection, network_only=network_only)
@@ -99,6 +102,7 @@ class Station:
         self.worlds = Worlds(self.sources, programs)
         self.packets = PacketHub(self.connection)
         self.recordings = Recordings(self.connection, folder)
+        self.maps = StationMaps(maps)
         self.calibrations = Calibrations()
         self.swarm = StationSwarm(self.connection)
         self.tasks = Tasks()

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 EXAMPLES: Final = """\
 examples:
   mav terrain serve --hgt ~/.tilecache/SRTM3       # a folder of files such as N47E008.hgt.zip
+  mav terrain serve --tiles heights.mbtiles        # of mav map download --terrain
   mav terrain serve --height 488 --for 60          # the same height everywhere, for a minute
   mav terrain check 47.3985 8.5460
   mav terrain check 47.3985 8.5460 --wait --json   # wait until the vehicle has it
@@ -39,6 +40,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     action = actions.add("serve", "send vehicles the heights that they ask for, until Ctrl-C", serve)
     source = action.add_mutually_exclusive_group(required=True)
     source.add_argument("--hgt", type=Path, metavar="FOLDER", help="folder of .hgt files, zipped or not")
+    source.add_argument("--tiles", type=Path, metavar="FILE", help="heights as tiles in an .mbtiles file")
     source.add_argument("--height", type=finite_number, metavar="METRES", help="one height, above the sea")
     action.add_argument("--for", dest="duration", type=seconds, metavar="SECONDS", help="end after this time")
     action.add_argument("--json", action="store_true", help="print the counts of tiles as JSON at the end")
@@ -102,6 +104,10 @@ def check(arguments: Namespace) -> int:
 
 def _heights(arguments: Namespace) -> tuple[Heights, str]:
     """Return the chosen heights, and their name."""
+    if arguments.tiles is not None:
+        from mavstack.maps.heights import TileHeights
+
+        return TileHeights(arguments.tiles), str(arguments.tiles)
     if arguments.hgt is None:
         height: float = arguments.height
         return lambda latitude, longitude: height, f"{height:g} m"

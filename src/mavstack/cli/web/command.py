@@ -55,6 +55,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     add("--host", default="127.0.0.1", metavar="ADDRESS", help="address to listen on (default: 127.0.0.1)")
     add("--no-browser", action="store_true", help="do not open the browser")
     add("--folder", default="recordings", metavar="DIRECTORY", help="recordings (default: ./recordings)")
+    add("--maps", metavar="DIRECTORY", help="maps for places without network (default: those of mav map)")
     add(
         "--program",
         action="append",
@@ -95,6 +96,7 @@ def run(arguments: Namespace) -> int:
 async def _serve(arguments: Namespace) -> int:
     with no_collection():  # it would take a sixth of the time of these imports, and delay packets later
         from mavstack.http.server import Certificate, serving
+        from mavstack.maps.folder import default_folder
         from mavstack.server.app import make_app, make_early_answers
         from mavstack.server.rows.urls import is_row_url
         from mavstack.server.station import Station
@@ -110,6 +112,7 @@ async def _serve(arguments: Namespace) -> int:
         network_only=access.is_open,
         router=_router(arguments),
         programs=dict(map(_program, arguments.program)),
+        maps=arguments.maps or default_folder(),
     )
     certificate = arguments.certificate
     tls = Certificate(certificate, arguments.certificate_key) if certificate else None
