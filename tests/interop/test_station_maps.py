@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from tests.interop.station import DESKTOP, PATIENT, near, station_page, web_server
+from tests.interop.station import DESKTOP, PATIENT, PHONE, near, station_page, station_server, web_server
 from tests.interop.tiles import VECTORS, archive, area, picture, tile_server
+from tests.maps.tile_pages import tile_pages
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -55,3 +56,50 @@ def test_tiles_and_archives_are_the_base_map(browser: Any, tmp_path: Path) -> No
         choose_tiles(shown, f"{tiles}/closed/{{z}}/{{x}}/{{y}}.png")
         problem.wait_for(timeout=PATIENT)
         shown.expect_problems(tiles, "Access to", "Failed to load resource")
+
+
+def download_map(shown: StationPage, template: str, name: str, content: str) -> None:
+    """Download the area that the map shows, in the dialog, which is open."""
+    page = shown.page
+    page.get_by_label("Address of the tiles").fill(template)
+    page.get_by_label("Name", exact=True).fill(name)
+    page.get_by_label("Content").select_option(content)
+    page.get_by_label("From zoom level").fill("13")
+    page.get_by_label("To zoom level").fill("15")
+    shown.button("Estimate").click()
+    shown.wait_for("Terms: the server is on this machine")
+    shown.button("Download").click()
+    shown.wait_for("were there, 0 are not on the server")
+
+
+def test_a_map_is_downloaded_on_the_page_and_shown_without_network(
+    browser: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    tile = (200, picture(TILES), {"Content-Type": "image/png"})
+    ground = (200, picture((129, 244, 0)), {"Content-Type": "image/png"})  # 500 m in Terrarium
+    with (
+        tile_pages(lambda *_: tile) as pages,
+        station_server(tmp_path) as server,
+        station_page(browser, server.url, DESKTOP, "light") as shown,
+    ):
+        shown.button("Maps without network").click(timeout=PATIENT)
+        download_map(shown, pages.template, "field", "")
+        pages.answer = lambda *_: ground
+        download_map(shown, pages.template, "heights", "terrarium")
+        used = len(pages.requested)
+        assert [each["name"] for each in server.get("maps")] == ["field", "heights"]
+        shown.button("Show").click()
+        shown.page.keyboard.press("Escape")
+        seen = shown.page.locator(".map")
+        shown.wait_until(lambda: near(shown.pixels(seen), TILES, 12) > ENOUGH)
+        assert len(pages.requested) == used, "the page shows the tiles of the station"
+        shown.page.evaluate("location.hash = '#/plan'")
+        shown.page.get_by_role("tab", name="Checks").click(timeout=PATIENT)
+        shown.wait_for("Heights: map heights of the station")
+        shown.page.evaluate("location.hash = '#/fly'")
+        shown.page.set_viewport_size({"width": PHONE[0], "height": PHONE[1]})
+        shown.button("Maps without network").click(timeout=PATIENT)
+        shown.button("Hide").click()
+        shown.hold("Remove field")
+        shown.wait_until(lambda: [each["name"] for each in server.get("maps")] == ["heights"])

@@ -27,7 +27,7 @@ class Scripted(TileServer):
         self.answer = answer
         self.asked = []
 
-    async def request(self, tile):
+    async def fetch(self, tile):
         self.asked.append(tile)
         return self.answer(tile)
 

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import asyncio
+
 import pytest
 
 from mavstack.errors import InvalidArgumentError
@@ -13,7 +15,7 @@ TILE = Tile(3, 4, 2)
 
 def test_a_tile_is_requested_by_its_place_and_with_a_name():
     with tile_pages() as pages:
-        answer = TileServer(pages.template).fetch(TILE)
+        answer = asyncio.run(TileServer(pages.template).fetch(TILE))
     assert (answer.data, answer.format, answer.retry_after) == (picture(*TILE)[1], "png", None)
     assert (pages.requested, pages.agents) == (["/3/4/2.png"], {USER_AGENT})
 
@@ -21,17 +23,17 @@ def test_a_tile_is_requested_by_its_place_and_with_a_name():
 @pytest.mark.parametrize("status", [204, 404, 410])
 def test_a_tile_that_the_server_does_not_have(status):
     with tile_pages(lambda *_: (status, b"", {})) as pages:
-        answer = TileServer(pages.template).fetch(TILE)
+        answer = asyncio.run(TileServer(pages.template).fetch(TILE))
     assert (answer.data, answer.retry_after) == (b"", None)
 
 
 def test_a_busy_server_names_the_time():
     with tile_pages(lambda *_: (503, b"", {"Retry-After": "7"})) as pages:
-        answer = TileServer(pages.template).fetch(TILE)
+        answer = asyncio.run(TileServer(pages.template).fetch(TILE))
         assert (answer.retry_after, answer.reason) == (7.0, "503 Service Unavailable")
         pages.answer = lambda *_: (429, b"", {"Retry-After": "Wed, 21 Oct 2026 07:28:00 GMT"})
-        assert TileServer(pages.template).fetch(TILE).retry_after == 0.0
-    gone = TileServer(pages.template).fetch(TILE)
+        assert asyncio.run(TileServer(pages.template).fetch(TILE)).retry_after == 0.0
+    gone = asyncio.run(TileServer(pages.template).fetch(TILE))
     assert gone.retry_after == 0.0
     assert "Connection refused" in gone.reason
 
@@ -48,7 +50,7 @@ def test_a_busy_server_names_the_time():
 )
 def test_answers_that_end_a_download(answer, reason):
     with tile_pages(lambda *_: answer) as pages, pytest.raises(MapError) as caught:
-        TileServer(f"{pages.template}?key=secret").fetch(TILE)
+        asyncio.run(TileServer(f"{pages.template}?key=secret").fetch(TILE))
     assert str(caught.value).startswith(f"downloading tiles from 127.0.0.1 failed: {reason}")
     assert "secret" not in str(caught.value)
 
@@ -56,7 +58,7 @@ def test_answers_that_end_a_download(answer, reason):
 def test_vectors_without_compression():
     kind = {"Content-Type": "application/vnd.mapbox-vector-tile"}
     with tile_pages(lambda *_: (200, b"\x1a\x05", kind)) as pages:
-        assert TileServer(pages.template).fetch(TILE).format == "pbf"
+        assert asyncio.run(TileServer(pages.template).fetch(TILE)).format == "pbf"
 
 
 @pytest.mark.parametrize(

@@ -165,7 +165,7 @@ class _Download:
         """Download one tile, and store it."""
         for attempt in range(MAX_TRIES):
             await self._turn()
-            answer = await self._server.request(tile)
+            answer = await self._server.fetch(tile)
             if answer.retry_after is None:
                 self._keep(tile, answer.data, answer.format)
                 return

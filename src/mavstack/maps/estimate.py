@@ -107,7 +107,7 @@ async def _sampled(server: TileServer, tiles: list[Tile]) -> float | None:
     """Return the mean bytes of some tiles; None if the server has none of them."""
     sizes = []
     for tile in tiles:
-        answer = await server.request(tile)
+        answer = await server.fetch(tile)
         if answer.retry_after is not None:
             raise MapError(f"downloading tiles from {server.host} failed: {answer.reason}")
         if answer.data:

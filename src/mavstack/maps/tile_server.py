@@ -101,12 +101,8 @@ class TileServer:
             url = url.replace(part, str(value))
         return url
 
-    async def request(self, tile: Tile) -> TileAnswer:
-        """Request a tile in a thread; see `fetch`."""
-        return await asyncio.to_thread(self.fetch, tile)
-
-    def fetch(self, tile: Tile) -> TileAnswer:
-        """Request a tile; blocks until it is there.
+    async def fetch(self, tile: Tile) -> TileAnswer:
+        """Request a tile.
 
         Returns:
             The tile, or that the server has none, or after how many seconds the request may be repeated.
@@ -114,7 +110,11 @@ class TileServer:
         Raises:
             MapError: The server refuses the request, or what it sent is not a tile.
         """
-        request = Request(self.url(tile), headers={"User-Agent": USER_AGENT})  # noqa: S310 (HTTP alone)
+        return await asyncio.to_thread(self._request, self.url(tile))
+
+    def _request(self, url: str) -> TileAnswer:
+        """Request an address; blocks until the answer is there."""
+        request = Request(url, headers={"User-Agent": USER_AGENT})  # noqa: S310 (HTTP alone)
         try:
             with urlopen(request, timeout=REQUEST_TIMEOUT) as response:  # noqa: S310
                 data = response.read(MAX_TILE + 1)

@@ -64,7 +64,7 @@ def test_a_map_is_estimated_downloaded_continued_and_removed(capsys, pages):
 
 def test_heights_into_a_file(capsys, pages, tmp_path):
     file = tmp_path / "heights.mbtiles"
-    download(capsys, pages, "--terrain", "terrarium", "--out", str(file))
+    download(capsys, pages, "--terrain", "terrarium", "--file", str(file))
     assert "heights (terrarium)" in mav(capsys, "map", "info", str(file)).out
 
 

@@ -34,15 +34,15 @@ def serve(folder: Path | None, scenario: Callable[[ApiClient, Pages], Awaitable[
 
 def request(pages: Pages, **fields: Any) -> dict[str, Any]:
     zooms = {"min_zoom": 12, "max_zoom": 14, "rate": 200}
-    return {"name": "field", "server": pages.template, **BOX, **zooms, **fields}
+    return {"server": pages.template, **BOX, **zooms, **fields}
 
 
 def test_a_map_is_downloaded_served_and_removed(tmp_path: Path) -> None:
     async def scenario(api: ApiClient, pages: Pages) -> None:
         assert (await api.get("/api/maps")).json == []
-        estimate = (await api.post("/api/maps/estimate", request(pages))).json
+        estimate = (await api.post("/api/maps/field/estimate", request(pages))).json
         assert (estimate["tiles"], estimate["missing"], estimate["host"]) == (COUNT, COUNT, "127.0.0.1")
-        answer = (await api.post("/api/maps", request(pages, attribution="© us"))).json
+        answer = (await api.post("/api/maps/field", request(pages, attribution="© us"))).json
         assert (answer["added"], answer["map"]["attribution"]) == (COUNT, "© us")
         assert [each["name"] for each in (await api.get("/api/maps")).json] == ["field"]
         tile = await api.get("/api/maps/field/12/2145/1434")
@@ -60,7 +60,7 @@ def test_a_map_is_downloaded_served_and_removed(tmp_path: Path) -> None:
 def test_a_download_is_a_task_that_can_be_cancelled_and_continued(tmp_path: Path) -> None:
     async def scenario(api: ApiClient, pages: Pages) -> None:
         slow = request(pages, rate=1)
-        started = (await api.post("/api/maps?wait=false", slow)).json
+        started = (await api.post("/api/maps/field?wait=false", slow)).json
         task = f"/api/tasks/{started['task']}"
 
         async def done() -> int:
@@ -70,10 +70,10 @@ def test_a_download_is_a_task_that_can_be_cancelled_and_continued(tmp_path: Path
             if await done() >= 3:
                 break
             await asyncio.sleep(0.2)
-        assert (await api.post("/api/maps", slow)).status == 409, "one download at a time"
+        assert (await api.post("/api/maps/field", slow)).status == 409, "one download at a time"
         assert (await api.delete("/api/maps/field")).status == 409
         await api.delete(task)
-        answer = (await api.post("/api/maps", request(pages))).json
+        answer = (await api.post("/api/maps/field", request(pages))).json
         assert answer["present"] >= 3
         assert answer["present"] + answer["added"] == COUNT
 
@@ -82,10 +82,10 @@ def test_a_download_is_a_task_that_can_be_cancelled_and_continued(tmp_path: Path
 
 def test_requests_that_are_refused(tmp_path: Path) -> None:
     async def scenario(api: ApiClient, pages: Pages) -> None:
-        for fields in ({"name": "../x"}, {"server": "file:///{z}/{x}/{y}"}, {"north": 40}, {"max_zoom": 3}):
-            assert (await api.post("/api/maps", request(pages, **fields))).status == 400
+        for fields in ({"server": "file:///{z}/{x}/{y}"}, {"north": 40}, {"max_zoom": 3}):
+            assert (await api.post("/api/maps/field", request(pages, **fields))).status == 400
         osm = await api.post(
-            "/api/maps", request(pages, server="https://tile.openstreetmap.org/{z}/{x}/{y}.png")
+            "/api/maps/field", request(pages, server="https://tile.openstreetmap.org/{z}/{x}/{y}.png")
         )
         assert (osm.status, osm.kind) == (502, "MapError")
 
@@ -95,7 +95,7 @@ def test_requests_that_are_refused(tmp_path: Path) -> None:
 def test_a_station_without_a_folder() -> None:
     async def scenario(api: ApiClient, pages: Pages) -> None:
         assert (await api.get("/api/maps")).json == []
-        answer = await api.post("/api/maps", request(pages))
+        answer = await api.post("/api/maps/field", request(pages))
         assert (answer.status, "--maps FOLDER" in answer.problem) == (409, True)
 
     serve(None, scenario)

@@ -69,7 +69,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     target = action.add_mutually_exclusive_group()
     target.add_argument("--name", help="name of the map for the station (default: map, or terrain)")
-    target.add_argument("--out", type=Path, metavar="FILE", help="the file, instead of a name: FILE.mbtiles")
+    target.add_argument("--file", type=Path, metavar="FILE", help="the file, instead of a name: FILE.mbtiles")
     action.add_argument(
         "--terrain", choices=ENCODINGS, default="", help="the pictures are heights in this encoding"
     )
@@ -108,7 +108,7 @@ def download(arguments: Namespace) -> int:
     server = TileServer(arguments.server)
     area, zooms = _area(arguments), read_zooms(arguments.zoom)
     pace = Pace(rate=arguments.rate, connections=arguments.connections)
-    path = arguments.out if arguments.out is not None else map_path(_folder(arguments), _name(arguments))
+    path = arguments.file if arguments.file is not None else map_path(_folder(arguments), _name(arguments))
     if not server.terms.allowed:
         raise MapError(f"downloading tiles from {server.host} failed: {server.terms.text}")
     echo(f"mav map: {server.terms.text}", error=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, TypeAlias
+from typing import Annotated, Any, Final, Literal, TypeAlias
 
 from msgspec import Meta, Struct
 from starlette.responses import Response
@@ -14,15 +14,11 @@ from mavstack.http.request_fields import Fields
 from mavstack.http.routes import Wait
 from mavstack.maps import Area, Pace, Tile, TileServer
 from mavstack.maps.download import MAX_CONNECTIONS, MAX_RATE
-from mavstack.maps.folder import NAME_PATTERN
 from mavstack.maps.tiles import MAX_ZOOM, check_zooms
 from mavstack.security.roles import Role
 from mavstack.server.api.action_route import summary_of
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.request_types import Latitude, Longitude, Text
-
-if TYPE_CHECKING:
-    from mavstack.maps import MapFacts
 
 #: Seconds for which a browser keeps a tile.
 KEEPING: Final = "private, max-age=3600"
@@ -33,14 +29,12 @@ _MEDIA_TYPES: Final = (
 )
 _GZIP: Final = b"\x1f\x8b"
 _VECTORS: Final = "application/vnd.mapbox-vector-tile"
-MapName: TypeAlias = Annotated[str, Meta(pattern=f"^{NAME_PATTERN}$(?!\\n)")]
 _Zoom: TypeAlias = Annotated[int, Meta(ge=0, le=MAX_ZOOM)]
 
 
 class _AreaFields(Fields):
     """The fields of an area of a tile server."""
 
-    name: Annotated[MapName, Meta(description="The name of the map.", examples=["field"])]
     server: Annotated[
         Text,
         Meta(
@@ -119,7 +113,7 @@ class MapDownloaded(Struct):
 
 
 async def _list(call: PlainCall) -> list[dict[str, Any]]:
-    return [_values(facts) for facts in await asyncio.to_thread(call.station.maps.list)]
+    return [asdict(facts) for facts in await asyncio.to_thread(call.station.maps.list)]
 
 
 async def _tile(call: PlainCall) -> Response:
@@ -140,14 +134,16 @@ async def _tile(call: PlainCall) -> Response:
 async def _estimate(call: Call[EstimateMap, None]) -> dict[str, Any]:
     body = call.body
     server = TileServer(body.server)
-    estimate = await call.station.maps.estimate(body.name, server, body.area(), body.zooms(), body.rate)
+    estimate = await call.station.maps.estimate(
+        call.path("name"), server, body.area(), body.zooms(), body.rate
+    )
     return {**asdict(estimate), "host": server.host, "terms": server.terms.text}
 
 
 async def _download(call: Call[DownloadMap, Wait]) -> dict[str, Any]:
     body = call.body
     result, facts = await call.station.maps.download(
-        body.name,
+        call.path("name"),
         TileServer(body.server),
         body.area(),
         body.zooms(),
@@ -156,7 +152,7 @@ async def _download(call: Call[DownloadMap, Wait]) -> dict[str, Any]:
         attribution=body.attribution,
         progress=call.progress,
     )
-    return {**asdict(result), "map": _values(facts)}
+    return {**asdict(result), "map": asdict(facts)}
 
 
 async def _remove(call: PlainCall) -> dict[str, Any]:
@@ -168,10 +164,6 @@ def _number(text: str) -> int:
     if not (text.isascii() and text.isdigit() and len(text) < 10):
         raise RefusedError(404, f"the parts of a tile are numbers, got {text[:20]!r}")
     return int(text)
-
-
-def _values(facts: MapFacts) -> dict[str, Any]:
-    return asdict(facts)
 
 
 _MAP: Final = {
@@ -209,7 +201,8 @@ ROUTES: Final[tuple[AnyRoute, ...]] = (
     ),
     ApiRoute(
         method="POST",
-        path="/api/maps/estimate",
+        path="/api/maps/{name}/estimate",
+        path_examples={"name": "field"},
         handler=_estimate,
         summary=summary_of(EstimateMap),
         tag="maps",
@@ -227,7 +220,8 @@ ROUTES: Final[tuple[AnyRoute, ...]] = (
     ),
     ApiRoute(
         method="POST",
-        path="/api/maps",
+        path="/api/maps/{name}",
+        path_examples={"name": "field"},
         handler=_download,
         summary=summary_of(DownloadMap),
         tag="maps",

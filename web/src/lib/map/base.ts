@@ -1,10 +1,10 @@
-/** The base layer: nothing but a background (works offline), raster tiles of a URL, or a PMTiles archive. */
+/** The base layer: nothing but a background, raster tiles of a URL, a PMTiles archive, or a map of the station. */
 import type { LayerSpecification, SourceSpecification, StyleSpecification } from 'maplibre-gl';
 
 import type { MapPalette } from './palette';
 
 export interface BaseMap {
-  /** `https://host/{z}/{x}/{y}.png`, the URL of a `.pmtiles` file, or empty for the graticule alone. */
+  /** `https://host/{z}/{x}/{y}.png`, the URL of a `.pmtiles` file, `station:NAME`, or empty for the graticule alone. */
   readonly url: string;
   /** Credit that the owner of the tiles asks for. */
   readonly attribution: string;
@@ -15,30 +15,38 @@ export const NO_BASE: BaseMap = { url: '', attribution: '' };
 export const BASE_SOURCE = 'base';
 export const TRACK_SOURCE = 'tracks';
 
-export type BaseKind = 'none' | 'raster' | 'pmtiles';
+export type BaseKind = 'none' | 'raster' | 'pmtiles' | 'station';
+
+/** Begins the address of a map that the station serves; its name follows. */
+export const STATION_MAP = 'station:';
 
 /** Return which kind of base layer a URL names. */
 export function baseKind(url: string): BaseKind {
   const trimmed = url.trim();
   if (trimmed === '') return 'none';
+  if (trimmed.startsWith(STATION_MAP)) return 'station';
   return /^pmtiles:|\.pmtiles([?#]|$)/i.test(trimmed) ? 'pmtiles' : 'raster';
 }
 
 /** Return the problem of a tile URL in words, or null if it can be used. */
 export function baseProblem(url: string): string | null {
   const kind = baseKind(url);
-  if (kind === 'none') return null;
+  if (kind === 'none' || kind === 'station') return null;
   const address = url.trim().replace(/^pmtiles:\/\//i, '');
   if (!/^(https?:\/\/|\/)/i.test(address)) return 'the URL must begin with http://, https:// or /';
   const missing = ['{z}', '{x}', '{y}'].filter((part) => !address.includes(part));
   return kind === 'raster' && missing.length > 0 ? `the URL has no ${missing.join(', ')}` : null;
 }
 
-/** Contents of a PMTiles archive. */
+/** Contents of a PMTiles archive, or of a map of the station. */
 export interface ArchiveInfo {
   readonly isVector: boolean;
   readonly maxZoom: number;
   readonly layers: readonly string[];
+  /** Of a map of the station: the tiles, their lowest zoom level, and west, south, east and north in degrees. */
+  readonly tiles?: string;
+  readonly minZoom?: number;
+  readonly bounds?: readonly [number, number, number, number];
 }
 
 /** Return the MapLibre style of a base map; `archive` is what a PMTiles file says of itself. */
@@ -62,6 +70,14 @@ export function mapStyle(base: BaseMap, palette: MapPalette, archive: ArchiveInf
       sources[BASE_SOURCE] = { type: 'raster', url, tileSize: 256, maxzoom: archive.maxZoom };
       layers.push(rasterLayer(palette));
     }
+  }
+  if (kind === 'station' && archive?.tiles !== undefined) {
+    const { isVector, tiles, minZoom = 0, maxZoom, bounds } = archive;
+    const shared = { tiles: [tiles], minzoom: minZoom, maxzoom: maxZoom, ...(bounds ? { bounds: [...bounds] } : {}) };
+    sources[BASE_SOURCE] = (
+      isVector ? { type: 'vector', ...shared } : { type: 'raster', tileSize: 256, ...shared }
+    ) as SourceSpecification;
+    layers.push(...(isVector ? vectorLayers(archive.layers, palette) : [rasterLayer(palette)]));
   }
   layers.push(
     {

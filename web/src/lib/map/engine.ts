@@ -3,7 +3,8 @@ import type { Map as MapLibreMap, MapOptions } from 'maplibre-gl';
 import workerUrl from 'maplibre-gl/dist/maplibre-gl-worker.mjs?url';
 
 import type { ArchiveInfo, BaseMap } from './base';
-import { baseKind, baseProblem } from './base';
+import { baseKind, baseProblem, STATION_MAP } from './base';
+import { archiveOf, stationMaps } from './stationMaps.svelte';
 
 type Engine = typeof import('maplibre-gl');
 
@@ -50,8 +51,10 @@ function leaveOutSky({ painter }: MapLibreMap): void {
   painter.drawFunctions = { ...painter.drawFunctions, sky: () => undefined };
 }
 
-/** Return what the PMTiles archive of a base map holds, or null if the base map is something else. */
+/** Return what the archive of a base map holds, or null if the base map is something else. */
 export async function readArchive(base: BaseMap): Promise<ArchiveInfo | null> {
+  if (baseKind(base.url) === 'station')
+    return archiveOf(await stationMaps.find(base.url.trim().slice(STATION_MAP.length)));
   if (baseKind(base.url) !== 'pmtiles' || baseProblem(base.url) !== null) return null;
   const { PMTiles } = await import('pmtiles');
   const address = base.url.trim().replace(/^pmtiles:\/\//i, '');

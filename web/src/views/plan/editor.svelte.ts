@@ -6,7 +6,6 @@ import { Persisted } from '$lib/store/settings.svelte';
 import { check, type Problem } from './logic/checks';
 import { itemPosition, newItem } from './logic/commands';
 import { corridorLanes } from './logic/corridor';
-import { hgtSource, tileSource, type ElevationSource, type HgtFile, type TileEncoding } from './logic/elevation';
 import { area, pathLength, type Point } from './logic/geo';
 import { draftPlan, draftText } from './logic/draft';
 import { has, moved, removed, type Selection } from './logic/edits';
@@ -68,7 +67,6 @@ export class Editor {
   /** The pattern that is drawn again; null: a new one. */
   edited: PatternRun | null = $state.raw(null);
   profile: Profile | null = $state.raw(null);
-  hgtFiles: readonly HgtFile[] = $state.raw([]);
   /** The plans as the vehicle has them, as far as they were downloaded or uploaded; by system id and kind. */
   held: Readonly<Record<string, readonly Item[]>> = $state.raw({});
   name = $state('');
@@ -78,14 +76,6 @@ export class Editor {
   readonly pattern = new Persisted('plan.pattern', PATTERN);
   readonly limits = new Persisted<Limits>('plan.limits', { endurance: null, clearance: 20, ceiling: 120 });
 
-  readonly terrainTiles = new Persisted('plan.terrainTiles', '');
-  readonly terrainEncoding = new Persisted<TileEncoding>('plan.terrainEncoding', 'terrarium');
-
-  readonly elevation: ElevationSource | null = $derived.by(() => {
-    const address = this.terrainTiles.value.trim();
-    if (this.hgtFiles.length > 0) return hgtSource(this.hgtFiles);
-    return address === '' ? null : tileSource(address, this.terrainEncoding.value);
-  });
   readonly plan: Plan = $derived(this.history.present);
   readonly canUndo: boolean = $derived(this.draft.length > 0 || this.history.past.length > 0);
   readonly canRedo: boolean = $derived(this.history.future.length > 0);

@@ -149,6 +149,7 @@ export const fly = {
   fit: 'Show all vehicles',
   follow: 'Follow the vehicle',
   north: 'North up',
+  maps: 'Maps without network',
   clearTracks: 'Clear the tracks',
   reloadPlan: 'Read the mission and fence again',
   choose: 'Choose vehicle {system} for common actions',

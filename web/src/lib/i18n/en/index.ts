@@ -5,6 +5,7 @@ import { fly } from './fly';
 import { generator } from './generator';
 import { inspect } from './inspect';
 import { logs } from './logs';
+import { maps } from './maps';
 import { msp } from './msp';
 import { payload } from './payload';
 import { plan } from './plan';
@@ -20,6 +21,7 @@ export const en = {
   ui,
   sources,
   fly,
+  maps,
   msp,
   payload,
   plan,

@@ -103,7 +103,9 @@ export const plan = {
   clearance: 'Keep above terrain',
   ceiling: 'Highest allowed',
   terrain: 'Terrain',
-  terrainNone: 'Heights are not known: open .hgt files, or set the address of terrain tiles.',
+  terrainNone:
+    'Heights are not known: open .hgt files, set the address of terrain tiles, or download a map of heights.',
+  terrainMap: 'Heights: map {name} of the station',
   terrainFiles: 'Open .hgt files',
   terrainTiles: 'Address of terrain tiles with {z}/{x}/{y}',
   terrainEncoding: 'Encoding of heights',

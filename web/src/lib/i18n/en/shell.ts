@@ -76,6 +76,8 @@ export const shell = {
   unitsNautical: 'Nautical',
   tiles: 'Map tiles',
   tilesHint: 'URL with {z}/{x}/{y}, or of a .pmtiles file; empty: the built-in map',
+  stationMap: 'Map of the station',
+  stationMapNone: 'None',
   attribution: 'Attribution of the map',
   shortcuts: 'Keyboard shortcuts',
   shortcutView: 'Show the view {view}',

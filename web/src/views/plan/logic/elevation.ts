@@ -103,10 +103,11 @@ export function tileSource(
   template: string,
   encoding: TileEncoding,
   load: (url: string) => Promise<Picture> = loadPicture,
+  zoom = TILE_ZOOM,
 ): ElevationSource {
   const tiles = new Map<string, Promise<Picture | null>>();
   const tile = (x: number, y: number): Promise<Picture | null> => {
-    const url = template.replace('{z}', String(TILE_ZOOM)).replace('{x}', String(x)).replace('{y}', String(y));
+    const url = template.replace('{z}', String(zoom)).replace('{x}', String(x)).replace('{y}', String(y));
     const found = tiles.get(url) ?? load(url).catch(() => null);
     tiles.set(url, found);
     return found;
@@ -114,10 +115,10 @@ export function tileSource(
   return (points) =>
     Promise.all(
       points.map(async (point) => {
-        const { x, y } = tilePlace(point, TILE_ZOOM, 1);
+        const { x, y } = tilePlace(point, zoom, 1);
         const picture = await tile(x, y);
         if (!picture) return null;
-        const { column, row } = tilePlace(point, TILE_ZOOM, picture.width);
+        const { column, row } = tilePlace(point, zoom, picture.width);
         const at = 4 * (row * picture.width + column);
         const height = heightOfColour(encoding, picture.data[at]!, picture.data[at + 1]!, picture.data[at + 2]!);
         return height > NO_HEIGHT ? height : null;
@@ -125,7 +126,7 @@ export function tileSource(
     );
 }
 
-async function loadPicture(url: string): Promise<Picture> {
+export async function loadPicture(url: string): Promise<Picture> {
   const response = await fetch(url);
   if (!response.ok) throw new Error(`${url}: ${response.status}`);
   // The colours are numbers: without this the browser would fit them to the screen.
