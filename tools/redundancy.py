@@ -70,11 +70,34 @@ def single_protocols(trees: dict[Path, ast.Module]) -> Iterator[str]:
 
 
 def pass_through_functions(trees: dict[Path, ast.Module]) -> Iterator[str]:
-    """Yield each function that does nothing but call another one with all its parameters, unchanged."""
+    """Yield each function that does nothing but call another one with all its parameters, unchanged.
+
+    Methods that a base class of the package demands are left out, because they cannot be left out there.
+    """
+    by_name: dict[str, list[ClassFacts]] = {}
     for path, tree in trees.items():
+        for each in _classes(path, tree):
+            by_name.setdefault(each.name, []).append(each)
+    for path, tree in trees.items():
+        demanded = {
+            id(method)
+            for item in ast.walk(tree)
+            if isinstance(item, ast.ClassDef)
+            for method in item.body
+            if isinstance(method, Function) and method.name in _demanded_names(item, by_name)
+        }
         for function in ast.walk(tree):
-            if isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef) and _passes_on(function):
+            if isinstance(function, Function) and id(function) not in demanded and _passes_on(function):
                 yield f"{path.relative_to(SOURCES)}:{function.lineno} {function.name}"
+
+
+def _demanded_names(item: ast.ClassDef, by_name: dict[str, list[ClassFacts]]) -> set[str]:
+    """Return the names of the methods of the base classes of a class."""
+    bases = set(map(_base_name, item.bases))
+    ancestors = {
+        name for base in bases for each in by_name.get(base, []) for name in _ancestors(each, by_name)
+    }
+    return {member for name in ancestors for each in by_name.get(name, []) for member in each.members}
 
 
 def _passes_on(function: Function) -> bool:
@@ -98,8 +121,10 @@ def _passes_on(function: Function) -> bool:
 
 
 def _is_plain(value: ast.expr) -> bool:
-    """Return whether an argument is a name, or an attribute of one."""
-    return isinstance(value, ast.Name) or (isinstance(value, ast.Attribute) and _is_plain(value.value))
+    """Return whether an argument is a name, or an attribute of one; constants, in capitals, add something."""
+    if isinstance(value, ast.Attribute):
+        return not value.attr.isupper() and _is_plain(value.value)
+    return isinstance(value, ast.Name) and not value.id.isupper()
 
 
 def _is_docstring(part: ast.stmt) -> bool:
@@ -109,9 +134,15 @@ def _is_docstring(part: ast.stmt) -> bool:
 def _classes(path: Path, tree: ast.Module) -> Iterator[ClassFacts]:
     for item in ast.walk(tree):
         if isinstance(item, ast.ClassDef):
-            bases = [ast.unparse(base).partition("[")[0].rpartition(".")[2] for base in item.bases]
+            bases = [_base_name(base) for base in item.bases]
             place = f"{path.relative_to(SOURCES)}:{item.lineno}"
             yield ClassFacts(place, item.name, bases, set(_members(item)))
+
+
+def _base_name(base: ast.expr) -> str:
+    """Return the name of a base class without its module; that of asyncio is no Protocol of types."""
+    name = ast.unparse(base).partition("[")[0]
+    return name if name == "asyncio.Protocol" else name.rpartition(".")[2]
 
 
 def _members(item: ast.ClassDef) -> Iterator[str]:

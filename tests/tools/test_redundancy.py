@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tools.redundancy import SOURCES, pass_through_functions, single_protocols
 
-MAX_SINGLE_PROTOCOLS, MAX_PASS_THROUGH_FUNCTIONS = 7, 235
+MAX_SINGLE_PROTOCOLS, MAX_PASS_THROUGH_FUNCTIONS = 3, 141
 
 PROGRAM = """
 class Reader(Protocol):
@@ -30,7 +30,8 @@ class Timer:
     def stop(self): ...
     def wait(self): ...
 
-class Clock(Timer): ...
+class Clock(Timer):
+    def wait(self, a): return other(a)
 
 class Motor:
     def start(self): ...
@@ -40,6 +41,8 @@ class Motor:
 def passes(a, *, b): return other(a, b=b)
 async def passes_too(self, a): await self.part.passes_too(self.b, a)
 def adds(a): return other(a, 7)
+def adds_a_constant(a): return other(a, _LIMIT)
+def adds_a_member(a): return other(a, _COMMAND.LAND)
 def leaves_out(a, b): return other(a)
 def changes(a): return other(a + 1)
 """

@@ -130,11 +130,6 @@ def collect_text(data: bytes) -> DefinitionFile:
     return _with_used_enums(source)
 
 
-def collect_official(name: str) -> DefinitionFile:
-    """Return an official definition with its includes."""
-    return _Collector().official(name)
-
-
 def included_first(source: DefinitionFile) -> list[DefinitionFile]:
     """Return a file and all included files, included ones first, each once."""
     found: dict[int, DefinitionFile] = {}

@@ -315,18 +315,18 @@ class SimulatedVehicle:
         self.services.texts.send_text(self.profile.sent_text(text), severity)
         self.touch(self.services.texts)
         self.recorder.text(text, severity)
-        self._notify("text", text)
+        self.announce("text", text)
 
     def mode_entered(self, mode: Mode, reason: str) -> None:
         """Publish that the autopilot entered a mode."""
         self.recorder.mode(mode.number, reason)
-        self._notify("mode", f"mode {mode.name}")
+        self.announce("mode", f"mode {mode.name}")
         self.refresh_heartbeat()
 
     def armed_changed(self) -> None:
         """Publish that the vehicle was armed or disarmed, and begin or end a log."""
         self.recorder.armed(self.autopilot.armed)
-        self._notify("armed", "armed" if self.autopilot.armed else "disarmed")
+        self.announce("armed", "armed" if self.autopilot.armed else "disarmed")
         self.refresh_heartbeat()
 
     def home_changed(self) -> None:
@@ -339,10 +339,7 @@ class SimulatedVehicle:
         self.services.refresh_heartbeat()
 
     def announce(self, kind: str, text: str) -> None:
-        """Tell the listeners of an event of a payload."""
-        self._notify(kind, text)
-
-    def _notify(self, kind: str, text: str) -> None:
+        """Log an event, and call the listeners with it."""
         _LOG.debug("vehicle %d: %s", self.address.system, text)
         for listener in self.listeners:
             listener(self, kind, text)

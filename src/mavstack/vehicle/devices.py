@@ -17,10 +17,10 @@ from mavstack.vehicle.telemetry import readers
 from mavstack.vehicle.telemetry.value_stream import ValueStream
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
     from mavstack.dialects import Message
-    from mavstack.vehicle.telemetry import Telemetry, values
+    from mavstack.vehicle.telemetry import values
     from mavstack.vehicle.vehicle import Vehicle
     from mavstack.wire import Packet
 
@@ -72,7 +72,7 @@ class Devices(ReadOnly):
             The stream.
         """
         kinds = (common.EscStatus, common.EscInfo, *readers.ESC_TELEMETRY[:1])
-        return self._stream(lambda _: self.escs or None, kinds, rate)
+        return ValueStream(self._telemetry, lambda _: self.escs or None, kinds, rate)
 
     def stream_generator(self, rate: float | None = None) -> ValueStream[values.Generator]:
         """Stream the generator (GENERATOR_STATUS).
@@ -83,7 +83,7 @@ class Devices(ReadOnly):
         Returns:
             The stream.
         """
-        return self._stream(readers.read_generator, (common.GeneratorStatus,), rate)
+        return ValueStream(self._telemetry, readers.read_generator, (common.GeneratorStatus,), rate)
 
     def stream_engine(self, rate: float | None = None) -> ValueStream[values.Engine]:
         """Stream the combustion engine (EFI_STATUS).
@@ -94,7 +94,7 @@ class Devices(ReadOnly):
         Returns:
             The stream.
         """
-        return self._stream(readers.read_engine, (common.EfiStatus,), rate)
+        return ValueStream(self._telemetry, readers.read_engine, (common.EfiStatus,), rate)
 
     def stream_modems(self, rate: float | None = None) -> ValueStream[Mapping[int, values.Modem]]:
         """Stream the modems by id (CELLULAR_STATUS).
@@ -105,12 +105,7 @@ class Devices(ReadOnly):
         Returns:
             The stream.
         """
-        return self._stream(lambda _: self.modems or None, (common.CellularStatus,), rate)
-
-    def _stream(
-        self, read: Callable[[Telemetry], Any], messages: tuple[type[Message], ...], rate: float | None
-    ) -> ValueStream[Any]:
-        return ValueStream(self._telemetry, read, messages, rate)
+        return ValueStream(self._telemetry, lambda _: self.modems or None, (common.CellularStatus,), rate)
 
     def _follow(self, vehicle: Vehicle, kind: type[Message], field: str) -> None:
         """Keep the last message of each instance, beginning with the last one that was received."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import closing, suppress
-from typing import TYPE_CHECKING, Final, Protocol, TypeVar
+from typing import TYPE_CHECKING, Final, TypeVar
 
 from mavstack.dialects import common
 from mavstack.errors import ModeTimeout, RemoteDenied, RemoteError
@@ -22,9 +22,8 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Any, Self
 
-    from mavstack.node import Node
-    from mavstack.node.component import RemoteComponent
     from mavstack.vehicle.telemetry import values
+    from mavstack.vehicle.vehicle import Vehicle
 
 Result = TypeVar("Result")
 
@@ -40,29 +39,10 @@ MAX_TEXTS = 6
 _WITHOUT_REASON: Final = frozenset({"Flight mode change failed"})
 
 
-class StatusTextSource(Protocol):
-    """The system whose status texts are collected."""
-
-    @property
-    def connection(self) -> Node:
-        """The node that receives the texts."""
-        ...
-
-    @property
-    def system(self) -> int:
-        """The system id of the sender."""
-        ...
-
-    @property
-    def component(self) -> RemoteComponent:
-        """The autopilot, which sends the events."""
-        ...
-
-
 class StatusTextCapture:
     """Collects the status texts of a vehicle while a block lasts."""
 
-    def __init__(self, vehicle: StatusTextSource) -> None:
+    def __init__(self, vehicle: Vehicle) -> None:
         self._vehicle = vehicle
         self._texts = vehicle.connection.events(StatusText)
         self._warnings: dict[str, None] = {}
@@ -120,7 +100,7 @@ def attach_status_texts(error: RemoteError, texts: Iterable[values.StatusText]) 
 
 
 async def with_status_texts(
-    vehicle: StatusTextSource, operation: Coroutine[Any, Any, Result], name: str = ""
+    vehicle: Vehicle, operation: Coroutine[Any, Any, Result], name: str = ""
 ) -> Result:
     """Await an operation; attach the vehicle's warnings, or the reasons of a refusal, to its error.
 

@@ -121,7 +121,7 @@ class BetaflightAnswers:
             (Command.MSP_SET_TX_INFO, lambda *_: None),
             (Command.MSP_SET_HEADING, lambda *_: None),
             (Command.MSP_SET_PID_CONTROLLER, lambda *_: None),
-            (Command.MSP_DATAFLASH_ERASE, lambda *_: self._system.announce("text", "flash chip erased")),
+            (Command.MSP_DATAFLASH_ERASE, lambda *_: self._system.host.announce("text", "flash chip erased")),
         ]
 
     # --- status
@@ -299,7 +299,7 @@ class BetaflightAnswers:
         commands = ", ".join(
             str(number) for number in payload[3 : 3 + (payload[2] if len(payload) > 2 else 0)]
         )
-        self._system.announce("beeper", f"DSHOT command {commands}")
+        self._system.host.announce("beeper", f"DSHOT command {commands}")
 
 
 def _with_item(items: tuple[int, ...] | None, index: int, value: int) -> tuple[int, ...]:

@@ -57,7 +57,9 @@ class InavNavigation:
             return ""
         if controller.failsafe.is_active:
             can_return = controller.has_fix and controller.home is not None
-            return "NAV RTH" if can_return and self._setting("failsafe_procedure") == 2 else "FAILSAFE"
+            return (
+                "NAV RTH" if can_return and self._controller.number("failsafe_procedure") == 2 else "FAILSAFE"
+            )
         for box in NAVIGATION_BOXES:
             if box in controller.switched_on and self._is_possible(box):
                 return box
@@ -144,7 +146,7 @@ class InavNavigation:
 
     def _hold_altitude(self) -> Iterator[None]:
         self._enter(NavMode.NONE, NavState.NONE)
-        limit = radians(self._setting("max_angle_inclination_rll") / 10)
+        limit = radians(self._controller.number("max_angle_inclination_rll") / 10)
         controller = self._controller
         while True:  # a lean becomes a velocity, so that the throttle alone changes the altitude
             sticks = self._sticks()
@@ -156,7 +158,7 @@ class InavNavigation:
 
     def _hold_position(self) -> Iterator[None]:
         self._enter(NavMode.HOLD, NavState.HOLD_INFINITE)
-        speed = self._setting("nav_manual_speed") / 100
+        speed = self._controller.number("nav_manual_speed") / 100
         held: tuple[float, float, float] | None = None
         while True:
             sticks = self._sticks()
@@ -175,7 +177,7 @@ class InavNavigation:
 
     def _hold_course(self) -> Iterator[None]:
         self._enter(NavMode.NAV, NavState.NONE)
-        speed = self._setting("nav_auto_speed") / 100
+        speed = self._controller.number("nav_auto_speed") / 100
         while True:
             sticks = self._sticks()
             self._fly_velocity(speed * max(1 + sticks.pitch, 0.0), 0.0, sticks.yaw)
@@ -186,7 +188,7 @@ class InavNavigation:
         yaw = self._body.estimate.yaw
         north, east = ahead * cos(yaw) - right * sin(yaw), ahead * sin(yaw) + right * cos(yaw)
         climb = self._climb_rate(self._sticks().throttle)
-        yaw_rate = radians(self._setting("yaw_rate") * 10 * turn)
+        yaw_rate = radians(self._controller.number("yaw_rate") * 10 * turn)
         self._body.fly_velocity(north, east, -climb, yaw_rate=yaw_rate)
 
     def _climb_rate(self, throttle: float) -> float:
@@ -194,7 +196,7 @@ class InavNavigation:
         offset = 2 * throttle - 1
         if abs(offset) < _THROTTLE_DEADBAND:
             return 0.0
-        return offset * self._setting("nav_mc_manual_climb_rate") / 100
+        return offset * self._controller.number("nav_mc_manual_climb_rate") / 100
 
     def _return_home(self) -> Iterator[None]:
         """Climb, fly home, hover there, and land."""
@@ -204,38 +206,38 @@ class InavNavigation:
         yield
         here = body.estimate
         away = hypot(here.north - home[0], here.east - home[1])
-        down = min(here.down, self._ground - self._setting("nav_rth_altitude") / 100)
-        if away > self._setting("nav_min_rth_distance") / 100:
+        down = min(here.down, self._ground - self._controller.number("nav_rth_altitude") / 100)
+        if away > self._controller.number("nav_min_rth_distance") / 100:
             self._enter(NavMode.RTH, NavState.RTH_CLIMB, NavError.WAIT_FOR_RTH_ALTITUDE)
             yield from scripts.climb_to(body, down, climb=self._auto_climb)
             self._enter(NavMode.RTH, NavState.RTH_ENROUTE)
             yield from self._travel((*home, down), self._auto_speed)
         self._enter(NavMode.RTH, NavState.HOVER_ABOVE_HOME)
         yield from scripts.wait(_HOVER_SECONDS)
-        if self._setting("nav_rth_allow_landing") == 0:
+        if self._controller.number("nav_rth_allow_landing") == 0:
             yield from scripts.wait(inf)
         yield from self._land(NavMode.RTH, home)
 
     def _land(self, mode: NavMode, place: tuple[float, float] | None) -> Iterator[None]:
         self._enter(mode, NavState.LAND_IN_PROGRESS, NavError.LANDING)
         speeds = scripts.LandingSpeeds(
-            self._setting("nav_land_maxalt_vspd") / 100,
-            self._setting("nav_land_minalt_vspd") / 100,
-            self._setting("nav_land_slowdown_minalt") / 100,
+            self._controller.number("nav_land_maxalt_vspd") / 100,
+            self._controller.number("nav_land_minalt_vspd") / 100,
+            self._controller.number("nav_land_slowdown_minalt") / 100,
         )
         yield from scripts.land(self._body, speeds, place)
         self._enter(mode, NavState.LANDED)
         self._body.idle()
-        if self._setting("nav_disarm_on_landing") or self._controller.failsafe.is_active:
+        if self._controller.number("nav_disarm_on_landing") or self._controller.failsafe.is_active:
             self._controller.arming.disarm("landing")
         yield from scripts.wait(inf)
 
     def _land_in_emergency(self) -> Iterator[None]:
         self._enter(NavMode.EMERGENCY, NavState.EMERGENCY_LANDING, NavError.LANDING)
-        if self._setting("failsafe_procedure") == 1:  # DROP
+        if self._controller.number("failsafe_procedure") == 1:  # DROP
             self._controller.arming.disarm("failsafe")
             return
-        rate = self._setting("nav_emerg_landing_speed") / 100
+        rate = self._controller.number("nav_emerg_landing_speed") / 100
         while not self._body.on_ground:
             self._body.fly_velocity(0.0, 0.0, rate)
             yield
@@ -272,7 +274,7 @@ class InavNavigation:
                     yield from self._fly_leg(waypoint, heading)
             number += 1
         self._enter(NavMode.NAV, NavState.HOLD_INFINITE, NavError.FINISH)
-        self._controller.announce("mission", "mission complete")
+        self._controller.host.announce("mission", "mission complete")
         yield from scripts.hold(self._body)
 
     @property
@@ -294,7 +296,7 @@ class InavNavigation:
         """Return home as an item of a mission; it lands only if `parameter_1` is not 0."""
         home = self._controller.home or (0.0, 0.0)
         self._enter(NavMode.RTH, NavState.RTH_ENROUTE)
-        down = min(self._body.estimate.down, self._ground - self._setting("nav_rth_altitude") / 100)
+        down = min(self._body.estimate.down, self._ground - self._controller.number("nav_rth_altitude") / 100)
         yield from scripts.climb_to(self._body, down, climb=self._auto_climb)
         yield from self._travel((*home, down), self._auto_speed)
         if waypoint.parameter_1:
@@ -306,7 +308,7 @@ class InavNavigation:
         timed = waypoint.action == WaypointAction.POSHOLD_TIME
         speed = (waypoint.parameter_2 if timed else waypoint.parameter_1) / 100 or self._auto_speed
         yield from self._travel(self._place(waypoint), speed, heading)
-        self._controller.announce("mission", f"waypoint {waypoint.index} reached")
+        self._controller.host.announce("mission", f"waypoint {waypoint.index} reached")
         if timed:
             self._enter(NavMode.NAV, NavState.HOLD_TIMED, NavError.TIME_WAIT)
             yield from scripts.wait(waypoint.parameter_1)
@@ -319,9 +321,9 @@ class InavNavigation:
         yield from scripts.fly_to(
             self._body,
             place,
-            speed=min(speed, self._setting("nav_max_auto_speed") / 100),
+            speed=min(speed, self._controller.number("nav_max_auto_speed") / 100),
             climb=self._auto_climb,
-            radius=max(self._setting("nav_wp_radius") / 100, 1.0),
+            radius=max(self._controller.number("nav_wp_radius") / 100, 1.0),
             yaw=yaw,
         )
 
@@ -351,14 +353,11 @@ class InavNavigation:
 
     @property
     def _auto_speed(self) -> float:
-        return self._setting("nav_auto_speed") / 100
+        return self._controller.number("nav_auto_speed") / 100
 
     @property
     def _auto_climb(self) -> float:
-        return self._setting("nav_mc_auto_climb_rate") / 100
+        return self._controller.number("nav_mc_auto_climb_rate") / 100
 
     def _sticks(self) -> Sticks:
         return self._controller.receiver.sticks(LOW, _DEADBAND, _DEADBAND)
-
-    def _setting(self, name: str) -> int:
-        return self._controller.number(name)

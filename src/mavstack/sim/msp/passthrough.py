@@ -62,7 +62,7 @@ def start_passthrough(system: System, payload: bytes, port: MspPort) -> bytes:
     if len(payload) < 2 or argument != wanted:
         return b"\0"
     port.passthrough = GpsReceiver(system)
-    system.announce("text", "passthrough to the GPS receiver")
+    system.host.announce("text", "passthrough to the GPS receiver")
     return b"\1"
 
 

@@ -170,10 +170,6 @@ class System(ABC):
         self.settings.put(RxMap(positions[:count]))
         self.configure()
 
-    def announce(self, kind: str, text: str) -> None:
-        """Tell the listeners of the vehicle of an event."""
-        self.host.announce(kind, text)
-
     # --- time
 
     def step(self, now: float) -> None:
@@ -198,15 +194,15 @@ class System(ABC):
             if now >= end:
                 del self._calibrations[sensor]
                 if sensor != "gyro":
-                    self.announce("text", f"{sensor} calibration complete")
+                    self.host.announce("text", f"{sensor} calibration complete")
 
     def _announce_changes(self) -> None:
         self.mode, beeps = self.mode_name(), "BEEPER" in self.switched_on
         mode, was_beeping = self._announced
         if self.mode != mode:
-            self.announce("mode", f"mode {self.mode}")
+            self.host.announce("mode", f"mode {self.mode}")
         if beeps is not was_beeping:
-            self.announce("beeper", f"beeper {'on' if beeps else 'off'}")
+            self.host.announce("beeper", f"beeper {'on' if beeps else 'off'}")
         self._announced = (self.mode, beeps)
 
     def _armed(self, armed: bool, reason: str) -> None:
@@ -218,7 +214,7 @@ class System(ABC):
             self.motor_test = [STOPPED] * _MOTORS
         else:
             self.body.stop()
-        self.announce("armed", f"{'armed' if armed else 'disarmed'} by {reason}")
+        self.host.announce("armed", f"{'armed' if armed else 'disarmed'} by {reason}")
 
     # --- requests
 
@@ -241,7 +237,7 @@ class System(ABC):
         if self.arming.armed:
             raise RefusedError
         self.host.write_eeprom(self.settings.encode(self.mission.saved))
-        self.announce("text", "settings saved")
+        self.host.announce("text", "settings saved")
 
     def encode(self, message: MspMessage) -> bytes:
         """Return the payload of a message."""

@@ -105,19 +105,16 @@ class Px4Return(ReturnToLaunch):
     def _fly_back(self, home: Point) -> Iterator[None]:
         altitude = self.autopilot.body.frame.altitude
         top, ground = altitude - self._way_down(home), altitude - home[2]
-        self._send_statustext(
+        self.autopilot.vehicle.send_statustext(
             f"RTL: start return at {ceil(top)} m ({ceil(top - ground)} m above destination)"
         )
         yield from super()._fly_back(home)
-        self._send_statustext("RTL: completed, loitering")
+        self.autopilot.vehicle.send_statustext("RTL: completed, loitering")
 
     def _land(self, home: Point | None) -> Iterator[None]:
         if home is not None:
-            self._send_statustext("RTL: land at destination")
+            self.autopilot.vehicle.send_statustext("RTL: land at destination")
         yield from super()._land(home)
-
-    def _send_statustext(self, text: str) -> None:
-        self.autopilot.vehicle.send_statustext(text)
 
 
 def orbit_behaviour(autopilot: SimulatedAutopilot, request: OrbitRequest | None) -> Behaviour:

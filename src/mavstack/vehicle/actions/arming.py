@@ -127,7 +127,7 @@ async def enter_waiting_mode(vehicle: Vehicle, changes: Changes) -> None:
     """Enter the mode in which the vehicle waits on the ground when it is armed, if there is a known one."""
     firmware = firmware_of(vehicle, changes)
     if firmware.waiting_mode:
-        await firmware.set_mode(firmware.waiting_mode)
+        await firmware.changes.set_mode(firmware.waiting_mode)
 
 
 def _leaves_mode(vehicle: Vehicle, *, allow_flight: bool, keep_mode: bool) -> bool:

@@ -145,9 +145,9 @@ class ArduPilot(Firmware):
             raise self.unsupported("take off")
         if self._type is VehicleType.PLANE:
             await self.changes.set_parameter(_TAKEOFF_ALTITUDE, altitude, starting=True)
-            await self.set_mode("TAKEOFF")
+            await self.changes.set_mode("TAKEOFF")
             return
-        await self.set_mode("GUIDED")
+        await self.changes.set_mode("GUIDED")
         await self.command(CMD.NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, altitude)
 
     async def reason_against_takeoff(self, altitude: float) -> str | None:
@@ -170,7 +170,7 @@ class ArduPilot(Firmware):
         if self._type is VehicleType.PLANE:
             await self._land_plane()
         elif self._type in self.LAND_MODES:
-            await self.set_mode(self.LAND_MODES[self._type])
+            await self.changes.set_mode(self.LAND_MODES[self._type])
         else:
             raise self.unsupported("land")
 
@@ -180,7 +180,7 @@ class ArduPilot(Firmware):
             await self.command(CMD.DO_LAND_START)
         except CommandDenied as refusal:
             try:
-                await self.set_mode("AUTOLAND")
+                await self.changes.set_mode("AUTOLAND")
             except (RemoteDenied, RemoteTimeout):
                 refusal.status_texts = (*refusal.status_texts, _NO_LANDING)
                 raise refusal from None
@@ -188,17 +188,17 @@ class ArduPilot(Firmware):
     async def rtl(self) -> None:
         if self._type is VehicleType.SUB:
             raise self.unsupported("return by itself")
-        await self.set_mode("RTL")
+        await self.changes.set_mode("RTL")
 
     async def hold(self) -> None:
-        await self.set_mode(self.HOLD_MODES.get(self._type, "LOITER"))
+        await self.changes.set_mode(self.HOLD_MODES.get(self._type, "LOITER"))
 
     async def guide(self) -> None:
-        await self.set_mode("GUIDED")
+        await self.changes.set_mode("GUIDED")
 
     async def goto(self, location: Location, *, yaw: float | None, radius: float | None) -> None:
         """Go by DO_REPOSITION, or by a setpoint where an older version does not support the command."""
-        await self.set_mode("GUIDED")
+        await self.changes.set_mode("GUIDED")
         altitude = await self._altitude_of(location)
         # Of a wing this parameter is the direction of its circle.
         heading = 0.0 if yaw is None or self._type in _WINGED else self.yaw_of(yaw)
@@ -270,7 +270,7 @@ class ArduPilot(Firmware):
         """Send a wing to the location, which it circles; let a copter circle its position in CIRCLE."""
         if self._type is VehicleType.COPTER:
             await self._set_circle_parameters(radius, speed)
-            await self.set_mode("CIRCLE")
+            await self.changes.set_mode("CIRCLE")
         else:
             await self._loiter(center, radius)
 
@@ -308,7 +308,7 @@ class ArduPilot(Firmware):
 
     async def start_mission(self) -> None:
         """Enter AUTO, and send MISSION_START: on the ground a copter would wait for the throttle stick."""
-        await self.set_mode("AUTO")
+        await self.changes.set_mode("AUTO")
         if self._type is not VehicleType.PLANE:
             await self.command(CMD.MISSION_START)
 
@@ -355,7 +355,7 @@ class ArduPilot(Firmware):
     async def _loiter(self, center: Location, radius: float) -> None:
         altitude = await self._altitude_of(center)
         direction = 1.0 if radius < 0 else 0.0
-        await self.set_mode("GUIDED")
+        await self.changes.set_mode("GUIDED")
         await self.command(
             CMD.DO_REPOSITION, -1, CHANGE_MODE, abs(radius), direction,
             center.latitude, center.longitude, altitude, frame=FRAME.GLOBAL_RELATIVE_ALT,

@@ -235,7 +235,7 @@ class Firmware(LoopBound):
 
     async def hold(self) -> None:
         """Stay at the present position."""
-        await self.set_standard_mode(_STANDARD.POSITION_HOLD)
+        await self.changes.set_standard_mode(_STANDARD.POSITION_HOLD)
 
     async def guide(self) -> None:
         """Follow setpoints from now on."""
@@ -278,7 +278,7 @@ class Firmware(LoopBound):
 
     async def start_mission(self) -> None:
         """Fly the mission."""
-        await self.set_standard_mode(_STANDARD.MISSION)
+        await self.changes.set_standard_mode(_STANDARD.MISSION)
 
     async def pause_mission(self) -> None:
         """Stay at the present position; `start_mission` resumes the mission."""
@@ -371,14 +371,6 @@ class Firmware(LoopBound):
         """Send a command to the autopilot."""
         self.changes.requested = True
         await self.vehicle.component.command(command, *params, frame=frame)
-
-    async def set_standard_mode(self, mode: int) -> None:
-        """Enter a MAV_STANDARD_MODE."""
-        await self.changes.set_standard_mode(mode)
-
-    async def set_mode(self, mode: str) -> None:
-        """Enter a mode of the firmware."""
-        await self.changes.set_mode(mode)
 
     def unsupported(self, action: str, reason: str | None = None) -> ActionUnsupported:
         """Return the error for an action that the vehicle type or the firmware lacks."""

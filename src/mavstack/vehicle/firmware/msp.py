@@ -76,7 +76,7 @@ class MspFirmware(Firmware):
         return version.operating_system_custom.rstrip(b"\0") != _SIMULATED
 
     async def rtl(self) -> None:
-        await self.set_standard_mode(_STANDARD.SAFE_RECOVERY)
+        await self.changes.set_standard_mode(_STANDARD.SAFE_RECOVERY)
 
 
 class Betaflight(MspFirmware):

@@ -102,10 +102,10 @@ class Px4(Firmware):
         await super().land()
 
     async def hold(self) -> None:
-        await self.set_mode("LOITER")
+        await self.changes.set_mode("LOITER")
 
     async def guide(self) -> None:
-        await self.set_mode("OFFBOARD")
+        await self.changes.set_mode("OFFBOARD")
 
     async def leave_stick_mode(self) -> None:
         """Enter the hold mode, in which PX4 can be armed without radio control."""
@@ -140,7 +140,7 @@ class Px4(Firmware):
         await self.command(CMD.DO_REPOSITION, -1, CHANGE_MODE, 0, yaw, nan, nan, nan, frame=FRAME.GLOBAL)
 
     async def start_mission(self) -> None:
-        await self.set_mode("MISSION")
+        await self.changes.set_mode("MISSION")
 
     async def set_servo(self, number: int, pulse: int) -> None:
         raise self.unsupported("set a servo", "PX4 numbers its outputs as actuators; use set_actuator")
