@@ -11,6 +11,7 @@ import pytest
 from mavstack.sim.background import BackgroundSimulator
 from mavstack.sim.fleet import Fleet
 from tests.server.browsing import hold, open_pages, web_station
+from tests.swarm.shows.samples import skyc
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 playwright = pytest.importorskip("playwright.sync_api")
@@ -60,6 +61,29 @@ def test_a_search_is_divided(page) -> None:
     hold(page, page.get_by_role("button", name="Upload and fly"))
     playwright.expect(page.get_by_text("Each member has its share")).to_be_visible(timeout=60_000)
     hold(page, page.get_by_role("button", name="Land all"))
+
+
+def test_a_show_is_checked_and_played(page) -> None:
+    buffer = skyc(6, radius=20.0)
+    page.get_by_label("Open a show").set_input_files(
+        {"name": "circle.skyc", "mimeType": "application/zip", "buffer": buffer}
+    )
+    panel = page.get_by_role("region", name="Show")
+    playwright.expect(panel).to_contain_text("Circle: 6 vehicles")
+    playwright.expect(panel).to_contain_text("All limits are kept.")
+    time = panel.get_by_role("slider", name="Time of the show")
+    time.fill("30")
+    side = panel.get_by_role("img", name="The show from the side")
+    heights = [float(each.get_attribute("cy")) for each in side.locator("circle").all()]
+    assert heights == pytest.approx([-10.0] * 6)
+    panel.get_by_role("button", name="Play the show").click()
+    playwright.expect(time).to_have_value(re.compile("^3[1-9]|^[45]"))
+    panel.get_by_role("button", name="Pause the show").click()
+    panel.get_by_role("button", name="Close the show").click()
+    playwright.expect(time).to_have_count(0)
+    unsafe = {"name": "near.skyc", "mimeType": "application/zip", "buffer": skyc(8, radius=5.0)}
+    page.get_by_label("Open a show").set_input_files(unsafe)
+    playwright.expect(panel.get_by_role("alert")).to_contain_text("m apart at")
 
 
 def test_a_simulator_is_started_disturbed_and_stopped(world) -> None:

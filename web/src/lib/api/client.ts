@@ -44,6 +44,11 @@ export class ApiClient {
     return this.json('POST', path, body, query);
   }
 
+  /** Posts a file. */
+  postBytes<Result>(path: string, body: Blob, query: Query = {}): Promise<Result> {
+    return this.json('POST', path, body, query);
+  }
+
   put<Result>(path: string, body: object | Blob, query: Query = {}): Promise<Result> {
     return this.json('PUT', path, body, query);
   }

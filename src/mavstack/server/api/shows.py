@@ -1,0 +1,122 @@
+"""The preview of a show: its check, and where each vehicle is over time. Nothing is sent to vehicles."""
+
+from __future__ import annotations
+
+import asyncio
+from math import ceil, isfinite
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import numpy as np
+from msgspec import Meta
+
+from mavstack.errors import InvalidArgumentError
+from mavstack.http.request_fields import Fields
+from mavstack.security.roles import Role
+from mavstack.server.api_route import AnyRoute, ApiRoute, Call
+from mavstack.swarm.separation import Margins
+from mavstack.swarm.shows.check import RATE, ShowLimits, check_show
+from mavstack.swarm.shows.reading import parse_show
+from mavstack.swarm.transitions import Limits
+
+if TYPE_CHECKING:
+    from mavstack.swarm.shows.show import Show
+
+#: Largest file in bytes.
+MAX_BYTES: Final = 16 << 20
+#: Most places that the check samples, and most places and times of the answer.
+MAX_CHECKED, MAX_PLACES, MAX_TIMES = 3_000_000, 60_000, 1200
+#: Places a second of the answer if it stays within these limits.
+_PREVIEW_RATE: Final = 5.0
+
+
+class ShowQuery(Fields):
+    """The name and the limits of a show."""
+
+    name: Annotated[str, Meta(description="The name of the file.", max_length=200)] = ""
+    position_error: Annotated[
+        float,
+        Meta(
+            description="Standard deviation of positions in metres, for the distance to keep.", ge=0, le=100
+        ),
+    ] = 0.5
+    speed: Annotated[float, Meta(description="Largest speed over ground in m/s.", gt=0, le=1000)] = 5.0
+    climb: Annotated[float, Meta(description="Largest vertical speed in m/s.", gt=0, le=1000)] = 2.0
+    acceleration: Annotated[float, Meta(description="Largest acceleration in m/s².", gt=0, le=1000)] = 2.0
+
+
+async def _preview(call: Call[None, ShowQuery]) -> dict[str, Any]:
+    return await asyncio.to_thread(preview_show, call.data, call.query)
+
+
+def preview_show(data: bytes, query: ShowQuery) -> dict[str, Any]:
+    """Return the check of a show and its tracks as JSON.
+
+    Args:
+        data: The content of the file.
+        query: Its name and the limits.
+
+    Raises:
+        PlanFileError: It is not a show.
+        InvalidArgumentError: It is too long for so many vehicles.
+    """
+    show = parse_show(data, query.name)
+    if len(show.vehicles) * show.duration * RATE > MAX_CHECKED:
+        raise InvalidArgumentError(
+            f"a show of {len(show.vehicles)} vehicles and {show.duration:.0f} s is too long for a preview: "
+            "use mav swarm show --check"
+        )
+    distance = Margins(position=query.position_error, speed=query.speed).planned_distance
+    report = check_show(show, ShowLimits(distance, Limits(query.speed, query.climb, query.acceleration)))
+    return {
+        "name": show.name,
+        "duration_s": round(report.duration, 3),
+        "separation_m": round(report.separation, 2) if isfinite(report.separation) else None,
+        "limit_m": round(distance, 2),
+        "speed_m_s": round(report.speed, 2),
+        "climb_m_s": round(report.climb, 2),
+        "acceleration_m_s2": round(report.acceleration, 2),
+        "problems": list(report.problems),
+        "tracks": _tracks(show),
+    }
+
+
+def _tracks(show: Show) -> list[dict[str, Any]]:
+    """Return the places of each vehicle, equally far apart in time from the begin to the end."""
+    limit = min(MAX_TIMES, MAX_PLACES // len(show.vehicles))
+    count = max(2, min(ceil(show.duration * _PREVIEW_RATE) + 1, limit))
+    times = np.linspace(0.0, show.duration, count)
+    # x ahead, y to the left, z up become forward, right, up.
+    turned = (1.0, -1.0, 1.0)
+    return [
+        {
+            "name": each.name,
+            "places": (each.trajectory.positions(times) * turned).round(2).tolist(),
+        }
+        for each in show.vehicles
+    ]
+
+
+ROUTES: Final[tuple[AnyRoute, ...]] = (
+    ApiRoute(
+        method="POST",
+        path="/api/shows",
+        handler=_preview,
+        summary="Check a show, and return where each vehicle is over time; nothing is sent to vehicles",
+        tag="swarm",
+        role=Role.OPERATE,
+        takes_bytes=True,
+        max_body=MAX_BYTES,
+        query=ShowQuery,
+        answer={
+            "name": "circle",
+            "duration_s": 60.0,
+            "separation_m": 9.4,
+            "limit_m": 6.83,
+            "speed_m_s": 3.1,
+            "climb_m_s": 1.9,
+            "acceleration_m_s2": 0.9,
+            "problems": [],
+            "tracks": [{"name": "vehicle 1", "places": [[0.0, 0.0, 0.0], [0.0, 0.0, 10.0]]}],
+        },
+    ),
+)
