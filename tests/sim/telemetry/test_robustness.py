@@ -12,7 +12,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from mavstack.geodesy import LocalFrame
-from mavstack.sim.motion.readings import BatteryState, EstimateHealth, Motion, SensorReadings, Wind
+from mavstack.sim.motion.readings import (
+    AttitudeSetpoint,
+    BatteryState,
+    EstimateHealth,
+    Motion,
+    SensorReadings,
+    Wind,
+)
 from mavstack.sim.telemetry.ardupilot import TYPES_SENDING, ardupilot_producers
 from mavstack.sim.telemetry.producers import Producers
 from mavstack.sim.telemetry.px4 import px4_producers
@@ -39,6 +46,7 @@ class AnyBody:
 
     truth: Motion
     estimate: Motion
+    attitude_setpoint: AttitudeSetpoint
     sensors: SensorReadings
     battery: BatteryState
     health: EstimateHealth
@@ -64,6 +72,7 @@ BODIES = st.builds(
     AnyBody,
     truth=_tuples(Motion, NUMBER),
     estimate=_tuples(Motion, NUMBER),
+    attitude_setpoint=_tuples(AttitudeSetpoint, NUMBER),
     sensors=_tuples(SensorReadings, UNKNOWN),
     battery=_tuples(BatteryState, UNKNOWN),
     health=_tuples(EstimateHealth, NUMBER),

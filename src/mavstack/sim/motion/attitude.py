@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from mavstack.sim.motion.state import StateArray
 
 MIN_COSINE = 0.05
+#: Gain of the heading, as a share of the gain of roll and pitch.
+YAW_SHARE = 0.4
 #: Maximum body rate in rad/s, even with failed motors.
 MAX_RATE = 12.0
 
@@ -38,7 +40,7 @@ def yaw_rate_command(state: StateArray) -> Array:
         north, east = state.target[:2] - state.position_estimate[:2]
         heading = np.where(centre, np.arctan2(east, north), heading)
     limit = state.turn_rate
-    turn = 0.4 * state.attitude_gain * wrap_angle(heading - state.attitude_estimate[2])
+    turn = YAW_SHARE * state.attitude_gain * wrap_angle(heading - state.attitude_estimate[2])
     turn = np.where(state.yaw_mode == YawMode.RATE, state.yaw_demand, turn)
     return clip(np.where(state.mode == Mode.STICKS, state.stick[2] * limit, turn), -limit, limit)
 
@@ -51,17 +53,16 @@ def update_rates(state: StateArray, step: float) -> None:
     sin_roll, sin_pitch = state.sines[:2]
     cos_roll, cos_pitch = state.cosines[:2]
     turning = state.yaw_rate_setpoint * cos_pitch
-    command = np.empty_like(state.rates)
+    command = state.rate_setpoint
     command[0] = roll_rate - state.yaw_rate_setpoint * sin_pitch
     command[1] = pitch_rate * cos_roll + turning * sin_roll
     command[2] = turning * cos_roll - pitch_rate * sin_roll
     direct = state.mode == Mode.RATES
     if direct.any():
         np.copyto(command, clip(state.stick[:3], -limit, limit), where=direct)
-    command *= state.authority
-    command += state.rate_disturbance
+    reached = command * state.authority + state.rate_disturbance
     maximum = state.angular_acceleration * step
-    state.rates += clip((command - state.rates) * state.rate_response, -maximum, maximum)
+    state.rates += clip((reached - state.rates) * state.rate_response, -maximum, maximum)
     np.minimum(np.maximum(state.rates, -MAX_RATE, out=state.rates), MAX_RATE, out=state.rates)
 
 

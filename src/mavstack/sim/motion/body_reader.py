@@ -6,12 +6,16 @@ this copy, and each value object is built at most once per step.
 
 from __future__ import annotations
 
+from math import remainder, tau
 from typing import TYPE_CHECKING
 
 from mavstack.geodesy import LocalFrame
 from mavstack.sim.motion import estimate, servos
+from mavstack.sim.motion.attitude import YAW_SHARE
+from mavstack.sim.motion.demands import Mode
 from mavstack.sim.motion.obstacles import Surroundings
 from mavstack.sim.motion.readings import (
+    AttitudeSetpoint,
     BatteryState,
     EstimateHealth,
     GpsReport,
@@ -32,6 +36,7 @@ _ESTIMATE = _FIRST["position_estimate"]
 _AIR, _AIRSPEED, _THROTTLE = _FIRST["air"], _FIRST["airspeed"], _FIRST["throttle"]
 _GROUND, _TRANSITION, _RUNNING = _FIRST["on_ground"], _FIRST["transition"], _FIRST["running"]
 _CONTROLS, _LIFT, _DRIVE = _FIRST["controls"], _FIRST["lift_share"], _FIRST["drive_thrust"]
+_SETPOINT = _FIRST["roll_setpoint"]
 _BATTERY = slice(_FIRST["voltage"], _FIRST["voltage"] + 5)
 _CELLS, _CAPACITY = _FIRST["cells"], _FIRST["capacity"]
 _LIMITS = slice(_FIRST["speed"], _FIRST["speed"] + len(Limits._fields))
@@ -85,6 +90,25 @@ class BodyReader:
             position, attitude = values[_ESTIMATE : _ESTIMATE + 6], values[_ESTIMATE + 6 : _ESTIMATE + 9]
             self._estimate = Motion(*position, *values[6:9], *attitude, *values[12:15])
         return self._estimate
+
+    @property
+    def attitude_setpoint(self) -> AttitudeSetpoint:
+        """Attitude and body rates that the control loops ask for; the estimate while no motor may turn.
+
+        A loop that is not in use asks for the present angle: both tilts while body rates are flown or on the
+        surface, and the heading on a wing, whose turns come from its roll.
+        """
+        now, values = self.estimate, self._read()
+        roll, pitch, turn, *rates = values[_SETPOINT : _SETPOINT + 6]
+        if not self.running:
+            return AttitudeSetpoint(*now[9:15])
+        state, column = self._world.state, self.column
+        on_surface = self.vehicle_type.on_surface
+        if on_surface or state.mode[column] == Mode.RATES:
+            roll, pitch = now.roll, now.pitch
+        gain = float(state.attitude_gain[column]) * (1.0 if on_surface else YAW_SHARE)
+        ahead = 0.0 if self.transition > 0.0 else turn / gain
+        return AttitudeSetpoint(roll, pitch, remainder(now.yaw + ahead, tau), *rates)
 
     @property
     def health(self) -> EstimateHealth:

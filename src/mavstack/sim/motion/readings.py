@@ -32,6 +32,17 @@ class Motion(NamedTuple):
     yaw_rate: float
 
 
+class AttitudeSetpoint(NamedTuple):
+    """Attitude and body rates that the control loops ask for: radians and rad/s."""
+
+    roll: float
+    pitch: float
+    yaw: float
+    roll_rate: float
+    pitch_rate: float
+    yaw_rate: float
+
+
 class Wind(NamedTuple):
     """Velocity of the air at a body, in m/s."""
 

@@ -50,6 +50,11 @@ class StateArray(Rows):
     consumed: Scalar
     remaining: Scalar
     temperature: Scalar
+    # what the loops ask for: Euler angles, the rate of the yaw angle, and body rates
+    roll_setpoint: Scalar
+    pitch_setpoint: Scalar
+    yaw_rate_setpoint: Scalar
+    rate_setpoint: Vector
     # last report of the GPS receiver: position and velocity
     gps: Gps
     # GPS_FIX_TYPE of a receiver with corrections, or 0; and the share of its error that they remove
@@ -107,9 +112,6 @@ class StateArray(Rows):
     speed_command: Scalar
     speed_integral: Scalar
     climb_integral: Scalar
-    roll_setpoint: Scalar
-    pitch_setpoint: Scalar
-    yaw_rate_setpoint: Scalar
     rate_disturbance: Vector
     thrust: Vector
 

@@ -81,6 +81,7 @@ def _apply_direct_demands(state: StateArray, turn: Array, throttle: Array) -> tu
 
 def apply_forces(state: StateArray, turn: Array, throttle: Array, grip: float, step: float) -> None:
     """Turn the body, and add the forces of motor, ground or water."""
+    state.rate_setpoint[2] = turn
     state.rates[2] += clip(
         (turn * state.drive_left - state.rates[2]) * state.rate_response,
         -state.angular_acceleration * step,

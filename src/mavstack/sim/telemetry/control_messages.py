@@ -1,7 +1,7 @@
 """Messages about control: RC channels, targets, actuators and motors.
 
-The controllers of a simulated vehicle fly position and velocity demands. The attitude target is therefore the
-estimated attitude, and the position target is the point that the autopilot flies to.
+The attitude target is what the control loops ask for, which the body follows with a lag. The position target is
+the point that the autopilot flies to.
 """
 
 from __future__ import annotations
@@ -131,15 +131,9 @@ class ControlMessages:
 
     def attitude_target(self, now: float) -> Message:
         """Return ATTITUDE_TARGET."""
-        estimate = self._body.estimate
+        roll, pitch, yaw, *rates = self._body.attitude_setpoint
         return common.AttitudeTarget(
-            self._view.milliseconds(now),
-            0,
-            from_euler(estimate.roll, estimate.pitch, estimate.yaw),
-            estimate.roll_rate,
-            estimate.pitch_rate,
-            estimate.yaw_rate,
-            self._body.throttle,
+            self._view.milliseconds(now), 0, from_euler(roll, pitch, yaw), *rates, self._body.throttle
         )
 
     def local_target(self, now: float) -> Message:
