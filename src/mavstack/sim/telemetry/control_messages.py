@@ -131,10 +131,9 @@ class ControlMessages:
 
     def attitude_target(self, now: float) -> Message:
         """Return ATTITUDE_TARGET."""
-        roll, pitch, yaw, *rates = self._body.attitude_setpoint
-        return common.AttitudeTarget(
-            self._view.milliseconds(now), 0, from_euler(roll, pitch, yaw), *rates, self._body.throttle
-        )
+        setpoint, throttle = self._body.attitude_setpoint, self._body.throttle
+        attitude = from_euler(setpoint.roll, setpoint.pitch, setpoint.yaw)
+        return common.AttitudeTarget(self._view.milliseconds(now), 0, attitude, *setpoint[3:], throttle)
 
     def local_target(self, now: float) -> Message:
         """Return POSITION_TARGET_LOCAL_NED, without position while there is no target."""
