@@ -1,7 +1,7 @@
 """Messages about control: RC channels, targets, actuators and motors.
 
-The attitude target is what the control loops ask for, which the body follows with a lag. The position target is
-the point that the autopilot flies to.
+The attitude target is what the control loops ask for, which the body follows with a lag. The position target
+is the point that the autopilot flies to.
 """
 
 from __future__ import annotations
