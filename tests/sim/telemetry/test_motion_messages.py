@@ -8,7 +8,6 @@ import pytest
 
 from mavstack.dialects import ardupilotmega as dialect
 from mavstack.dialects import common
-from mavstack.rotation import from_euler
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.sim.telemetry.flight import Flight
 
@@ -36,18 +35,6 @@ def _request(flight: Flight, message_type: type, *, number: int | None = None):
             if isinstance(packet.message, message_type):
                 return packet.message
     raise AssertionError(f"no {message_type.__name__}")
-
-
-@pytest.mark.parametrize("firmware", list(Firmware))
-def test_the_attitude_target_is_what_the_loops_ask_for(firmware):
-    flying = Flight(VehicleType.COPTER, firmware).fly()
-    flying.body.hold_attitude(0.3, 0.0, None, 0.5)
-    flying.run(0.1)
-    message, setpoint = _request(flying, common.AttitudeTarget), flying.body.attitude_setpoint
-    assert setpoint.roll == 0.3 != pytest.approx(flying.body.estimate.roll, abs=0.02)
-    assert message.q == pytest.approx(from_euler(*setpoint[:3]), abs=1e-5)
-    rates = message.body_roll_rate, message.body_pitch_rate, message.body_yaw_rate
-    assert rates == pytest.approx(setpoint[3:], abs=1e-5)
 
 
 @pytest.mark.fast_cases(1)
