@@ -56,14 +56,32 @@ class Row:
     ratios: tuple[Ratio, ...]
 
 
+def last_core() -> int:
+    """Return the last core that this process may use, where the system supports it."""
+    return max(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 0
+
+
 @contextmanager
 def pinned() -> Iterator[None]:
     """Pin this process and its children to the last core, where the system supports it."""
+    with _on_cores(lambda allowed: {max(allowed)}):
+        yield
+
+
+@contextmanager
+def apart() -> Iterator[None]:
+    """Keep this process and its children from the last core, where a receiver runs, if there are others."""
+    with _on_cores(lambda allowed: allowed - {max(allowed)} or allowed):
+        yield
+
+
+@contextmanager
+def _on_cores(choose: Callable[[set[int]], set[int]]) -> Iterator[None]:
     if not hasattr(os, "sched_setaffinity"):
         yield
         return
     allowed = os.sched_getaffinity(0)
-    os.sched_setaffinity(0, {max(allowed)})
+    os.sched_setaffinity(0, choose(allowed))
     try:
         yield
     finally:

@@ -16,7 +16,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
-from benchmarks.measure import OURS
+from benchmarks.measure import OURS, last_core
 
 from .child import READY
 
@@ -87,7 +87,7 @@ class Receiver:
             cwd=Path(__file__).parents[2],
         )
         if hasattr(os, "sched_setaffinity"):
-            os.sched_setaffinity(self._process.pid, {max(os.sched_getaffinity(self._process.pid))})
+            os.sched_setaffinity(self._process.pid, {last_core()})
         if self._answer() != f"{READY}\n":
             raise RuntimeError(f"{method.name} did not start")
 

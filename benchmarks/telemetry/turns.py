@@ -7,9 +7,9 @@ connects `CONNECT_LEAD` before a heartbeat of the vehicle, which is sending alre
 process during a window that begins `WARM_UP_TIME` later; then nothing is sent, and the CPU of the process is
 its idle load.
 
-A flood repeats half a second of the recording, so that the vehicle's clock hardly advances. At most `WINDOW`
-messages are in transit, which every socket buffer can hold, so no message is lost and the rate is that of the
-receiver.
+A flood repeats half a second of the recording, so that the vehicle's clock hardly advances. Many datagrams
+leave per system call, from another core than that of the receiver. At most `WINDOW` messages are in transit,
+which every socket buffer can hold, so no message is lost and the rate is that of the receiver.
 """
 
 from __future__ import annotations
@@ -20,8 +20,12 @@ import time
 from bisect import bisect_left
 from collections import defaultdict
 from dataclasses import dataclass
+from itertools import cycle
 from time import perf_counter_ns
 from typing import TYPE_CHECKING, Self
+
+from benchmarks.datagrams import BATCH, batches
+from benchmarks.measure import apart
 
 from .child import UNKNOWN
 from .receiver import Receiver
@@ -37,7 +41,7 @@ CONNECT_LEAD = 0.5
 WARM_UP_TIME = 3.0
 IDLE_TIME = 2.0
 DRAIN_TIME = 0.3  # seconds for messages in transit
-WINDOW = 64
+WINDOW = 160
 STALL_TIMEOUT = 0.1  # seconds without a message after which those in transit count as lost
 FLOOD_WARM_UP_TIME = 0.5
 FLOOD_EXCERPT = 0.5
@@ -94,7 +98,7 @@ def paced(method: Method, packets: Sequence[TimedPacket]) -> Paced:
 
 def flood(method: Method, packets: Sequence[TimedPacket], seconds: float) -> Flooded:
     """Send as much as the receiver can process."""
-    with Receiver(method) as receiver, _Sender(receiver.port) as sender:
+    with Receiver(method) as receiver, apart(), _Sender(receiver.port) as sender:
         receiver.connect()
         sender.begin(packets[0].time)
         sender.send(packets, until=packets[0].time + WARM_UP_TIME)
@@ -142,8 +146,9 @@ class _Sender:
 
     def flood(self, packets: Sequence[TimedPacket], receiver: Receiver, seconds: float) -> int:
         """Keep the receiver busy, and wait for the last message; return the number of lost ones."""
-        send, to = self._socket.sendto, self._address
         data = [packet.data for packet in packets if packet.time < packets[0].time + FLOOD_EXCERPT]
+        sent = cycle(batches(data))
+        self._socket.connect(self._address)
         index, lost = 0, 0
         end = time.perf_counter() + seconds
         begun = received = receiver.count
@@ -154,10 +159,9 @@ class _Sender:
                 received, moved = count, now
             elif now > moved + STALL_TIMEOUT:
                 lost = index - (received - begun)
-            if now < end:
-                for _ in range(WINDOW - (index - lost - (received - begun))):
-                    send(data[index % len(data)], to)
-                    index += 1
+            if now < end and index - lost - (received - begun) + BATCH <= WINDOW:
+                next(sent).send(self._socket)
+                index += BATCH
             now = time.perf_counter()
         return lost
 

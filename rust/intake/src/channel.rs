@@ -1,12 +1,19 @@
 //! A channel of which the intake parses the packets.
 
 use crate::fields::{Continuity, Heading, Position};
+use crate::messages::KeyMap;
 use mavstack_core::parser::Parser;
-use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
-/// Seconds after which a packet with an expected boot time is passed on, so that the program sees every sender.
+/// Seconds of which the first packet with an expected boot time is passed on, so that the program sees every sender.
 pub const INTERVAL: f64 = 0.5;
+/// Returns the time from which the next packet is passed on after one at `now`: those of all sources and messages come
+/// together, in one wake-up of the program.
+#[must_use]
+pub fn next_due(now: f64) -> f64 {
+    ((now / INTERVAL).floor() + 1.0) * INTERVAL
+}
+
 /// Seconds by which a boot time may deviate.
 const TOLERANCE: f64 = 1.0;
 
@@ -25,7 +32,7 @@ pub struct Boot {
 impl Boot {
     #[must_use]
     pub fn new(boot_ms: u32, now: f64) -> Self {
-        Self { offset: f64::from(boot_ms) / 1000.0 - now, expires_at: now + INTERVAL, seen_at: now }
+        Self { offset: f64::from(boot_ms) / 1000.0 - now, expires_at: next_due(now), seen_at: now }
     }
 
     /// Compares the boot time of a packet with those before, and notes its arrival if it continues them.
@@ -38,7 +45,7 @@ impl Boot {
         if now < self.expires_at {
             return Continuity::Continues;
         }
-        self.expires_at = now + INTERVAL;
+        self.expires_at = next_due(now);
         Continuity::IsDue
     }
 }
@@ -69,6 +76,6 @@ pub struct Activity {
 #[derive(Debug)]
 pub struct Channel {
     pub parser: SharedParser,
-    pub sources: HashMap<(u8, u8), Source>,
+    pub sources: KeyMap<(u8, u8), Source>,
     pub activity: Activity,
 }

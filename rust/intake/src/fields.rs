@@ -3,7 +3,7 @@
 //! The tolerances are less than those of the program (`mavstack.services.heartbeat`), which gets every packet that
 //! exceeds them, and thus misses no contradiction.
 
-use crate::channel::{INTERVAL, Source};
+use crate::channel::{Source, next_due};
 use mavstack_core::parser::Packet;
 use std::collections::HashMap;
 
@@ -124,7 +124,7 @@ impl Fields {
         if is_near && now < source.position_due {
             return Continuity::Continues;
         }
-        source.position_due = now + INTERVAL;
+        source.position_due = next_due(now);
         if is_near { Continuity::IsDue } else { Continuity::Deviates }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::channel::{Activity, Boot, Channel, SharedParser, Source};
 use crate::fields::{Continuity, Fields};
-use crate::messages::{Interest, Messages};
+use crate::messages::{Interest, KeyMap, Messages};
 use crate::queue::{Queue, Takers, Urgency};
 use mavstack_core::layout::Dialect;
 use std::collections::HashMap;
@@ -33,25 +33,36 @@ pub struct Intake {
     fields: Fields,
     pub messages: Messages,
     pub queue: Queue,
-    channels: HashMap<u32, Channel>,
+    channels: KeyMap<u32, Channel>,
     peers: HashMap<(u32, Peer), u32>,
+    /// The last sender that was looked up, with its channel: most datagrams come from the same one as that before.
+    last: Option<(u32, SocketAddr, u32)>,
 }
 
 impl Intake {
     #[must_use]
     pub fn new(dialect: Arc<Dialect>, fields: Fields) -> Self {
-        let (channels, peers) = (HashMap::new(), HashMap::new());
-        Self { dialect, fields, messages: Messages::default(), queue: Queue::default(), channels, peers }
+        let (channels, peers) = (KeyMap::default(), HashMap::new());
+        Self { dialect, fields, messages: Messages::default(), queue: Queue::default(), channels, peers, last: None }
     }
 
     /// Receives a datagram.
     pub fn receive(&mut self, socket: u32, address: SocketAddr, data: &[u8], now: f64) {
-        let known = self.peers.get(&(socket, Peer::Address(address)));
-        let known = known.or_else(|| self.peers.get(&(socket, Peer::Host(address.ip()))));
-        match known {
-            Some(&channel) => self.parse(channel, data, now),
+        match self.channel_of(socket, address) {
+            Some(channel) => self.parse(channel, data, now),
             None => self.queue.push_datagram(socket, address, data, now),
         }
+    }
+
+    #[inline]
+    fn channel_of(&mut self, socket: u32, address: SocketAddr) -> Option<u32> {
+        if let Some((_, _, channel)) = self.last.filter(|last| (last.0, last.1) == (socket, address)) {
+            return Some(channel);
+        }
+        let known = self.peers.get(&(socket, Peer::Address(address)));
+        let known = known.or_else(|| self.peers.get(&(socket, Peer::Host(address.ip())))).copied();
+        self.last = known.map(|channel| (socket, address, channel));
+        known
     }
 
     fn parse(&mut self, number: u32, data: &[u8], now: f64) {
@@ -101,13 +112,14 @@ impl Intake {
             return false;
         }
         self.peers.insert((socket, peer), channel);
-        self.channels.insert(channel, Channel { parser, sources: HashMap::new(), activity: Activity::default() });
+        self.last = None;
+        self.channels.insert(channel, Channel { parser, sources: KeyMap::default(), activity: Activity::default() });
         true
     }
 
     /// Lets the intake parse what `feed` gives it, which the program reads from a channel.
     pub fn attach_fed(&mut self, channel: u32, parser: SharedParser) {
-        self.channels.insert(channel, Channel { parser, sources: HashMap::new(), activity: Activity::default() });
+        self.channels.insert(channel, Channel { parser, sources: KeyMap::default(), activity: Activity::default() });
     }
 
     /// Parses bytes that the program received on a channel, and counted; returns whether a packet in them is valid.
@@ -124,6 +136,7 @@ impl Intake {
     /// Gives the datagrams of a channel to the program from now on; returns what was received since the last look.
     pub fn detach(&mut self, channel: u32) -> Activity {
         self.peers.retain(|_, number| *number != channel);
+        self.last = None;
         self.channels.remove(&channel).map(|removed| removed.activity).unwrap_or_default()
     }
 

@@ -69,11 +69,18 @@ impl Hasher for KeyHasher {
         }
     }
 
+    fn write_u32(&mut self, key: u32) {
+        self.write_u64(u64::from(key));
+    }
+
     fn write_u64(&mut self, key: u64) {
         let mixed = (self.0 ^ key).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         self.0 = mixed ^ (mixed >> 32);
     }
 }
+
+/// A map by small numbers, of which the hash is one multiplication.
+pub type KeyMap<Key, Value> = HashMap<Key, Value, BuildHasherDefault<KeyHasher>>;
 
 /// Returns the key of a message of a source.
 #[must_use]
@@ -98,7 +105,7 @@ pub fn matches(key: u64, message_id: Option<u32>, system: u8) -> bool {
 /// The table of messages.
 #[derive(Debug)]
 pub struct Messages {
-    entries: HashMap<u64, Entry, BuildHasherDefault<KeyHasher>>,
+    entries: KeyMap<u64, Entry>,
     /// Followers of each system: packets of others are not kept.
     followers: [u32; 256],
     stored: [usize; 256],

@@ -19,11 +19,16 @@ const SHORT_REST: f64 = 0.0002;
 /// The same for packets that may come together with others.
 const REST: f64 = 0.0005;
 /// Longest rest between two looks.
-const LONG_REST: f64 = 0.04;
+const LONG_REST: f64 = 0.11;
 /// Longest time between two looks whether the program reads.
 const GUARD_REST: f64 = 0.25;
-/// Datagrams that may collect: a small socket buffer holds twice as many.
-const MAX_COLLECTED: f64 = 128.0;
+/// Datagrams that may collect, fewest and most: a small socket buffer holds twice the fewest.
+const MIN_COLLECTED: usize = 128;
+const MAX_COLLECTED: usize = 4096;
+/// Most that may collect while the thread reads.
+const MAX_BY_THREAD: usize = 512;
+/// Bytes of a socket buffer for each datagram that may collect: twice what a short one takes there.
+const BYTES_COLLECTED: usize = 1600;
 /// Seconds of traffic that decide.
 const WINDOW: f64 = 0.2;
 /// Seconds with fewer than `MANY` turns with packets for listeners or services before the thread only looks at times.
@@ -51,6 +56,8 @@ pub struct Pace {
     pressed_until: f64,
     /// Datagrams per second, about.
     rate: f64,
+    /// Datagrams that may collect.
+    max_collected: usize,
 }
 
 impl Pace {
@@ -68,7 +75,13 @@ impl Pace {
             hurry_until: 0.0,
             pressed_until: 0.0,
             rate: 0.0,
+            max_collected: MAX_COLLECTED,
         }
+    }
+
+    /// Limits the datagrams that may collect to those that a socket buffer of this many bytes surely holds.
+    pub fn limit_collected(&mut self, buffer_bytes: usize) {
+        self.max_collected = self.max_collected.min((buffer_bytes / BYTES_COLLECTED).max(MIN_COLLECTED));
     }
 
     #[must_use]
@@ -157,7 +170,8 @@ impl Pace {
             (Mode::Watching, Urgency::Prompt) => SHORT_REST,
             (Mode::Watching, _) => REST,
         };
-        Duration::from_secs_f64(max.min(MAX_COLLECTED / self.rate.max(1.0)))
+        let limit = if self.mode == Mode::Direct { self.max_collected } else { self.max_collected.min(MAX_BY_THREAD) };
+        Duration::from_secs_f64(max.min(limit as f64 / self.rate.max(1.0)))
     }
 }
 
@@ -191,7 +205,7 @@ mod tests {
             pace.note(8, Urgency::None, f64::from(turn) / 50.0);
             pace.adapt(true);
         }
-        assert_eq!((pace.mode(), pace.rest(Urgency::None).as_millis()), (Mode::Resting, 40));
+        assert_eq!((pace.mode(), pace.rest(Urgency::None).as_millis()), (Mode::Resting, 110));
         for (number, is_over) in [false, false, false, true].into_iter().enumerate() {
             pace.note(1, Urgency::Prompt, 1.51 + 0.01 * number as f64);
             assert_eq!(pace.adapt(false), is_over);
@@ -210,11 +224,30 @@ mod tests {
     #[test]
     fn no_more_datagrams_collect_than_a_small_buffer_holds() {
         let mut pace = Pace::new(0.0);
+        pace.limit_collected(212_992);
+        pace.limit_collected(8 << 20);
         for turn in 0..1500 {
             pace.note(100, Urgency::None, f64::from(turn) / 1000.0);
             pace.adapt(true);
         }
         assert_eq!(pace.mode(), Mode::Resting);
         assert!(pace.rest(Urgency::None) < Duration::from_millis(2));
+    }
+
+    #[test]
+    fn the_guard_of_a_program_that_reads_lets_more_collect_in_a_large_buffer_than_the_thread_does() {
+        let rest_with = |buffer, urgency| {
+            let mut pace = Pace::new(0.0);
+            pace.limit_collected(buffer);
+            for turn in 0..1500 {
+                pace.note(100, urgency, f64::from(turn) / 1000.0);
+                pace.adapt(true);
+            }
+            pace.rest(Urgency::None).as_secs_f64() * 1e5
+        };
+        let near = |rest: f64, datagrams: f64| (rest / datagrams - 1.0).abs() < 0.05;
+        assert!(near(rest_with(8 << 20, Urgency::Prompt), 4096.0));
+        assert!(near(rest_with(8 << 20, Urgency::None), 512.0));
+        assert!(near(rest_with(212_992, Urgency::Prompt), 133.0));
     }
 }

@@ -89,7 +89,7 @@ pub enum Urgency {
 }
 
 /// Seconds for which packets may wait that only confirm those before.
-pub const LAZY_TIME: f64 = 0.05;
+pub const LAZY_TIME: f64 = 0.11;
 
 /// The packets and datagrams that wait.
 #[derive(Debug, Default)]

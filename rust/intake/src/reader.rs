@@ -18,6 +18,8 @@ use std::time::{Duration, Instant};
 
 /// Seconds after a look at the sockets for which latest packets are fresh enough.
 const FRESHNESS: f64 = 0.001;
+/// Rest that is not worth to be continued.
+const SOON: Duration = Duration::from_micros(100);
 const WAKE: Token = Token(usize::MAX);
 
 /// The state that the program and the thread share.
@@ -250,16 +252,18 @@ impl Worker {
         if sockets.pace.is_in_hurry(self.shared.now()) { Duration::ZERO } else { sockets.pace.rest(urgency) }
     }
 
-    /// Rests, and reads unless the program did so meanwhile.
+    /// Rests since the last reading, and reads unless the program did so meanwhile.
     fn look(&self) {
-        let rest = lock(&self.shared.sockets).pace.rest(Urgency::None);
-        std::thread::park_timeout(rest);
-        let is_direct = self.shared.is_in(Mode::Direct);
-        let read_at = lock(&self.shared.sockets).read_at;
-        if is_direct && self.shared.now() - read_at < rest.as_secs_f64() / 2.0 {
-            return;
+        std::thread::park_timeout(self.rest_left());
+        if self.rest_left() < SOON {
+            while self.shared.read(Scope::All).is_cut {}
+            self.shared.announce(false);
         }
-        self.shared.read(Scope::All);
-        self.shared.announce(false);
+    }
+
+    fn rest_left(&self) -> Duration {
+        let sockets = lock(&self.shared.sockets);
+        let rested = Duration::from_secs_f64((self.shared.now() - sockets.read_at).max(0.0));
+        sockets.pace.rest(Urgency::None).saturating_sub(rested)
     }
 }

@@ -3,7 +3,7 @@
 use crate::intake::Intake;
 use crate::pace::{Mode, Pace};
 use crate::queue::Urgency;
-use mavstack_router::engine::batch::Batches;
+use mavstack_router::engine::batch::{self, Batches};
 use mavstack_router::engine::datagrams::{BATCH, ReceiveBuffer};
 use mio::net::UdpSocket;
 use std::cell::RefCell;
@@ -61,6 +61,7 @@ impl Sockets {
 
     pub fn add(&mut self, number: u32, udp: UdpSocket) {
         let is_v6 = udp.local_addr().is_ok_and(|address| address.is_ipv6());
+        self.pace.limit_collected(batch::receive_buffer(&udp).unwrap_or_default());
         self.inputs.insert(number, Input { udp, is_v6, is_ready: true });
     }
 

@@ -178,6 +178,25 @@ fn states_that_continue_those_before_come_once_in_an_interval() {
 }
 
 #[test]
+fn the_states_of_an_interval_come_together() {
+    let time = |step: u32| (1.0 + f64::from(step) * 0.01, 10_000 + step * 10);
+    let mut intake = attached();
+    intake.grant(1, SOURCE);
+    intake.messages.decide(SOURCE, POSITION, decision(Interest::NewBoot));
+    intake.expect_boot(1, SOURCE, Some(Boot::new(10_000, 1.0)));
+    for (now, boot_ms) in [time(1), time(60)] {
+        intake.receive(0, address(9), &position(boot_ms, 47.0), now);
+    }
+    assert_eq!(taken(&mut intake).0, 2, "boot time and position");
+    for (now, boot_ms) in (61..99).map(time) {
+        intake.receive(0, address(9), &position(boot_ms, 47.0), now);
+    }
+    assert_eq!(taken(&mut intake).0, 0);
+    intake.receive(0, address(9), &position(time(101).1, 47.0), time(101).0);
+    assert_eq!(taken(&mut intake).0, 1);
+}
+
+#[test]
 fn each_state_of_two_vehicles_in_turns_comes_to_the_program() {
     let turns = |step: u32| (1.0 + f64::from(step) * 0.001, 10_000 + step, step.is_multiple_of(2));
     let place = |is_first| if is_first { 47.0 } else { 47.1 };
@@ -257,8 +276,8 @@ fn packets_that_confirm_others_wait_for_a_moment_unless_the_program_is_awake() {
     intake.receive(0, address(9), &position(10_900, 47.0), 1.9);
     assert!(intake.queue.is_lazy());
     assert!(!intake.queue.announce(1.9, false));
-    assert!(intake.queue.announce(1.96, false));
-    assert!(!intake.queue.announce(1.96, true), "it is announced");
+    assert!(intake.queue.announce(2.02, false));
+    assert!(!intake.queue.announce(2.02, true), "it is announced");
     intake.queue.take();
     intake.receive(0, address(9), &position(11_800, 47.0), 2.8);
     assert!(intake.queue.announce(2.8, true));

@@ -3,7 +3,7 @@
 use crate::class::{self, ClassData};
 use crate::errors::FieldNameError;
 use crate::fields::FieldAccess;
-use crate::message::{allocate_zeroed, finish, into_result_pointer, payload_mismatch, payload_mut};
+use crate::message::{allocate_untracked, finish, into_result_pointer, payload_mismatch, payload_mut};
 use pyo3::exceptions::PyTypeError;
 use pyo3::ffi;
 use pyo3::prelude::*;
@@ -45,10 +45,9 @@ unsafe fn construct<'py>(
         return Err(too_many(data, positional));
     }
     // SAFETY: the class's data was looked up by the caller.
-    let object = unsafe { allocate_zeroed(py, class, data) }?;
+    let object = unsafe { allocate_untracked(py, class, data, &data.template) }?;
     // SAFETY: no Python code can reach the object before it is complete, although the conversion of a value may run any code.
     let payload = unsafe { payload_mut(object.as_ptr()) };
-    payload.copy_from_slice(&data.template);
     for (access, &value) in data.fields.iter().zip(&values[..positional]) {
         // SAFETY: Python holds the arguments through the call.
         let value = unsafe { Bound::from_borrowed_ptr(py, value) };

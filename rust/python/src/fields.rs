@@ -2,7 +2,7 @@
 
 use crate::message;
 use crate::values::{self, FieldRef};
-use mavstack_core::layout::Field;
+use mavstack_core::layout::{Field, FieldType};
 use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyType};
@@ -19,6 +19,8 @@ struct EnumValues {
 /// The data of a field's descriptor, owned by the class data.
 pub struct FieldAccess {
     pub field: Field,
+    /// True for one number of 32 bits with a fraction, the most frequent kind of field.
+    is_single_float: bool,
     /// The name as an interned string, so that keywords are compared by identity.
     pub name: Py<PyString>,
     class_name: String,
@@ -34,6 +36,7 @@ impl FieldAccess {
         Ok(Self {
             name: PyString::intern(py, &field.name).unbind(),
             c_name: CString::new(field.name.as_str())?,
+            is_single_float: field.kind == FieldType::F32 && field.array_length == 0,
             field: field.clone(),
             class_name: class_name.into(),
             class: class.as_ptr(),
@@ -88,6 +91,13 @@ impl FieldAccess {
     /// Writes the field into a full payload.
     #[inline]
     pub fn write(&self, payload: &mut [u8], value: &Bound<'_, PyAny>) -> PyResult<()> {
+        if self.is_single_float
+            && let Some(single) = values::exact_single(value)
+            && let Some(bytes) = payload.get_mut(self.field.range())
+        {
+            bytes.copy_from_slice(&single.to_le_bytes());
+            return Ok(());
+        }
         match payload.get_mut(self.field.range()) {
             Some(bytes) => values::write(&self.field_ref(), bytes, value),
             None => Err(message::payload_mismatch()),

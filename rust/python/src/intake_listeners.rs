@@ -1,14 +1,13 @@
 //! The listeners of a node that the core calls.
 
 use crate::packet;
-use mavstack_intake::messages::{key, matches};
+use mavstack_intake::messages::{KeyMap, key, matches};
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
-use std::collections::HashMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-type Table = HashMap<u64, Py<PyTuple>>;
+type Table = KeyMap<u64, Py<PyTuple>>;
 
 /// The functions of the listeners of each source and message.
 #[derive(Default)]

@@ -170,26 +170,29 @@ pub unsafe fn allocate_plain<'py>(
     }
 }
 
-/// Creates a message of zeros that the cycle collector does not track yet.
+/// Creates a message over `payload`, as [`allocate`], that the cycle collector does not track yet.
 ///
 /// # Safety
 /// `class` must be a class for which `data` is the class data.
 #[inline]
-pub unsafe fn allocate_zeroed<'py>(
+pub unsafe fn allocate_untracked<'py>(
     py: Python<'py>,
     class: *mut ffi::PyTypeObject,
     data: &ClassData,
+    payload: &[u8],
 ) -> PyResult<Bound<'py, PyAny>> {
-    let length = data.layout.length.into();
-    // SAFETY: the class derives from `MessageBase`: a plain class is allocated here, any other generically.
+    let length = data.layout.length;
+    // SAFETY: the class derives from `MessageBase`: a plain class is allocated here, any other generically, as zeros.
     unsafe {
         if data.has_gc_header && class == data.class {
-            return allocate_plain(py, class, data.layout.length, &[]);
+            return allocate_plain(py, class, length, payload);
         }
-        let object = Bound::from_owned_ptr_or_err(py, ffi::PyType_GenericAlloc(class, length))?;
+        let object = Bound::from_owned_ptr_or_err(py, ffi::PyType_GenericAlloc(class, length.into()))?;
         if data.has_gc_header {
             ffi::PyObject_GC_UnTrack(object.as_ptr().cast());
         }
+        let known = payload.len().min(length.into());
+        payload_mut(object.as_ptr())[..known].copy_from_slice(&payload[..known]);
         Ok(object)
     }
 }
@@ -197,7 +200,7 @@ pub unsafe fn allocate_zeroed<'py>(
 /// Tracks a complete message for the cycle collector if it is of a user's class, which may refer to other objects.
 ///
 /// # Safety
-/// `object` must come from `allocate_zeroed` with the same class and data.
+/// `object` must come from `allocate_untracked` with the same class and data.
 #[inline]
 pub unsafe fn finish<'py>(
     object: Bound<'py, PyAny>,
@@ -222,13 +225,8 @@ pub unsafe fn allocate<'py>(
     data: &ClassData,
     payload: &[u8],
 ) -> PyResult<Bound<'py, PyAny>> {
-    let known = payload.len().min(usize::from(data.layout.length));
-    // SAFETY: guaranteed by the caller; the object is new and has no other references.
-    unsafe {
-        let object = allocate_zeroed(py, class, data)?;
-        payload_mut(object.as_ptr())[..known].copy_from_slice(&payload[..known]);
-        Ok(finish(object, class, data))
-    }
+    // SAFETY: guaranteed by the caller.
+    unsafe { Ok(finish(allocate_untracked(py, class, data, payload)?, class, data)) }
 }
 
 /// Returns the class data and the payload of an object, if it is a message.

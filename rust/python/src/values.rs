@@ -215,6 +215,14 @@ fn fits(kind: FieldType, number: i64) -> bool {
     }
 }
 
+/// Returns a float of Python as one of 32 bits; `None` if it is another object or out of range.
+#[inline]
+pub fn exact_single(value: &Bound<'_, PyAny>) -> Option<f32> {
+    let number = value.cast_exact::<PyFloat>().ok()?.value();
+    let single = number as f32;
+    (single.is_finite() || !number.is_finite()).then_some(single)
+}
+
 #[inline]
 fn float(field_ref: &FieldRef<'_>, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     if let Ok(float) = value.cast_exact::<PyFloat>() {

@@ -27,7 +27,7 @@ from enum import IntEnum
 from functools import partial
 from itertools import count
 from time import monotonic, time
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from mavstack.dialects import common
 from mavstack.links.udp_channel import UdpChannel
@@ -49,6 +49,8 @@ if TYPE_CHECKING:
 HURRY_TIME: Final = 0.1
 #: How often the event loop looks at the sockets again before other tasks run, as long as packets come.
 MAX_ROUNDS: Final = 4
+#: Seconds after the last look in which packets come one by one, so that another look finds some.
+ROUND_TIME: Final = 0.002
 #: Takes in which packets may come that were granted before their grant was taken back.
 STALE_TAKES: Final = 2
 
@@ -75,8 +77,7 @@ class Attached:
     reading: NativeReading | None
 
 
-@dataclass(frozen=True, slots=True)
-class Run:
+class Run(NamedTuple):
     """Consecutive packets of a channel.
 
     Attributes:
@@ -128,6 +129,7 @@ class NativeInput:
         self._stale_takes = 0
         #: The interval of looks at the sockets while the event loop waits for them.
         self.interval = InputInterval(host.input_interval, self._look, self._watch)
+        self._looked_at = 0.0
 
     # Links and channels
 
@@ -235,9 +237,12 @@ class NativeInput:
     # Packets
 
     def _on_readable(self) -> None:
-        for _ in range(MAX_ROUNDS):
-            if not self._take():
-                break
+        """Handle packets; look again at once if that lately was worth it, or should have been done."""
+        is_worth = monotonic() < self._looked_at + ROUND_TIME
+        rounds = 1
+        while self._take() and is_worth and rounds < MAX_ROUNDS:
+            rounds += 1
+        self._looked_at = monotonic()
         self._finish_look()
         if self._is_direct:
             self.interval.begin()
@@ -249,7 +254,8 @@ class NativeInput:
         return is_found
 
     def _finish_look(self) -> None:
-        self.settle()
+        if self._waiting:
+            self.settle()
         self._step()
 
     def feed(self, channel: Channel, data: bytes) -> bool | None:

@@ -4,8 +4,8 @@ use crate::engine::datagrams::{BATCH, ReceiveBuffer, Run, SendQueue};
 use mio::net::UdpSocket;
 use nix::errno::Errno;
 use nix::sys::socket::{
-    ControlMessage, MsgFlags, MultiHeaders, SockaddrIn, SockaddrIn6, SockaddrLike, SockaddrStorage, recvmmsg, sendmsg,
-    setsockopt, sockopt,
+    ControlMessage, MsgFlags, MultiHeaders, SockaddrIn, SockaddrIn6, SockaddrLike, SockaddrStorage, getsockopt,
+    recvmmsg, sendmsg, setsockopt, sockopt,
 };
 use rustix::net::addr::SocketAddrArg;
 use rustix::net::{MMsgHdr, SendAncillaryBuffer, SendFlags, SocketAddrAny, sendmmsg};
@@ -29,6 +29,12 @@ impl Default for Batches {
 pub fn accept_joined(socket: &UdpSocket) {
     // Older kernels lack the option, and deliver each datagram.
     let _ = setsockopt(socket, sockopt::UdpGroSegment, &true);
+}
+
+/// Returns the bytes that the system keeps for datagrams that were not read yet, with its own overhead.
+#[must_use]
+pub fn receive_buffer(socket: &UdpSocket) -> Option<usize> {
+    getsockopt(socket, sockopt::RcvBuf).ok()
 }
 
 impl Batches {

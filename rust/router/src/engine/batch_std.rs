@@ -11,6 +11,12 @@ pub struct Batches;
 /// The system delivers each datagram.
 pub fn accept_joined(_socket: &UdpSocket) {}
 
+/// The size of the system's buffer is not known.
+#[must_use]
+pub fn receive_buffer(_socket: &UdpSocket) -> Option<usize> {
+    None
+}
+
 impl Batches {
     /// Receives at most `count` datagrams, which are not more than a batch.
     pub fn receive(
