@@ -26,6 +26,7 @@ from .packets import SUBSCRIBED, Part, packets
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from mavstack.dialects import Message
     from mavstack.node import Subscription
     from mavstack.vehicle import Connection
 
@@ -45,7 +46,7 @@ class _Follower:
         self._tasks = [asyncio.create_task(self._iterate(stream)) for stream in self._streams]
         self._tasks.append(asyncio.create_task(self._read()))
 
-    async def _iterate(self, stream: Subscription[object]) -> None:
+    async def _iterate(self, stream: Subscription[Message]) -> None:
         async for _ in stream:
             self.handled += 1
 
