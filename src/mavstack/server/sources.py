@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from itertools import count
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.http.bodies import RefusedError
 from mavstack.links.client_urls import is_network_or_device_scheme
 from mavstack.links.registry import resolve_url
+from mavstack.server.rows.decoder_file import read_decoder_file
 from mavstack.server.rows.hub import RowHub
 from mavstack.server.rows.source import RowReader
 from mavstack.server.rows.urls import is_row_url, parse_row_url
 from mavstack.server.source_options import refuse_paths, same_error_for_keys
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from mavstack.links import Link
     from mavstack.vehicle import Connection
 
@@ -90,11 +94,14 @@ class Sources:
             raise RefusedError(404, f"there is no source {number[:20]}")
         return source
 
-    async def add(self, link: str | Link, *, from_client: bool = False) -> Source:
+    async def add(
+        self, link: str | Link, *, decoder: Mapping[str, Any] | None = None, from_client: bool = False
+    ) -> Source:
         """Open a link.
 
         Args:
             link: A URL, a serial port such as `/dev/ttyACM0,57600`, a URL of rows, or a link.
+            decoder: The declaration of the decoder of a URL of frames; None: the URL names a file, or none.
             from_client: A client of the API asks for it, so that the limits for clients hold.
 
         Returns:
@@ -102,13 +109,16 @@ class Sources:
 
         Raises:
             RefusedError: Clients may not open that link, or there are too many.
-            InvalidArgumentError: The URL contradicts the address of the station, or has a bad template.
+            InvalidArgumentError: The URL contradicts the address of the station, or has a bad template or
+                decoder.
             LinkError: The link cannot be opened.
         """
         if len(self._sources) >= MAX_SOURCES:
             raise RefusedError(409, f"there are {MAX_SOURCES} sources already: remove one")
         if isinstance(link, str) and is_row_url(link):
-            return await self._add_rows(link, limited=from_client and self._network_only)
+            return await self._add_rows(link, decoder, limited=from_client and self._network_only)
+        if decoder is not None:
+            raise RefusedError(400, "only a source of frames (frames+udp://… and others) takes a decoder")
         if isinstance(link, str):
             url = resolve_url(link)
             if from_client and self._network_only and not is_network_or_device_scheme(url.scheme):
@@ -137,10 +147,14 @@ class Sources:
             if isinstance(source, RowSource):
                 await self.remove(source.id)
 
-    async def _add_rows(self, text: str, *, limited: bool) -> Source:
-        url = parse_row_url(text)
+    async def _add_rows(self, text: str, decoder: Mapping[str, Any] | None, *, limited: bool) -> Source:
+        url = parse_row_url(text, decoder)
         if limited:
             refuse_paths(url.link)
+            if url.decoder_file:
+                raise RefusedError(403, "without a password no file can be named: send the decoder itself")
+        if url.decoder_file:
+            url = replace(url, decoder=read_decoder_file(Path(url.decoder_file)))
         number = str(next(self._numbers))
         name = url.name or f"rows{number}"
         names = [each.reader.name for each in self.list() if isinstance(each, RowSource)]

@@ -1,9 +1,11 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import os
 import socket
 from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -16,6 +18,9 @@ from mavstack.server.rows.urls import parse_row_url
 from mavstack.server.station import Station
 from tests.server.asgi import ApiClient
 from tests.waiting import wait_until
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 URL = "csv+tcp://127.0.0.1:{port}?name=cansat&template=time:s,alt:m*0.5"
 
@@ -100,6 +105,81 @@ async def test_a_source_that_cannot_be_opened_leaves_nothing_behind() -> None:
         with pytest.raises(LinkError):
             await station.sources.add(f"{url}&reconnect=no")
         assert station.sources.list() == []
+
+
+DECODER = {
+    "name": "bench",
+    "framing": {"kind": "fixed", "marker": "aa", "size": 4},
+    "checksum": {"kind": "sum8"},
+    "messages": [
+        {"name": "BENCH", "fields": [{"name": "volts", "type": "uint16", "factor": 0.5, "unit": "V"}]}
+    ],
+}
+FRAME = b"\xaa\x04\x01\xaf"
+
+
+async def test_frames_of_tcp_are_decoded_and_counted() -> None:
+    async with sending(b"noise" + FRAME[:2], FRAME[2:] + b"\xaa\0\0\0") as csv, Station() as station:
+        api = ApiClient(make_app(station, Access(), static=None))
+        url = csv.replace("csv+", "frames+").partition("?")[0] + "?name=bench&decoder=bench"
+        added = await api.post("/api/sources", {"url": url, "decoder": DECODER})
+        assert (added.status, added.json["url"]) == (201, url)
+        (source,) = station.sources.list()
+        await wait_until(lambda: source.values()["rows"]["refused"])
+        assert source.values()["rows"] == {
+            "name": "bench",
+            "messages": {"BENCH": [{"name": "volts", "unit": "V"}]},
+            "received": 1,
+            "refused": 1,
+        }
+        (latest,) = (await api.get("/api/rows")).json
+        assert (latest["message"], latest["fields"], "data" in latest) == ("BENCH", {"volts": 130}, False)
+
+
+async def test_datagrams_without_a_decoder_reach_scripts_as_bytes() -> None:
+    async with Station(network_only=True) as station:
+        api = ApiClient(make_app(station, Access(), static=None))
+        async with api.websocket("mavstack.rows.1") as rows:
+            added = await api.post("/api/sources", {"url": "frames+udp://127.0.0.1:0?name=raw"})
+            assert added.status == 201
+            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+                for data in (b"\x01\x02", b"\xff"):
+                    sender.sendto(data, tuple(added.json["address"]))
+            found = [await rows.receive(), await rows.receive()]
+        assert [(each["message"], each["fields"], each["data"]) for each in found] == [
+            ("FRAME", {"size": 2}, "AQI="),
+            ("FRAME", {"size": 1}, "/w=="),
+        ]
+
+
+async def test_requests_for_frames_that_are_refused(tmp_path: Path) -> None:
+    file = tmp_path / "bench.json"
+    file.write_text(json.dumps({"type": "mavstack-decoder", **DECODER}), "utf-8")
+    udp = "frames+udp://127.0.0.1:0?name=bench"
+    async with Station(network_only=True) as station:
+        api = ApiClient(make_app(station, Access(), static=None))
+
+        async def add(url: str, decoder: dict | None = None) -> tuple[int, str]:
+            answer = await api.post("/api/sources", {"url": url, "decoder": decoder})
+            return answer.status, answer.json.get("error", {}).get("text", "")
+
+        for path in (file, tmp_path / "missing.json"):
+            status, problem = await add(f"{udp}&decoder={path}")
+            assert (status, problem) == (
+                403,
+                "without a password no file can be named: send the decoder itself",
+            )
+        status, problem = await add(udp, DECODER | {"messages": [{}]})
+        assert status == 400
+        assert "messages[0].fields must have at least one field" in problem
+        for url in ("udpin://127.0.0.1:0", "csv+udp://127.0.0.1:0?template=a"):
+            status, problem = await add(url, DECODER)
+            assert status == 400
+            assert "frames" in problem
+        assert (await add(f"{udp}&template=a"))[0] == 400
+        assert station.sources.list() == []
+        source = await station.sources.add(f"{udp}&decoder={file}")
+        assert source.values()["rows"]["messages"] == {"BENCH": [{"name": "volts", "unit": "V"}]}
 
 
 async def test_a_reader_counts_lines_that_are_too_long() -> None:

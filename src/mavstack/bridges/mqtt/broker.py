@@ -194,7 +194,7 @@ class Session:
             await self.close()
             raise LinkError(
                 f"connecting to the MQTT broker {self._broker} failed: {reason}; is it running, and does it "
-                "accept this client? --broker names another one"
+                "accept this client?"
             )
 
     async def close(self) -> None:

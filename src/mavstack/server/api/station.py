@@ -40,9 +40,14 @@ class AddSource(Fields):
     url: Annotated[
         Text | None,
         Meta(
-            description="A link, or rows: csv+tcp://HOST:PORT?name=cansat&template=time:s,alt:m; or null.",
+            description="A link; rows: csv+tcp://HOST:PORT?name=cansat&template=time:s,alt:m; "
+            "frames of bytes: frames+udp://HOST:PORT?name=bench; or null.",
             examples=["udpin://0.0.0.0:14550"],
         ),
+    ] = None
+    decoder: Annotated[
+        dict[str, Any] | None,
+        Meta(description="The declaration of the decoder of frames; null: scripts read their bytes."),
     ] = None
     recording: Annotated[Text | None, Meta(description="The name of a recording to replay, or null.")] = None
     speed: Annotated[float, Meta(description="The speed of a replay; 1: as it was recorded.", ge=0.01)] = 1.0
@@ -51,7 +56,7 @@ class AddSource(Fields):
 async def _add_source(call: Call[AddSource, None]) -> dict[str, Any]:
     url, recording, sources = call.body.url, call.body.recording, call.station.sources
     if url is not None and recording is None:
-        return (await sources.add(url, from_client=True)).values()
+        return (await sources.add(url, decoder=call.body.decoder, from_client=True)).values()
     if recording is None or url is not None:
         raise RefusedError(400, "either a url or a recording is needed")
     replay = open_link(f"file://{quote(str(call.station.recordings.path(recording)))}", speed=call.body.speed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -33,7 +34,9 @@ class RowHub:
 
     def publish(self, source: str, row: Row, time: float) -> None:
         """Hand on a row with its Unix time of receipt in seconds."""
-        value = {"source": source, "message": row.message, "time": time, "fields": row.fields}
+        value: dict[str, Any] = {"source": source, "message": row.message, "time": time, "fields": row.fields}
+        if row.data is not None:
+            value["data"] = b64encode(row.data).decode("ascii")
         latest = self.latest.setdefault((source, row.message), LatestRow(value))
         latest.value = value
         latest.count += 1

@@ -1,8 +1,15 @@
-"""Lines of a stream of bytes, bounded in length."""
+"""Lines of a stream of bytes, bounded in length, and their rows."""
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
+
+from mavstack.server.rows.template import parse_row
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from mavstack.server.rows.template import Row, RowTemplate
 
 MAX_LINE: Final = 4096
 
@@ -37,3 +44,28 @@ class LineAssembler:
             self._pending.clear()
             self._skipping = True
             self.dropped += 1
+
+
+class LineReader:
+    """Reads the rows of one stream of lines.
+
+    Args:
+        templates: The templates of the lines.
+    """
+
+    def __init__(self, templates: Sequence[RowTemplate]) -> None:
+        self._templates = templates
+        self._lines = LineAssembler()
+        self._unread = 0
+
+    @property
+    def refused(self) -> int:
+        """Lines that fit no template, and lines that were too long."""
+        return self._lines.dropped + self._unread
+
+    def feed(self, data: bytes) -> list[Row]:
+        """Return the rows that bytes complete."""
+        rows = [parse_row(self._templates, line) for line in self._lines.feed(data)]
+        found = [row for row in rows if row is not None]
+        self._unread += len(rows) - len(found)
+        return found

@@ -1,4 +1,4 @@
-"""A source of rows: a link whose lines are read by templates."""
+"""A source of rows: a link whose lines are read by templates, or whose frames are read by a decoder."""
 
 from __future__ import annotations
 
@@ -6,8 +6,11 @@ import asyncio
 from typing import TYPE_CHECKING, Any
 
 from mavstack.links import BytesReceived, ChannelClosed, open_link
-from mavstack.server.rows.lines import LineAssembler
-from mavstack.server.rows.template import parse_row
+from mavstack.links.options import Options
+from mavstack.server.rows.frame_decoder import FrameReader
+from mavstack.server.rows.lines import LineReader
+from mavstack.server.rows.mqtt import SCHEMES as MQTT
+from mavstack.server.rows.mqtt import MqttLink
 
 if TYPE_CHECKING:
     from mavstack.links import Link
@@ -23,19 +26,19 @@ class RowReader:
         url: The URL of the source.
         name: The name of the source.
         hub: The hub that takes the rows.
-        link: The link that carries the lines, not open; None: that of the URL.
+        link: The link that carries the lines or frames, not open; None: that of the URL.
     """
 
     def __init__(self, url: RowUrl, name: str, hub: RowHub, *, link: Link | None = None) -> None:
         self.url = url
         self.name = name
-        self.link = open_link(url.link) if link is None else link
-        #: Lines that became rows.
+        self.link = _open(url) if link is None else link
+        #: Lines and frames that became rows.
         self.received = 0
-        #: Lines that fit no template, and lines that were too long.
+        #: Those that fit no template, and those that were too long or damaged.
         self.refused = 0
         self._hub = hub
-        self._lines: dict[Channel, LineAssembler] = {}
+        self._readers: dict[Channel, LineReader | FrameReader] = {}
         self._task: asyncio.Task[None] | None = None
 
     async def open(self) -> None:
@@ -52,7 +55,7 @@ class RowReader:
         self._hub.forget(self.name)
 
     def values(self) -> dict[str, Any]:
-        """Return what the source adds to its JSON: name, columns by message, and counters of lines."""
+        """Return what the source adds to its JSON: name, columns by message, and counters."""
         messages = {
             template.message: [
                 {"name": column.name, "unit": column.unit}
@@ -61,6 +64,8 @@ class RowReader:
             ]
             for template in self.url.templates
         }
+        for message in self.url.decoder.messages if self.url.decoder else ():
+            messages[message.name] = [{"name": each.name, "unit": each.unit} for each in message.fields]
         return {
             "name": self.name,
             "messages": messages,
@@ -72,17 +77,32 @@ class RowReader:
         async for event in self.link:
             match event:
                 case BytesReceived(channel, data, time):
-                    self._take(self._lines.setdefault(channel, LineAssembler()), data, time)
+                    self._take(self._reader(channel), data, time)
                 case ChannelClosed(channel):
-                    self._lines.pop(channel, None)
+                    self._readers.pop(channel, None)
 
-    def _take(self, lines: LineAssembler, data: bytes, time: float) -> None:
-        before = lines.dropped
-        for line in lines.feed(data):
-            row = parse_row(self.url.templates, line)
-            if row is None:
-                self.refused += 1
-            else:
-                self.received += 1
-                self._hub.publish(self.name, row, time)
-        self.refused += lines.dropped - before
+    def _reader(self, channel: Channel) -> LineReader | FrameReader:
+        reader = self._readers.get(channel)
+        if reader is None:
+            templates = self.url.templates
+            reader = LineReader(templates) if templates else FrameReader(self.url.decoder)
+            self._readers[channel] = reader
+        return reader
+
+    def _take(self, reader: LineReader | FrameReader, data: bytes, time: float) -> None:
+        if self.url.templates and self.url.link.scheme in MQTT:
+            data += b"\n"  # each message is a line
+        before = reader.refused
+        for row in reader.feed(data):
+            self.received += 1
+            self._hub.publish(self.name, row, time)
+        self.refused += reader.refused - before
+
+
+def _open(url: RowUrl) -> Link:
+    if url.link.scheme not in MQTT:
+        return open_link(url.link)
+    options = Options(url.link)
+    link = MqttLink(url.link, options)
+    options.refuse_unknown()
+    return link

@@ -19,7 +19,9 @@ from typing import TYPE_CHECKING, Final, NoReturn
 from mavstack.errors import InvalidArgumentError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
+
+    from mavstack.server.rows.frame_fields import Value
 
 #: The message of a template without a constant at its beginning.
 DEFAULT_MESSAGE: Final = "ROW"
@@ -64,10 +66,17 @@ class RowTemplate:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """The values of a line by their names: numbers, and texts where there is no number."""
+    """The values of a line or frame by their names.
+
+    Attributes:
+        message: The name of the message.
+        fields: Numbers, texts where there is no number, and arrays of numbers.
+        data: The bytes of a frame that a script reads; None: there are none.
+    """
 
     message: str
-    fields: dict[str, float | str]
+    fields: Mapping[str, Value]
+    data: bytes | None = None
 
 
 def parse_templates(text: str) -> tuple[RowTemplate, ...]:
