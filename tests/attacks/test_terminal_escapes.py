@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import json
 import re
 import shlex
 import sys
@@ -99,6 +100,7 @@ WITHOUT_VEHICLE = [
     "data replay hostile.tlog --to udpout://127.0.0.1:9 --speed max", "data report hostile.tlog",
     "data report hostile.tlog --json",
     "data plot hostile.tlog STATUSTEXT.severity",
+    "data decode hostile.json --hex 1b5b324a", "data decode hostile.json hostile.tlog",
     "data convert hostile.tlog --to csv -o out", "data query hostile.tlog STATUSTEXT.text",
     "data query hostile.tlog 'SELECT text AS nothing FROM STATUSTEXT' --json",
     "mission survey --area hostile.plan --dry-run",
@@ -169,6 +171,11 @@ def hostile_link(monkeypatch):
 def files(tmp_path, monkeypatch) -> None:
     """Write hostile files into the current directory."""
     monkeypatch.chdir(tmp_path)
+    decoder = {
+        "type": "mavstack-decoder",
+        "messages": [{"fields": [{"name": "a", "type": "text", "size": 4}]}],
+    }
+    Path("hostile.json").write_text(json.dumps(decoder), "utf-8")
     head, name = "QGC WPL 110\n", ATTACK.replace("\r", "")
     Path("hostile.waypoints").write_text(
         f"{head}0 1 0 16 0 0 0 0 47 8 488 1\n1 0 3 {name} 0 0 0 0 47 8 10 1\n", "utf-8"

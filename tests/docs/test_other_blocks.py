@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 import mavstack
-from mavstack.cli.registry import COMMANDS, command_parser
+from mavstack.cli.registry import COMMANDS, command_parser, load_command
 from mavstack.cli.shell.registry import COMMANDS as SHELL_COMMANDS
 from mavstack.dialects import common
 from mavstack.files.plans import PlanFile, write_plan
@@ -100,11 +100,29 @@ def test_commands_parse(place, line):
     "block", [block for block in BLOCKS if block.language == "js"], ids=lambda block: block.name
 )
 def test_scripts_of_dashboards_run(block):
-    calls = "script({alt: 10}, state, 1); console.log(JSON.stringify(script({alt: 14}, state, 3)))"
-    script = f"new Function('values', 'state', 'time', {json.dumps(block.text)})"
-    program = f"const state = {{}}; const script = {script}; {calls}"
+    if "bytes" in block.text:
+        assert run_script(block.text, "script({}, state, 1, new Uint8Array([7]))") == {"rate": 7, "count": 1}
+        return
+    assert run_script(block.text, "(script({alt: 10}, state, 1), script({alt: 14}, state, 3))") == {"rate": 2}
+
+
+def run_script(text: str, call: str) -> dict[str, float]:
+    """The answer of a script of dashboards to a call."""
+    script = f"new Function('values', 'state', 'time', 'bytes', {json.dumps(text)})"
+    program = f"const state = {{}}; const script = {script}; console.log(JSON.stringify({call}))"
     done = subprocess.run(["node", "-e", program], capture_output=True, text=True, check=True, timeout=60)
-    assert json.loads(done.stdout) == {"rate": 2}
+    answer: dict[str, float] = json.loads(done.stdout)
+    return answer
+
+
+def test_the_decoder_of_the_guide_reads_its_frame(tmp_path, capsys):
+    (block,) = (block for block in BLOCKS if block.directive == "decoder")
+    (line,) = (line for _, line in LINES if line.startswith("mav data decode bench.json --hex"))
+    (tmp_path / "bench.json").write_text(block.text, "utf-8")
+    name, *words = words_of(line.replace("bench.json", str(tmp_path / "bench.json")))
+    arguments = command_parser(name).parse_args(words)
+    assert load_command(name).run(arguments) == 0
+    assert capsys.readouterr().out.strip() == line.partition("# ")[2]
 
 
 @pytest.mark.parametrize("block", SERVICES, ids=lambda block: block.name)

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from mavstack.cli.data.command import EXAMPLES
+from tests.docs.blocks import BLOCKS
 from tests.logs.flights import flight_tlog
 
 
@@ -141,6 +142,9 @@ def test_examples_of_the_help_run(mav, tlog, tmp_path, line):
     names = ("before.tlog", "after.tlog", "damaged.tlog", "00000042.BIN", "logs/a.tlog", "logs/b.tlog")
     for name in (*names, "capture.pcap", "logs/c.BIN", "logs/2026/flight.tlog"):
         (tmp_path / name).write_bytes(tlog.read_bytes())
+    Path("bench.json").write_text(next(each.text for each in BLOCKS if each.directive == "decoder"), "utf-8")
+    if "decode" in line:
+        Path("capture.bin").write_bytes(bytes.fromhex("aa55040106ff01c04f"))
     words = shlex.split(line.partition(" | ")[0], comments=True)[1:]
     result = mav(*(found for word in words for found in matches(word)))
     # The recordings of this test have no vibration and no power.

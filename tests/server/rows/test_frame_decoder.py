@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -60,12 +61,8 @@ def test_frames_of_scripts_keep_their_bytes() -> None:
 
 @given(st.dictionaries(st.sampled_from(NAMES), JSON) | JSON)
 def test_any_json_is_a_decoder_or_an_error_of_the_user(value: object) -> None:
-    try:
-        decoder = parse_decoder(value)
-    except InvalidArgumentError as error:
-        assert len(str(error)) < 600
-    else:
-        FrameReader(decoder).feed(bytes(100))
+    with suppress(InvalidArgumentError):
+        FrameReader(parse_decoder(value)).feed(bytes(100))
 
 
 @given(st.sampled_from(CASES["rows"]), st.binary(max_size=400))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.data import convert, files, info, query, report
+from mavstack.cli.data import convert, decode, files, info, query, report
 from mavstack.cli.data.remote import LocalCopies
 
 if TYPE_CHECKING:
@@ -37,6 +37,8 @@ examples:
   mav data merge flight.tlog 00000042.BIN --to parquet -o dataset/
   mav data repair damaged.tlog -o sound.tlog        # also .BIN and .ulg
   mav data replay flight.tlog --to udpout://127.0.0.1:14550 --speed 5
+  mav data decode bench.json capture.bin    # frames of other protocols, by a decoder of dashboards
+  mav data decode bench.json --hex "aa 55 04 01 06 ff 01 c0 4f" --json
   mav data book logs/                       # a table of all flights, kept in logs/flights.duckdb
   mav data book logs/ --csv flights.csv --incident 2026/flight.tlog "propeller lost"
   mav data plot flight.tlog attitude vibration            # on the terminal
@@ -48,7 +50,7 @@ examples:
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the actions."""
     actions = Actions(parser, "data", EXAMPLES)
-    for module in (info, convert, query, report, files):
+    for module in (info, convert, query, report, files, decode):
         module.add_actions(actions)
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 #: Bytes of a frame in a stream, and of a datagram.
 MAX_FRAME: Final = 4096
 MAX_DATAGRAM: Final = 65_535
-#: Bytes that may be checked in vain, and bytes that are checked again for each byte of the stream.
+#: Bytes that may be checked without a result, and bytes that are checked again for each byte of the stream.
 _CREDIT: Final = 4 * MAX_FRAME
 _EARNED: Final = 4
 

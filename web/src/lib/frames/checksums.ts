@@ -19,7 +19,8 @@ function crc(width: number, polynomial: number, initial = 0, reflected = false, 
   let table: readonly number[] | null = null;
   return {
     size: width / 8,
-    of: (data) => crcOf(parameters, (table ??= Array.from({ length: 256 }, (_, byte) => entry(parameters, byte))), data),
+    of: (data) =>
+      crcOf(parameters, (table ??= Array.from({ length: 256 }, (_, byte) => entry(parameters, byte))), data),
   };
 }
 
@@ -36,7 +37,9 @@ function crcOf({ width, initial, reflected, final }: Crc, table: readonly number
 function entry({ width, polynomial, reflected }: Crc, byte: number): number {
   const mask = 2 ** width - 1;
   let value = reflected ? byte : byte << (width - 8);
-  const used = reflected ? parseInt([...polynomial.toString(2).padStart(width, '0')].reverse().join(''), 2) : polynomial;
+  const used = reflected
+    ? parseInt([...polynomial.toString(2).padStart(width, '0')].reverse().join(''), 2)
+    : polynomial;
   for (let bit = 0; bit < 8; bit++) {
     if (reflected) value = (value >>> 1) ^ (value & 1 ? used : 0);
     else value = ((value << 1) ^ (value & (2 ** (width - 1)) ? used : 0)) & mask;

@@ -116,7 +116,10 @@ export function readFrame(decoder: FrameDecoder, frame: Uint8Array): FrameRow | 
     if ((id !== null && id !== number) || (size !== null && size !== frame.length)) continue;
     if (!fields.every((field) => hasField(field, frame.length, decoder.checksum))) continue;
     const values = fields.map((field) => [field.name, readField(field, frame)] as const);
-    return { message: name, fields: Object.fromEntries(values.filter(([, value]) => value !== null)) as FrameRow['fields'] };
+    return {
+      message: name,
+      fields: Object.fromEntries(values.filter(([, value]) => value !== null)) as FrameRow['fields'],
+    };
   }
   return null;
 }

@@ -105,8 +105,7 @@ function readText({ place, size }: FrameField, frame: Uint8Array): string {
 
 function convert(field: FrameField, read: number | bigint): number | string | null {
   const { bits, names } = field;
-  const number =
-    bits === null ? read : (BigInt(read) >> BigInt(bits.first)) & ((1n << BigInt(bits.count)) - 1n);
+  const number = bits === null ? read : (BigInt(read) >> BigInt(bits.first)) & ((1n << BigInt(bits.count)) - 1n);
   const name = String(number);
   return Object.hasOwn(names, name) ? names[name]! : scale(field, number);
 }

@@ -10,7 +10,7 @@ import { readNumber } from './fields';
 /** Bytes of a frame in a stream, and of a datagram. */
 export const MAX_FRAME = 4096;
 export const MAX_DATAGRAM = 65_535;
-/** Bytes that may be checked in vain, and bytes that are checked again for each byte of the stream. */
+/** Bytes that may be checked without a result, and bytes that are checked again for each byte of the stream. */
 const CREDIT = 4 * MAX_FRAME;
 const EARNED = 4;
 

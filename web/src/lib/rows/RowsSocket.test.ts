@@ -25,4 +25,6 @@ it('what is no row is ignored', () => {
     time: 2000,
     fields: { b: 1 },
   });
+  const frame = '{"source": "a", "message": "FRAME", "time": 2, "fields": {"size": 2}, "data": "AQI="}';
+  expect(readRow(frame)?.data).toEqual(Uint8Array.of(1, 2));
 });

@@ -2,16 +2,25 @@
 import type { Sample } from '$lib/series/fieldRef';
 import { stationSocket } from '$lib/transport/WebSocketTransport';
 
-export type RowSample = Sample;
+/** A row; `data` are the bytes of a frame that a script reads. */
+export interface RowSample extends Sample {
+  readonly data?: Uint8Array;
+}
 
 const SUBPROTOCOL = 'mavstack.rows.1';
 const RECONNECT_INTERVAL = 2000;
 
 /** Reads a message of the WebSocket; null if it is none of rows. */
 export function readRow(text: string): RowSample | null {
-  const value = JSON.parse(text) as Partial<RowSample>;
+  const value = JSON.parse(text) as Partial<Sample> & { data?: unknown };
   if (typeof value.source !== 'string' || typeof value.message !== 'string') return null;
-  return { source: value.source, message: value.message, time: (value.time ?? 0) * 1000, fields: value.fields ?? {} };
+  const { source, message, time = 0, fields = {} } = value;
+  const row = { source, message, time: time * 1000, fields };
+  return typeof value.data === 'string' ? { ...row, data: fromBase64(value.data) } : row;
+}
+
+function fromBase64(text: string): Uint8Array {
+  return Uint8Array.from(atob(text), (character) => character.charCodeAt(0));
 }
 
 /**

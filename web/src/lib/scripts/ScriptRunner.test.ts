@@ -37,7 +37,10 @@ class ContextWorker implements ScriptWorker {
   }
 }
 
-function compute(script: string, ...calls: { values: Record<string, number | null>; time: number }[]): unknown {
+function compute(
+  script: string,
+  ...calls: { values: Record<string, number | null>; time: number; bytes?: Uint8Array }[]
+): unknown {
   const results: unknown[] = [];
   const problems: string[] = [];
   const runner = new ScriptRunner(
@@ -51,6 +54,16 @@ function compute(script: string, ...calls: { values: Record<string, number | nul
 }
 
 describe('scripts', () => {
+  it('read the bytes of frames, and return several rows of each', () => {
+    const script = 'return [...bytes].map((each) => ({ each, kind: "text" }));';
+    const call = { values: {}, time: 1, bytes: Uint8Array.of(7, 9) };
+    expect(compute(script, call)).toEqual([{ each: 7 }, { each: 9 }]);
+    const many = 'return Array.from({ length: 1000 }, (_, each) => ({ each }));';
+    expect(compute(many, call)).toHaveLength(64);
+    const view = 'const view = new DataView(bytes.buffer, bytes.byteOffset); return { volts: view.getUint16(0) };';
+    expect(compute(view, call)).toEqual([{ volts: 0x0709 }]);
+  });
+
   it('compute fields of values, with a state of their own', () => {
     const script = 'state.sum = (state.sum ?? 0) + values.a; return { sum: state.sum, twice: values.a * 2, time };';
     const call = (a: number) => ({ values: { a }, time: a });

@@ -7,16 +7,10 @@
  * A script could also fill the memory of the page little by little. So a worker computes for as long as one batch may
  * take and is then replaced: a copy of the state, of limited size, is all that the next worker gets.
  */
-import {
-  type ScriptAnswer,
-  type ScriptProgram,
-  type ScriptRequest,
-  fieldsOf,
-  problemOf,
-  workerProgram,
-} from './sandbox';
+import { type ScriptAnswer, type ScriptProgram, type ScriptRequest, problemOf, rowsOf, workerProgram } from './sandbox';
 
 export type ScriptCall = ScriptRequest['calls'][number];
+/** Called with the rows of results, and with the call of each row. */
 type Results = (results: readonly Readonly<Record<string, number>>[], calls: readonly ScriptCall[]) => void;
 
 /** The part of a worker that the runner uses, so that tests stand in for it. */
@@ -127,9 +121,10 @@ export class ScriptRunner {
       return;
     }
     const results = Array.isArray(answer.results) ? answer.results : [];
+    const rows = calls.flatMap((call, index) => rowsOf(results[index]).map((fields) => ({ fields, call })));
     this.onResults(
-      calls.map((_, index) => fieldsOf(results[index])),
-      calls,
+      rows.map(({ fields }) => fields),
+      rows.map(({ call }) => call),
     );
     // The results may have ended the script.
     if (isUsedUp && this.worker !== null) this.replace(answer.state);

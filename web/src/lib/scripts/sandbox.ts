@@ -13,7 +13,12 @@
 /** A request of the page: values by input name (latched), and the time in seconds since 1970. */
 export interface ScriptRequest {
   readonly id: number;
-  readonly calls: readonly { readonly values: Readonly<Record<string, number | null>>; readonly time: number }[];
+  readonly calls: readonly {
+    readonly values: Readonly<Record<string, number | null>>;
+    readonly time: number;
+    /** A frame, for a script that reads the bytes of a source. */
+    readonly bytes?: Uint8Array;
+  }[];
   /** The state of the worker before, for the first request to the next one. */
   readonly state?: unknown;
   /** Whether the answer holds the state, for the next worker. */
@@ -29,7 +34,7 @@ export interface ScriptProgram {
 export interface ScriptAnswer {
   /** That of the request; 0: the program has started, and takes requests. */
   readonly id: number;
-  /** Objects of finite numbers. */
+  /** Objects of finite numbers, or lists of them. */
   readonly results?: unknown;
   /** A copy of the state, of limited size. */
   readonly state?: unknown;
@@ -102,6 +107,8 @@ const KEPT = [
 ] as const;
 
 const MAX_FIELDS = 32;
+/** Rows that a script may return for one call. */
+const MAX_ROWS = 64;
 const MAX_NAME_LENGTH = 32;
 const FIELD_NAME = /^[A-Za-z]\w*$/;
 const MAX_SCRIPT = 20_000;
@@ -131,9 +138,14 @@ export function fieldsOf(result: unknown): Record<string, number> {
   return Object.fromEntries(valid.slice(0, MAX_FIELDS)) as Record<string, number>;
 }
 
-/** Returns the program of a worker that runs the body of a function of `values`, `state` and `time`. */
+/** Returns the rows of a result: an object is one, a list holds several. */
+export function rowsOf(result: unknown): readonly Record<string, number>[] {
+  return (Array.isArray(result) ? result.slice(0, MAX_ROWS) : [result]).map(fieldsOf);
+}
+
+/** Returns the program of a worker that runs the body of a function of `values`, `state`, `time` and `bytes`. */
 export function workerProgram(script: string): string {
-  return `${guard()}\n;__run__(function (values, state, time) { "use strict";\n${script}\n});`;
+  return `${guard()}\n;__run__(function (values, state, time, bytes) { "use strict";\n${script}\n});`;
 }
 
 /** The part that closes the sandbox and leaves one function behind, which takes the script once. */
@@ -166,6 +178,13 @@ const numbers = (result) => {
   return found;
 };
 const isArray = [].constructor.isArray, plain = ({}).__proto__;
+const rows = (result) => {
+  if (!isArray(result)) return numbers(result);
+  const found = [];
+  for (let at = 0; at < result.length && at < ${MAX_ROWS}; at++)
+    defineProperty(found, at, { value: numbers(result[at]), writable: true, enumerable: true, configurable: true });
+  return found;
+};
 const typed = { __proto__: null };
 for (const name of ${JSON.stringify(KEPT.filter((name) => name.endsWith('Array') && name !== 'Array'))})
   typed[name] = scope[name];
@@ -208,8 +227,8 @@ defineProperty(scope, "__run__", { configurable: true, value: (compute) => {
       const results = [];
       if (data.state !== undefined) state = data.state;
       for (let at = 0; at < data.calls.length; at++) {
-        const { values, time } = data.calls[at];
-        results[at] = numbers(compute(values, state, time));
+        const { values, time, bytes } = data.calls[at];
+        results[at] = rows(compute(values, state, time, bytes));
       }
       room = ${MAX_STATE};
       post(data.givesState ? { id: data.id, results, state: copy(state, 0) } : { id: data.id, results });

@@ -22,6 +22,9 @@ export interface KnownField {
   readonly length: number;
 }
 
+/** Called with the bytes of a frame, and its time in ms. */
+type FrameListener = (data: Uint8Array, time: number) => void;
+
 /** More messages of one source come only from noise that looks like packets of unknown messages. */
 const MAX_NAMES = 500;
 
@@ -36,6 +39,7 @@ class Live {
   /** Why rows do not come, null while they do or none are wanted. */
   rowsProblem: string | null = $state(null);
   private readonly units = new Map<string, string>();
+  private readonly frames = new Map<string, Set<FrameListener>>();
   private socket: RowsSocket | null = null;
   private started = false;
 
@@ -77,6 +81,15 @@ class Live {
     if (messages === undefined) this.rows.set(row.source, (messages = new Map()));
     messages.set(row.message, row);
     this.hub.feed(row);
+    const { data } = row;
+    if (data !== undefined) for (const take of this.frames.get(row.source) ?? []) take(data, row.time);
+  }
+
+  /** Calls a function with each frame whose bytes a source leaves to scripts; returns the function that ends it. */
+  onFrame(source: string, take: FrameListener): () => void {
+    const listening = this.frames.get(source) ?? new Set();
+    this.frames.set(source, listening.add(take));
+    return () => void listening.delete(take);
   }
 
   /** Remembers the units of the columns of a source of rows. */

@@ -23,6 +23,19 @@ export async function readSources(): Promise<readonly StationSource[]> {
   return sources;
 }
 
+/** A decoder of frames by its name, as sources name it by `decoder=NAME`. */
+export interface NamedDecoder {
+  readonly name: string;
+  readonly declaration: Readonly<Record<string, unknown>>;
+}
+
+/** Returns the request for a source: with the declaration of the decoder that its URL names, if it is known. */
+export function sourceRequest(url: string, decoders: readonly NamedDecoder[]): Record<string, unknown> {
+  const name = /^frames\+[^?]*\?(?:.*&)?decoder=([^&]+)/.exec(url)?.[1];
+  const decoder = decoders.find((each) => each.name === name);
+  return decoder === undefined ? { url } : { url, decoder: decoder.declaration };
+}
+
 /** Returns the URLs that a dashboard needs and the station does not have. */
 export function missingSources(needed: readonly string[], sources: readonly Pick<StationSource, 'url'>[]): string[] {
   const known = new Set(sources.map(({ url }) => address(url)));

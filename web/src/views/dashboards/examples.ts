@@ -81,6 +81,7 @@ function twoDrones(title: string, sources: readonly string[], [one, two]: readon
     title,
     sources,
     scripts: [],
+    decoders: [],
     widgets: [
       widget('map', 'map', [0, 0, 6, 8], [one.latitude, one.longitude, two.latitude, two.longitude], { title: 'Map' }),
       widget('horizon1', 'horizon', [6, 0, 3, 4], [one.roll, one.pitch], { title: one.name }),
@@ -109,10 +110,12 @@ function cansat(): Dashboard {
     scripts: [
       {
         name: 'descent',
+        frames: '',
         inputs: { altitude: altitude.ref, time: column('time', '', 's').ref },
         code: CANSAT_SCRIPT,
       },
     ],
+    decoders: [],
     widgets: [
       widget('altitude', 'plot', [0, 0, 6, 5], [altitude], { title: 'Altitude', window: 120 }),
       widget('rate', 'gauge', [6, 0, 3, 5], [field('script:descent:OUT.rate', 'Climb rate', 'm/s')], {
@@ -155,6 +158,7 @@ function oneVehicle(): Dashboard {
     title: 'One vehicle',
     sources: [],
     scripts: [],
+    decoders: [],
     widgets: [
       widget(
         'attitude',

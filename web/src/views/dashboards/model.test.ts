@@ -1,6 +1,16 @@
 import { describe, expect, it } from 'vitest';
 import { parseFieldRef } from '$lib/series/fieldRef';
-import { DashboardError, EMPTY, fieldOf, loadDashboard, newWidget, saveDashboard, type Dashboard } from './model';
+import {
+  DashboardError,
+  EMPTY,
+  fieldOf,
+  loadDashboard,
+  loadFile,
+  newWidget,
+  saveDashboard,
+  saveProject,
+  type Dashboard,
+} from './model';
 import { withWidget } from './layout';
 
 const ref = (text: string) => parseFieldRef(text)!;
@@ -10,12 +20,22 @@ const FULL: Dashboard = {
     newWidget('plot', [fieldOf(ref('1:ATTITUDE.roll'), { factor: 57.3, unit: 'deg', label: 'Roll' })], 'Roll'),
   ),
   sources: ['tcpout://127.0.0.1:5760'],
-  scripts: [{ name: 'climb', inputs: { a: ref('cansat:ROW.altitude') }, code: 'return { rate: values.a }' }],
+  scripts: [
+    { name: 'climb', inputs: { a: ref('cansat:ROW.altitude') }, frames: '', code: 'return { rate: values.a }' },
+    { name: 'bytes', inputs: {}, frames: 'bench', code: 'return { size: bytes.length }' },
+  ],
+  decoders: [{ name: 'bench', declaration: { name: 'bench', framing: { kind: 'cobs' } } }],
 };
 const file = (value: object): string => JSON.stringify({ type: 'mavstack-dashboard', version: 1, ...value });
 
 it('is the same after it was saved and loaded', () => {
   expect(loadDashboard(saveDashboard(FULL))).toEqual(FULL);
+});
+
+it('projects hold several dashboards, and are the same after they were saved and loaded', () => {
+  const other = { ...FULL, title: 'Other' };
+  expect(loadFile(saveProject([FULL, other]))).toEqual([FULL, other]);
+  expect(loadFile(saveDashboard(FULL))).toEqual([FULL]);
 });
 
 it('takes short forms that people write', () => {
@@ -49,9 +69,15 @@ describe('refuses', () => {
     ],
     [file({ scripts: [{ name: 'x', code: 'import("y")' }] }), 'script 1'],
     [file({ scripts: [{ name: 'no name', code: 'return {}' }] }), 'name of letters'],
+    [file({ decoders: [{}, { framing: {} }] }), 'decoder 2: framing.kind'],
+    [file({ decoders: [{}, {}] }), 'two decoders have the name decoder'],
+    [file({ decoders: Array(33).fill({}) }), '33 decoders are too many'],
+    [file({ type: 'mavstack-project', version: 2 }), 'version 2'],
+    [file({ type: 'mavstack-project', dashboards: [{ type: 'x' }] }), 'dashboard 1: not a dashboard'],
+    [file({ type: 'mavstack-project', dashboards: Array(101).fill({}) }), '101 dashboards are too many'],
   ])('%s', (text, reason) => {
-    expect(() => loadDashboard(text)).toThrow(DashboardError);
-    expect(() => loadDashboard(text)).toThrow(reason);
+    expect(() => loadFile(text)).toThrow(DashboardError);
+    expect(() => loadFile(text)).toThrow(reason);
   });
 });
 

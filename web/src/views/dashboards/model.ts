@@ -1,5 +1,6 @@
 /** Dashboards as they are shown, edited and saved: a JSON object that people can read and write by hand. */
 import { type FieldRef, formatFieldRef, parseFieldRef } from '$lib/series/fieldRef';
+import { parseDecoder } from '$lib/frames/decoder';
 import { problemOf } from '$lib/scripts/sandbox';
 
 import { compacted } from './layout';
@@ -41,7 +42,16 @@ export interface UserScript {
   readonly name: string;
   /** Fields by the names under which the script reads them in `values`. */
   readonly inputs: Readonly<Record<string, FieldRef>>;
+  /** The source whose frames the script reads as `bytes`; empty: it reads its inputs. */
+  readonly frames: string;
   readonly code: string;
+}
+
+/** A decoder of frames, which sources name by `decoder=NAME`. */
+export interface UserDecoder {
+  readonly name: string;
+  /** Its declaration (`$lib/frames/decoder.ts`). */
+  readonly declaration: Readonly<Record<string, unknown>>;
 }
 
 export interface Dashboard {
@@ -50,9 +60,11 @@ export interface Dashboard {
   readonly sources: readonly string[];
   readonly widgets: readonly Widget[];
   readonly scripts: readonly UserScript[];
+  readonly decoders: readonly UserDecoder[];
 }
 
 export const FILE_TYPE = 'mavstack-dashboard';
+export const PROJECT_TYPE = 'mavstack-project';
 export const FILE_VERSION = 1;
 export const MAX_WIDGETS = 100;
 /** A plot of more fields cannot be read. */
@@ -61,9 +73,11 @@ export const MAX_WIDGET_FIELDS = 32;
 export const MAX_SCRIPTS = 16;
 export const MAX_INPUTS = 32;
 export const MAX_SOURCES = 32;
+export const MAX_DECODERS = 32;
+export const MAX_DASHBOARDS = 100;
 /** Characters of a file. */
 export const MAX_TEXT = 2_000_000;
-export const EMPTY: Dashboard = { title: 'New dashboard', sources: [], widgets: [], scripts: [] };
+export const EMPTY: Dashboard = { title: 'New dashboard', sources: [], widgets: [], scripts: [], decoders: [] };
 
 /** Default size of a kind of widget, in columns and rows. */
 export const DEFAULT_SIZES: Readonly<Record<WidgetKind, readonly [number, number]>> = {
@@ -110,14 +124,29 @@ export function newWidget(
 
 /** Returns the text of a file. */
 export function saveDashboard(dashboard: Dashboard): string {
+  return asFile(savedDashboard(dashboard));
+}
+
+/** Returns the text of a file with several dashboards. */
+export function saveProject(dashboards: readonly Dashboard[]): string {
+  return asFile({ type: PROJECT_TYPE, version: FILE_VERSION, dashboards: dashboards.map(savedDashboard) });
+}
+
+function asFile(value: object): string {
+  return `${JSON.stringify(value, null, 2)}\n`;
+}
+
+function savedDashboard(dashboard: Dashboard): object {
   const widgets = dashboard.widgets.map((widget) => ({ ...widget, fields: widget.fields.map(savedField) }));
-  const scripts = dashboard.scripts.map(({ name, inputs, code }) => ({
+  const scripts = dashboard.scripts.map(({ name, inputs, frames, code }) => ({
     name,
+    ...(frames && { frames }),
     inputs: Object.fromEntries(Object.entries(inputs).map(([input, ref]) => [input, formatFieldRef(ref)])),
     code,
   }));
   const { title, sources } = dashboard;
-  return `${JSON.stringify({ type: FILE_TYPE, version: FILE_VERSION, title, sources, widgets, scripts }, null, 2)}\n`;
+  const decoders = dashboard.decoders.map(({ declaration }) => declaration);
+  return { type: FILE_TYPE, version: FILE_VERSION, title, sources, widgets, scripts, decoders };
 }
 
 function savedField({ ref, label, factor, offset, unit }: WidgetField): Record<string, unknown> {
@@ -136,13 +165,36 @@ function savedField({ ref, label, factor, offset, unit }: WidgetField): Record<s
  * Widgets of unknown kinds and unknown members are left out, so that files of newer versions can be opened.
  */
 export function loadDashboard(text: string): Dashboard {
+  return readDashboard(parse(text));
+}
+
+/** Returns the dashboards of a file: of a dashboard, or of a project with several; throws a DashboardError. */
+export function loadFile(text: string): readonly Dashboard[] {
+  const value = parse(text);
+  if (!isObject(value) || value.type !== PROJECT_TYPE) return [readDashboard(value)];
+  if (value.version !== FILE_VERSION) throw new DashboardError(`this project has the version ${value.version}`);
+  const dashboards = list(value.dashboards);
+  if (dashboards.length > MAX_DASHBOARDS)
+    throw new DashboardError(`${dashboards.length} dashboards are too many: at most ${MAX_DASHBOARDS} fit`);
+  return dashboards.map((each, index) => {
+    try {
+      return readDashboard(each);
+    } catch (error) {
+      throw new DashboardError(`dashboard ${index + 1}: ${(error as Error).message}`);
+    }
+  });
+}
+
+function parse(text: string): unknown {
   if (text.length > MAX_TEXT) throw new DashboardError(`not a dashboard: longer than ${MAX_TEXT} characters`);
-  let value: unknown;
   try {
-    value = JSON.parse(text);
+    return JSON.parse(text);
   } catch (error) {
     throw new DashboardError(`not a dashboard: ${(error as Error).message}`);
   }
+}
+
+function readDashboard(value: unknown): Dashboard {
   if (!isObject(value) || value.type !== FILE_TYPE)
     throw new DashboardError(`not a dashboard: no "type": "${FILE_TYPE}"`);
   if (value.version !== FILE_VERSION) throw new DashboardError(`this dashboard has the version ${value.version}`);
@@ -160,6 +212,7 @@ export function loadDashboard(text: string): Dashboard {
     sources: list(value.sources)
       .filter((each): each is string => typeof each === 'string')
       .slice(0, MAX_SOURCES),
+    decoders: loadDecoders(value.decoders),
     // Places that no grid has are moved into it.
     widgets: compacted(widgets),
     scripts,
@@ -213,12 +266,35 @@ function loadScript(value: unknown, index: number): UserScript[] {
   if (!isObject(value)) return [];
   const name = string(value.name, '');
   const code = string(value.code, '');
+  const frames = string(value.frames, '');
   const problem = /^[A-Za-z][A-Za-z0-9_]{0,31}$/.test(name) ? problemOf(code) : 'it needs a name of letters and digits';
   if (problem !== null) throw new DashboardError(`script ${index + 1}: ${problem}`);
   const inputs = isObject(value.inputs) ? Object.entries(value.inputs).slice(0, MAX_INPUTS) : [];
   return [
-    { name, code, inputs: Object.fromEntries(inputs.map(([input, ref]) => [input, loadRef(ref, `script ${name}`)])) },
+    {
+      name,
+      code,
+      frames,
+      inputs: Object.fromEntries(inputs.map(([input, ref]) => [input, loadRef(ref, `script ${name}`)])),
+    },
   ];
+}
+
+function loadDecoders(value: unknown): readonly UserDecoder[] {
+  const declarations = list(value).filter(isObject);
+  if (declarations.length > MAX_DECODERS)
+    throw new DashboardError(`${declarations.length} decoders are too many: at most ${MAX_DECODERS} fit`);
+  const decoders = declarations.map((declaration, index) => {
+    try {
+      return { name: parseDecoder(declaration).name, declaration };
+    } catch (error) {
+      throw new DashboardError(`decoder ${index + 1}: ${(error as Error).message}`);
+    }
+  });
+  const names = decoders.map(({ name }) => name);
+  const repeated = names.find((name, index) => names.indexOf(name) < index);
+  if (repeated !== undefined) throw new DashboardError(`two decoders have the name ${repeated}`);
+  return decoders;
 }
 
 function isObject(value: unknown): value is Record<string, unknown> {

@@ -9,9 +9,10 @@ it('reads the scripts of the examples as they are', () => {
 });
 
 it.each([
-  [{ name: 'no name', inputs: '', code: 'return {}' }, 'letters'],
-  [{ name: 'a', inputs: 'x = nonsense', code: 'return {}' }, 'is not an input'],
-  [{ name: 'a', inputs: '', code: '' }, 'empty'],
+  [{ name: 'no name', inputs: '', frames: '', code: 'return {}' }, 'letters'],
+  [{ name: 'a', inputs: 'x = nonsense', frames: '', code: 'return {}' }, 'is not an input'],
+  [{ name: 'a', inputs: '', frames: '1/1', code: 'return {}' }, 'name of a source'],
+  [{ name: 'a', inputs: '', frames: '', code: '' }, 'empty'],
 ])('tells what is wrong with %j', (draft, problem) => {
   expect(readDraft(draft).problem).toContain(problem);
 });

@@ -10,6 +10,8 @@ const INTERVAL = 50;
 class Running {
   private readonly inputs: readonly (readonly [string, Series])[];
   private readonly runner: ScriptRunner;
+  private readonly stopFrames: () => void;
+  private readonly readsFrames: boolean;
   private seen = -1;
 
   constructor(script: UserScript, onProblem: (problem: string) => void) {
@@ -25,19 +27,31 @@ class Running {
       onProblem,
     );
     if (this.runner.problem !== null) onProblem(this.runner.problem);
+    this.stopFrames =
+      script.frames === ''
+        ? () => {}
+        : live.onFrame(script.frames, (bytes, time) =>
+            this.runner.call({ values: this.values(), time: time / 1000, bytes }),
+          );
+    this.readsFrames = script.frames !== '';
   }
 
   /** Calls the script if an input has a new value. */
   step(): void {
+    if (this.readsFrames) return;
     const pushed = this.inputs.reduce((sum, [, series]) => sum + series.ring.pushed, 0);
     if (pushed === this.seen || pushed === 0) return;
     this.seen = pushed;
     const time = Math.max(...this.inputs.map(([, series]) => series.time ?? 0)) / 1000;
-    const values = Object.fromEntries(this.inputs.map(([name, series]) => [name, series.value]));
-    this.runner.call({ values, time });
+    this.runner.call({ values: this.values(), time });
+  }
+
+  private values(): Readonly<Record<string, number | null>> {
+    return Object.fromEntries(this.inputs.map(([name, series]) => [name, series.value]));
   }
 
   close(): void {
+    this.stopFrames();
     for (const [, series] of this.inputs) live.hub.release(series);
     this.runner.close();
   }

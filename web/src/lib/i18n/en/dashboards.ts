@@ -72,7 +72,29 @@ export const dashboards = {
   addScript: 'Add a script',
   scriptName: 'Name; its fields are script:NAME:OUT.field',
   inputs: 'Inputs, one on each line: name = source:MESSAGE.field',
-  code: 'Body of a function of values, state and time, which returns fields',
+  code: 'Body of a function of values, state, time and bytes, which returns fields',
+  frames: 'Source whose frames it reads as bytes',
+  framesHint: 'Empty: it is called when an input changes. Otherwise with each frame of that source, such as bench',
+  decoders: 'Decoders',
+  decoder: 'Decoder',
+  decoderHint:
+    'A decoder cuts the bytes of a source into frames and names their values. Sources use it by its name: ' +
+    'frames+udp://0.0.0.0:9000?name=bench&decoder=bench',
+  declaration: 'Declaration (JSON)',
+  addDecoder: 'Add a decoder',
+  decoderRepeated: 'another decoder has this name',
+  tryBytes: 'Try it with bytes, in hexadecimal digits',
+  tryWrong: 'These are not hexadecimal digits such as aa 55.',
+  tryRefused: '{count, one: # frame, other: # frames} refused',
+  tryNothing: 'No frame is complete.',
+  saveAll: 'Save all of mine to a project file',
+  import: 'Open a project',
+  importHint:
+    'Choose the dashboards to keep in this browser. This opens no source: the page asks when a dashboard is shown.',
+  importFacts:
+    '{widgets, one: # widget, other: # widgets}, {sources, one: # source, other: # sources}, ' +
+    '{decoders, one: # decoder, other: # decoders}, {scripts, one: # script, other: # scripts}',
+  importChosen: 'Keep {count, one: # dashboard, other: # dashboards}',
   scriptHint: 'A script runs in a sandbox without network and storage, and is stopped when it takes longer than 0.5 s.',
   scriptStopped: 'The script {name} was stopped: {reason}',
   restart: 'Start again',

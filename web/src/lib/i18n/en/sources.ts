@@ -10,9 +10,13 @@ export const sources = {
   url: 'URL of a link',
   urlHint:
     'Such as udpin://0.0.0.0:14550, tcpout://127.0.0.1:5760, serial:///dev/ttyACM0?baud=57600, or ' +
-    'csv+tcp://127.0.0.1:5770?name=cansat&template=time:s,alt:m',
+    'csv+tcp://127.0.0.1:5770?name=cansat&template=time:s,alt:m, or frames+udp://0.0.0.0:9000?name=bench&decoder=bench',
   add: 'Add',
   usb: 'Values of a device at a serial port of this computer',
+  usbFormat: 'Format',
+  usbLines: 'Lines',
+  usbDecoder: 'Decoder {name}',
+  usbBytes: 'Bytes for scripts',
   usbName: 'Name',
   usbColumns: 'Columns',
   usbColumnsHint: 'A template such as time:s,lat:deg,lon:deg,alt:m',
