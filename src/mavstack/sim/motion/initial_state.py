@@ -17,39 +17,13 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle_types import Home
 
 #: Fields of an airframe that are rows of the same name.
-COPIED = (
-    "speed",
-    "climb",
-    "sink",
-    "tilt",
-    "turn_rate",
-    "loiter_radius",
-    "airspeed_cruise",
-    "airspeed_min",
-    "airspeed_max",
-    "cells",
-    "capacity",
-    "drag_linear",
-    "drag_quadratic",
-    "lift",
-    "drive",
-    "drive_speed",
-    "wing",
-    "position_gain",
-    "velocity_gain",
-    "integral_gain",
-    "heave_gain",
-    "attitude_gain",
-    "angular_acceleration",
-    "floor",
-    "ceiling",
-    "friction",
-    "rest_pitch",
-    "power_idle",
-    "power_lift",
-    "power_drive",
-    "resistance",
-)
+_COPIED_NAMES = """
+    speed climb sink tilt turn_rate loiter_radius airspeed_cruise airspeed_min airspeed_max cells
+    capacity drag_linear drag_quadratic lift drive drive_speed wing position_gain velocity_gain
+    integral_gain heave_gain attitude_gain angular_acceleration floor ceiling friction rest_pitch
+    power_idle power_lift power_drive resistance
+    """
+COPIED = tuple(_COPIED_NAMES.split())
 
 
 def initial_column(airframe: Airframe, home: Home, slow_noise: Array, step: float, phase: int) -> Array:

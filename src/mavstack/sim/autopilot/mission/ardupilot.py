@@ -89,28 +89,13 @@ NAMES: Mapping[int, str] = {
     _CMD.DO_AUX_FUNCTION: "AuxFunction",
     _CMD.DO_WINCH: "Winch",
 }
-_PLACED = frozenset(
-    {
-        _CMD.NAV_WAYPOINT,
-        _CMD.NAV_LOITER_UNLIM,
-        _CMD.NAV_LOITER_TURNS,
-        _CMD.NAV_LOITER_TIME,
-        _CMD.NAV_LAND,
-        _CMD.NAV_TAKEOFF,
-        _CMD.NAV_CONTINUE_AND_CHANGE_ALT,
-        _CMD.NAV_LOITER_TO_ALT,
-        _CMD.NAV_SPLINE_WAYPOINT,
-        _CMD.NAV_VTOL_TAKEOFF,
-        _CMD.NAV_VTOL_LAND,
-        _CMD.NAV_PAYLOAD_PLACE,
-        _CMD.DO_SET_HOME,
-        _CMD.DO_LAND_START,
-        _CMD.DO_RETURN_PATH_START,
-        _CMD.DO_GO_AROUND,
-        _CMD.DO_SET_ROI,
-        _CMD.DO_SET_ROI_LOCATION,
-    }
-)
+_PLACED_NAMES = """
+    NAV_WAYPOINT NAV_LOITER_UNLIM NAV_LOITER_TURNS NAV_LOITER_TIME NAV_LAND NAV_TAKEOFF
+    NAV_CONTINUE_AND_CHANGE_ALT NAV_LOITER_TO_ALT NAV_SPLINE_WAYPOINT NAV_VTOL_TAKEOFF NAV_VTOL_LAND
+    NAV_PAYLOAD_PLACE DO_SET_HOME DO_LAND_START DO_RETURN_PATH_START DO_GO_AROUND DO_SET_ROI
+    DO_SET_ROI_LOCATION
+    """
+_PLACED = frozenset(getattr(_CMD, name) for name in _PLACED_NAMES.split())
 #: The numbers of params 1 to 4 that may be NaN.
 _MAY_BE_NAN: Mapping[int, frozenset[int]] = {
     _CMD.NAV_WAYPOINT: frozenset({4}),
@@ -122,23 +107,12 @@ _MAY_BE_NAN: Mapping[int, frozenset[int]] = {
     _CMD.IMAGE_START_CAPTURE: frozenset({4}),
 }
 #: Commands of the mission library, which does not send MISSION_ITEM_REACHED for them.
-_SILENT = frozenset(
-    {
-        _CMD.DO_GRIPPER,
-        _CMD.DO_SET_SERVO,
-        _CMD.DO_SET_RELAY,
-        _CMD.DO_REPEAT_SERVO,
-        _CMD.DO_REPEAT_RELAY,
-        _CMD.DO_DIGICAM_CONFIGURE,
-        _CMD.DO_DIGICAM_CONTROL,
-        _CMD.DO_SET_CAM_TRIGG_DIST,
-        _CMD.DO_PARACHUTE,
-        _CMD.DO_SET_RESUME_REPEAT_DIST,
-        _CMD.DO_SPRAYER,
-        _CMD.DO_AUX_FUNCTION,
-        _CMD.JUMP_TAG,
-    }
-)
+_SILENT_NAMES = """
+    DO_GRIPPER DO_SET_SERVO DO_SET_RELAY DO_REPEAT_SERVO DO_REPEAT_RELAY DO_DIGICAM_CONFIGURE
+    DO_DIGICAM_CONTROL DO_SET_CAM_TRIGG_DIST DO_PARACHUTE DO_SET_RESUME_REPEAT_DIST DO_SPRAYER
+    DO_AUX_FUNCTION JUMP_TAG
+    """
+_SILENT = frozenset(getattr(_CMD, name) for name in _SILENT_NAMES.split())
 _LAST_NAVIGATION = 95
 _HIGHEST = 83000.0
 _WINGS = frozenset({VehicleType.PLANE, VehicleType.VTOL})
