@@ -106,7 +106,9 @@ def _checksum(body: bytes) -> int:
 
 def _angle(degrees: float, letters: str, digits: int) -> str:
     """Return degrees and minutes with the letter of their half of the Earth."""
-    total = round(abs(degrees) * 60e7)  # of 1e-7 minutes: rounded once, so that no 60 minutes appear
+    total = round(
+        abs(degrees) * 60e7
+    )  # in 1e-7 minutes, rounded before the division: 60 minutes cannot appear
     whole, minutes = divmod(total, 600_000_000)
     return f"{whole:0{digits}d}{minutes / 1e7:010.7f},{letters[degrees < 0]}"
 

@@ -45,7 +45,7 @@ def open_link(url: str | LinkURL, **options: object) -> Link:
     """
     parsed = (resolve_url(url) if isinstance(url, str) else url).with_options(**options)
     reader = Options(parsed)
-    is_sealed = parsed.scheme.startswith(SEALED)  # it impairs the link that it seals
+    is_sealed = parsed.scheme.startswith(SEALED)  # a sealed link passes the impairment to the link inside
     link = _backend(parsed.scheme)(parsed, reader) if is_sealed else impaired_link(parsed, reader)
     reader.refuse_unknown()
     return link

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from mavstack.links.options import Options
     from mavstack.links.url import LinkURL
 
-#: Seconds that a request of the gateway and one to it may take; modems at the same time; requests that wait.
+#: Timeouts of requests from and to the gateway in seconds; limits of modems and of waiting requests.
 HOOK_TIMEOUT: Final = 5.0
 SEND_TIMEOUT: Final = 20.0
 MAX_MODEMS: Final = 64

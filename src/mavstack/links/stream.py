@@ -84,7 +84,7 @@ class StreamChannel(ConnectionChannel):
         self._reader, self._writer = streams
         self._send_queue = send_queue
         self._read_transport: asyncio.BaseTransport = self._writer.transport
-        self._is_behind = True  # the reader may have bytes
+        self._is_behind = True  # the reader may hold received bytes
         self._writer.transport.set_write_buffer_limits(high=send_queue // 2)
 
     async def receive_all(self, inbox: Inbox) -> str:

@@ -55,7 +55,7 @@ class Camera(ReadOnly):
 
     def __init__(self, clients: ComponentClients, device_id: int = 0) -> None:
         self._clients = clients
-        #: 1 to 6 for a camera that is attached to the autopilot; 0 for one with a component of its own.
+        #: 1 to 6 for a camera that is attached to the autopilot; 0 for one that is a component itself.
         self.device_id = device_id
         self._monitor = clients.get(
             CameraMonitor,

@@ -129,7 +129,7 @@ class CanBus(ReadOnly):
         if self._clients.host.is_open and kind is None:
             try:
                 await self._forward(0, timeout=1.0)
-            except MavstackError:  # it lapses by itself
+            except MavstackError:  # the vehicle ends the forwarding by itself
                 return
 
     def __aiter__(self) -> Self:

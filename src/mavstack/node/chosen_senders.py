@@ -124,7 +124,7 @@ class ChosenSenders:
         return SystemIdConflictError(operation, str(target), answer=_answer(target.system, conflict))
 
     def unmet_limit(self) -> str:
-        """Return a text if packets of one channel count only and that channel is not open."""
+        """Return an error text if only packets of one channel count, and that channel is not open."""
         if self._only is None or self._limit():
             return ""
         known = ", ".join(channel.name for channel in self._channels) or "none"

@@ -46,7 +46,7 @@ _log = logging.getLogger("mavstack.router")
 RETRY_INTERVAL = 5.0
 #: Alerts of the firewall that are kept for those who look at the router.
 RECENT_ALERTS = 8
-#: Seconds between two looks of the firewall at the counters.
+#: Interval at which the firewall checks the counters, in seconds.
 TIMER_INTERVAL = 1.0
 #: Seconds between two looks at the engine's events in an event loop without socket readers.
 POLL_INTERVAL = 0.005

@@ -31,19 +31,19 @@ ACTING: Final[Mapping[str, str]] = MappingProxyType(
         SET_POSITION_TARGET_LOCAL_NED SET_POSITION_TARGET_GLOBAL_INT SET_ACTUATOR_CONTROL_TARGET
         SET_HOME_POSITION SET_GPS_GLOBAL_ORIGIN FOLLOW_TARGET CHANGE_OPERATOR_CONTROL COMMAND_CANCEL
         """,
-        # Change its mission, fence and rally points.
+        # Change the vehicle's mission, fence and rally points.
         "plan": """
         MISSION_COUNT MISSION_ITEM MISSION_ITEM_INT MISSION_CLEAR_ALL MISSION_SET_CURRENT
         MISSION_WRITE_PARTIAL_LIST SAFETY_SET_ALLOWED_AREA FENCE_POINT RALLY_POINT
         """,
-        # Change its settings and what it stores.
+        # Change the vehicle's settings and stored data.
         "settings": """
         PARAM_SET PARAM_MAP_RC LOG_ERASE SERIAL_CONTROL SETUP_SIGNING AUTH_KEY WIFI_CONFIG_AP CELLULAR_CONFIG
         CAN_FRAME CANFD_FRAME CAN_FILTER_MODIFY SET_MAG_OFFSETS DEVICE_OP_WRITE OSD_PARAM_CONFIG
         """,
-        # Read and write its files, and tunnel to its devices.
+        # Read and write the vehicle's files, and tunnel to its devices.
         "files": "FILE_TRANSFER_PROTOCOL TUNNEL V2_EXTENSION",
-        # Tell it where it is, and what it senses.
+        # Give the vehicle positions and sensor values.
         "position": """
         HIL_GPS HIL_SENSOR HIL_STATE HIL_STATE_QUATERNION HIL_OPTICAL_FLOW HIL_RC_INPUTS_RAW HIL_CONTROLS
         HIL_ACTUATOR_CONTROLS GPS_INPUT GPS_INJECT_DATA

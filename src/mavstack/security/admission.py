@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-#: Seconds after its last use for which a place is kept: of an unauthenticated, an authenticated holder.
+#: Seconds for which an unused place is kept, for an unauthenticated and for an authenticated holder.
 USE_TIMEOUT = 3.0
 AUTHENTICATED_TIMEOUT = 30.0
 #: Mean time in seconds for which a newcomer that has proved nothing keeps its place at least.

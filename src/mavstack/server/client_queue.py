@@ -42,7 +42,7 @@ class ClientQueue(Generic[Data]):
         self._wakeup.set()
 
     async def get(self) -> Data:
-        """Return the oldest data; wait for some."""
+        """Return the oldest data; wait until there is some."""
         while not self._items:
             self._wakeup.clear()
             await self._wakeup.wait()

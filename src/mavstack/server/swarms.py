@@ -103,7 +103,7 @@ class StationSwarm:
         try:
             return await asyncio.shield(flight)
         except asyncio.CancelledError:
-            if not flight.cancelled():  # the client of the call ended it
+            if not flight.cancelled():  # the client cancelled its call
                 flight.cancel()
                 await asyncio.gather(flight, return_exceptions=True)
                 self._reason = "cancelled by its client"

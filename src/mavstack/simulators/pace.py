@@ -10,9 +10,9 @@ from mavstack.errors import InvalidArgumentError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: Seconds that the simulation may lag behind before it gives up to catch up.
+#: Maximum lag of the simulation in seconds; a larger lag is not made up for.
 MAX_LAG: Final = 0.1
-#: Seconds of the shortest sleep: shorter ones cost more than they wait.
+#: Minimum sleep in seconds: shorter ones take longer than requested.
 _SHORTEST: Final = 0.001
 
 

@@ -215,7 +215,7 @@ class Simulator(ABC):
         self.state = self._physics.step(actuators, dt).checked()
 
     def _place(self) -> None:
-        """Put the body at home, and begin the sensors again."""
+        """Put the body at home, and restart the sensors."""
         self.state = self._physics.reset(self.home, self.home.heading).checked()
         self.sensors.reset()
 

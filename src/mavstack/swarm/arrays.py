@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-#: Numbers; of positions and velocities an array of shape (n, 3): metres north, east and up.
+#: An array of floats; positions and velocities have the shape (n, 3): metres north, east and up.
 Points: TypeAlias = npt.NDArray[np.float64]
 #: Whole numbers, such as the slot of each vehicle.
 Indices: TypeAlias = npt.NDArray[np.int64]

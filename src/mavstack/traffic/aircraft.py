@@ -15,7 +15,7 @@ from mavstack.geodesy import distance, offset
 #: Seconds after which an aircraft is forgotten, and a position is too old to be used.
 MAX_AGE: Final = 60.0
 MAX_POSITION_AGE: Final = 30.0
-#: Aircraft that are kept; the one that was not heard for longest is forgotten.
+#: Maximum number of aircraft; a further one replaces the one with the oldest report.
 MAX_AIRCRAFT: Final = 20_000
 
 

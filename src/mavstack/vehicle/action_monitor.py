@@ -36,9 +36,9 @@ if TYPE_CHECKING:
 
 #: The time without progress after which an action fails, in seconds.
 STALL_TIMEOUT = 30.0
-#: A smaller fall of `remaining` is no progress.
+#: Minimum decrease of `remaining` that counts as progress.
 MIN_PROGRESS = 0.5
-#: A smaller rest is told with a decimal.
+#: A smaller remaining amount is reported with a decimal.
 _WHOLE_NUMBERS = 2.0
 #: The interval at which the goal is checked if no packet arrives, in seconds.
 CHECK_INTERVAL = 0.5

@@ -29,7 +29,7 @@ class _Poll:
 
 
 class PollSchedule(Generic[Key]):
-    """The schedule of one flight controller.
+    """The schedule of the polls of one flight controller.
 
     Args:
         share: The share of the time that polls may use, above 0 to 1.

@@ -72,7 +72,7 @@ class RcChannels:
         self._overrides.clear()
 
     def check_pilot(self, now: float) -> bool:
-        """Release the control if the one who has it is silent; returns True if it was released now."""
+        """Release the control if its holder sends nothing; return True if it was released now."""
         if self._pilot is None or now < self._sign_at + CONTROL_TIMEOUT:
             return False
         self.release_control()

@@ -47,7 +47,9 @@ async def selected_camera(vehicle: Vehicle, arguments: Namespace) -> Camera:
         return vehicle.camera(arguments.camera)
     cameras = await known_cameras(vehicle)
     if not cameras:
-        raise CommandError(f"vehicle {vehicle.system} has no camera: none was heard, and none is attached")
+        raise CommandError(
+            f"vehicle {vehicle.system} has no camera: none sent a heartbeat or is attached"
+        )
     if len(cameras) > 1:
         ids = ", ".join(str(each.device_id or each.address.component) for each in cameras)
         raise UsageError(f"vehicle {vehicle.system} has several cameras ({ids}); select one with --camera ID")
@@ -57,7 +59,7 @@ async def selected_camera(vehicle: Vehicle, arguments: Namespace) -> Camera:
 async def known_cameras(vehicle: Vehicle) -> tuple[Camera, ...]:
     """Return all cameras of a vehicle; waits a moment for the first heartbeat of one."""
     if not vehicle.cameras:
-        with suppress(RemoteTimeout):  # it may be attached to the autopilot
+        with suppress(RemoteTimeout):  # a camera that is attached to the autopilot sends none
             await vehicle.wait_for_camera(timeout=HEARTBEAT_TIMEOUT)
     try:
         return await vehicle.find_cameras()

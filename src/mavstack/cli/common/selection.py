@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 #: Seconds to wait for further vehicles after one was found: two heartbeats.
 DISCOVERY_TIME: Final = 2.5
 _MAX_SYSTEM = 255
-#: The operations in the errors of commands that change something while several vehicles use one id.
+#: Names of operations in errors: changes are refused while several vehicles use one id.
 _OPERATIONS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "param": "changing parameters of",

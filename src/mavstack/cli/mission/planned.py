@@ -109,7 +109,7 @@ def run_plan(arguments: Namespace, make: MakePlan, select: SelectVehicles, *, nu
 
 
 def searcher_of(arguments: Namespace, frame: LocalFrame, vehicle: Vehicle | None) -> Searcher:
-    """Return a vehicle as the planner takes it: where it is, and how fast it is."""
+    """Return the position and speed of a vehicle, for the planner."""
     position = None if vehicle is None else vehicle.position
     start = None if position is None else frame.to_local(position.latitude, position.longitude, 0.0)[:2]
     return Searcher(arguments.speed or Searcher().speed, start=start)

@@ -48,7 +48,7 @@ class VehicleRelays:
         if SYSTEM in url:
             self._by_system = {system: Relay(url.replace(SYSTEM, str(system))) for system in vehicles()}
             if not self._by_system:
-                raise UsageError(f"{SYSTEM} in --to stands for each vehicle of the recording, which has none")
+                raise UsageError(f"--to contains {SYSTEM}, but the recording has no vehicle")
         else:
             self._common = Relay(url)
         #: Packets of systems that have no link.

@@ -20,9 +20,9 @@ _LOW_CHARGE: Final = 20.0
 _EMPTY: Final = 10.0
 #: Volts of a supply of 5 V below which ArduPilot's documentation warns.
 _LOW_BOARD_VOLTAGE: Final = 4.6
-#: Metres above home in which a vehicle flies.
+#: Minimum height above home of a flying vehicle, in metres.
 _IN_FLIGHT: Final = 3.0
-#: Seconds before the end of a log in which a flying vehicle means that it broke off.
+#: A log that ends less than this many seconds after the vehicle flew was cut off.
 _END: Final = 3.0
 
 

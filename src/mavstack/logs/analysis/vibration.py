@@ -27,7 +27,7 @@ def vibration(flight: Flight) -> Iterator[Finding]:
         signal = flight.flying_signal(f"vibration_{axis}")
         if signal is None:
             continue
-        # A single value of a landing or a crash is no vibration: the 95th percentile is judged.
+        # A single peak of a landing or a crash is not a vibration, so the 95th percentile counts.
         level, top = float(np.percentile(signal.values, 95)), float(signal.values.max())
         if level < _ACCEPTABLE:
             continue

@@ -246,7 +246,7 @@ class FlightBook:
         try:
             with open_log(path) as log:
                 if not len(log):
-                    raise LogError(f"{path}: it holds no record")
+                    raise LogError(f"{path} contains no records")
                 skipped = log.skipped.describe() if log.skipped else ""
                 rows = [_row(name, flight, skipped) for flight in flights(log)]
         except (MavstackError, OSError) as error:

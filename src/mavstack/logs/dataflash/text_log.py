@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 _FMT: Final = "FMT"
 _FMT_TYPE: Final = RecordType(_FMT, "BBnNZ", "Type,Length,Name,Format,Columns", 1 << 16)
-#: A line has no length; every field has its place.
+#: Text lines have no length: this one is larger than any record, so that no field is cut off.
 _ANY_LENGTH: Final = 1 << 16
 _NOT_A_TIME: Final = np.datetime64("NaT", "us")
 

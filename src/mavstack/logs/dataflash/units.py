@@ -34,7 +34,7 @@ def has_units(fmtu: Table | None) -> bool:
 
 
 def _is_kind(table: Table, name: str, kinds: str) -> bool:
-    """Return whether a table has a column of one value in each row, of some kinds of types."""
+    """Return whether a table has a column with a single value in each row, of certain kinds of types."""
     return name in (table.dtype.names or ()) and table.dtype[name].kind in kinds
 
 

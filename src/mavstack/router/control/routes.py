@@ -157,7 +157,7 @@ def _config(
 
 def _refuse_paths(url: object) -> None:
     """Refuse a URL with an option that names a file, before the file is read."""
-    with suppress(LinkURLError):  # it is reported with the place in the configuration
+    with suppress(LinkURLError):  # an invalid URL is reported later, with its place in the configuration
         if isinstance(url, str) and (named := options_with_paths(parse_url(url))):
             problem = "without control_token no file can be named"
             raise RefusedError(403, f"{problem}: leave out {', '.join(named)}")

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 _log = logging.getLogger("mavstack.router")
 #: A connection that lasted longer resets the delay before the next attempt, in seconds.
 STABLE_TIME = 5.0
-#: Seconds of a serial line's rate that wait to be sent on it, and the fewest bytes: those of several packets.
+#: The send queue of a serial line: the bytes of this many seconds at its rate, and at least several packets.
 LINE_QUEUE_TIME = 0.5
 MIN_LINE_QUEUE = 4096
 BITS_PER_BYTE = 10  # with start and stop bit

@@ -138,7 +138,7 @@ class Tunnel:
         if session is None:
             return float("-inf")
         silent = max(self._last_received, session.started) + SILENCE
-        if not session.initiator:  # the peer made it, and should make the next one
+        if not session.initiator:  # the peer opened the session, and should renew it
             return min(session.started + REKEY_SECONDS + REKEY_GRACE, silent)
         if session.sent >= REKEY_FRAMES:
             return float("-inf")

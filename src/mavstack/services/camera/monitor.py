@@ -32,7 +32,7 @@ MAX_MISSING = 200
 #: Requests of missing images that run at the same time, and seconds for each of them.
 MAX_REQUESTS = 4
 REQUEST_TIMEOUT = 20.0
-#: Numbers of requests are sent as 32-bit floats, which hold whole numbers up to here twice.
+#: Maximum number of a request: it is sent as a 32-bit float, which holds integers up to twice this number.
 MAX_REQUEST = 8_000_000
 
 

@@ -356,7 +356,7 @@ class EndSession(Exchange):
 
     def time_out(self, now: float, answer: str = "no answer") -> None:
         super().time_out(now, answer)
-        logger.warning("%s", self.error)  # no caller waits for it
+        logger.warning("%s", self.error)  # no caller receives the error
 
 
 class FtpSessionClient(Client):

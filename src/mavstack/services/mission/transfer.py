@@ -73,7 +73,7 @@ class Transfer(Operation[Result]):
         if kind is None or self.type not in (kind, common.MavMissionType.ALL):
             return
         if not self.begun:
-            self.start(now)  # it may be the message that the transfer waits for
+            self.start(now)  # the transfer may wait for this message
             return
         self._stale_messages.record(self.type, self.writes, now)
         if self._ignores_first:

@@ -50,7 +50,7 @@ MAX_ERRORS = 3
 ERROR_PAUSE = 1.0
 #: The number of round trips in which a repeated request for an item is ignored.
 MIN_RESEND_ROUND_TRIPS = 1.2
-#: Longer than any download, which has its own idle timeout.
+#: Idle timeout of a verification, in seconds: its download has a shorter one.
 VERIFY_IDLE_TIMEOUT = 3600.0
 
 _Result = common.MavMissionResult

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from mavstack.services.addressing import Address
     from mavstack.wire import Packet
 
-#: Seconds for which the server waits for the new way before it rolls back.
+#: Seconds for which the server waits for packets signed with the new key before it rolls back.
 TRIAL_DURATION = 10.0
 #: Seconds after its last request when the client takes the server's way as final: the trial and a slow link.
 SETTLED_AFTER = 15.0

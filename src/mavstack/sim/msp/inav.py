@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mavstack.sim.msp.port import MspPort
     from mavstack.sim.msp.settings import SettingFacts
 
-#: Degrees of roll and pitch up to which it arms.
+#: Maximum roll and pitch for arming, in degrees.
 SMALL_ANGLE: Final = 25.0
 #: Boxes that are a state of the flight, and not only of a switch.
 _FLIGHT_BOXES: Final = frozenset(("ARM", "FAILSAFE", *NAVIGATION_BOXES))

@@ -222,7 +222,7 @@ class Px4Failsafes:
         self._autopilot.vehicle.send_statustext(text, severity)
 
 
-#: Names of the conditions.
+#: Names of the flags that are conditions of a failsafe.
 _CONDITIONS: Final = frozenset(
     {"manual control", "ground station", "battery 1", "battery 2", "battery 3", "motor", "mode"}
 )

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle_types import Home
     from mavstack.simulators.state import State
 
-#: Kilograms, moments of inertia (kg m2), newtons of a motor at full, metres of an arm.
+#: Mass in kg, moments of inertia in kg m2, maximum thrust of one motor in newtons.
 MASS: Final = 1.5
 INERTIA: Final = (0.029, 0.029, 0.055)
 FULL_THRUST: Final = 7.5

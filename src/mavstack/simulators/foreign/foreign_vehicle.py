@@ -155,7 +155,7 @@ class ForeignVehicle:
                 await writer.wait_closed()
 
     async def _connect(self) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
-        """Connect, as often as it takes."""
+        """Connect; try again until the simulator answers."""
         while True:
             try:
                 return await asyncio.open_connection(*self._address)

@@ -23,7 +23,7 @@ from mavstack.vehicle.vehicle_type import VehicleType, flies_on_wing
 if TYPE_CHECKING:
     from mavstack.vehicle.vehicle import Vehicle
 
-#: A vehicle that circles home for so long is not going to land, in seconds: some quadplanes do not.
+#: A vehicle that circles home for this time does not land, in seconds: some quadplanes stay there.
 CIRCLING_TIME: Final = 30.0
 #: The time in which the remaining distance of a return may not fall, in seconds.
 _RETURN_STALL_TIMEOUT: Final = 90.0

@@ -43,7 +43,7 @@ def check_takeoff(altitude: float, *, override_limits: bool) -> None:
 
 
 def check_location(location: Location) -> None:
-    """Raise unless a location is one on Earth."""
+    """Raise unless a location is on Earth."""
     check_numbers(
         finite=False, latitude=location.latitude, longitude=location.longitude, altitude=location.altitude
     )

@@ -89,7 +89,7 @@ async def renumber(
             await vehicle.component.params.set(name, wanted)
         rebooted = not await _speaks(vehicle, wanted, CHANGE_TIMEOUT)
         if rebooted:
-            with suppress(RemoteTimeout):  # it may be gone before its acknowledgement arrives
+            with suppress(RemoteTimeout):  # the vehicle may reboot before it acknowledges
                 reboot = common.MavCmd.PREFLIGHT_REBOOT_SHUTDOWN
                 await with_status_texts(vehicle, vehicle.component.command(reboot, 1))
             if not await _speaks(vehicle, wanted, REBOOT_TIMEOUT):

@@ -48,9 +48,9 @@ _SETTLED_SPEED: Final = 0.5
 ARRIVAL_DISTANCE: Final = 1.0
 #: Seconds after a course in which its members have to arrive.
 ARRIVAL_TIMEOUT: Final = 20.0
-#: Most seconds by which a course advances in a step.
+#: Maximum advance of a course in one step, in seconds.
 _MAX_STEP: Final = 3.0 * _STEP
-#: Age in seconds of the latest of all positions above which a course waits.
+#: A course waits while the oldest position is older than this, in seconds.
 _LATE: Final = 0.5
 #: Seconds without a position of any member after which the swarm is stopped.
 SILENCE_TIMEOUT: Final = 20.0

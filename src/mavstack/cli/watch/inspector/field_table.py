@@ -49,7 +49,7 @@ class FieldRow:
     raw: str = ""
     #: True if the packet before had another value.
     changed: bool = False
-    #: Values of the last packets in the displayed unit; empty if it is no number.
+    #: Values of the last packets in the displayed unit; empty if the field is not a number.
     course: Sequence[float | None] = ()
 
     @property
