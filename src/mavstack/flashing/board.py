@@ -15,11 +15,11 @@ if TYPE_CHECKING:
 
 #: Protocol revisions of bootloaders.
 MIN_REVISION, MAX_REVISION = 2, 6
-#: From this revision on a bootloader tells its chip.
+#: From this revision on a bootloader reports its chip.
 CHIP_REVISION: Final = 5
 #: Boards that run the firmware of another board.
 COMPATIBLE: Final[Mapping[int, frozenset[int]]] = MappingProxyType({33: frozenset({9})})
-#: Board ids by name, for texts; a bootloader tells only the number.
+#: Board ids by name, for texts; a bootloader reports only the number.
 NAMES: Final[Mapping[int, str]] = MappingProxyType(
     {
         9: "Pixhawk 1 (FMUv2, FMUv3)",

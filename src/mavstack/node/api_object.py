@@ -47,7 +47,7 @@ class ReadOnly(ApiObject):
                 raise refused_assignment(self, name)
 
         def _is_new(self, name: str) -> bool:
-            """Return whether the assignment creates an attribute: in the constructor, or in a program's subclass."""
+            """Return whether an assignment creates an attribute: in the constructor or in a subclass."""
             kind = type(self)
             if any(name in get_annotations(base) for base in kind.__mro__ if is_api_class(base)):
                 return not hasattr(self, name)

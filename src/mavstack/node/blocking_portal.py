@@ -157,7 +157,7 @@ class BlockingPortal:
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
-        # Here and not after the loop's end: the caller of `close` may be in an event loop of its own.
+        # Here and not after the loop's end: the caller of `close` may be in a separate event loop.
         await self._loop.shutdown_asyncgens()
 
     def _abandon(self, thread: int) -> None:

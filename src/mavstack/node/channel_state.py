@@ -51,7 +51,7 @@ class ChannelState(LoopBound):
         self.name = name
         #: True if signing keys may be installed over the channel: a cable, not a radio.
         self.trusted = False
-        #: The link id of its signatures, which tells the channels of one component apart.
+        #: The link id of its signatures, which distinguishes the channels of one component.
         self.link_id = 0
         self.pacer = Pacer(bandwidth, half_duplex=half_duplex, bulk_rate=bulk_rate)
         #: Stream messages dropped because the channel had no room.

@@ -476,7 +476,7 @@ class RemoteComponent(ReadOnly):
         Raises:
             MessageTimeout: The component does not answer.
         """
-        _ = self._clients.get(GimbalMonitor)  # receives what the component tells of its gimbals
+        _ = self._clients.get(GimbalMonitor)  # receives what the component reports of its gimbals
         found = await self._clients.host.run_operation(self._clients.command, ListGimbals(timeout=timeout))
         return tuple(self.gimbal_device(each.device_id) for each in found if each.device_id)
 

@@ -43,7 +43,7 @@ MIN_ESTIMATE = 200.0
 MAX_ESTIMATE = 1e6
 #: Seconds between two reports that change the estimate: radios send one or two per second.
 MIN_STATUS_INTERVAL = 0.1
-#: Seconds without a report after which an estimate is forgotten.
+#: Seconds without a report after which an estimate is discarded.
 ESTIMATE_TIMEOUT = 10.0
 #: The estimate rises only if this share of it was used.
 MIN_USED_SHARE = 0.6

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 Channel = TypeVar("Channel")
 
-#: Seconds of silence after which another channel that hears the address becomes the preferred one.
+#: Seconds of silence after which another channel that receives the address becomes the preferred one.
 SILENCE_TIMEOUT = 2.5
 #: Addresses in the table, and how many are removed at once when it is full.
 MAX_ADDRESSES = 4096
@@ -30,7 +30,7 @@ REMOVED_AT_ONCE = 512
 #: Channels of an address that is not among the `MAX_WIDE` ones that exceeded this number last.
 MAX_CHANNELS = 4
 MAX_WIDE = 64
-#: Seconds for which an address that was heard more than once is heard at least.
+#: Minimum time for which an address with more than one packet counts as present, in seconds.
 MIN_HEARD_DURATION = 1.0
 
 

@@ -243,7 +243,7 @@ async def _restart_both(mine: Change, theirs: Change) -> None:
     with suppress(RadioError):  # the remote radio is looked for afterwards
         if theirs.values:
             await theirs.radio.restart()
-            await theirs.radio.restart()  # the first may be lost; a radio that restarts hears no second
+            await theirs.radio.restart()  # the first may be lost; a restarting radio receives no second
     try:
         await mine.radio.restart(baud=mine.baud)
     except RadioError as error:

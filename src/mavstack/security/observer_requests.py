@@ -25,7 +25,7 @@ MAX_RATE: Final = 4.0
 MAX_BURST: Final = 16.0
 #: Requests that are remembered.
 MAX_REQUESTS: Final = 1024
-#: Fields that tell two requests of one message apart.
+#: Fields that distinguish two requests of one message.
 _FIELDS: Final = ("target_system", "target_component", "param_id", "param_index", "command", "param1")
 _LISTS: Final = (common.ParamRequestList, common.ParamExtRequestList)
 

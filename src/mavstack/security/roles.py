@@ -148,7 +148,7 @@ class RoleFilter:
         return [packet for packet in self._parser.feed(data) if self._allows(packet)]
 
     def _passes(self, packet: Packet, now: float) -> bool:
-        """Return whether a packet of an observer has the observer's ids, and is within its limit of requests."""
+        """Return whether a packet of an observer has its own ids, and is within its limit of requests."""
         if self.role is not Role.OBSERVE:
             return True
         sender = packet.system, packet.component

@@ -47,9 +47,9 @@ class Standing(IntEnum):
     HELD = 0
     #: It holds the address, which no other sender claimed before.
     NEW = 1
-    #: It is a redundant link of the holder, or has its boot clock.
+    #: The sender is a redundant link of the holder, or has its boot clock.
     SHARED = 2
-    #: Another sender, which is no better proven, holds the address.
+    #: Another sender, which is not better proven, holds the address.
     CONTESTED = 3
     #: An authenticated sender holds the address, and this one is not authenticated.
     OUTRANKED = 4

@@ -60,7 +60,7 @@ _MACHINE_PREFIX: Final = 64
 #: Bytes of the nonce of a ticket: the mark of its session, and random ones.
 _MARK_SIZE: Final = 8
 _RANDOM_SIZE: Final = 8
-#: Values of `Sec-Fetch-Site`, by which browsers tell where a request comes from.
+#: Values of `Sec-Fetch-Site`, by which browsers say where a request comes from.
 _OTHER_SITES: Final = ("cross-site", "same-site")
 
 

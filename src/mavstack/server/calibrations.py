@@ -68,7 +68,7 @@ class Calibrations:
         try:
             await asyncio.wait([task])
         finally:
-            task.cancel()  # where this request is cancelled
+            task.cancel()  # if this request was cancelled
             await asyncio.gather(task, return_exceptions=True)
             self._remove(vehicle.system, running)
         if task.cancelled():

@@ -24,4 +24,6 @@ def check_request(role: Role, message: Message, station: Station) -> None:
         RefusedError: It is a request too many.
     """
     if role is Role.OBSERVE and not station.observers.passes(message, station.connection.now()):
-        raise RefusedError(429, "clients that observe have sent this request, or too many, a moment ago")
+        raise RefusedError(
+            429, "observing clients have just sent this request, or too many requests: try again later"
+        )

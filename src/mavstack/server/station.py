@@ -68,7 +68,7 @@ TELEMETRY_RATES: Final[Mapping[type[Message], float]] = MappingProxyType(
 ARDUPILOT_RATES: Final[Mapping[type[Message], float]] = MappingProxyType(
     {common.FenceStatus: 1.0, ardupilotmega.Wind: 1.0}
 )
-#: The rate of the message that tells the health of the estimator, in hertz.
+#: The rate of the message that reports the health of the estimator, in hertz.
 ESTIMATOR_RATE: Final = 1.0
 
 

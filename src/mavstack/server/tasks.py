@@ -105,7 +105,7 @@ class Task:
         if self._task is not None:
             self._task.cancel()
             await asyncio.gather(self._task, return_exceptions=True)
-            if self.state is TaskState.RUNNING:  # it was cancelled before it began
+            if self.state is TaskState.RUNNING:  # the task was cancelled before it began
                 self._end(TaskState.CANCELLED)
 
     async def follow(self) -> AsyncIterator[dict[str, Any]]:

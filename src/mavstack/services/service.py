@@ -79,7 +79,7 @@ class Service:
 
     #: The ids of the messages that it receives; may change.
     handles: frozenset[int] = frozenset()
-    #: The only address whose packets it receives; component 0 stands for any of the system.
+    #: The only address whose packets the service receives; component 0 means all components of the system.
     source_filter: Address = BROADCAST
     #: True if it also receives packets with its own address.
     accepts_own_packets = False

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 EQUIPMENT: Final = ("rangefinder", "optical-flow")
 #: The range of the rangefinder in metres, and the least cosine of its tilt.
 MIN_RANGE, MAX_RANGE, _MIN_COSINE = 0.1, 40.0, 0.5
-#: The battery of a body that has none of its own: volts and amperes.
+#: The battery of a body without one: volts and amperes.
 BATTERY: Final = (16.2, 1.0)
 _BIASES: Final = ((2.0, 0.0, 0.0), (0.2, 0.0, 0.0))
 _JUMP, _SHAKING, _SAG = 50.0, 50.0, 0.8

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 #: Seconds after its last message for which a member counts, and for which its position is carried on.
 NEIGHBOUR_TIMEOUT: Final = 3.0
 MAX_EXTRAPOLATION: Final = 1.0
-#: Most members that are kept: the system ids of a network.
+#: Maximum number of members that are kept: the system ids of a network.
 MAX_MEMBERS: Final = 255
 _MAX_16: Final = 32_767
 _STATE: Final = "SWARM_STATE"

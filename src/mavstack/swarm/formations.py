@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 #: Angle between two neighbours of a sphere's spiral, in radians: the golden angle.
 _GOLDEN_ANGLE: Final = math.pi * (3.0 - math.sqrt(5.0))
-#: Most vehicles of one formation: the system ids of four networks.
+#: Maximum number of vehicles of one formation: the system ids of four networks.
 MAX_VEHICLES: Final = 1000
 
 

@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 
 from mavstack.geodesy import distance, offset
 
-#: Seconds after which an aircraft is forgotten, and a position is too old to be used.
+#: Seconds after which an aircraft is discarded, and a position is too old to be used.
 MAX_AGE: Final = 60.0
 MAX_POSITION_AGE: Final = 30.0
 #: Maximum number of aircraft; a further one replaces the one with the oldest report.

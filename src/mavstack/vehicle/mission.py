@@ -375,7 +375,7 @@ class Mission(VehiclePlan, ReadOnly):
         completion = MissionCompletion(vehicle, firmware, self)
         async with ActionMonitor(vehicle, operation, timeout) as monitor:
             if self.count is None and (self._plans.home_first or not (self.progress and self.progress.total)):
-                await self.download()  # MISSION_CURRENT does not tell the last item of older firmwares
+                await self.download()  # MISSION_CURRENT of older firmwares does not report the last item
             await self._refuse_if_empty(operation)
             await vehicle.telemetry.ensure(common.MissionCurrent, PROGRESS_RATE)
             async with self.reached_items() as reached:

@@ -69,7 +69,7 @@ class MissionCompletion:
         if self._running:
             last = self._mission.last_seq
             landing = self._mission.landing_seq
-            left_by_landing = seq >= landing and self._lands  # a return that is a mode of its own
+            left_by_landing = seq >= landing and self._lands  # a return that is a separate mode
             finished = state == _STATE.COMPLETE if state != _STATE.UNKNOWN else last in self._reached
             done = finished or left_by_landing
             # A firmware may report the first item again before it reports that it was disarmed.

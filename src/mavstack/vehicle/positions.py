@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle.telemetry.values import HomePosition, Position
     from mavstack.vehicle.vehicle import Vehicle
 
-#: The time without a position after which a call fails that has no timeout of its own, in seconds.
+#: Default timeout of calls that wait for a position, in seconds.
 POSITION_TIMEOUT = 10.0
 
 

@@ -237,7 +237,7 @@ class Vehicle(ReadOnly):
         """The way the vehicle moves; `mav_type` is the MAV_TYPE of its heartbeat."""
         info = self.component.info
         found = VehicleType.OTHER if info is None else VehicleType.of(info.type)
-        # A quadplane may call itself a plane; its EXTENDED_SYS_STATE has a VTOL state, or a parameter tells.
+        # A quadplane may call itself a plane; its EXTENDED_SYS_STATE or a parameter shows the VTOL.
         if found is VehicleType.PLANE and (self.vtol_state or self._is_enabled_quadplane):
             return VehicleType.VTOL
         return found

@@ -75,4 +75,4 @@ def test_book(mav, tlog, tmp_path):
     assert mav("data", "book", tmp_path, "--incident", "none.tlog", "x").code == 2
     assert mav("data", "book", tmp_path / "nowhere", "-o", "b.duckdb").code == 1
     (tmp_path / "letter.tlog").write_bytes(b"no packets here")
-    assert f"mav data: {tmp_path / 'letter.tlog'}: it holds no record\n" in mav("data", "book", tmp_path).err
+    assert f"mav data: {tmp_path / 'letter.tlog'} contains no records\n" in mav("data", "book", tmp_path).err

@@ -30,7 +30,7 @@ def test_several_have_a_link_each(mav):
     [
         (["--firmware", "betaflight,px4"], "speak MSP"),
         (["--firmware", "inav", "--type", "plane"], "fly copters only"),
-        (["--firmware", "inav", "--camera"], "--camera: not with --firmware inav"),
+        (["--firmware", "inav", "--camera"], "--camera cannot be used with --firmware inav"),
         (["--firmware", "inav", "--out", "tcpin://127.0.0.1:0"], "write msp+tcpin://127.0.0.1:0"),
         (["--firmware", "cleanflight"], "the choices are ardupilot, px4, betaflight, inav"),
     ],

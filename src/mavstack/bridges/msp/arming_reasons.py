@@ -76,9 +76,9 @@ ENDED_BY_CHANNELS: Final = frozenset(
     {"FAILSAFE", "RX_FAILSAFE", "THROTTLE", "FAILSAFE_SYSTEM", "RC_LINK", "ROLLPITCH_NOT_CENTERED"}
     | {"ARM_SWITCH", "NOT_DISARMED"}
 )
-#: Reasons that tell that a calibration runs.
+#: Reasons that show that a calibration runs.
 CALIBRATING: Final = frozenset({"CALIBRATING", "SENSORS_CALIBRATING"})
-#: The arm switch is no reason beside others: Betaflight adds it to each of them.
+#: The arm switch is not a reason beside others: Betaflight adds it to each of them.
 _SWITCH: Final = "ARM_SWITCH"
 
 

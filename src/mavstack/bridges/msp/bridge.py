@@ -132,7 +132,7 @@ class MspBridge(AsyncResource):
         await self.node.open()
         self._samples.booted_at = self.node.now()
         self._use_facts(facts)
-        with suppress(*FAILURES):  # it is read again with the settings
+        with suppress(*FAILURES):  # the settings are read again, and this with them
             await self._missions.load()  # a program that connects may ask for the mission at once
         self._on_message(status)
         self._heartbeat.silent = False
@@ -308,7 +308,7 @@ class MspBridge(AsyncResource):
             self.node.wake(self._heartbeat)
             if (version := self._version(now)) is not None:
                 self.node.send(version)  # behind the heartbeat, without which no program knows the vehicle
-            self._reasons_due = now  # the new peer has not heard them
+            self._reasons_due = now  # the new peer has not received them
 
     # Status
 

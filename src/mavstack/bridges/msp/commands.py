@@ -95,7 +95,7 @@ class BridgedCommands:
             return self._deny("Reboot refused: armed")
         try:
             await self._controller.send(Reboot(None if mode is RebootMode.FIRMWARE else mode))
-        except RemoteCancelled:  # it was quicker than its reply
+        except RemoteCancelled:  # the reboot was quicker than its reply
             pass
         except _FAILURES as error:
             return self._fail(error)

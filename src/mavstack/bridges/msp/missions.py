@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from mavstack.services import Address
     from mavstack.services.mission import MissionItem
 
-#: Waypoints that iNav has if it does not tell.
+#: Number of waypoints of an iNav that does not report it.
 DEFAULT_MAX_WAYPOINTS: Final = 120
 #: Seconds between two polls of the state of the navigation, of the size of the mission and of home.
 NAV_INTERVAL, INFO_INTERVAL, HOME_INTERVAL = 1.0, 5.0, 5.0

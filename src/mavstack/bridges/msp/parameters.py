@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from mavstack.node import Node
     from mavstack.services.parameters import Value
 
-#: Read-only parameters that tell which equipment there is.
+#: Read-only parameters that show which equipment there is.
 HAS_OSD, HAS_VTX = "MSP_HAS_OSD", "MSP_HAS_VTX"
 #: Characters of the name of a parameter.
 _MAX_NAME = 16

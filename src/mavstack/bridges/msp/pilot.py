@@ -168,7 +168,7 @@ class Pilot:
     async def _arm_by(self, switch: Switch, source: Address) -> common.MavResult:
         was_in_control = self.in_control
         self._take(source)
-        self._switch_off(ARM)  # it may still be on, if the firmware disarmed by itself
+        self._switch_off(ARM)  # the mode may still be on, if the firmware disarmed by itself
         if not was_in_control:
             await asyncio.sleep(_SETTLING_TIME)
         if not await self._wait(lambda: not self._status().failed_checks(by_channels=False), READY_TIMEOUT):
@@ -259,7 +259,7 @@ class Pilot:
         if self._refusal(source) is not None:
             return False
         if not self.in_control:
-            self._switch_off(ARM)  # low, as all switches are then, may be on
+            self._switch_off(ARM)  # the low position, which all switches have then, may mean on
         self._channels.take_control(source, self._now())
         self._wake.set()
         return True

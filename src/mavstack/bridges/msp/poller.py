@@ -113,7 +113,7 @@ class Poller:
             await self._check_silence()
             return
         else:
-            if not self.silent:  # it may be a late answer before a restart
+            if not self.silent:  # this may be a late answer before a restart
                 self._on_message(message)
         self._answered_at = loop.time()
 

@@ -82,7 +82,7 @@ def packet_of(request: Mapping[str, Any]) -> bytes:
     """
     header, message = request.get("header"), request.get("message")
     if not isinstance(header, dict) or not isinstance(message, dict):
-        raise InvalidArgumentError("a message needs header and message")
+        raise InvalidArgumentError("a message must have the fields header and message")
     fields = {name: _plain_field(value) for name, value in message.items() if name != "type"}
     fields = {_ORIGINAL.get(name, name): value for name, value in fields.items()}
     try:

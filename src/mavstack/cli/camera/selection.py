@@ -47,9 +47,7 @@ async def selected_camera(vehicle: Vehicle, arguments: Namespace) -> Camera:
         return vehicle.camera(arguments.camera)
     cameras = await known_cameras(vehicle)
     if not cameras:
-        raise CommandError(
-            f"vehicle {vehicle.system} has no camera: none sent a heartbeat or is attached"
-        )
+        raise CommandError(f"vehicle {vehicle.system} has no camera: none sent a heartbeat or is attached")
     if len(cameras) > 1:
         ids = ", ".join(str(each.device_id or each.address.component) for each in cameras)
         raise UsageError(f"vehicle {vehicle.system} has several cameras ({ids}); select one with --camera ID")

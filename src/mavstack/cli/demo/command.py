@@ -100,7 +100,7 @@ async def _demo(arguments: Namespace) -> int:
         announce_exposure("demo", [await runner.connect(url, vehicles) for url in urls])
         async with (
             nullcontext() if drone is None else bridged(runner, drone, network),
-            # The station beside it has the default ids; answers go to the one that asked.
+            # The station beside it has the default ids; answers go to the sender of the request.
             Node(network.link(), dialect=dialect, system=_OWN_SYSTEM) as ground,
             background_tasks(
                 _observe(ground, fleet),

@@ -75,7 +75,7 @@ class Upload:
             names = {entry.name for entry in await self._ftp.list(self._directory or "/")}
             if self._name not in names:
                 raise
-            return self._part_name not in names  # it was renamed, and the answer was lost
+            return self._part_name not in names  # the file was renamed, and the answer was lost
         return True
 
     async def _replace(self) -> None:

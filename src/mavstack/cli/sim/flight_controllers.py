@@ -37,7 +37,9 @@ def controller_firmwares(arguments: Namespace) -> list[ControllerFirmware]:
         raise UsageError(f"--type {arguments.type}: {', '.join(ControllerFirmware)} fly copters only")
     for option in _ONLY_MAVLINK:
         if getattr(arguments, option, None):
-            raise UsageError(f"--{option.replace('_', '-')}: not with --firmware {arguments.firmware}")
+            raise UsageError(
+                f"--{option.replace('_', '-')} cannot be used with --firmware {arguments.firmware}"
+            )
     return found
 
 

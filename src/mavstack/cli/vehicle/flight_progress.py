@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     #: Returns the metres that remain; None if they are not known.
     Remaining: TypeAlias = Callable[[Vehicle], float | None]
 
-#: Seconds before the first line; an action that ends earlier leaves no trace.
+#: Seconds before the first line; an action that ends earlier prints none.
 SHOW_DELAY = 0.5
 SHOW_INTERVAL = 0.25
 

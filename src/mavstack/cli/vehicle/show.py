@@ -71,7 +71,7 @@ def health(arguments: Namespace) -> int:
             await vehicle.wait_until_ready(timeout=arguments.wait)
             facts = health_facts(vehicle)
         else:
-            with suppress(SystemIdConflictError):  # it is a problem among the facts
+            with suppress(SystemIdConflictError):  # a problem among the facts
                 await connection.check_sender(vehicle.system)
             facts = (await gather_facts(vehicle))["health"]
         # After a wait, readiness that the vehicle does not report follows from its other reports.

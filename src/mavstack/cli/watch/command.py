@@ -122,7 +122,7 @@ def run(arguments: Namespace) -> int:
 def _mode(arguments: Namespace) -> Mode:
     if arguments.tui:
         if arguments.once or arguments.json:
-            raise UsageError("--tui is a window on the terminal: without --once and --json")
+            raise UsageError("--tui shows a window in the terminal: leave out --once and --json")
         return Mode.WINDOW
     if arguments.once:
         return Mode.SUMMARY

@@ -82,7 +82,7 @@ def mode_failures(flight: Flight) -> Iterator[Finding]:
     for title, time in texts.items():
         report = f"The vehicle stayed in its mode: {title}"
         yield Finding("mode_failures", Severity.WARNING, title, report, _known(time))
-    # The texts tell the reason too.
+    # The texts give the reason too.
     if texts or "ERR" not in flight.log or not flight.log.schema("ERR").has_numbers("Subsys", "ECode"):
         return
     rows = flight.log["ERR"]

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from mavstack.logs.analysis.flight import Flight
 
-#: Seconds between two heartbeats from which ground stations tell that the link is lost.
+#: Seconds between two heartbeats from which ground stations report that the link is lost.
 _SILENCE: Final = 5.0
 _LOSS: Final = 0.05
 #: Steps between two sequence numbers that lead back, and their largest share in one count of packets: after

@@ -81,7 +81,7 @@ class Signal:
 
 
 _DEGREES: Final = degrees(1.0)
-#: Receivers of u-blox tell a dilution of precision of 99.99 as long as they have no fix.
+#: Receivers of u-blox report a dilution of precision of 99.99 as long as they have no fix.
 _UNKNOWN_DOP: Final = 99.0
 #: ArduPilot logs 255 % for a battery whose capacity it does not know.
 _UNKNOWN_PERCENTAGE: Final = 255.0
@@ -219,7 +219,7 @@ SIGNALS: Final[Mapping[str, SignalDefinition]] = MappingProxyType(
         **_motors(),
     }
 )  # fmt: skip
-#: Signals of a telemetry radio, which has a system id of its own.
+#: Signals of a telemetry radio, which has its own system id.
 _OF_THE_LINK: Final = frozenset({"radio_rssi", "radio_remrssi", "radio_noise", "radio_remnoise"})
 
 

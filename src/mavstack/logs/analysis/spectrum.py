@@ -27,7 +27,7 @@ _SOURCES: Final = (
     ("HIGHRES_IMU", ("xacc", "yacc", "zacc"), 1.0),
     ("RAW_IMU", ("xacc", "yacc", "zacc"), 9.80665e-3),
 )
-_MIN_RATE: Final = 20.0  # hertz, below which a spectrum tells nothing
+_MIN_RATE: Final = 20.0  # hertz, below which a spectrum shows nothing
 _WINDOW: Final = 512  # samples
 
 

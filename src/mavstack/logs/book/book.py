@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from mavstack.logs.analysis import Flight
 
-#: Suffixes of the files that are opened; their content tells the format.
+#: Suffixes of the files that are opened; the format follows from the content.
 SUFFIXES: Final = frozenset(
     {".tlog", ".bin", ".log", ".ulg", ".bbl", ".bfl", ".mavlink", ".raw", ".pcap", ".pcapng"}
 )

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from mavstack.logs.log import Log
     from mavstack.logs.message_table import MessageTable
 
-_AUTOPILOT_INVALID: Final = 8  # MAV_AUTOPILOT of components that are no autopilot
-_BYTEWISE_AUTOPILOT: Final = "PX4"  # where the capabilities do not tell
+_AUTOPILOT_INVALID: Final = 8  # MAV_AUTOPILOT of components that are not autopilots
+_BYTEWISE_AUTOPILOT: Final = "PX4"  # where the capabilities do not say it
 _BYTEWISE_CAPABILITY: Final = 0x10  # MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE
 _C_CAST_CAPABILITY: Final = 0x20000  # MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_C_CAST
 #: Format of the bits of a value, by MAV_PARAM_TYPE; 9 (REAL32) and 10 (REAL64) stay as they are.
@@ -88,7 +88,7 @@ def parameters(log: Log) -> tuple[dict[str, float], list[ParameterChange]]:
         return {}, []
     system = int(table["_system"].min()) if first is None else first.system
     table = table.where(table["_system"] == system)
-    # A gimbal or camera of the vehicle has parameters of its own.
+    # A gimbal or camera of the vehicle has its own parameters.
     if first is not None and (own := table["_component"] == first.component).any():
         table = table.where(own)
     bytewise = _is_bytewise(log, system, "" if first is None else first.autopilot)

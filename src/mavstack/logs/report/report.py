@@ -90,7 +90,7 @@ def flight_facts(flight: Flight) -> dict[str, float]:
         del facts["max_current_a"]
     current = read("current")
     if current is not None and len(current) > 1:
-        # A gap in the log is no consumption.
+        # A gap in the log is not consumption.
         steps = np.clip(np.diff(current.times), 0, 5)
         used = float((current.values[:-1] * steps).sum() / 3.6)
         # A sensor that is not connected may measure a negative current.

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from mavstack.security.sealed.responder import Responder
 
 REKEY_SECONDS: Final = 120.0
-#: Seconds for which an end waits for the one that made the session to make the next.
+#: Seconds for which an end waits for the opener of the session to renew it.
 REKEY_GRACE: Final = 15.0
 REKEY_FRAMES: Final = 1 << 26
 #: Seconds after which a session is used no more, although no new one could be made.

@@ -162,7 +162,7 @@ async def _remove(call: PlainCall) -> dict[str, Any]:
 
 def _number(text: str) -> int:
     if not (text.isascii() and text.isdigit() and len(text) < 10):
-        raise RefusedError(404, f"the parts of a tile are numbers, got {text[:20]!r}")
+        raise RefusedError(404, f"the numbers of a tile must be integers, got {text[:20]!r}")
     return int(text)
 
 

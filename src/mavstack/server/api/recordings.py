@@ -27,7 +27,7 @@ CHUNK_SIZE: Final = 1 << 18
 MAX_REPLAY: Final = 1 << 28
 _BYTES: Final = "application/octet-stream"
 
-#: A report is a page of its own: it loads nothing, and reaches nothing of the station.
+#: A report is a separate page: it loads nothing, and has no access to the station.
 REPORT_POLICY: Final = (
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; "
     "sandbox allow-scripts"

@@ -15,7 +15,7 @@ from mavstack.dialects import common
 if TYPE_CHECKING:
     from typing import Self
 
-#: The device id of a camera that is a component of its own.
+#: The device id of a camera that is a component itself.
 OWN_COMPONENT = 0
 #: The largest device id of a camera that is attached to an autopilot.
 MAX_ATTACHED_DEVICE = 6

@@ -38,7 +38,7 @@ TOLERANCE = 1.0
 #: Seconds without progress after which pointing fails, and the progress that counts, degrees.
 STALL_TIMEOUT = 5.0
 MIN_PROGRESS = 0.5
-#: Seconds for the message that tells who is in control; a manager that does not send it has no owner.
+#: Seconds for the message that reports who is in control; a manager that does not send it has no owner.
 STATUS_TIMEOUT = 3.0
 #: Seconds for the names of a gimbal.
 NAMES_TIMEOUT = 2.0
@@ -124,7 +124,7 @@ class TakeControl(Procedure[None]):
                 timeout=STATUS_TIMEOUT,
             )
         except (RemoteDenied, MessageTimeout):
-            return  # the manager does not tell
+            return  # the manager does not report it
         status = GimbalStatus.read(message)
         owner = status.secondary if self._secondary else status.primary
         if owner is not None and owner != self._local:

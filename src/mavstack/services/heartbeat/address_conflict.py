@@ -29,7 +29,7 @@ Key = TypeVar("Key")
 #: How often a type must alternate with another one.
 MIN_ALTERNATIONS = 2
 MAX_SENDERS = 4
-#: Seconds of silence after which a channel no longer counts as one on which the address is heard.
+#: Seconds of silence after which a channel no longer counts as one on which the address is received.
 CHANNEL_SILENCE = 5.0
 
 

@@ -23,7 +23,7 @@ REMOVED_AT_ONCE = 256
 #: New components of one channel: at once, and per second after that.
 MAX_NEW_BURST = 256.0
 MAX_NEW_RATE = 100.0
-#: Seconds for which a component with more than one heartbeat is heard at least.
+#: Minimum time for which a component with more than one heartbeat counts as present, in seconds.
 MIN_HEARD_DURATION = 2.5
 MAX_CHANNELS = 512
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from mavstack.services.version import AutopilotVersion
 
-#: Seconds after which a board that was not heard proves nothing; boards of one channel are asked more often.
+#: Seconds after which a board that sent nothing proves nothing; boards of one channel are asked more often.
 MAX_AGE = 10.0
 MAX_BOARDS = 4
 MAX_CHANNELS = 8

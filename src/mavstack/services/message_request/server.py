@@ -56,7 +56,7 @@ class _Stream:
     produce: Producer
     default: int
     interval: int
-    #: When it is due next; infinite if off.
+    #: Time of the next message; infinite if off.
     due: float
     triggered: bool = False
     #: Time of the next transmission of each message that the program triggers.

@@ -135,7 +135,7 @@ class MissionClient(Client):
         match packet.message:
             case common.MissionCurrent() as message:
                 self._update_progress(message)
-            case common.MissionItemReached(seq=seq) if seq != self._reached:  # it is sent several times
+            case common.MissionItemReached(seq=seq) if seq != self._reached:  # sent several times
                 self._reached = seq
                 self.emit(ItemReached(seq))
             case common.MissionRequest(mission_type=kind) | common.MissionRequestInt(mission_type=kind):

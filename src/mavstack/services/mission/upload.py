@@ -176,7 +176,7 @@ class UploadPlan(Transfer[Plan]):
     def _item_requested(self, seq: int, now: float) -> None:
         if self.stage is Stage.COUNTING:
             if seq > 0 and self._rounds == 0:
-                return  # it is in another upload, and did not receive the count
+                return  # the vehicle is in another upload, and did not receive the count
             self._stale_messages.upload_stopped(self.type)
         if self.stage is Stage.COUNTING or seq > self._due:
             self.answered(now)
@@ -205,7 +205,7 @@ class UploadPlan(Transfer[Plan]):
                 self.report_progress(now, len(self.plan), len(self.plan))
                 self.finish(self.plan.with_id(plan_id))
         elif result == _Result.INVALID_SEQUENCE:
-            return  # it has that item, and will request another
+            return  # the vehicle has that item, and will request another
         elif self.stage is Stage.COUNTING:
             if result != _Result.OPERATION_CANCELLED:
                 self._count_refused(result, now)

@@ -264,7 +264,7 @@ class SetStandardMode(_ModeProcedure[int]):
                 Command(common.MavCmd.REQUEST_MESSAGE, param1=float(_CURRENT_MODE_ID)), timeout=5.0
             )
         except (CommandDenied, CommandTimeout):
-            return  # it may still be streamed
+            return  # the mode may still be streamed
 
     def _is_entered(self) -> bool:
         return self.current is not None and self.current.standard_mode == self.standard_mode

@@ -15,7 +15,7 @@ from mavstack.services.service import Event, Service
 if TYPE_CHECKING:
     from mavstack.wire import Packet
 
-#: Senders whose fragments are joined at once; the oldest is forgotten.
+#: Senders whose fragments are joined at once; the oldest is discarded.
 MAX_SENDERS: Final = 16
 
 

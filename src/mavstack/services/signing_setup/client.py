@@ -96,7 +96,7 @@ class SetupSigning(Operation[None]):
 
     def _request(self, change: KeyChange, now: float) -> None:
         if self.key is not None and self._client_of_keys.key_refusal(self.target) is not None:
-            return  # the channels changed; the client goes on following the target
+            return  # the channels changed; the client continues to follow the target
         if change.requested_at is None:
             self._request_until = now + REQUEST_DURATION
         change.requested_at = now

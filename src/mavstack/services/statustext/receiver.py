@@ -163,7 +163,7 @@ class StatustextReceiver(Service):
             return False
         if key in self._open:  # from a sender whose ids restarted
             return emitted.chunks.get(index) == chunk
-        # A missing chunk that arrives after its text was emitted is no text of its own.
+        # A missing chunk that arrives after its text was emitted is not a text by itself.
         return not emitted.contradicts(severity, index, chunk)
 
     def _close(self, key: _Key, now: float) -> None:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.wire import Packet
 
-#: Seconds after which the leader's last message no longer counts, and after which the leader is forgotten.
+#: Seconds after which the leader's last message no longer counts, and after which the leader is discarded.
 ESTIMATE_TIMEOUT: Final = 3.0
 FORGET_TIMEOUT: Final = 10.0
 #: The firmware's text of a copter without FOLL_ENABLE.

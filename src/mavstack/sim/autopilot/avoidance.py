@@ -84,7 +84,7 @@ class PathAround:
         lookahead: Callable[[], float],
     ) -> None:
         self._autopilot, self._margin, self._lookahead = autopilot, margin, lookahead
-        #: The target behind the obstacles, and the point that is gone to instead.
+        #: The target behind the obstacles, and the point to which the vehicle flies instead.
         self._goal: Point | None = None
         self._via: Point | None = None
         self._side = 0

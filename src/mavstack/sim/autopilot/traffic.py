@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.wire import Packet
 
-#: Aircraft that are kept, and seconds after which one is forgotten.
+#: Aircraft that are kept, and seconds after which one is discarded.
 MAX_AIRCRAFT: Final = 25
 MAX_AGE: Final = 60.0
 _FLAGS = common.AdsbFlags

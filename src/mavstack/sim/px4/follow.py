@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 #: Seconds after which the target's last message no longer counts.
 TARGET_TIMEOUT: Final = 3.0
-#: Target speed in m/s above which its velocity has a course.
+#: Minimum speed of the target in m/s at which its velocity gives the course.
 _MOVES_ABOVE: Final = 0.1
 #: Metres of height error above which the vehicle does not move over ground.
 _HEIGHT_ACCEPTANCE: Final = 3.0

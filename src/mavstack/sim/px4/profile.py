@@ -127,7 +127,7 @@ class Px4Profile(FirmwareProfile):
     def armed(self, autopilot: SimulatedAutopilot) -> None:
         """Report by whom the vehicle was armed."""
         autopilot.vehicle.send_statustext(f"Armed by {self.state.arming_reason}")
-        self.state.has_flown = False  # it may be armed again before the next periodic check
+        self.state.has_flown = False  # the vehicle may be armed again before the next periodic check
         self.state.arming_reason = BY_COMMAND
 
     def disarmed(self, autopilot: SimulatedAutopilot) -> None:

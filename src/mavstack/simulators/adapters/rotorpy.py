@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mavstack.rotation import Quaternion, Vector
     from mavstack.sim.vehicle_types import Home
 
-#: By motor number: the signs of its forward and left coordinate, and its direction of rotation (up: positive).
+#: By motor number: the signs of its forward and left coordinate, and its rotation (up: positive).
 _PLACES: Final = (((1, -1), -1.0), ((-1, 1), -1.0), ((1, 1), 1.0), ((-1, -1), 1.0))
 
 

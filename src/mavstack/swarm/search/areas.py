@@ -29,7 +29,7 @@ Corner = tuple[float, float]
 Interval = tuple[float, float]
 #: Metres within which two heights of a sweep are one.
 _SAME: Final = 1e-9
-#: Most strips of an area; more are a mistake of units.
+#: Maximum number of strips of an area; more are a mistake of units.
 MAX_STRIPS: Final = 10_000
 
 

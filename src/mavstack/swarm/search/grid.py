@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from mavstack.swarm.search.areas import Corner
     from mavstack.swarm.search.division import Searcher
 
-#: Most cells of a grid; more take longer than a person waits.
+#: Maximum number of cells of a grid; more take longer than a person waits.
 MAX_CELLS: Final = 20_000
-#: Most exchanges of border cells, for each cell of the grid.
+#: Maximum number of exchanges of border cells, for each cell of the grid.
 _EXCHANGES: Final = 4
 
 

@@ -43,7 +43,7 @@ DIVISIONS: Final[Mapping[str, str]] = MappingProxyType(
 )
 #: Metres between tracks without a camera.
 DEFAULT_SPACING: Final = 20.0
-#: Most corners of an outline or a route.
+#: Maximum number of corners of an outline or a route.
 MAX_CORNERS: Final = 1000
 
 

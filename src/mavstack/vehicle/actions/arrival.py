@@ -41,7 +41,7 @@ SETTLED_TIME: Final = 1.0
 #: distance of up to this multiple of the tolerance, does not come nearer.
 STANDING_TIME: Final = 3.0
 _BRAKING_FACTOR: Final = 3.0
-#: A vehicle that stays within its tolerance for so long has arrived though it is not slow, in seconds: a boat
+#: A vehicle that stays within its tolerance for this time in seconds has arrived, even if it moves: a boat
 #: in waves, a copter in gusts.
 LINGERING_TIME: Final = 15.0
 

@@ -9,7 +9,7 @@ from mavstack.dialects import common
 if TYPE_CHECKING:
     from mavstack.vehicle.vehicle import Vehicle
 
-#: A vehicle that stays armed on the ground for so long has landed, in seconds.
+#: A vehicle that stays armed on the ground for this time has landed, in seconds.
 ARMED_LANDING_TIME: Final = 15.0
 
 

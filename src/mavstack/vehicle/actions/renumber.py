@@ -85,7 +85,7 @@ async def renumber(
         if vehicle.armed:
             raise InvalidStateError(f"{_OPERATION} {vehicle.address} failed: it is armed; disarm it first")
         name = await _parameter_of(vehicle, names)
-        with suppress(ParameterTimeout):  # it may answer with its new id
+        with suppress(ParameterTimeout):  # the vehicle may answer with its new id
             await vehicle.component.params.set(name, wanted)
         rebooted = not await _speaks(vehicle, wanted, CHANGE_TIMEOUT)
         if rebooted:

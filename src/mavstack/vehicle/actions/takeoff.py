@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 #: The distance to the altitude of a takeoff within which a vehicle that hovers has reached it, in metres.
 TAKEOFF_TOLERANCE: Final = 0.5
-#: It has settled when its altitude changed by less than the span for so long, in metres and seconds; one that
+#: A vehicle has settled when its altitude changed by less than the span (m) in the time (s); a vehicle that
 #: settles farther away, since its estimate of home drifts, needs the longer time.
 TAKEOFF_SETTLING_SPAN: Final = 0.3
 TAKEOFF_SETTLING_TIME: Final = 1.0

@@ -25,7 +25,7 @@ STATUS_RATE: Final = 4.0
 STATUS_TIMEOUT: Final = 2.0
 #: The line is as long as asked for if it differs by less, in metres.
 LENGTH_TOLERANCE: Final = 0.1
-#: A winch with a lower speed stands still, in m/s.
+#: Speed below which a winch counts as stopped, in m/s.
 _STANDSTILL: Final = 0.02
 _FLAG: Final = common.MavWinchStatusFlag
 

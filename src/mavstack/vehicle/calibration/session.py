@@ -121,7 +121,7 @@ class CalibrationSession(ReadOnly):
             RemoteCancelled: The connection was closed.
         """
         if self._task is None:
-            raise InvalidStateError("a calibration starts in `async with`")
+            raise InvalidStateError("start a calibration by `async with`")
         ended = self._task.done() and self._steps.empty()
         if not ended and (step := await self._steps.get()) is not None:
             return step

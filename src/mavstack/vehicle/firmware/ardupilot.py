@@ -66,7 +66,7 @@ _NO_LANDING: Final = (
 )
 #: The altitude to which a plane takes off.
 _TAKEOFF_ALTITUDE: Final = "TKOFF_ALT"
-#: A plane that rolls says that it flies; below this height it may take off, in metres above home.
+#: A plane on its take-off run reports that it flies; below this height above home it may take off, in metres.
 _MIN_FLYING_HEIGHT: Final = 2.0
 _CLIMB_REMEDY: Final = "go to another altitude by goto() or move()"
 _RADIUS: Final = RENAMED["CIRCLE_RADIUS"]
@@ -200,7 +200,7 @@ class ArduPilot(Firmware):
         """Go by DO_REPOSITION, or by a setpoint where an older version does not support the command."""
         await self.changes.set_mode("GUIDED")
         altitude = await self._altitude_of(location)
-        # Of a wing this parameter is the direction of its circle.
+        # For a wing this param is the direction of the circle.
         heading = 0.0 if yaw is None or self._type in _WINGED else self.yaw_of(yaw)
         try:
             await self.command(

@@ -68,7 +68,7 @@ class OrbitEntry:
 class Firmware(LoopBound):
     """The firmware of one vehicle; made by `firmware_of`."""
 
-    #: The modes in which each action goes on, in lower case; an action that is missing goes on in any mode.
+    #: The modes in which each action continues, in lower case; a missing action continues in any mode.
     MODES: ClassVar[Mapping[str, frozenset[str]]] = MappingProxyType({})
     #: The name of the firmware; empty if it is not known.
     NAME: ClassVar[str] = ""

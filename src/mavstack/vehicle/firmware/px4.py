@@ -44,7 +44,7 @@ class Px4(Firmware):
             "orbit": frozenset({"orbit"}) | _HOLD,
             "turn": _HOLD,
             "guided": frozenset({"offboard"}),
-            # A mission that ends with a return or a landing goes on in their modes.
+            # A mission that ends with a return or a landing continues in their modes.
             "mission": frozenset({"mission", "rtl", "land"}),
             "end of mission": _HOLD,
         }

@@ -107,7 +107,7 @@ def _sensors(telemetry: Telemetry) -> Iterator[str]:
     wrong = status.onboard_control_sensors_enabled & ~status.onboard_control_sensors_health
     more = status.onboard_control_sensors_enabled_extended & ~status.onboard_control_sensors_health_extended
     if any(_gps_problems(telemetry)):
-        wrong &= ~_GPS  # that problem tells more
+        wrong &= ~_GPS  # that problem has more detail
     for mask, names in ((wrong, SENSORS), (more, EXTENDED_SENSORS)):
         yield from (f"{name} is not healthy" for bit, name in names if mask & bit)
 

@@ -192,7 +192,7 @@ class _StreamRequest:
         except CommandDenied as error:
             self.denied[message] = error
         except RemoteError:
-            return  # not answered: `Rates` goes on asking while the vehicle is alive
+            return  # not answered: `Rates` continues to ask while the vehicle is alive
 
     async def _request_once(self, message: type[Message]) -> None:
         try:

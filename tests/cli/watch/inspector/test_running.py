@@ -26,7 +26,7 @@ def test_the_window_needs_a_terminal(mav, tlog):
 def test_options_that_print_do_not_fit(mav, tlog, option):
     result = mav("watch", tlog, "--tui", option)
     assert result.code == 2
-    assert "--tui is a window on the terminal: without --once and --json" in result.err
+    assert "--tui shows a window in the terminal: leave out --once and --json" in result.err
 
 
 def test_standard_input_is_not_inspected(mav):

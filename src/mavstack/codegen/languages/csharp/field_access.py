@@ -22,7 +22,7 @@ TYPES: Final = {
     "double": ("double", "Double"),
 }
 
-#: Name, C# type and size of the elements of arrays; bytes have methods of their own.
+#: Name, C# type and size of the elements of arrays; bytes have their own methods.
 ARRAYS: Final = (
     ("Int8", "sbyte", 1),
     ("Int16", "short", 2),
