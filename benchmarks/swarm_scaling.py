@@ -17,6 +17,7 @@ import math
 import time
 from contextlib import AsyncExitStack
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -33,6 +34,7 @@ from mavstack.vehicle.swarm.launch import take_off
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
+    from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.vehicle.swarm import Swarm
 
 COUNTS: Final = (10, 25, 50, 100, 250, 500)
@@ -197,11 +199,15 @@ def _simulation(count: int) -> Simulation:
         for stream, rate in _STREAMS.items():
             vehicle.parameters.set(f"SR0_{stream}", rate)
     for vehicle in simulation.vehicles:
-        run_until(simulation, lambda vehicle=vehicle: vehicle.autopilot.booted)
+        run_until(simulation, partial(_is_booted, vehicle))
     simulation.advance(simulation.now + _SETTLING)
     for vehicle in simulation.vehicles:
         vehicle.data_to_send()
     return simulation
+
+
+def _is_booted(vehicle: SimulatedVehicle) -> bool:
+    return vehicle.autopilot.booted
 
 
 def figures(counts: Sequence[int] = COUNTS) -> Iterator[Figures]:
