@@ -24,6 +24,7 @@ from mavstack.sim.ardupilot.messages import ArdupilotMessages, guided_item
 from mavstack.sim.ardupilot.mode_switch import ModeSwitch
 from mavstack.sim.ardupilot.modes import BLOCKABLE, MODE_ROLES, MODES
 from mavstack.sim.ardupilot.motor_calibration import CompassMotorCalibration, EscCalibration, compass_motor_of
+from mavstack.sim.ardupilot.precision_landing import register_precision_landing
 from mavstack.sim.ardupilot.sd_card import flash_from_sd_card
 from mavstack.sim.ardupilot.simulation_parameters import SimulationParameters
 from mavstack.sim.ardupilot.terrain import register_terrain
@@ -111,6 +112,7 @@ class ArdupilotProfile(FirmwareProfile):
         register_external_vision(vehicle)
         OriginReceiver.add_to(vehicle)
         register_follow(vehicle)
+        register_precision_landing(vehicle)
         CanDevices(vehicle)
         vehicle.engine.add(GpsPort(vehicle))
         register_terrain(vehicle)

@@ -23,13 +23,14 @@ from mavstack.sim.autopilot.tasks import Tasks
 from mavstack.sim.vehicle_types import Home
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from mavstack.services import Address
     from mavstack.services.modes import AvailableMode
     from mavstack.sim.autopilot.behaviour import Behaviour
     from mavstack.sim.autopilot.external_vision import ExternalVision
     from mavstack.sim.autopilot.firmware_profile import FirmwareProfile, Mode
+    from mavstack.sim.autopilot.landing_target import LandingAim, LandingTarget
     from mavstack.sim.autopilot.obstacle_input import ObstacleInput
     from mavstack.sim.autopilot.ticks import Watch
     from mavstack.sim.vehicle import SimulatedVehicle
@@ -90,6 +91,10 @@ class SimulatedAutopilot:
         self.vision: ExternalVision | None = None
         #: The obstacles that a companion computer reports; None if the firmware does not take them.
         self.obstacle_input: ObstacleInput | None = None
+        #: The place to land on that a companion computer reports; None if the firmware has no mode for it.
+        self.landing_target: LandingTarget | None = None
+        #: Returns the place on which a landing vehicle descends; None: where it is.
+        self.landing_aim: Callable[[], LandingAim | None] = lambda: None
         #: True if a client set the origin of the local frame.
         self.has_origin = False
 

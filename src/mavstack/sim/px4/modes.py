@@ -28,6 +28,7 @@ from mavstack.sim.autopilot.behaviours.mission import Mission
 from mavstack.sim.autopilot.firmware_profile import Mode
 from mavstack.sim.px4.behaviours import Descend, Px4Return, Px4Takeoff, Terminated, orbit_behaviour
 from mavstack.sim.px4.follow import FollowTarget
+from mavstack.sim.px4.precision_landing import PrecisionLand
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
@@ -53,6 +54,7 @@ MISSION: Final = px4_custom_mode(4, 4)
 RETURN: Final = px4_custom_mode(4, 5)
 LAND: Final = px4_custom_mode(4, 6)
 FOLLOW_TARGET: Final = px4_custom_mode(4, 8)
+PRECISION_LAND: Final = px4_custom_mode(4, 9)
 VTOL_TAKEOFF: Final = px4_custom_mode(4, 10)
 DESCEND: Final = px4_custom_mode(4, 20)
 ACRO: Final = px4_custom_mode(5)
@@ -143,6 +145,10 @@ _TABLE: Final = (
     ),
     _Row(
         FOLLOW_TARGET, "Follow Target", FollowTarget, _AUTOMATIC, types=frozenset({_T.COPTER}), may_arm=False,
+    ),
+    _Row(
+        PRECISION_LAND, "Precision Land", PrecisionLand, _AUTOMATIC, types=frozenset({_T.COPTER}),
+        may_arm=False,
     ),
     _Row(ORBIT, "Orbit", Terminated, _STABILIZED_ONLY, _STANDARD.ORBIT, _FLYING, may_arm=False),
     _Row(

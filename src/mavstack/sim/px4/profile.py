@@ -28,6 +28,7 @@ from mavstack.sim.px4.follow import register_follow
 from mavstack.sim.px4.identity import VERSION, version_of
 from mavstack.sim.px4.log_streaming import LogStreaming
 from mavstack.sim.px4.mode_selection import mode_refusal_of
+from mavstack.sim.px4.precision_landing import register_precision_landing
 from mavstack.sim.px4.shell import Console, MessageLog
 from mavstack.sim.px4.state import BY_COMMAND, BY_FAILSAFE, BY_LANDING, Px4State
 from mavstack.sim.px4.traffic_avoidance import TrafficAvoidance
@@ -103,6 +104,7 @@ class Px4Profile(FirmwareProfile):
         OriginReceiver.add_to(vehicle)
         autopilot.watches.append(LogStreaming(vehicle))
         register_follow(vehicle)
+        register_precision_landing(vehicle)
         self.message_log.start(vehicle)
         self.event_reporter.start(vehicle)
         Console(vehicle, self.state, self.message_log)

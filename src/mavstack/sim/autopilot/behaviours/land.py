@@ -107,14 +107,27 @@ class Land(Behaviour):
         climb = ClimbControl(autopilot)
         while not autopilot.landed:
             if autopilot.has_position:
-                self._sink_at(place, yaw)
+                place = self._sink_to_aim(place, yaw)
             else:
                 autopilot.body.hold_attitude(0.0, 0.0, yaw, climb.thrust(-self._sink()))
                 place = autopilot.maneuvers.place
             yield
         autopilot.body.idle()
 
-    def _sink_at(self, place: Point, yaw: float) -> None:
+    def _sink_to_aim(self, place: Point, yaw: float) -> Point:
+        """Sink at the place, or at the target that the vehicle sees; return the place."""
+        aim = self.autopilot.landing_aim()
+        if aim is None:
+            self.sink_at(place, yaw)
+            return place
+        if aim.descends:
+            self.sink_at(aim.point, yaw)
+        else:
+            self.autopilot.maneuvers.go_to((*aim.point[:2], self.autopilot.maneuvers.place[2]), yaw=yaw)
+        return aim.point
+
+    def sink_at(self, place: Point, yaw: float) -> None:
+        """Sink straight down at a place, with a heading in radians."""
         maneuvers = self.autopilot.maneuvers
         north, east, _ = place
         maneuvers.go_to(

@@ -1,0 +1,140 @@
+"""Landing on a target that a companion computer sees: ArduPilot's LAND, PX4's Precision Land."""
+
+from __future__ import annotations
+
+from math import hypot
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.rotation import from_euler, rotate_back
+from mavstack.services.external import landing_angles, landing_message
+from mavstack.sim.px4.modes import PRECISION_LAND
+from tests.sim.harness import RESULT, VehicleHarness, grounded
+
+TARGET = (4.0, -3.0)
+#: Reports after which the target is seen.
+SEARCHING = 80
+
+
+class Camera:
+    """A camera that sees the target, and reports it in one of the forms of LANDING_TARGET."""
+
+    def __init__(self, harness: VehicleHarness, form: str, *, lowest: float = 0.0) -> None:
+        self.harness, self.form, self.lowest = harness, form, lowest
+        self.blind = False
+
+    def report(self) -> None:
+        truth = self.harness.vehicle.body.truth
+        if self.blind or -truth.down < self.lowest:
+            return
+        seen = TARGET[0] - truth.north, TARGET[1] - truth.east, -truth.down
+        body = rotate_back(from_euler(truth.roll, truth.pitch, truth.yaw), seen)
+        message = landing_message(body, 0, angles=landing_angles(*body))
+        if self.form == "local":
+            message = landing_message((*TARGET, 0.0), 0, frame=common.MavFrame.LOCAL_NED)
+        elif self.form == "angles":
+            message = message.replace(position_valid=0)
+        self.harness.send(message)
+
+
+def flying(firmware: str, **parameters: float) -> VehicleHarness:
+    harness = grounded("copter", firmware)
+    if firmware == "ardupilot":
+        harness.vehicle.parameters.set("PLND_ENABLED", 1)
+        parameters = {"PLND_TYPE": 1, **parameters}
+    for name, value in parameters.items():
+        harness.vehicle.parameters.set(name, value)
+    harness.vehicle.reboot()
+    return harness.run(12).place_in_air().run(2.5).without_telemetry()
+
+
+def land(harness: VehicleHarness, camera: Camera) -> float:
+    """Land; return the distance from the target."""
+    if harness.vehicle.firmware == "ardupilot":
+        harness.vehicle.autopilot.enter(harness.mode_number("LAND"), "test")
+    else:
+        assert harness.command(common.MavCmd.DO_SET_MODE, 1, 4, 9) == RESULT.ACCEPTED
+        assert harness.vehicle.autopilot.mode.number == PRECISION_LAND
+    harness.run_until(lambda: harness.vehicle.autopilot.landed, timeout=120, each=camera.report)
+    truth = harness.vehicle.body.truth
+    return hypot(truth.north - TARGET[0], truth.east - TARGET[1])
+
+
+@pytest.mark.parametrize(
+    ("firmware", "form"), [("ardupilot", "body"), ("ardupilot", "angles"), ("px4", "local")]
+)
+def test_a_copter_lands_on_the_target(firmware, form):
+    harness = flying(firmware)
+    assert land(harness, Camera(harness, form)) < 0.5
+    if firmware == "ardupilot":
+        assert "PrecLand: Target Found" in harness.texts
+        assert "PrecLand: Init Complete" in harness.texts
+
+
+@pytest.mark.parametrize(("firmware", "form"), [("ardupilot", "local"), ("px4", "body"), ("px4", "angles")])
+def test_other_forms_do_not_count(firmware, form):
+    harness = flying(firmware)
+    assert land(harness, Camera(harness, form)) > 3.0
+    refusals = {
+        "ardupilot": "Plnd: Frame not supported",
+        "px4": "Landing target: coordinate frame 12 unsupported",
+    }
+    assert bool(harness.texts.first(refusals[firmware])) == (form != "angles")
+
+
+def test_ardupilot_needs_the_parameters():
+    harness = flying("ardupilot", PLND_TYPE=0)
+    assert land(harness, Camera(harness, "body")) > 3.0
+    assert "PLND_TYPE" not in grounded("copter").vehicle.parameters
+
+
+def test_ardupilot_descends_when_it_is_near():
+    harness = flying("ardupilot", PLND_XY_DIST_MAX=1.0)
+    camera = Camera(harness, "body")
+    harness.run(3, camera.report)
+    harness.vehicle.autopilot.enter(harness.mode_number("LAND"), "test")
+    before = harness.vehicle.body.truth.down
+    harness.run(1, camera.report)
+    assert harness.vehicle.body.truth.down == pytest.approx(before, abs=0.5)
+    assert land(harness, camera) < 0.5
+
+
+def test_a_target_that_is_lost_near_the_ground():
+    harness = flying("ardupilot")
+    assert land(harness, Camera(harness, "body", lowest=3.0)) < 0.7
+    harness = flying("px4")
+    assert land(harness, Camera(harness, "local", lowest=0.05)) < 0.7
+
+
+def test_ardupilot_reports_the_loss():
+    harness = flying("ardupilot")
+    camera = Camera(harness, "body")
+    harness.run(1, camera.report).run(1)
+    assert "PrecLand: Init Failed" in harness.texts
+    harness.run(3, camera.report).run(3)
+    assert "PrecLand: Target Lost" in harness.texts
+
+
+def test_px4_searches_and_then_lands_where_it_is():
+    harness = flying("px4", PLD_SRCH_ALT=25.0)
+    camera, heights = Camera(harness, "local"), []
+    camera.blind = True
+
+    def watch() -> None:
+        heights.append(-harness.vehicle.body.truth.down)
+        camera.blind = len(heights) < SEARCHING
+        camera.report()
+
+    harness.command(common.MavCmd.DO_SET_MODE, 1, 4, 9)
+    harness.run_until(lambda: harness.vehicle.autopilot.landed, timeout=150, each=watch)
+    truth = harness.vehicle.body.truth
+    assert max(heights) > heights[0] + 3
+    assert hypot(truth.north - TARGET[0], truth.east - TARGET[1]) < 0.5
+
+
+def test_px4_lands_where_it_is_without_a_target():
+    harness = flying("px4", PLD_SRCH_TOUT=0.0)
+    camera = Camera(harness, "local")
+    camera.blind = True
+    assert land(harness, camera) > 3.0
