@@ -27,6 +27,7 @@ LISTED_MODES = {
     (4, 2): "",
     (4, 6): "",
     (4, 8): "Follow Target",
+    (4, 9): "Precision Land",
     (3, 1): "",
 }
 TELEMETRY = Address(254, 1)

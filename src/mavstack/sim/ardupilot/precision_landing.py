@@ -74,7 +74,7 @@ class PrecisionLanding:
         if self._found_at is None:
             if gap <= _INIT_GAP:
                 self._found_at = now
-                self._say("Target Found", _SEVERITY.INFO)
+                self._report("Target Found", _SEVERITY.INFO)
                 self._acquired = int(self._number("PLND_EST_TYPE")) == _RAW
         elif self._acquired:
             if gap > _TIMEOUT:
@@ -83,7 +83,7 @@ class PrecisionLanding:
             self._lose("Init Failed")
         elif now - self._found_at > _INIT_TIME:
             self._acquired = True
-            self._say("Init Complete", _SEVERITY.INFO)
+            self._report("Init Complete", _SEVERITY.INFO)
 
     def aim(self) -> LandingAim | None:
         """Return the place to land on; None while no target is used."""
@@ -96,9 +96,9 @@ class PrecisionLanding:
 
     def _lose(self, text: str) -> None:
         self._found_at, self._acquired = None, False
-        self._say(text, _SEVERITY.CRITICAL)
+        self._report(text, _SEVERITY.CRITICAL)
 
-    def _say(self, text: str, severity: int) -> None:
+    def _report(self, text: str, severity: int) -> None:
         self._vehicle.send_statustext(f"PrecLand: {text}", severity)
 
     def _read(self, message: common.LandingTarget) -> Point | None:

@@ -4,7 +4,7 @@ LANDING_TARGET counts in LOCAL_NED with `position_valid`; other frames are refus
 angles go to a module that is not started by default. The vehicle waits for the target where it is, climbs to
 PLD_SRCH_ALT above home if it does not see it within 2 s, and searches for PLD_SRCH_TOUT. It flies above the
 target at its height, and descends once it has been within PLD_HACC_RAD for 2 s. A target that is lost for
-PLD_BTOUT above the last PLD_FAPPR_ALT metres starts all anew, at most PLD_MAX_SRCH times; then, and where the
+PLD_BTOUT above the last PLD_FAPPR_ALT metres starts again, at most PLD_MAX_SRCH times; then, and where the
 search finds nothing, the vehicle lands where it is.
 
 Source: PX4 1.17, navigator/precland.cpp (mode Required), MavlinkReceiver::handle_message_landing_target.
