@@ -23,7 +23,9 @@ KINDS = {
     Firmware.PX4: {KIND.INT32, KIND.REAL32},
 }
 #: Parameters that are shown once another one enables them.
-GROUPS = {"ardupilot_follow.txt", "ardupilot_follow_rover.txt"}
+GROUPS = {
+    "ardupilot_follow.txt", "ardupilot_follow_rover.txt", "ardupilot_precision_landing.txt",
+}  # fmt: skip
 FILES = sorted(file.name for file in (files("mavstack.sim.parameters") / "tables").iterdir())
 
 
