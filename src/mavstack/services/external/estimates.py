@@ -161,6 +161,8 @@ class PoseEstimate:
 
 def as_frame(frame: Frame | str) -> Frame:
     """Return a frame by its name; raises InvalidArgumentError."""
+    if isinstance(frame, Frame):
+        return frame
     try:
         return Frame(str(frame).upper())
     except ValueError:
@@ -173,5 +175,5 @@ def _covariance(frame: Frame, covariance: Sequence[float]) -> tuple[float, ...]:
 
 
 def _check_numbers(name: str, values: Sequence[float] | None, size: int) -> None:
-    if values is not None and (len(values) != size or not all(isfinite(value) for value in values)):
+    if values is not None and (len(values) != size or not all(map(isfinite, values))):
         raise InvalidArgumentError(f"{name} needs {size} finite numbers, got {values}")
