@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Final
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.ending_signals import run_until_signal
 from mavstack.cli.common.errors import UsageError
-from mavstack.cli.common.options import seconds
 from mavstack.cli.common.output import align_columns, echo, echo_json
+from mavstack.cli.radio.simulation import add_simulation_options, run_simulation
 from mavstack.errors import InvalidArgumentError
 from mavstack.radio.modem import SikModem, radio_url
 from mavstack.radio.pair import change_both, change_one, plan_change, shared_differences
@@ -48,6 +48,8 @@ examples:
   mav radio rssi /dev/ttyUSB0                       # each second, until Ctrl-C
   mav radio rssi /dev/ttyUSB0 --count 1 --json
   mav radio sim --near near --far far               # a simulated pair on two terminals, to try this
+  mav radio sim --profile acoustic --near near --far far           # modems under water
+  mav radio sim --profile sbd --near modem --gateway udpout://127.0.0.1:14550    # an Iridium modem
 """
 
 
@@ -75,11 +77,8 @@ def add_arguments(parser: ArgumentParser) -> None:
     _add_ends(action)
     action = _add(actions, "rssi", "show signal and noise of both ends each second", rssi)
     action.add_argument("--count", type=_count, metavar="N", help="end after N reports (default: at Ctrl-C)")
-    action = actions.add("sim", "simulate a pair of radios on two pseudo terminals", simulate)
-    action.add_argument("--near", metavar="PATH", help="other name of the near terminal")
-    action.add_argument("--far", metavar="PATH", help="other name of the far terminal")
-    action.add_argument("--for", dest="seconds", type=seconds, metavar="SECONDS", help="end after this time")
-    action.add_argument("--json", action="store_true", help="print JSON")
+    action = actions.add("sim", "simulate radios or modems on pseudo terminals", simulate)
+    add_simulation_options(action)
 
 
 def run(arguments: Namespace) -> int:
@@ -125,7 +124,7 @@ def rssi(arguments: Namespace) -> int:
 
 def simulate(arguments: Namespace) -> int:
     """Run `mav radio sim`."""
-    return run_until_signal(_simulate(arguments))
+    return run_until_signal(run_simulation(arguments))
 
 
 async def _show(arguments: Namespace) -> int:
@@ -294,23 +293,6 @@ def _signal_text(report: RssiReport) -> str:
         f"(noise {report.remote_noise})  margin {report.fade_margin:.0f} dB  packets {report.packets}  "
         f"errors {errors}  corrected {report.corrected_packets}"
     )
-
-
-async def _simulate(arguments: Namespace) -> int:
-    from mavstack.radio.pseudo_terminals import RadioTerminals
-
-    async with RadioTerminals() as terminals:
-        names = list(terminals.devices)
-        for index, name in enumerate((arguments.near, arguments.far)):
-            if name:
-                terminals.link(index, name)
-                names[index] = name
-        if arguments.json:
-            echo_json({"near": names[0], "far": names[1]})
-        else:
-            echo(f"near radio: {names[0]}", f"far radio: {names[1]}", "Ctrl-C to end")
-        await asyncio.sleep(arguments.seconds or float("inf"))
-    return 0
 
 
 @asynccontextmanager
