@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import asynccontextmanager
 from time import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from mavstack.relay.server import RelayServer
 from mavstack.security.room_tickets import Seat, make_room_ticket
@@ -28,7 +28,7 @@ def url(scheme: str, port: int, room: str = "boat", *, secret: str = SECRET, que
 
 
 @asynccontextmanager
-async def relay(limits: Limits | None = None, **tls: str) -> AsyncIterator[tuple[RelayServer, int]]:
-    server = RelayServer(API_KEY, limits, **tls)
+async def relay(limits: Limits | None = None, **more: Any) -> AsyncIterator[tuple[RelayServer, int]]:
+    server = RelayServer(API_KEY, limits, **more)
     async with server.serving("127.0.0.1", 0) as port:
         yield server, port

@@ -1,17 +1,23 @@
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import pytest
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from mavstack.errors import LinkError
 from mavstack.links.relay_frames import RELAY_PROTOCOL, Change, encode_datagram, encode_notice
+from mavstack.relay.revocations import revoke
 from mavstack.relay.rooms import Limits
 from mavstack.relay.server import RelayServer
 from mavstack.security.room_tickets import Seat
 from tests.links.certificates import certificates
 
 from .harness import API_KEY, relay, ticket
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 __all__ = ["certificates"]
 
@@ -109,3 +115,20 @@ async def test_a_port_in_use_is_named():
         with pytest.raises(LinkError, match=f"listening on 127.0.0.1:{port} failed"):
             async with RelayServer(API_KEY).serving("127.0.0.1", port):
                 pass
+
+
+async def test_one_revoked_ticket_ends_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("mavstack.relay.server.READ_INTERVAL", 0.01)
+    path, one, other = tmp_path / "revoked.txt", ticket(Seat.GUEST), ticket(Seat.GUEST, lifetime=90)
+    async with relay(revoked=path) as (server, port):
+        async with dial(port, RELAY_PROTOCOL, one) as ended, dial(port, RELAY_PROTOCOL, other) as kept:
+            revoke(one, path)
+            with pytest.raises(ConnectionClosed, match="the ticket is revoked"):
+                await ended.recv()
+            await (await kept.ping())
+        with pytest.raises(InvalidStatus, match="401"):
+            async with dial(port, RELAY_PROTOCOL, one):
+                pass
+        assert server.rooms.counts["refused: the ticket is revoked"] == 1
+        async with dial(port, RELAY_PROTOCOL, other):
+            pass

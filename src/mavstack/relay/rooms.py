@@ -172,7 +172,7 @@ class Rooms:
                 self.counts["refused"] += 1
                 return refusal
         else:
-            self._dismiss(older, "replaced by a newer connection of the host")
+            self.dismiss(older, "replaced by a newer connection of the host")
         self._rooms[name] = room
         member = Member(name, seat, address, 0, now, wake, Outbox(self.limits.queue))
         self._members.add(member)
@@ -238,17 +238,18 @@ class Rooms:
             if not decision.admitted:
                 return "the room is full"
             if decision.leaving is not None:
-                self._dismiss(decision.leaving, "closed to make room for another guest")
+                self.dismiss(decision.leaving, "closed to make room for another guest")
                 return ""
         everybody = [_place(each, each.room) for each in self._members]
         decision = self._admission.admit(name, everybody, now, Proof.AUTHENTICATED)
         if not decision.admitted:
             return "the relay is full"
         if decision.leaving is not None:
-            self._dismiss(decision.leaving, "closed to make room for another member")
+            self.dismiss(decision.leaving, "closed to make room for another member")
         return ""
 
-    def _dismiss(self, member: Member, reason: str) -> None:
+    def dismiss(self, member: Member, reason: str) -> None:
+        """Let a member leave for a reason, which it is sent."""
         member.leaving = reason
         self.leave(member)
         member.wake()

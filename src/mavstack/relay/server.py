@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, cast
 from mavstack.errors import LinkError, MissingExtraError
 from mavstack.handshakes import HANDSHAKE_TIMEOUT, Handshakes, TlsHandshake
 from mavstack.links.relay_frames import MAX_MESSAGE, RELAY_PROTOCOL, offered_room_ticket
+from mavstack.relay.revocations import READ_INTERVAL, Revocations
 from mavstack.relay.rooms import Rooms
 from mavstack.security.room_tickets import RoomTicket, RoomTickets
 from mavstack.security.tickets import TicketRefusal
@@ -25,6 +26,7 @@ except ImportError as missing:
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
+    from pathlib import Path
 
     from websockets.http11 import Request, Response
     from websockets.typing import Subprotocol
@@ -47,6 +49,7 @@ class _Connection(ServerConnection):
 
     handshakes: Handshakes
     ticket: RoomTicket
+    ticket_text: str
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         super().connection_made(transport)
@@ -65,12 +68,13 @@ class RelayServer:
         limits: The bounds; None: the defaults.
         certificate: File with the certificate and its chain (PEM); None: without TLS, behind a proxy.
         certificate_key: File with the private key; None: it is in the file of the certificate.
+        revoked: File with the revoked tickets, read again when it changes; None: no ticket is revoked.
 
     Attributes:
         rooms: The rooms.
 
     Raises:
-        LinkError: The certificate cannot be used.
+        LinkError: The certificate cannot be used, or the file of revoked tickets cannot be read.
     """
 
     def __init__(
@@ -80,9 +84,12 @@ class RelayServer:
         *,
         certificate: str | None = None,
         certificate_key: str | None = None,
+        revoked: Path | None = None,
     ) -> None:
         self.rooms = Rooms(limits)
         self._tickets = RoomTickets(api_key)
+        self._revocations = Revocations(revoked)
+        self._members: dict[Member, str] = {}
         self._handshakes = Handshakes()
         self._context = _tls_context(certificate, certificate_key) if certificate else None
 
@@ -111,9 +118,12 @@ class RelayServer:
             )  # fmt: skip
         except OSError as error:
             raise LinkError(f"listening on {host}:{port} failed: {error.strerror or error}") from error
+        reader = asyncio.create_task(self._read_revocations())
         try:
             yield next(iter(server.sockets)).getsockname()[1]
         finally:
+            reader.cancel()
+            await asyncio.gather(reader, return_exceptions=True)
             self._handshakes.close()
             server.close()
             await server.wait_closed()
@@ -129,8 +139,11 @@ class RelayServer:
         """Return the response that refuses a client; None to accept it."""
         offered = offered_room_ticket(",".join(request.headers.get_all("Sec-WebSocket-Protocol")))
         found = self._tickets.verify(offered, time()) if offered else TicketRefusal.MISSING
+        if isinstance(found, RoomTicket) and self._revocations.has(offered):
+            found = TicketRefusal.REVOKED
         if isinstance(found, RoomTicket):
-            cast("_Connection", socket).ticket = found
+            connection = cast("_Connection", socket)
+            connection.ticket, connection.ticket_text = found, offered
             return None
         self.rooms.counts[f"refused: {found}"] += 1
         return socket.respond(HTTPStatus.UNAUTHORIZED, f"{found}\n")
@@ -145,6 +158,7 @@ class RelayServer:
             await socket.close(TRY_LATER, member)
             return
         _logger.info("room %s: %s came from %s", ticket.room, ticket.seat, address)
+        self._members[member] = connection.ticket_text
         sender = asyncio.create_task(_send_all(socket, member, has_work))
         try:
             async with asyncio.timeout(max(0.0, ticket.expires - time())):
@@ -153,10 +167,25 @@ class RelayServer:
             self.rooms.leave(member)
             await socket.close(TRY_LATER, TicketRefusal.EXPIRED)
         finally:
+            del self._members[member]
             self.rooms.leave(member)
             sender.cancel()
             await asyncio.gather(sender, return_exceptions=True)
             _logger.info("room %s: %s from %s left", ticket.room, ticket.seat, address)
+
+    async def _read_revocations(self) -> None:
+        """Follow the file of revoked tickets, and end the connections that came with them."""
+        while True:
+            await asyncio.sleep(READ_INTERVAL)
+            try:
+                if not self._revocations.read():
+                    continue
+            except LinkError as error:
+                _logger.warning("%s; the tickets revoked before stay revoked", error)
+                continue
+            for member, text in tuple(self._members.items()):
+                if self._revocations.has(text):
+                    self.rooms.dismiss(member, TicketRefusal.REVOKED)
 
     async def _receive_all(self, socket: ServerConnection, member: Member) -> None:
         with suppress(WebSocketException):

@@ -4,7 +4,8 @@ A ticket is the text `room1.ROOM.SEAT.EXPIRES.SIGNATURE`: the name of the room, 
 in seconds since 1970, and the HMAC-SHA256 of the text before it, with a key that is derived from the key of
 the relay. The relay needs no list of rooms: a valid ticket is enough. A ticket is used as often as its holder
 connects again, until it expires; a new key of the relay ends all of them. A ticket opens a room, and no
-packet in it: the packets are sealed with a secret that the relay never receives.
+packet in it: the packets are sealed with a secret that the relay never receives. One ticket alone is ended by
+the list of `mavstack.relay.revocations`.
 """
 
 from __future__ import annotations
@@ -107,6 +108,18 @@ class RoomTickets:
         if expires > now + MAX_LIFETIME:
             return TicketRefusal.TOO_LONG
         return RoomTicket(match["room"], Seat(match["seat"]), expires)
+
+
+def read_room(ticket: str) -> tuple[str, Seat]:
+    """Return the room and the seat that a ticket names, without verifying it.
+
+    Raises:
+        InvalidArgumentError: The text is not a ticket.
+    """
+    match = _TICKET.fullmatch(ticket)
+    if match is None:
+        raise InvalidArgumentError("this is not a ticket of a relay, nor a URL with one")
+    return match["room"], Seat(match["seat"])
 
 
 def _derive_key(api_key: str) -> bytes:

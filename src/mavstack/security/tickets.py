@@ -53,6 +53,7 @@ class TicketRefusal(StrEnum):
     TOO_LONG = "the ticket is valid for too long"
     IN_FUTURE = "the ticket was issued in the future"
     USED = "the ticket has been used"
+    REVOKED = "the ticket is revoked"
     TOO_MANY = "too many tickets are in use"
 
 

@@ -78,5 +78,15 @@ def test_wrong_usage(capsys, key, words, reason):
     assert reason in mav(capsys, "relay", *words, "--tickets", key, code=2).err
 
 
+def test_a_url_is_revoked(capsys, key, tmp_path):
+    path = str(tmp_path / "revoked.txt")
+    words = ("relay", "invite", "boat", "wss://relay.example", "--tickets", key, "--json")
+    url = json.loads(mav(capsys, *words).out)["guest"]
+    assert mav(capsys, "relay", "revoke", url, "--list", path).out == "revoked\n"
+    ticket = parse_url(url).options["ticket"]
+    assert mav(capsys, "relay", "revoke", ticket, "--list", path).out == "it was revoked before\n"
+    assert "not a ticket" in mav(capsys, "relay", "revoke", "wss://x?ticket=1", "--list", path, code=2).err
+
+
 def test_a_key_that_is_missing_is_named(capsys):
     assert "none" in mav(capsys, "relay", "serve", "--tickets", "none", code=1).err

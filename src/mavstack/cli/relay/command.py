@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+from pathlib import Path
 from secrets import token_hex
 from time import time
 from typing import TYPE_CHECKING, Final
-from urllib.parse import urlsplit
+from urllib.parse import parse_qsl, urlsplit
 
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.ending_signals import run_until_signal
@@ -30,6 +31,8 @@ examples:
   mav relay serve --tickets relay --port 7070                        # this machine alone
   mav relay serve --tickets relay --host 0.0.0.0 --certificate server.pem
   mav relay invite boat wss://relay.example:7070 --tickets relay     # a URL for each side
+  mav relay serve --tickets relay --revoked revoked.txt
+  mav relay revoke 'relay://relay.example:7070?ticket=TICKET' --list revoked.txt   # end one URL
   mav relay invite boat ws://127.0.0.1:7070 --tickets relay --days 7 --json
 
 The vehicle's side opens the first URL (mav route, mav sim --out …), the ground the second (mav watch …,
@@ -46,6 +49,12 @@ def add_arguments(parser: ArgumentParser) -> None:
     actions = Actions(parser, "relay", EXAMPLES)
     _add_serve(actions)
     _add_invite(actions)
+    action = actions.add("revoke", "end one URL or ticket before it expires", revoke)
+    action.add_argument("url", metavar="URL", help="the URL that invite printed, or its ticket")
+    action.add_argument(
+        "--list", dest="path", type=Path, required=True, metavar="FILE",
+        help="the file that the relay reads by --revoked; the ticket is added",
+    )  # fmt: skip
 
 
 def run(arguments: Namespace) -> int:
@@ -62,6 +71,7 @@ def _add_serve(actions: Actions) -> None:
     add("--tickets", required=True, metavar="KEY", help="the key of the tickets: a file or a key's name")
     add("--host", default="127.0.0.1", metavar="ADDRESS", help="address to listen on (default: 127.0.0.1)")
     add("--port", type=int, default=7070, metavar="N", help="port; 0: a free one (default: 7070)")
+    add("--revoked", type=Path, metavar="FILE", help="tickets that end early; see mav relay revoke")
     add("--certificate", metavar="FILE", help="serve TLS with this certificate (PEM)")
     add("--certificate-key", metavar="FILE", help="its private key, if it is in another file")
     add(
@@ -117,6 +127,7 @@ def serve(arguments: Namespace) -> int:
         limits,
         certificate=arguments.certificate,
         certificate_key=arguments.certificate_key,
+        revoked=arguments.revoked,
     )
     return run_until_signal(_serve(arguments, server))
 
@@ -139,6 +150,19 @@ async def _serve(arguments: Namespace, server: RelayServer) -> int:
         finally:
             if arguments.json:
                 echo_json({"counts": dict(server.rooms.counts)})
+    return 0
+
+
+def revoke(arguments: Namespace) -> int:
+    """Run `mav relay revoke`."""
+    from mavstack.relay.revocations import revoke as revoke_ticket
+
+    query = dict(parse_qsl(urlsplit(arguments.url).query)) if "://" in arguments.url else {}
+    try:
+        is_new = revoke_ticket(query.get("ticket", arguments.url), arguments.path)
+    except InvalidArgumentError as error:
+        raise UsageError(str(error)) from None
+    echo("revoked" if is_new else "it was revoked before")
     return 0
 
 
