@@ -83,7 +83,8 @@ WITH_VEHICLE = [
     "shell --command 'ftp list /bad'", "shell --command 'watch STATUSTEXT 3'",
 ]  # fmt: skip
 WITHOUT_VEHICLE = [
-    "relay revoke room1.\x1b[2J --list new.txt", "relay serve --tickets none.key --for 0.01", "relay invite hostile ws://127.0.0.1:9 --tickets none.key",
+    "relay revoke room1.\x1b[2J --list new.txt",
+    "relay serve --tickets none.key --for 0.01", "relay invite hostile ws://127.0.0.1:9 --tickets none.key",
     "rtk ntrip://127.0.0.1:9 --list", "traffic sbs://127.0.0.1:9 --count 0",
     "serial --nmea --out udpout://127.0.0.1:9 --rate 99",
     "swarm list", "swarm show hostile.skyc --check",
