@@ -8,10 +8,11 @@ enough: it is 20 % and some degrees off in Europe.
 from __future__ import annotations
 
 import math
+from functools import cache
+from importlib.resources import files
 from typing import TYPE_CHECKING, Final
 
 from mavstack.geodesy import ECCENTRICITY_SQUARED, MAGNETIC_RADIUS, SEMI_MAJOR_AXIS
-from mavstack.simulators.magnetic_coefficients import WMM_2025
 
 if TYPE_CHECKING:
     from mavstack.rotation import Vector
@@ -42,6 +43,14 @@ def magnetic_field(latitude: float, longitude: float, altitude: float = 0.0, *, 
     return (_GAUSS * (north * cosine - down * sine), _GAUSS * east, _GAUSS * (north * sine + down * cosine))
 
 
+@cache
+def _coefficients() -> tuple[tuple[int, int, float, float, float, float], ...]:
+    """Return the rows of the file of coefficients, which its head describes."""
+    text = (files(__package__) / "magnetic_coefficients.txt").read_text("ascii")
+    rows = (line.split() for line in text.splitlines() if not line.startswith("#"))
+    return tuple((int(n), int(m), float(g), float(h), float(dg), float(dh)) for n, m, g, h, dg, dh in rows)
+
+
 def _geocentric(latitude: float, altitude: float) -> tuple[float, float]:
     """Return the distance from the Earth's centre, and the geocentric latitude."""
     sine = math.sin(latitude)
@@ -57,7 +66,7 @@ def _spherical(radius: float, latitude: float, longitude: float, years: float) -
     sine = max(math.cos(latitude), 1e-9)  # of the colatitude, which must not be zero
     values, slopes = _legendre(math.sin(latitude), sine)
     north = east = down = 0.0
-    for n, m, g_start, h_start, g_change, h_change in WMM_2025:
+    for n, m, g_start, h_start, g_change, h_change in _coefficients():
         g, h = g_start + years * g_change, h_start + years * h_change
         share = (MAGNETIC_RADIUS / radius) ** (n + 2)
         cosine, turn = math.cos(m * longitude), math.sin(m * longitude)

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mavstack.logs.report.charts import Band, Chart, Line, aligned, draw, envelope, svg_document
+from mavstack.logs.report.page import page_file
 from mavstack.logs.report.png import png_of
-from mavstack.logs.report.style import STYLE
 
 finite = st.floats(-1e9, 1e9)
 
@@ -69,7 +69,7 @@ def charts():
 
 
 def test_an_svg_file_has_all_charts(charts):
-    root = ElementTree.fromstring(svg_document(charts, STYLE))
+    root = ElementTree.fromstring(svg_document(charts, page_file("page.css")))
     assert len(list(root.iter("{http://www.w3.org/2000/svg}polyline"))) == 2
 
 

@@ -12,9 +12,8 @@ from mavstack import open_log
 from mavstack.logs.analysis import flights
 from mavstack.logs.report import make_report
 from mavstack.logs.report.charts import svg_document
-from mavstack.logs.report.page import plot_page
+from mavstack.logs.report.page import page_file, plot_page
 from mavstack.logs.report.panels import PANELS, charts_of
-from mavstack.logs.report.style import STYLE
 from tests.logs.analysis.telemetry import flight_tlog
 from tools.compilers import find
 
@@ -157,7 +156,7 @@ def test_plots_are_drawn(show, log):
     page = show(plot_page("plot", charts[:1]), PHONE, "dark")
     (line,) = assert_lines(page, 1)
     assert_painted(line, picture(page), PHONE[2])
-    assert_lines(show(svg_document(charts, STYLE), name="plots.svg"), 20)
+    assert_lines(show(svg_document(charts, page_file("page.css")), name="plots.svg"), 20)
 
 
 def test_a_reader_can_zoom_move_the_cursor_and_add_fields(log, show):

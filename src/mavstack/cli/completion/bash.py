@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib.resources import files
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
@@ -9,63 +10,28 @@ if TYPE_CHECKING:
 
     from mavstack.cli.completion.command_words import CommandWords
 
-_SCRIPT: Final = """\
-# Completion of mav in bash. For all sessions:
-#   mav completion bash > ~/.local/share/bash-completion/completions/mav
-# or, without bash-completion, in ~/.bashrc:
-#   eval "$(mav completion bash)"
-
-_mav() {{
-    local current="${{COMP_WORDS[COMP_CWORD]}}" option="${{COMP_WORDS[COMP_CWORD-1]}}"
-    local path=mav words= files= i IFS=$' \\t\\n'
-    if [[ $current == "=" ]]; then  # bash splits --option=value into three words
-        current=
-    elif [[ $option == "=" ]]; then
-        option="${{COMP_WORDS[COMP_CWORD-2]}}"
-    fi
-    for ((i = 1; i < COMP_CWORD; i++)); do
-        case "$path ${{COMP_WORDS[i]}}" in
-            {paths}) path="$path ${{COMP_WORDS[i]}}" ;;
-        esac
-    done
-    case "$path $option" in
-{values}
-        *)
-            if [[ $current == -* ]]; then
-                case "$path" in
-{options}
-                esac
-            else
-                case "$path" in
-{words}
-                esac
-            fi ;;
-    esac
-    COMPREPLY=($(compgen -W "$words" -- "$current"))
-    if [[ $files ]]; then
-        IFS=$'\\n'
-        COMPREPLY+=($(compgen -f -- "$current"))
-        compopt -o filenames 2>/dev/null
-    fi
-}}
-complete -F _mav mav
-"""
+#: The script, a text for `str.format`.
+_FILE: Final = "mav.bash"
 
 
 def script(commands: Sequence[CommandWords]) -> str:
     """Return the script."""
-    return _SCRIPT.format(
-        paths=" | ".join(f'"{each.path}"' for each in commands[1:]),
-        values="\n".join(_values(commands)),
-        options="\n".join(
-            f'                    "{each.path}") {_words(_names(each))} ;;' for each in commands
-        ),
-        words="\n".join(
-            f'                    "{each.path}") {_words(word for word, _ in each.words)}'
-            f"{' files=1' if each.files else ''} ;;"
-            for each in commands
-            if each.words or each.files
-        ),
+    return (
+        (files(__package__) / _FILE)
+        .read_text("utf-8")
+        .format(
+            paths=" | ".join(f'"{each.path}"' for each in commands[1:]),
+            values="\n".join(_values(commands)),
+            options="\n".join(
+                f'                    "{each.path}") {_words(_names(each))} ;;' for each in commands
+            ),
+            words="\n".join(
+                f'                    "{each.path}") {_words(word for word, _ in each.words)}'
+                f"{' files=1' if each.files else ''} ;;"
+                for each in commands
+                if each.words or each.files
+            ),
+        )
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib.resources import files
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
@@ -9,65 +10,28 @@ if TYPE_CHECKING:
 
     from mavstack.cli.completion.command_words import CommandWords, OptionWords
 
-_SCRIPT: Final = """\
-#compdef mav
-# Completion of mav in zsh. For all sessions, with ~/.zfunc in fpath before compinit:
-#   mav completion zsh > ~/.zfunc/_mav
-# or, after compinit in ~/.zshrc:
-#   eval "$(mav completion zsh)"
-
-_mav() {{
-    local at=mav option="${{words[CURRENT-1]}}" files=
-    local -a items choices
-    integer i
-    for ((i = 2; i < CURRENT; i++)); do
-        case "$at ${{words[i]}}" in
-            ({paths}) at="$at ${{words[i]}}" ;;
-        esac
-    done
-    if [[ ${{words[CURRENT]}} == --*=* ]]; then
-        option="${{words[CURRENT]%%=*}}"
-        compset -P '*='
-    fi
-    case "$at $option" in
-{values}
-    esac
-    if [[ ${{words[CURRENT]}} == -* ]]; then
-        case "$at" in
-{options}
-        esac
-        _describe -o 'option' items
-        return
-    fi
-    case "$at" in
-{words}
-    esac
-    (( ${{#items}} )) && _describe 'command' items
-    [[ -n $files ]] && _files
-}}
-
-if [[ ${{funcstack[1]}} == _mav ]]; then
-    _mav "$@"
-else
-    compdef _mav mav
-fi
-"""
+#: The script, a text for `str.format`.
+_FILE: Final = "mav.zsh"
 
 
 def script(commands: Sequence[CommandWords]) -> str:
     """Return the script."""
-    return _SCRIPT.format(
-        paths="|".join(f'"{each.path}"' for each in commands[1:]),
-        values="\n".join(_values(commands)),
-        options="\n".join(
-            f'            ("{each.path}") items=({_items(_option_items(each.options))}) ;;'
-            for each in commands
-        ),
-        words="\n".join(
-            f'        ("{each.path}") items=({_items(each.words)}){" files=1" if each.files else ""} ;;'
-            for each in commands
-            if each.words or each.files
-        ),
+    return (
+        (files(__package__) / _FILE)
+        .read_text("utf-8")
+        .format(
+            paths="|".join(f'"{each.path}"' for each in commands[1:]),
+            values="\n".join(_values(commands)),
+            options="\n".join(
+                f'            ("{each.path}") items=({_items(_option_items(each.options))}) ;;'
+                for each in commands
+            ),
+            words="\n".join(
+                f'        ("{each.path}") items=({_items(each.words)}){" files=1" if each.files else ""} ;;'
+                for each in commands
+                if each.words or each.files
+            ),
+        )
     )
 
 

@@ -29,10 +29,9 @@ from mavstack.errors import LogError
 from mavstack.logs.analysis import flights
 from mavstack.logs.report import make_report
 from mavstack.logs.report.charts import Chart, Line, aligned, svg_document
-from mavstack.logs.report.page import MARK, plot_page
+from mavstack.logs.report.page import MARK, page_file, plot_page
 from mavstack.logs.report.panels import PANELS, charts_of
 from mavstack.logs.report.png import png_of
-from mavstack.logs.report.style import STYLE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -214,7 +213,7 @@ def _rendered(path: Path, charts: list[Chart]) -> bytes | str:
         case ".png":
             return png_of(charts)
         case ".svg":
-            return svg_document(charts, STYLE)
+            return svg_document(charts, page_file("page.css"))
         case ".html":
             return plot_page(path.stem, charts)
     raise UsageError(f"{path}: the suffix must be .png, .svg or .html")

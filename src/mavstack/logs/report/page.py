@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from html import escape
 from importlib.resources import files
 from itertools import chain
@@ -13,7 +14,6 @@ from mavstack.errors import LogError
 from mavstack.logs.report.charts import aligned, draw, draw_track
 from mavstack.logs.report.page_data import is_over_time, page_data
 from mavstack.logs.report.panels import PANELS, charts_of
-from mavstack.logs.report.style import STYLE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -240,11 +240,17 @@ def plot_page(title: str, charts: Sequence[Chart]) -> str:
 def _document(title: str, body: str, data: str = "") -> str:
     script = ""
     if data:
-        code = files("mavstack.logs.report").joinpath("page.js").read_text("utf-8")
+        code = page_file("page.js")
         script = f'<script type="application/json" id="flight-data">{data}</script><script>{code}</script>'
     return (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width,initial-scale=1">'
         f'<meta name="generator" content="{MARK}">'
-        f"<title>{escape(title)}</title><style>{STYLE}</style></head><body><main>{body}</main>{script}</body></html>\n"
+        f"<title>{escape(title)}</title><style>{page_file('page.css')}</style></head><body><main>{body}</main>{script}</body></html>\n"
     )
+
+
+@cache
+def page_file(name: str) -> str:
+    """Return a file of the page: its style sheet or its script."""
+    return (files(__package__) / name).read_text("utf-8")
