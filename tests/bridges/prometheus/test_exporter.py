@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from mavstack.bridges.core.metrics import link_samples, vehicle_samples
+from mavstack.bridges.core.metrics import correction_samples, link_samples, vehicle_samples
 from mavstack.errors import LinkError
 from mavstack.sim.background import BackgroundSimulator
 from mavstack.sim.vehicle_types import VehicleType
 from tests.bridges.ros2.running import free_port
+from tests.gnss.test_rtcm import station
 from tests.vehicle.world import ARDUPILOT, PX4, World, fly
 
 if TYPE_CHECKING:
@@ -75,6 +76,17 @@ def test_lost_packets_are_counted() -> None:
         assert lost[0] > 0
 
     fly(VEHICLES[0], scenario, loss=0.2)
+
+
+def test_corrections_are_counted() -> None:
+    async def scenario(world: World, vehicle: Vehicle) -> None:
+        vehicle.rtk.send(station().data)
+        found = {each.name: each for each in correction_samples(world.node)}
+        assert found["mavstack_corrections_frames"].value == 1
+        assert found["mavstack_corrections_data"].value == len(station().data)
+        assert all(each.is_counter for each in found.values())
+
+    fly(VEHICLES[0], scenario)
 
 
 def test_a_port_in_use_is_an_error_with_a_remedy() -> None:

@@ -116,6 +116,7 @@ METRICS: Final = (
     Metric("gps_satellites", "Satellites that are seen", _part("gps", "satellites")),
     Metric("gps_fix_type", "GPS_FIX_TYPE: 3 and more is a position", _part("gps", "fix")),
     Metric("gps_hdop", "Horizontal dilution of precision", _part("gps", "hdop")),
+    Metric("gps_horizontal_accuracy_meters", "Accuracy of the position", _part("gps", "horizontal_accuracy")),
     Metric("cpu_load_ratio", "Load of the autopilot, 0 to 1", _load),
     Metric("mission_item", "Current item of the mission", _mission_item),
 )
@@ -128,6 +129,13 @@ _SYSTEM_COUNTERS: Final = {
     "received": "Packets received from the system",
     "lost": "Packets missing in its sequence numbers",
 }
+_CORRECTIONS: Final = (
+    ("frames", "Frames of corrections (RTCM) from sources of this program"),
+    ("data", "Bytes of these frames"),
+    ("sent", "Frames sent, on each channel"),
+    ("late", "Frames dropped because a channel was too slow"),
+    ("too_long", "Frames of more than 720 bytes, which cannot be sent"),
+)
 VEHICLE: Final = "mavstack_vehicle_"
 LINK: Final = "mavstack_link_"
 
@@ -170,6 +178,14 @@ def link_samples(connection: Connection) -> Iterator[Sample]:
         for name, text in _SYSTEM_COUNTERS.items():
             value, labels = float(systems[name][system]), {"system_id": str(system)}
             yield Sample(f"{VEHICLE}{name}_packets", text, labels, value, is_counter=True)
+
+
+def correction_samples(connection: Connection) -> Iterator[Sample]:
+    """Yield the samples of the corrections for satellite navigation (RTK) that this program sends."""
+    counts = connection.corrections.counts
+    for name, text in _CORRECTIONS:
+        value = float(getattr(counts, name))
+        yield Sample(f"mavstack_corrections_{name}", text, {}, value, is_counter=True)
 
 
 def _add_counts(parser: Parser, totals: Counter[str], systems: dict[str, Counter[int]]) -> None:

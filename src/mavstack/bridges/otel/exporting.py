@@ -16,6 +16,7 @@ from mavstack.bridges.core.metrics import (
     METRICS,
     VEHICLE,
     Sample,
+    correction_samples,
     link_samples,
     vehicle_samples,
 )
@@ -121,7 +122,7 @@ class Readings:
     async def read(self) -> None:
         """Read all values, vehicle by vehicle with other work in between."""
         found: dict[str, list[Sample]] = {}
-        for sample in link_samples(self._connection):
+        for sample in (*link_samples(self._connection), *correction_samples(self._connection)):
             found.setdefault(sample.name, []).append(sample)
         for vehicle in list(self._connection.vehicles.values())[:MAX_VEHICLES]:
             name = self._names.get(vehicle.system, f"{DEFAULT_NAME}{vehicle.system}")

@@ -10,7 +10,7 @@ import logging
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.bridges.core.bridge import DEFAULT_NAME
-from mavstack.bridges.core.metrics import MAX_VEHICLES, link_samples, vehicle_samples
+from mavstack.bridges.core.metrics import MAX_VEHICLES, correction_samples, link_samples, vehicle_samples
 from mavstack.errors import LinkError, MissingExtraError
 
 try:
@@ -107,7 +107,7 @@ class MetricsServer(Collector):
         yield from families(samples)
 
     async def _samples(self) -> list[Sample]:
-        found = list(link_samples(self._connection))
+        found = [*link_samples(self._connection), *correction_samples(self._connection)]
         for vehicle in list(self._connection.vehicles.values())[:MAX_VEHICLES]:
             name = self._names.get(vehicle.system, f"{DEFAULT_NAME}{vehicle.system}")
             found += vehicle_samples(vehicle, name)

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 #: Aircraft that are kept, and seconds after which one is discarded.
 MAX_AIRCRAFT: Final = 25
 MAX_AGE: Final = 60.0
+#: Seconds between two reports of an aircraft to ground stations, and after which it is not reported.
+REPORT_INTERVAL: Final = 1.0
+MAX_REPORT_AGE: Final = 10.0
 _FLAGS = common.AdsbFlags
 
 
@@ -51,11 +54,15 @@ class TrafficReceiver(Service):
         super().__init__(vehicle.address)
         self._frame = vehicle.body.frame
         self._contacts: dict[int, Contact] = {}
+        self._reports: dict[int, common.AdsbVehicle] = {}
+        vehicle.messages.provide(common.AdsbVehicle, self.reports, interval=REPORT_INTERVAL, now=vehicle.now)
 
     def receive(self, packet: Packet, now: float) -> bool:
         match packet.message:
             case common.AdsbVehicle() as report:
                 found = self._read_report(report, now)
+                if found is not None:
+                    self._reports[found.address] = report
             case common.UtmGlobalPosition() as position if packet.system != self.local.system:
                 found = self._read_position(position, packet.system, now)
             case _:
@@ -66,6 +73,12 @@ class TrafficReceiver(Service):
             if len(self._contacts) > MAX_AIRCRAFT:
                 del self._contacts[next(iter(self._contacts))]
         return False
+
+    def reports(self, now: float) -> list[common.AdsbVehicle]:
+        """Return the reports of the last seconds for ground stations, as both firmwares pass them on."""
+        recent = {each.address for each in self.contacts(now) if now - each.at <= MAX_REPORT_AGE}
+        self._reports = {address: report for address, report in self._reports.items() if address in recent}
+        return list(self._reports.values())
 
     def contacts(self, now: float) -> list[Contact]:
         """Return the aircraft of the last minute."""
