@@ -8,7 +8,7 @@ from enum import IntEnum, IntFlag
 
 import pytest
 
-from mavstack.dialects import Dialect, all, ardupilotmega, common, minimal  # noqa: A004
+from mavstack.dialects import Dialect, all, ardupilotmega, common, enums, minimal  # noqa: A004
 from mavstack.dialects.enums import MavFlag, enum_reader
 from mavstack.dialects.names import member_names, shared_prefix
 from mavstack.dialects.tables import official_names
@@ -192,3 +192,14 @@ def test_unusual_custom_enums(tmp_path):
     assert enums["class"].__name__ == "Class"
     with pytest.raises(KeyError):
         enums["NONE"]
+
+
+@pytest.mark.parametrize("name", ["common", "all"])
+def test_names_and_marks_are_those_of_the_definitions(name):
+    dialect = Dialect.load(name)
+    for official, enum in dialect.enums.items():
+        entries = enum.definition().entries
+        names = {entry.value: entry.name for entry in reversed(entries)}
+        assert enums.official_names(enum) == names
+        located = {entry.value for entry in entries if entry.has_location}
+        assert enums.marked_values(dialect, official, "has_location") == located

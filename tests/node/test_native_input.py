@@ -375,7 +375,7 @@ async def test_the_event_loop_reads_if_the_environment_names_it(monkeypatch):
 
 async def test_another_look_follows_if_the_one_before_was_a_moment_ago(monkeypatch):
     async with vehicle_on() as (node, _):
-        times, looks = iter((1e9, 1e9, 1e9 + 0.001, 1e9)), []
+        times, looks = iter((1e9, 1e9, 1e9 + 0.0001, 1e9)), []
         monkeypatch.setattr("mavstack.node.native_input.monotonic", lambda: next(times, 0.0))
         monkeypatch.setattr(native(node), "_take", lambda: looks.append(None) or len(looks) < 3)
         native(node)._on_readable()

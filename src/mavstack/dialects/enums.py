@@ -176,7 +176,14 @@ def official_names(enum: EnumClass) -> dict[int, str]:
 
 
 def _names_of_entries(enum: EnumClass) -> dict[int, str]:
-    return _first_names((entry.value, entry.name) for entry in definition_of(enum).entries)
+    dialect, official = source_of(enum)
+    return _first_names((value, name) for name, value in dialect.enum_values(official).items())
+
+
+def marked_values(dialect: Dialect, official: str, mark: str) -> frozenset[int]:
+    """Return the values of an enum of which the entries have a mark, such as `has_location`."""
+    rows = (row for file in dialect.enum_files[official] for row in file.table.enum_row(official)[1])
+    return frozenset(value for value, _, metadata in rows if metadata.get(mark))
 
 
 def enum_reader(enum: EnumClass) -> EnumReader:

@@ -50,7 +50,7 @@ HURRY_TIME: Final = 0.1
 #: How often the event loop looks at the sockets again before other tasks run, as long as packets come.
 MAX_ROUNDS: Final = 4
 #: Seconds after the last look in which packets come one by one, so that another look finds some.
-ROUND_TIME: Final = 0.002
+ROUND_TIME: Final = 0.0002
 #: Takes in which packets may come that were granted before their grant was taken back.
 STALE_TAKES: Final = 2
 

@@ -11,6 +11,7 @@ from functools import cache
 from math import inf, isnan, nan
 
 from mavstack.dialects import ardupilotmega, common
+from mavstack.dialects.enums import marked_values
 
 UNKNOWN = 0x7FFFFFFF
 INT32_MIN = -0x80000000
@@ -32,13 +33,12 @@ GLOBAL_FRAMES = frozenset(
 @cache
 def commands_with_location() -> frozenset[int]:
     """Return the commands whose params 5 and 6 are a latitude and a longitude, or x and y."""
-    entries = ardupilotmega.MavCmd.definition().entries
-    return frozenset(entry.value for entry in entries if entry.has_location)
+    return marked_values(ardupilotmega.dialect, "MAV_CMD", "has_location")
 
 
 @cache
 def _known_commands() -> frozenset[int]:
-    return frozenset(entry.value for entry in ardupilotmega.MavCmd.definition().entries)
+    return frozenset(ardupilotmega.dialect.enum_values("MAV_CMD").values())
 
 
 def is_known_command(command: int) -> bool:
