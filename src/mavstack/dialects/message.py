@@ -270,7 +270,7 @@ def _jsonable(value: object, kind: str) -> object:
 
 def _from_jsonable(value: object, kind: str) -> object:
     if kind == "char" and isinstance(value, str):
-        return value.replace("\N{REPLACEMENT CHARACTER}", "?")  # it replaced one invalid byte
+        return value.replace("\N{REPLACEMENT CHARACTER}", "?")  # the character for one invalid byte
     if kind not in ("float", "double"):
         return value
     if isinstance(value, list):

@@ -122,7 +122,7 @@ class Flow:
     """
 
     def __init__(self, impairment: Impairment, name: str = "") -> None:
-        from random import Random  # it loads hashes, which links without impairments do not need
+        from random import Random  # a slow import, which links without impairments do not need
 
         self.stats = FlowStats()
         self._model = impairment

@@ -48,7 +48,7 @@ RETRY_INTERVAL = 5.0
 RECENT_ALERTS = 8
 #: Interval at which the firewall checks the counters, in seconds.
 TIMER_INTERVAL = 1.0
-#: Seconds between two looks at the engine's events in an event loop without socket readers.
+#: Interval of polling the engine's events in an event loop without socket readers, in seconds.
 POLL_INTERVAL = 0.005
 
 

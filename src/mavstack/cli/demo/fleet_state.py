@@ -40,7 +40,7 @@ class FleetVehicle:
     battery: int | None = None
     item: int | None = None
     items: int | None = None
-    #: Names of modes by their numbers, and of the firmware, for a vehicle whose HEARTBEAT tells neither.
+    #: Names of modes by their numbers, and of the firmware, for a vehicle whose HEARTBEAT has neither.
     mode_names: dict[int, str] = field(default_factory=dict)
     firmware: str = ""
     track: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=MAX_TRACK))

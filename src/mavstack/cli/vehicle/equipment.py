@@ -146,7 +146,7 @@ def winch(arguments: Namespace) -> int:
     """Run `mav vehicle winch`."""
     what, value = arguments.what, arguments.value
     if (value is None) != (what == "relax"):
-        raise UsageError("winch is `unwind METRES`, `run METRES_PER_SECOND`, or `relax`")
+        raise UsageError("usage: winch unwind METRES, winch run METRES_PER_SECOND, or winch relax")
 
     def command(vehicle: Vehicle) -> Awaitable[None]:
         outputs, number, timeout = vehicle.actuators, arguments.number, arguments.action_timeout

@@ -83,7 +83,7 @@ def _sound_ranges(before: UlogIndex, level: int) -> Ranges:
     skipped = dict(piece.damage)
     junk = skipped["bad_bytes"] + skipped["truncated_bytes"]
     if _is_sound(piece):
-        # With junk the piece is one message, which is behind the junk.
+        # A piece with junk is one message after the junk.
         if not junk:
             yield before.end, piece.end
             return piece

@@ -111,7 +111,7 @@ class GimbalManagerServer(Service):
         common.GimbalManagerSetPitchyaw,
         common.GimbalManagerSetAttitude,
         common.GimbalManagerSetManualControl,
-        common.CommandLong,  # the command server answers these; then the events are due
+        common.CommandLong,  # the command server answers commands; this service then emits the events
         common.CommandInt,
         common.GlobalPositionInt,
         common.Attitude,

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: Seconds of which the least delay is taken, twice.
+#: Length in seconds of each of the two last periods whose minimum delay is taken.
 BUCKET = 1.0
-#: Messages of each of the two last buckets, at least.
+#: Minimum number of messages in each of the two last periods.
 MIN_MESSAGES = 2
 #: Seconds by which the moment of the boot may shift from one bucket to the next.
 MAX_SHIFT = 0.25

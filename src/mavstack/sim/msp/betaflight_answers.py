@@ -231,7 +231,7 @@ class BetaflightAnswers:
             settings.put(dataclasses.replace(present, timers=_with_item(present.timers, index, value)))
         else:
             _, value = struct.unpack_from("<BH", payload)
-            if payload[3:4] == b"\0":  # on screen 0 it shows or hides a statistic
+            if payload[3:4] == b"\0":  # screen 0: the value shows or hides a statistic
                 changed = dataclasses.replace(
                     present, statistics=_with_item(present.statistics, address, value)
                 )

@@ -31,7 +31,7 @@ MessageT = TypeVar("MessageT", bound="MspMessage")
 
 #: Number of PID profiles and of rate profiles.
 PROFILES: Final = 4
-#: Commands of frames in the EEPROM that are no messages of a profile.
+#: Commands of frames in the EEPROM that are not messages of a profile.
 _NAMED, _SELECTED, _RANGE, _WAYPOINT = 0xFF00, 0xFF01, 35, 118
 
 

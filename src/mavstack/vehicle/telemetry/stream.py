@@ -57,7 +57,7 @@ class MessageStream(ReadOnly, Generic[AnyMessage]):
     ) -> None:
         if rate is not None and not messages:
             subscription.close()
-            raise InvalidArgumentError("a rate needs the message classes that it is for")
+            raise InvalidArgumentError("name the message classes to which the rate applies")
         self._request = _StreamRequest(source, messages, rate, subscription)
         self._subscription = subscription
 

@@ -109,7 +109,7 @@ class Replays(Detector):
         key = _digest(packet.raw[:sequence] + packet.raw[sequence + 1 : -2])
         make_room(self._sent, MAX_PACKETS)
         times = [time for time in self._sent.pop(key, ()) if now - time <= self.window]
-        self._sent[key] = times[-MAX_RARE:]  # and the next one
+        self._sent[key] = times[-MAX_RARE:]  # with the time that the caller adds, one more
         return self._sent[key]
 
 
