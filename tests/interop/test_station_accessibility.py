@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +13,19 @@ from tests.interop.station import DESKTOP, PATIENT, PHONE, chromium, web_server
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium"), pytest.mark.timeout(300)]
 
 AXE = Path(__file__).parents[2] / "web" / "node_modules" / "axe-core" / "axe.min.js"
-VIEWS = ("fly", "plan", "setup", "inspect", "logs", "dashboards", "router", "generator")
-SECTIONS = ("Calibration", "Flight modes", "Failsafes", "Motors and outputs", "Estimator")
+VIEWS = ("fly", "plan", "setup", "inspect", "logs", "dashboards", "router", "generator", "swarm", "msp")
+SECTIONS = (
+    "Calibration",
+    "Flight modes",
+    "Receiver",
+    "Battery",
+    "Failsafes",
+    "Motors and outputs",
+    "Tuning",
+    "Estimator",
+)
+#: The forms of a dashboard that is edited.
+FORMS = ("Scripts", "Decoders", "Sources")
 #: Messages, settings, keyboard shortcuts and sources by their keys.
 OVERLAYS = ("m", ",", "?", "l")
 VIOLATIONS = """async (rules) => {
@@ -46,6 +58,19 @@ def change_parameter(page: Any) -> None:
     page.get_by_role("button", name="Undo").wait_for(timeout=PATIENT)
 
 
+def check_forms(page: Any, problems: dict[str, list[str]]) -> None:
+    """Check the forms of a dashboard, each with an entry."""
+    page.get_by_role("button", name="Edit", exact=True).click()
+    for name in FORMS:
+        page.get_by_role("button", name=name, exact=True).click()
+        add = page.get_by_role("button", name=re.compile("^Add a (script|decoder)$"))
+        if add.count():
+            add.click()
+        check_appearances(page, problems, name)
+        page.get_by_role("button", name="Cancel", exact=True).click()
+    page.get_by_role("button", name="Done", exact=True).click()
+
+
 def test_views_have_no_violations(tmp_path: Path) -> None:
     if not AXE.is_file():
         pytest.skip("axe-core is not installed: npm ci in web")
@@ -70,6 +95,8 @@ def test_views_have_no_violations(tmp_path: Path) -> None:
             for section in SECTIONS if view == "setup" else ():
                 page.get_by_role("button", name=section, exact=True).click()
                 problems[section] = page.evaluate(VIOLATIONS)
+            if view == "dashboards":
+                check_forms(page, problems)
         for key in OVERLAYS:
             page.keyboard.press(key)
             problems[f"key {key}"] = page.evaluate(VIOLATIONS)

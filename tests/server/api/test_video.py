@@ -2,7 +2,12 @@ from __future__ import annotations
 
 import pytest
 
+from mavstack.http.bodies import RefusedError
+from mavstack.security.roles import Role
+from mavstack.server.access import Access
 from tests.server.stations import COPTER, Ground, serve
+
+PASSWORDS = {Role.OBSERVE: "watching only", Role.OPERATE: "may fly it"}
 
 
 def test_what_is_no_camera_is_refused() -> None:
@@ -17,3 +22,29 @@ def test_what_is_no_camera_is_refused() -> None:
 
     pytest.importorskip("aiortc")
     serve(COPTER, scenario)
+
+
+def test_observers_watch_cameras_that_are_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    gateway = pytest.importorskip("mavstack.server.video.gateway")
+    watched: list[object] = []
+
+    async def watch(_self: object, address: object, _offer: str) -> None:
+        watched.append(address)
+        raise RefusedError(503, "the test opens no camera")
+
+    monkeypatch.setattr(gateway.VideoGateway, "watch", watch)
+
+    async def scenario(ground: Ground) -> None:
+        async def status(role: Role) -> int:
+            begun = await ground.api.post("/api/session", {"password": PASSWORDS[role]})
+            ground.api.headers = {"authorization": f"Bearer {begun.json['token']}"}
+            return (await ground.api.post("/api/video/whep?uri=rtsp%3A%2F%2F127.0.0.1%3A9%2Fa")).status
+
+        assert await status(Role.OBSERVE) == 403
+        assert watched == []
+        assert await status(Role.OPERATE) == 503
+        monkeypatch.setattr(gateway.VideoGateway, "plays", lambda _self, address: address == watched[0])
+        assert await status(Role.OBSERVE) == 503
+        assert len(watched) == 2
+
+    serve(COPTER, scenario, access=Access(passwords=PASSWORDS, local=False))

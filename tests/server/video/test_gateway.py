@@ -67,6 +67,8 @@ async def test_two_viewers_share_a_camera_and_see_its_time_and_attitude():
             assert right[0] > right[2] + 20
             assert (await picture_of(other)).shape == pictures[0].shape
             assert (gateway.viewers, gateway.cameras, camera.players) == (2, 1, 1)
+            assert gateway.plays(read_address(camera.url))
+            assert not gateway.plays(read_address("rtsp://127.0.0.1:9/other"))
             assert await gateway.leave(name)
             assert not await gateway.leave(name)
             assert (gateway.viewers, gateway.cameras) == (1, 1)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from msgspec import Meta
 from starlette.responses import Response
 
+from mavstack.http.bodies import RefusedError
 from mavstack.http.request_fields import Fields
 from mavstack.security.roles import Role
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
@@ -41,6 +42,8 @@ async def _show(call: PlainCall) -> dict[str, Any]:
 
 async def _watch(call: Call[None, WatchQuery]) -> Response:
     address = read_address(call.query.uri, is_h265=call.query.h265)
+    if call.role is Role.OBSERVE and not call.station.video().plays(address):
+        raise RefusedError(403, "observers watch cameras that are open: an operator opens this one first")
     answer = await call.station.video().watch(address, call.data.decode("utf-8", "replace"))
     headers = {"Location": f"/api/video/whep/{answer.name}"}
     return Response(answer.sdp, status_code=201, media_type=_SDP, headers=headers)
@@ -67,7 +70,6 @@ ROUTES: tuple[AnyRoute, ...] = (
         handler=_watch,
         summary="Watch a camera by WebRTC: the body is the offer, the answer its session description (WHEP)",
         tag="cameras",
-        role=Role.OPERATE,
         query=WatchQuery,
         takes_bytes=True,
         max_body=MAX_OFFER,
@@ -81,7 +83,6 @@ ROUTES: tuple[AnyRoute, ...] = (
         handler=_leave,
         summary="End watching a camera",
         tag="cameras",
-        role=Role.OPERATE,
         answer={"viewers": 0},
     ),
 )

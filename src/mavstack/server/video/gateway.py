@@ -68,6 +68,10 @@ class VideoGateway:
         """Number of open cameras."""
         return len(self._sources)
 
+    def plays(self, address: CameraAddress) -> bool:
+        """Return whether a camera is open."""
+        return any(key[0] == address for key in self._sources)
+
     async def watch(self, address: CameraAddress, offer: str) -> Answer:
         """Answer the offer of a browser.
 
