@@ -14,7 +14,7 @@ from mavstack.sim.background import BackgroundSimulator
 from mavstack.sim.motion.obstacles import Obstacle
 from mavstack.sim.rangefinders import Rangefinder
 from mavstack.sim.vehicle_types import Firmware, VehicleType
-from tests.server.browsing import hold, open_pages, web_station
+from tests.server.browsing import PATIENT, hold, open_pages, web_station
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 playwright = pytest.importorskip("playwright.sync_api")
@@ -170,3 +170,29 @@ def test_a_vtol_has_its_own_controls_on_a_phone(world) -> None:
     page.locator("summary", has_text="More").click()
     hold(page, page.get_by_role("button", name="Reboot"), 1800)
     playwright.expect(page.get_by_text("Reboot: accepted")).to_be_visible()
+
+
+def test_a_vtol_changes_its_flight_and_is_terminated(world) -> None:
+    url, new_page = world
+    page = new_page(f"{url}#/fly")
+    page.get_by_role("button", name="Choose a vehicle").click()
+    page.get_by_role("option", name="VTOL 2").click()
+    hold(page, page.get_by_role("button", name="Arm", exact=True), 1800)
+    playwright.expect(page.get_by_text("Arm: accepted")).to_be_visible()
+    hold(page, page.get_by_role("button", name="Take off", exact=True), 1800)
+    playwright.expect(page.get_by_text("Take off: accepted")).to_be_visible(timeout=PATIENT)
+    # PX4 holds at the end of a takeoff.
+    playwright.expect(page.get_by_role("button", name=re.compile("VTOL 2 LOITER"))).to_be_visible(
+        timeout=2 * PATIENT
+    )
+    for name in ("Fly on the wing", "Hover"):
+        button = page.get_by_role("button", name=name, exact=True)
+        playwright.expect(button).to_be_enabled(timeout=PATIENT)
+        button.click()
+        playwright.expect(page.get_by_text(f"{name}: accepted")).to_be_visible(timeout=PATIENT)
+    page.locator("summary", has_text="More").click()
+    button = page.get_by_role("button", name="Terminate the flight", exact=True)
+    hold(page, button, 1000)
+    playwright.expect(page.get_by_text("Terminate the flight: accepted")).to_have_count(0)
+    hold(page, button, 3300)
+    playwright.expect(page.get_by_text("Terminate the flight: accepted")).to_be_visible()
