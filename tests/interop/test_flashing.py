@@ -6,6 +6,7 @@ import subprocess
 import sys
 from contextlib import contextmanager
 from random import Random
+from shutil import which
 from typing import TYPE_CHECKING
 
 import pytest
@@ -73,3 +74,19 @@ def test_the_classic_uploader_refuses_another_board(tmp_path: Path, board_id: in
     printed, events = flash_with_autopilot_tools(tmp_path, 1000, board_id)
     assert f"Firmware not suitable for this board (Firmware board_type=50 board_id={board_id})" in printed
     assert "erased" not in events
+
+
+@pytest.mark.skipif(which("stm32flash") is None, reason="stm32flash is not installed")
+def test_stm32flash_writes_and_verifies_the_simulated_rom(tmp_path: Path) -> None:
+    firmware, terminal, read = tmp_path / "firmware.bin", tmp_path / "ttyROM", tmp_path / "read.bin"
+    firmware.write_bytes(Random(1).randbytes(100_000))
+    with simulated_board(terminal, "stm32") as board:
+        for words in (["-v", "-w", str(firmware)], ["-r", str(read), "-S", "0x08000000:100000"]):
+            # A pseudo terminal has no parity.
+            command = ["stm32flash", *words, "-b", "115200", "-m", "8n1", str(terminal)]
+            result = subprocess.run(command, capture_output=True, text=True, timeout=90, check=False)
+            assert result.returncode == 0, result.stderr
+        board.terminate()
+        assert board.stdout is not None
+        assert "erased" in board.stdout.read()
+    assert read.read_bytes() == firmware.read_bytes()

@@ -184,3 +184,31 @@ def test_another_view_ends_the_steering(browser: Any, tmp_path: Path) -> None:
         shown.button("Sticks").click(timeout=PATIENT)
         assert not shown.page.get_by_role("switch").is_checked()
         assert sent == []
+
+
+def test_a_gamepad_is_calibrated_and_its_buttons_act(browser: Any, tmp_path: Path) -> None:
+    with sticks_page(browser, tmp_path) as sticks:
+        shown, sent, page = sticks.shown, sticks.sent, sticks.shown.page
+        shown.wait_for("Ready: hold button 5")
+        page.get_by_text("Settings of the controller").click()
+        page.evaluate("pad.axes = [0, 0, 0.1, 0]")
+        page.clock.run_for(200)
+        shown.button("Calibrate").click()
+        for axes in ("[0, 0, -0.5, 0]", "[0, 0, 0.6, 0]", "[0, 0, 0.1, 0]"):
+            page.evaluate(f"pad.axes = {axes}")
+            page.clock.run_for(200)
+        shown.button("Done").click()
+        shown.wait_for("Axes that are calibrated: 3")
+        page.evaluate("pad.axes = [0, 0, 0.6, 0]")
+        hold(shown, pressed=True)
+        shown.wait_until(lambda: bool(sent) and sent[-1].y == 1000)
+        hold(shown, pressed=False)
+        page.get_by_role("combobox", name="Button 1", exact=True).select_option("arm")
+        sticks.wait_for_heartbeats()
+        page.clock.run_for(500)
+        page.evaluate("pad.buttons[0].pressed = true")
+        page.clock.run_for(1500)
+        shown.wait_for("Armed")
+        page.evaluate("pad.buttons[0].pressed = false")
+        kept = page.evaluate("JSON.parse(localStorage.getItem('mavstack.fly.pads'))['Test pad']")
+        assert (kept["actions"], list(kept["ranges"])) == ({"0": "arm"}, ["2"])

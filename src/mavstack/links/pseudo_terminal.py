@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import errno
 import os
+import stat
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -35,26 +36,15 @@ def claim_terminal(descriptor: int) -> None:
     Args:
         descriptor: The descriptor of the terminal; the mark ends when it is closed.
     """
-    import fcntl
-
-    # Not `flock`, which programs that open the terminal take as a serial port's lock.
-    fcntl.lockf(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    # Not a lock: programs that open the terminal take those for themselves, as pyserial and stm32flash do.
+    with suppress(OSError):
+        os.fchmod(descriptor, stat.S_IMODE(os.fstat(descriptor).st_mode) | stat.S_ISVTX)
 
 
 def _is_claimed(terminal: str) -> bool:
     """Return whether a program that runs has made a terminal; a shell may have its number meanwhile."""
-    import fcntl
-
-    try:
-        descriptor = os.open(terminal, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
-    except OSError as error:
-        return error.errno == errno.EBUSY  # a client has it for itself
-    try:
-        fcntl.lockf(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        return True
-    finally:
-        os.close(descriptor)
+    with suppress(OSError):
+        return bool(Path(terminal).stat().st_mode & stat.S_ISVTX)
     return False
 
 

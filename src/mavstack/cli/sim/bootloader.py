@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 #: Where uploaders find the board.
 DEFAULT_OUT: Final = "pty:///tmp/ttyBL"
 _FIRMWARES: Final = ("px4", "ardupilot")
+#: The ROM of an STM32 chip, for stm32flash and programs like it.
+_ROM: Final = "stm32"
 _MAX_BOARD: Final = 0xFFFF
 
 
@@ -25,15 +27,20 @@ def add_bootloader_option(parser: ArgumentParser) -> None:
         "--bootloader",
         type=bootloader,
         metavar="NAME[:BOARD]",
-        help=f"a board without firmware, in the bootloader of px4 or ardupilot (default link: {DEFAULT_OUT})",
+        help=f"a board without firmware, in the bootloader of px4 or ardupilot, or in the ROM of an stm32 "
+        f"(default link: {DEFAULT_OUT})",
     )
 
 
 def bootloader(text: str) -> tuple[str, int | None]:
     """Parse a bootloader with the number of its board; raises ArgumentTypeError."""
     name, _, number = text.lower().partition(":")
+    if text.lower() == _ROM:
+        return name, None
     if name not in _FIRMWARES or (number and not (number.isdecimal() and 0 < int(number) <= _MAX_BOARD)):
-        raise ArgumentTypeError(f"{text!r} is not px4 or ardupilot, with the number of a board such as px4:9")
+        raise ArgumentTypeError(
+            f"{text!r} is not px4, ardupilot or stm32, with the number of a board such as px4:9"
+        )
     return name, int(number) if number else None
 
 
@@ -42,23 +49,32 @@ async def simulate_board(arguments: Namespace) -> int:
     from mavstack.flashing.simulated_board import SimulatedBoard
     from mavstack.flashing.simulated_bootloader import board_of
     from mavstack.flashing.simulated_port import SimulatedPort
+    from mavstack.flashing.simulated_rom import CHIP_ID, FLASH_SIZE, SimulatedRom
 
     urls = arguments.out or [DEFAULT_OUT]
     if len(urls) != 1:
         raise UsageError("--bootloader: a board has one port; give --out once")
     firmware, number = arguments.bootloader
-    board = SimulatedBoard(firmware, board_of(firmware, number))
     as_json = arguments.json
-    board.listeners.append(
-        lambda text: echo_json({"event": "board", "text": text}) if as_json else echo(text)
-    )
-    async with SimulatedPort(board, urls[0]) as port:
+
+    def tell(text: str) -> None:
+        echo_json({"event": "board", "text": text}) if as_json else echo(text)
+
+    board: SimulatedBoard | SimulatedRom
+    if firmware == _ROM:
+        board = SimulatedRom()
+        board.on_event = tell
+        name, number, size = "STM32F405 in its ROM", CHIP_ID, FLASH_SIZE
+    else:
+        board = SimulatedBoard(firmware, board_of(firmware, number))
+        board.listeners.append(tell)
         facts = board.bootloader.board
+        name, number, size = f"{facts.name}: bootloader of {firmware}", facts.board_id, facts.flash_size
+    async with SimulatedPort(board, urls[0]) as port:
         if as_json:
-            links = [port.link.url.redacted]
-            echo_json({"event": "ready", "board": facts.board_id, "flash": facts.flash_size, "links": links})
+            echo_json({"event": "ready", "board": number, "flash": size, "links": [port.link.url.redacted]})
         else:
-            echo(f"{facts.name}: bootloader of {firmware}, {facts.flash_size} bytes of flash, no firmware")
+            echo(f"{name}, {size} bytes of flash, no firmware")
             echo(f"on {port.link.url.redacted}")
         announce_exposure("sim", [port.link])
         await asyncio.sleep(arguments.seconds if arguments.seconds is not None else float("inf"))

@@ -9,6 +9,7 @@ import { maps } from './maps';
 import { msp } from './msp';
 import { payload } from './payload';
 import { plan } from './plan';
+import { preflight } from './preflight';
 import { router } from './router';
 import { setup } from './setup';
 import { shell } from './shell';
@@ -25,6 +26,7 @@ export const en = {
   msp,
   payload,
   plan,
+  preflight,
   swarm,
   setup,
   inspect,

@@ -12,6 +12,8 @@ import {
   type StopReason,
   throttleKind,
 } from './ManualControl';
+import { AxisCalibration, NO_PROFILE, PadButtons, type PadProfile } from './pad';
+import { actByPad } from './padActions';
 import { DEFAULT_MANUAL, isStickKey, KeySticks, type ManualSettings, padSticks, TouchSticks } from './sticks';
 
 export type StickSource = 'pad' | 'keys' | 'touch';
@@ -34,8 +36,16 @@ class Manual {
   rate = $state(0);
   /** The next button that is pressed becomes the dead-man button. */
   isLearning = $state(false);
+  /** The axes and pressed buttons of the gamepad as they are. */
+  pad: { readonly axes: readonly number[]; readonly pressed: readonly number[] } | null = $state.raw(null);
+  /** The sticks are moved to their ends, to calibrate them. */
+  isCalibrating = $state(false);
+  /** What is kept of each gamepad, by its name. */
+  readonly profiles = new Persisted<Readonly<Record<string, PadProfile>>>('fly.pads', {});
   readonly touch = new TouchSticks();
 
+  private readonly buttons = new PadButtons();
+  private calibration: AxisCalibration | null = null;
   private readonly keys = new KeySticks();
   private readonly control = new ManualControl((system, fields) => {
     this.sent += 1;
@@ -63,6 +73,9 @@ class Manual {
   /** Stops at once, and sends nothing any more. */
   disable(): void {
     this.isEnabled = false;
+    this.isCalibrating = false;
+    this.calibration = null;
+    this.buttons.clear();
     this.keys.clear();
     this.touch.clear();
     this.tick(performance.now());
@@ -102,11 +115,60 @@ class Manual {
   private read(now: number, hasButtons: boolean): Sticks | null {
     if (this.source === 'touch') return this.touch.read();
     if (this.source === 'keys') return this.keys.read(now);
-    const pad = navigator.getGamepads().find((each) => each?.connected) ?? null;
+    const pad = connectedPad();
     this.padName = pad?.id ?? null;
-    if (pad === null) return null;
+    if (pad === null) {
+      this.buttons.clear();
+      this.calibration = null;
+      this.isCalibrating = false;
+      this.pad = null;
+      return null;
+    }
+    const pressed = pad.buttons.flatMap((button, index) => (button.pressed ? [index] : []));
+    if (this.ticks % SHOW_EVERY === 0) this.pad = { axes: [...pad.axes], pressed };
     if (this.isLearning) this.learn(pad);
-    return padSticks(pad, this.settings.value, hasButtons);
+    this.calibration?.sample(pad);
+    this.act(now, pad);
+    // Sticks that are moved to their ends for the calibration steer nothing.
+    if (this.calibration) return { roll: 0, pitch: 0, throttle: 0, yaw: 0, buttons: 0, isHeld: false };
+    return padSticks(pad, this.settings.value, hasButtons, this.profile);
+  }
+
+  /** What is kept of the gamepad that is connected. */
+  get profile(): PadProfile {
+    return this.profiles.value[this.padName ?? ''] ?? NO_PROFILE;
+  }
+
+  setProfile(changed: Partial<PadProfile>): void {
+    if (this.padName === null) return;
+    this.profiles.value = { ...this.profiles.value, [this.padName]: { ...this.profile, ...changed } };
+  }
+
+  /** Begins the calibration; the sticks must be centred now. */
+  beginCalibration(): void {
+    const pad = connectedPad();
+    this.calibration = pad && new AxisCalibration(pad);
+    this.isCalibrating = pad !== null;
+  }
+
+  /** Ends the calibration, and keeps the ranges of the axes that were moved. */
+  endCalibration(): void {
+    const found = this.calibration?.ranges() ?? {};
+    this.setProfile({ ranges: { ...this.profile.ranges, ...found } });
+    this.calibration = null;
+    this.isCalibrating = false;
+  }
+
+  /** Carries out the actions of buttons; the button that is held to steer has none. */
+  private act(now: number, pad: Gamepad): void {
+    const vehicle = fleet.selected;
+    const { [this.settings.value.deadMan]: _, ...actions } = this.profile.actions;
+    const mayAct = !document.hidden && document.hasFocus() && status.link === 'open' && !this.isLearning;
+    if (!mayAct || this.calibration !== null || vehicle === null || isAmbiguous(vehicle.state)) {
+      this.buttons.clear();
+      return;
+    }
+    for (const action of this.buttons.tick(now, pad, actions)) actByPad(action, vehicle);
   }
 
   private learn(pad: Gamepad): void {
@@ -134,6 +196,10 @@ class Manual {
     if (isDown && !event.repeat) this.keys.press(event.code);
     else if (!isDown) this.keys.release(event.code);
   }
+}
+
+function connectedPad(): Gamepad | null {
+  return navigator.getGamepads().find((each) => each?.connected) ?? null;
 }
 
 /** Listens before the elements of the page do: a button with the focus must not see the space bar. */

@@ -1,5 +1,6 @@
 /** Sticks of gamepads, of the keyboard, and of the screen. */
 import type { Sticks } from './ManualControl';
+import { calibrated, NO_PROFILE, type PadProfile } from './pad';
 
 /** Which stick does what: mode 2 (left: throttle and yaw) is the usual one. */
 export type StickMode = 1 | 2 | 3 | 4;
@@ -20,6 +21,11 @@ export type AxisName = 'roll' | 'pitch' | 'throttle' | 'yaw';
 
 /** The left shoulder button of a standard gamepad. */
 export const DEFAULT_MANUAL: ManualSettings = { mode: 2, deadZone: 0.08, expo: 0.3, deadMan: 4, inverted: [] };
+
+/** Returns the index of an axis of a gamepad. */
+export function placeOf(name: AxisName, mode: StickMode, profile: PadProfile): number {
+  return profile.places[name] ?? AXES[mode][name];
+}
 
 /** Axes of a standard gamepad: left x, left y, right x, right y; up is negative. */
 const AXES: Readonly<Record<StickMode, Readonly<Record<AxisName, number>>>> = {
@@ -43,27 +49,33 @@ export interface PadReading {
 }
 
 /** Return the sticks of a gamepad; `hasButtons` sends its buttons too (submarines use them). */
-export function padSticks(pad: PadReading, settings: ManualSettings, hasButtons = false): Sticks {
-  const places = AXES[settings.mode];
+export function padSticks(
+  pad: PadReading,
+  settings: ManualSettings,
+  hasButtons = false,
+  profile: PadProfile = NO_PROFILE,
+): Sticks {
   const read = (name: AxisName): number => {
     // Up and forward are negative on a gamepad.
     const turn = name === 'throttle' || name === 'pitch' ? -1 : 1;
     const sign = settings.inverted.includes(name) ? -turn : turn;
-    return sign * shaped(pad.axes[places[name]] ?? 0, settings.deadZone, settings.expo) + 0;
+    const place = placeOf(name, settings.mode, profile);
+    const value = calibrated(pad.axes[place] ?? 0, profile.ranges[place]);
+    return sign * shaped(value, settings.deadZone, settings.expo) + 0;
   };
   return {
     roll: read('roll'),
     pitch: read('pitch'),
     throttle: read('throttle'),
     yaw: read('yaw'),
-    buttons: hasButtons ? buttonBits(pad, settings.deadMan) : 0,
+    buttons: hasButtons ? buttonBits(pad, settings.deadMan, profile) : 0,
     isHeld: pad.buttons[settings.deadMan]?.pressed ?? false,
   };
 }
 
-function buttonBits(pad: PadReading, deadMan: number): number {
+function buttonBits(pad: PadReading, deadMan: number, profile: PadProfile): number {
   return pad.buttons.slice(0, 16).reduce((bits, { pressed }, index) => {
-    return pressed && index !== deadMan ? bits | (1 << index) : bits;
+    return pressed && index !== deadMan && profile.actions[index] === undefined ? bits | (1 << index) : bits;
   }, 0);
 }
 
