@@ -57,17 +57,17 @@ async def simulate_board(arguments: Namespace) -> int:
     firmware, number = arguments.bootloader
     as_json = arguments.json
 
-    def tell(text: str) -> None:
+    def emit(text: str) -> None:
         echo_json({"event": "board", "text": text}) if as_json else echo(text)
 
     board: SimulatedBoard | SimulatedRom
     if firmware == _ROM:
         board = SimulatedRom()
-        board.on_event = tell
+        board.on_event = emit
         name, number, size = "STM32F405 in its ROM", CHIP_ID, FLASH_SIZE
     else:
         board = SimulatedBoard(firmware, board_of(firmware, number))
-        board.listeners.append(tell)
+        board.listeners.append(emit)
         facts = board.bootloader.board
         name, number, size = f"{facts.name}: bootloader of {firmware}", facts.board_id, facts.flash_size
     async with SimulatedPort(board, urls[0]) as port:

@@ -40,7 +40,7 @@ class Manual {
   pad: { readonly axes: readonly number[]; readonly pressed: readonly number[] } | null = $state.raw(null);
   /** The sticks are moved to their ends, to calibrate them. */
   isCalibrating = $state(false);
-  /** What is kept of each gamepad, by its name. */
+  /** The profile of each gamepad, by its name. */
   readonly profiles = new Persisted<Readonly<Record<string, PadProfile>>>('fly.pads', {});
   readonly touch = new TouchSticks();
 
@@ -134,7 +134,7 @@ class Manual {
     return padSticks(pad, this.settings.value, hasButtons, this.profile);
   }
 
-  /** What is kept of the gamepad that is connected. */
+  /** The profile of the gamepad that is connected. */
   get profile(): PadProfile {
     return this.profiles.value[this.padName ?? ''] ?? NO_PROFILE;
   }

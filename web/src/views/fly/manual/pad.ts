@@ -1,4 +1,4 @@
-/** What a page keeps of one gamepad or joystick: the ranges of its axes, their use, and actions of its buttons. */
+/** The profile of a gamepad or joystick: the ranges of its axes, their use, and actions of its buttons. */
 
 import type { AxisName, PadReading } from './sticks';
 
