@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final, TypeAlias, cast
 
-from msgspec import Meta, Struct
+from msgspec import Meta, Struct, defstruct
 
 from mavstack.http.request_fields import Fields
 from mavstack.security.roles import Role
@@ -19,18 +19,28 @@ _PATH: Final = "/api/vehicles/{system}/external"
 _OPERATED: Final = frozenset({"follow-target"})
 _PARTS: Final = frozenset({"position", "yaw"})
 _MAX_NUMBERS: Final = 72
+_Values: TypeAlias = dict[
+    str, str | float | Annotated[list[float | None], Meta(max_length=_MAX_NUMBERS)] | None
+]
+_POSE: Final = {"position": [1.0, 2.0, 3.0], "orientation": [1.0, 0.0, 0.0, 0.0], "frame": "ENU"}
+_PLACE: Final = {"latitude": 47.3977, "longitude": 8.5456, "altitude": 488.0}
+#: The example of each kind.
+_EXAMPLES: Final = {
+    "odometry": _POSE,
+    "vision": _POSE,
+    "mocap": _POSE,
+    "gps": _PLACE,
+    "landing-target": {"forward": 0.4, "right": -0.2, "down": 6.0},
+    "obstacles": {"distances": [5.0, None, 3.2], "increment": 5.0},
+    "distance": {"distance": 2.4},
+    "follow-target": _PLACE,
+}
 
 
 class Measurement(Fields):
     """A measurement of a companion computer."""
 
-    values: Annotated[
-        dict[str, str | float | Annotated[list[float | None], Meta(max_length=_MAX_NUMBERS)] | None],
-        Meta(
-            description="The arguments by their names; null in a list is not known.",
-            examples=[{"position": [1.0, 2.0, 3.0], "orientation": [1.0, 0.0, 0.0, 0.0], "frame": "ENU"}],
-        ),
-    ]
+    values: _Values
 
 
 class Sent(Struct):
@@ -61,6 +71,17 @@ async def _check(call: PlainCall) -> EstimatorUse:
     return await call.read("external", read)
 
 
+def _body(kind: str) -> type[Measurement]:
+    """Return the model of a kind, whose description has its example."""
+    text = "The arguments by their names; null in a list is not known."
+    values = Annotated[_Values, Meta(description=text, examples=[_EXAMPLES[kind]])]
+    name = f"{kind.title().replace('-', '')}Measurement"
+    made = defstruct(
+        name, [("values", values)], bases=(Measurement,), namespace={"__doc__": Measurement.__doc__}
+    )
+    return cast("type[Measurement]", made)
+
+
 def _route(kind: str) -> AnyRoute:
     async def handler(call: Call[Measurement, None]) -> dict[str, Any]:
         external = call.vehicle.external
@@ -74,7 +95,7 @@ def _route(kind: str) -> AnyRoute:
         summary=f"Send {kind.replace('-', ' ')} to a vehicle: {', '.join(arguments_of(kind))}",
         tag="vehicles",
         role=Role.OPERATE if kind in _OPERATED else Role.ADMINISTER,
-        body=Measurement,
+        body=_body(kind),
         answer={"kind": kind, "estimates": 0},
         answer_model=Sent,
     )
