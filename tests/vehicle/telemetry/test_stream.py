@@ -228,7 +228,7 @@ def test_an_invalid_rate_is_misuse(rate):
     async def scenario(peer):
         with pytest.raises(LocalProtocolError, match="rate must be positive and finite"):
             await anext(peer.vehicle.stream(common.Attitude, rate=rate))
-        with pytest.raises(LocalProtocolError, match="needs the message classes"):
+        with pytest.raises(LocalProtocolError, match="name the message classes"):
             peer.vehicle.stream(rate=5)
 
     with_peer(scenario)

@@ -168,7 +168,8 @@ class InavNavigation:
                 held = self.guided = None
             elif self.guided is not None and self.guided != held:
                 held = self.guided
-                self._go_to(held)
+                climb_rate = self._auto_climb
+                self._body.go_to(*held, speed=self._auto_speed, climb=climb_rate, sink=climb_rate)
             elif held is None:
                 here = self._body.estimate
                 held = here.north, here.east, here.down
@@ -331,9 +332,6 @@ class InavNavigation:
         north, east, _ = self._place(waypoint)
         here = self._body.estimate
         return atan2(east - here.east, north - here.north)
-
-    def _go_to(self, place: tuple[float, float, float]) -> None:
-        self._body.go_to(*place, speed=self._auto_speed, climb=self._auto_climb, sink=self._auto_climb)
 
     def _place(self, waypoint: Wp) -> tuple[float, float, float]:
         """Return the position of a waypoint in metres north, east and down."""

@@ -158,7 +158,7 @@ class ArdupilotMissionRules(MissionRules):
     def replaced(self, mission: MissionRunner, was: int) -> None:
         if mission.items:
             mission.send_statustext("Flight plan received")
-        mission.restore(was)
+        mission.set_current(was)
         if not mission.flying:
             return
         item = mission.items[was] if was < len(mission.items) else None

@@ -193,10 +193,6 @@ class MissionRunner:
         self._next, self._complete, self._interrupted = seq, False, True
         self.set_current(seq)
 
-    def restore(self, seq: int) -> None:
-        """Make an item current again, if the replaced mission has one of that number."""
-        self.set_current(seq)
-
     def landing_start(self) -> int | None:
         """Return the nearest DO_LAND_START, None if the mission has none."""
         found = (seq for seq, item in enumerate(self.items) if item.command == _CMD.DO_LAND_START)
