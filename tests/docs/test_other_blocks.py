@@ -59,7 +59,7 @@ def mav_lines(text: str) -> list[str]:
 def words_of(line: str) -> list[str]:
     """The words after `mav`, without comment, pipe and redirection."""
     words = shlex.split(line, comments=True)[1:]
-    ends = [words.index(mark) for mark in ("|", ">") if mark in words]
+    ends = [words.index(mark) for mark in ("|", ">", "<") if mark in words]
     return words[: min(ends, default=len(words))]
 
 

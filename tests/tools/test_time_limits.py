@@ -77,7 +77,7 @@ def test_a_test_that_is_run_again_has_its_limit_again(
     pytester.makeconftest(HOOKS)
     pytester.makepyfile(HEAD + "def test_it():\n    time.sleep(30)\n")
     monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[2]), prepend=os.pathsep)
-    result = pytester.runpytest_subprocess(*OPTIONS, "--reruns", "1", timeout=20)
+    result = pytester.runpytest_subprocess(*OPTIONS, "--reruns", "1", timeout=60)
     assert result.parseoutcomes() == {"failed": 1, "rerun": 1}
 
 
@@ -88,5 +88,5 @@ def test_a_longer_limit_of_a_test_outlasts_the_limit_of_the_process(
     pytester.makeini("[pytest]\nfaulthandler_timeout = 0.2\nfaulthandler_exit_on_timeout = true\n")
     pytester.makepyfile("import time, pytest\n@pytest.mark.timeout(9)\ndef test_it():\n    time.sleep(0.5)\n")
     monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[2]), prepend=os.pathsep)
-    result = pytester.runpytest_subprocess(*OPTIONS, timeout=20)
+    result = pytester.runpytest_subprocess(*OPTIONS, timeout=60)
     assert result.parseoutcomes() == {"passed": 1}
