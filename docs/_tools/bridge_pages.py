@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 from mavstack.bridges.core.metrics import METRICS
 from mavstack.bridges.core.row import Publication, Service, Subscription
 from mavstack.bridges.core.table import ACTIONS, PUBLICATIONS, SERVICES, SUBSCRIPTIONS
+from mavstack.bridges.mqtt.vehicle_topics import TOPICS
 from mavstack.bridges.mqtt.verbs import VERBS
 from mavstack.services.message_request.interval import name_of
 
@@ -41,6 +42,12 @@ def render_metrics() -> str:
     """Return the metrics that are read from a vehicle."""
     lines = [f"| `{metric.name}` | {metric.text} |" for metric in METRICS]
     return "\n".join(("| metric | value |", "|---|---|", *lines))
+
+
+def render_mqtt_topics() -> str:
+    """Return the topics of a vehicle on MQTT."""
+    lines = [f"| `{each.topic}` | {each.payload} | {each.when} |" for each in TOPICS]
+    return "\n".join(("| topic | payload | |", "|---|---|---|", *lines))
 
 
 def render_mqtt_commands() -> str:

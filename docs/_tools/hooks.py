@@ -42,6 +42,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "error tree": error_tree.render,
     "link options": link_options.render,
     "mqtt commands": bridge_pages.render_mqtt_commands,
+    "mqtt topics": bridge_pages.render_mqtt_topics,
     "msp messages": msp_pages.render_messages,
     "msp settings": msp_pages.render_settings,
     "ros differences": bridge_pages.render_differences,

@@ -138,6 +138,8 @@ _CORRECTIONS: Final = (
 )
 VEHICLE: Final = "mavstack_vehicle_"
 LINK: Final = "mavstack_link_"
+#: The counter of readings of the metrics by servers, without `_total`.
+SCRAPES: Final = "mavstack_scrapes"
 
 
 def vehicle_labels(vehicle: Vehicle, name: str) -> dict[str, str]:

@@ -30,6 +30,7 @@ _RETRIES: Final = (1, 30)
 #: Seconds in which a session that ends waits for messages that are under way.
 _CLOSE_TIMEOUT: Final = 1.0
 _PORTS: Final = {"mqtt": 1883, "mqtts": 8883}
+_RETAIN_ALL: Final = 0
 _RETAIN_NOTHING: Final = 2
 _MIN_QOS_WITH_ACK: Final = 1
 
@@ -111,6 +112,7 @@ class Session:
         subscriptions: The topics whose messages are taken.
         connected: Called in the event loop after each connection.
         take: Called in the event loop with each message.
+        retained: The messages that the broker keeps are taken too.
 
     Raises:
         MissingExtraError: paho-mqtt is not installed.
@@ -124,6 +126,7 @@ class Session:
         *,
         connected: Callable[[], object] = lambda: None,
         take: Callable[[Arrived], object] = lambda message: None,
+        retained: bool = False,
     ) -> None:
         try:
             from paho.mqtt import client, enums
@@ -135,6 +138,7 @@ class Session:
         self._broker = broker
         self._will = will
         self._subscriptions = tuple(subscriptions)
+        self._retain_handling = _RETAIN_ALL if retained else _RETAIN_NOTHING
         self._under_way = 0
         self._connected_callback = connected
         self._client: Any = client.Client(enums.CallbackAPIVersion.VERSION2, protocol=client.MQTTv5)
@@ -246,8 +250,8 @@ class Session:
             self._call(partial(self._report, f"it refuses: {reason}"))
             return
         for topic in self._subscriptions:
-            # Without retained ones; at most once, so that no command is carried out twice.
-            options = self._module.SubscribeOptions(qos=0, retainHandling=_RETAIN_NOTHING)
+            # At most once, so that no command is carried out twice.
+            options = self._module.SubscribeOptions(qos=0, retainHandling=self._retain_handling)
             client.subscribe(topic, options=options)
         self._call(self._go_online)
 

@@ -32,7 +32,13 @@ _PREFIX: Final = re.compile(r"[^+#/$\0\s][^+#\0\s]{0,99}")
 def add_options(parser: ArgumentParser) -> None:
     """Declare the options."""
     add = parser.add_argument
-    add("--broker", type=_broker, required=True, metavar="URL", help="mqtt://HOST:1883 or mqtts://HOST:8883")
+    add(
+        "--broker",
+        type=broker_url,
+        required=True,
+        metavar="URL",
+        help="mqtt://HOST:1883 or mqtts://HOST:8883",
+    )
     add("--ca", default="", metavar="FILE", help="certificate of the authority, for mqtts (default: system)")
     add("--prefix", type=_prefix, default="mavstack", metavar="TOPIC", help="before all topics")
     add("--rate", type=_rate, default=2.0, metavar="HZ", help="telemetry per second, 1 to 5 (default: 2)")
@@ -60,7 +66,8 @@ async def serve(arguments: Namespace, connection: Connection) -> AsyncIterator[s
         yield f"MQTT {broker}, topics below {arguments.prefix}/"
 
 
-def _broker(text: str) -> Broker:
+def broker_url(text: str) -> Broker:
+    """Return the broker of an option."""
     try:
         return Broker.parse(text)
     except InvalidArgumentError as error:

@@ -6,6 +6,7 @@ vehicle does not report; a group without any value is None.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.bridges.core.enum_names import enum_name
@@ -56,19 +57,33 @@ def speed(vehicle: Vehicle) -> Group | None:
     return found
 
 
+@dataclass(frozen=True, slots=True)
+class TelemetryGroup:
+    """A group of telemetry: its content in words, and the function that reads it."""
+
+    content: str
+    read: Callable[[Vehicle], Any]
+
+
+def _snapshot(group: str) -> Callable[[Vehicle], Any]:
+    return lambda vehicle: snapshot(vehicle, group)
+
+
 #: The groups of telemetry by name.
-GROUPS: Final[Mapping[str, Callable[[Vehicle], Any]]] = {
-    "position": lambda vehicle: snapshot(vehicle, "position"),
-    "attitude": lambda vehicle: snapshot(vehicle, "attitude"),
-    "speed": speed,
-    "battery": lambda vehicle: snapshot(vehicle, "battery"),
-    "gps": lambda vehicle: snapshot(vehicle, "gps"),
+GROUPS: Final[Mapping[str, TelemetryGroup]] = {
+    "position": TelemetryGroup(
+        "degrees, metres above sea level and above home, heading", _snapshot("position")
+    ),
+    "attitude": TelemetryGroup("roll, pitch, yaw in degrees", _snapshot("attitude")),
+    "speed": TelemetryGroup("m/s, throttle in percent, wind", speed),
+    "battery": TelemetryGroup("volts, amperes, percent", _snapshot("battery")),
+    "gps": TelemetryGroup("fix, satellites, accuracies", _snapshot("gps")),
 }
 
 
 def telemetry(vehicle: Vehicle, group: str) -> Group | None:
     """Return a group of telemetry; None if the vehicle reports none of its values."""
-    found = rounded(plain(GROUPS[group](vehicle)))
+    found = rounded(plain(GROUPS[group].read(vehicle)))
     return found if isinstance(found, dict) else None
 
 

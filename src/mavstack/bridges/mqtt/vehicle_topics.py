@@ -1,11 +1,4 @@
-"""The topics of one vehicle on MQTT, below `<prefix>/<vehicle>/`.
-
-- `status`: "online" or "offline", retained; the last will of the session.
-- `state`: mode, armed, readiness …: JSON, retained, when it changes.
-- `telemetry/<group>`: position, attitude, speed, battery, gps: JSON, at 1 to 5 Hz.
-- `event/<kind>`: text, armed, mode, connection: JSON.
-- `cmd/<verb>`: commands; answers on the response topic or `result/<verb>`.
-"""
+"""The topics of one vehicle on MQTT, below `<prefix>/<vehicle>/`; `TOPICS` describes them."""
 
 from __future__ import annotations
 
@@ -29,6 +22,47 @@ if TYPE_CHECKING:
 
 #: The values of the state whose changes are events.
 _EVENTS: Final = ("armed", "mode", "in_air", "ready")
+
+
+@dataclass(frozen=True, slots=True)
+class TopicDescription:
+    """A line of the table of topics.
+
+    Attributes:
+        topic: The topic, below that of the vehicle.
+        payload: Its content in words.
+        when: When it is published, or by whom.
+    """
+
+    topic: str
+    payload: str
+    when: str
+
+
+#: All topics of a vehicle.
+TOPICS: Final = (
+    TopicDescription(
+        "status",
+        "`online` or `offline`",
+        "retained; also the last will: the broker publishes `offline` when the bridge is gone",
+    ),
+    TopicDescription(
+        "state",
+        "mode, armed, readiness with problems, firmware, home, mission, the role of the bridge",
+        "retained, when it changes",
+    ),
+    *(
+        TopicDescription(f"telemetry/{name}", group.content, "`--rate` times a second")
+        for name, group in GROUPS.items()
+    ),
+    TopicDescription("event/text", "status texts of the vehicle, with their severity", "when they come"),
+    *(TopicDescription(f"event/{name}", "`value` and `previous`", "when it changes") for name in _EVENTS),
+    TopicDescription("event/connection", "`connected`", "when the vehicle is lost or returns"),
+    TopicDescription("cmd/<command>", "the arguments of a command", "by clients, not retained"),
+    TopicDescription(
+        "result/<command>", "`ok`, and the result or the reason", "for requests without a response topic"
+    ),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +150,7 @@ class VehicleTopics:
 
     def update_state(self) -> None:
         """Publish the state if it has changed, and the events of the change."""
-        found = state(self._vehicle)
+        found = {**state(self._vehicle), "role": self._options.role.word}
         before, self._state = self._state, found
         if found == before:
             return

@@ -10,7 +10,14 @@ import logging
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.bridges.core.bridge import DEFAULT_NAME
-from mavstack.bridges.core.metrics import MAX_VEHICLES, correction_samples, link_samples, vehicle_samples
+from mavstack.bridges.core.metrics import (
+    MAX_VEHICLES,
+    SCRAPES,
+    Sample,
+    correction_samples,
+    link_samples,
+    vehicle_samples,
+)
 from mavstack.errors import LinkError, MissingExtraError
 
 try:
@@ -27,7 +34,6 @@ if TYPE_CHECKING:
 
     from prometheus_client.core import Metric
 
-    from mavstack.bridges.core.metrics import Sample
     from mavstack.vehicle import Connection
 
 logger = logging.getLogger("mavstack.bridges")
@@ -50,6 +56,7 @@ class MetricsServer(Collector):
     ) -> None:
         #: The number of scrapes that got no values.
         self.failed = 0
+        self._scrapes = 0
         self._connection = connection
         self._host = host
         self._port = port
@@ -104,6 +111,9 @@ class MetricsServer(Collector):
             self.failed += 1
             logger.warning("a scrape got no values: %s", str(error) or "the program is busy")
             return
+        text = "Readings of these metrics before this one"
+        samples.append(Sample(SCRAPES, text, {}, float(self._scrapes), is_counter=True))
+        self._scrapes += 1
         yield from families(samples)
 
     async def _samples(self) -> list[Sample]:

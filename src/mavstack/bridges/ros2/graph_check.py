@@ -6,9 +6,9 @@ Zenoh are silent about the others.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
+from mavstack.bridges.core.finding import Finding
 from mavstack.bridges.core.names import NODE, PARAMETER_NODE
 from mavstack.bridges.ros2.zenoh_keys import CLIENT, PUBLISHER, SERVER, SUBSCRIPTION
 from mavstack.bridges.ros2.zenoh_keys import NODE as NODE_KIND
@@ -26,34 +26,17 @@ _OPPOSITES: Final = {PUBLISHER: SUBSCRIPTION, SUBSCRIPTION: PUBLISHER, SERVER: C
 _VERBS: Final = {SUBSCRIPTION: "receives", PUBLISHER: "sends", CLIENT: "calls"}
 
 
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """A statement about the graph.
-
-    Attributes:
-        ok: False if something does not work.
-        name: The topic or service; empty for statements about the bridge.
-        node: The full name of the other node; empty for statements about the bridge.
-        text: The statement.
-    """
-
-    ok: bool
-    name: str
-    node: str
-    text: str
-
-
 def check_graph(entities: Sequence[GraphEntity], domain: int) -> list[Finding]:
     """Return what the graph of a domain tells about bridges and their peers, problems first."""
     nodes = sorted({_node(each) for each in entities if each.kind == NODE_KIND and each.node == NODE})
     if not nodes:
         text = f"no vehicle is in domain {domain}: is the bridge running, with this domain and router?"
-        return [Finding(ok=False, name="", node="", text=text)]
-    found = [Finding(ok=True, name="", node=node, text=f"{node} is in domain {domain}") for node in nodes]
+        return [Finding(False, text)]
+    found = [Finding(True, f"{node} is in domain {domain}", node=node) for node in nodes]
     found += sorted(_pairs(entities), key=lambda each: (each.ok, each.name, each.node))
     if len(found) == len(nodes):
         text = "no other node uses a topic or service of the vehicles"
-        found.append(Finding(ok=True, name="", node="", text=text))
+        found.append(Finding(True, text))
     return found
 
 
@@ -71,7 +54,7 @@ def _compare(own: GraphEntity, other: GraphEntity) -> Finding:
     node = _node(other)
     problem = _problem(own, other)
     text = f"{node} and {own.name}: {problem}" if problem else f"{node} {_VERBS[other.kind]} {own.name}"
-    return Finding(not problem, own.name, node, text)
+    return Finding(not problem, text, own.name, node)
 
 
 def _problem(own: GraphEntity, other: GraphEntity) -> str:

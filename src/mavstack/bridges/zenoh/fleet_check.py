@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import asyncio
 from collections import defaultdict
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
+from mavstack.bridges.core.finding import Finding
 from mavstack.bridges.core.zenoh_session import close_session, open_session, zenoh_module
 from mavstack.bridges.zenoh.keys import VehicleKeys, gateway_key, parse_alive
 
@@ -19,15 +19,7 @@ if TYPE_CHECKING:
 ANSWER_TIMEOUT: Final = 2.0
 
 
-@dataclass(frozen=True, slots=True)
-class FleetFinding:
-    """A statement about the fleet; `ok` is false if something does not work."""
-
-    ok: bool
-    text: str
-
-
-def check_tokens(prefix: str, keys: Iterable[str]) -> list[FleetFinding]:
+def check_tokens(prefix: str, keys: Iterable[str]) -> list[Finding]:
     """Return the findings about liveliness tokens.
 
     Args:
@@ -42,28 +34,26 @@ def check_tokens(prefix: str, keys: Iterable[str]) -> list[FleetFinding]:
             gateways.add(key.removeprefix(gateway_key(prefix, "")))
     if not gateways:
         return [
-            FleetFinding(
-                False, f"no gateway serves the fleet {prefix}: is `mav bridge zenoh` connected to it?"
-            )
+            Finding(False, f"no gateway serves the fleet {prefix}: is `mav bridge zenoh` connected to it?")
         ]
     findings = [_gateway_finding(each, vehicles) for each in sorted(gateways)]
     for name, serving in sorted(vehicles.items()):
         if len(serving) > 1:
             both = " and ".join(sorted(serving))
             findings.append(
-                FleetFinding(False, f"{both} serve a vehicle {name}, and pass no commands on; use --name")
+                Finding(False, f"{both} serve a vehicle {name}, and pass no commands on; use --name")
             )
     return findings
 
 
-def _gateway_finding(gateway: str, vehicles: dict[str, list[str]]) -> FleetFinding:
+def _gateway_finding(gateway: str, vehicles: dict[str, list[str]]) -> Finding:
     served = sorted(name for name, serving in vehicles.items() if gateway in serving)
     if not served:
-        return FleetFinding(False, f"gateway {gateway} hears no vehicle")
-    return FleetFinding(True, f"gateway {gateway} serves {', '.join(served)}")
+        return Finding(False, f"gateway {gateway} hears no vehicle")
+    return Finding(True, f"gateway {gateway} serves {', '.join(served)}")
 
 
-async def check_fleet(options: SessionOptions, prefix: str) -> list[FleetFinding]:
+async def check_fleet(options: SessionOptions, prefix: str) -> list[Finding]:
     """Return the findings about a fleet.
 
     Args:

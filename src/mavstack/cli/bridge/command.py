@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.bridges.core.registry import BRIDGES
-from mavstack.cli.bridge import fleet_config
-from mavstack.cli.bridge.check import add_options, check
+from mavstack.cli.bridge import check, fleet_config
 from mavstack.cli.bridge.listing import print_table
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.ending_signals import run_until_signal
@@ -27,11 +26,10 @@ if TYPE_CHECKING:
 
 _OTHERS: Final = (
     *fleet_config.EXAMPLES,
-    "mav bridge check                        # peers, wrong type hashes, profiles that do not fit",
+    *check.EXAMPLES,
     "mav bridge list                                       # the mapping table",
     "mav bridge list --json",
     "mav bridge list zenoh                                 # the keys of a fleet",
-    "mav bridge check zenoh                  # the gateways of a fleet, and their vehicles",
     "mav bridge package mavstack_msgs ~/ros_ws/src         # its interfaces as a ROS package",
 )
 _NOTE: Final = """
@@ -60,7 +58,8 @@ def add_arguments(parser: ArgumentParser) -> None:
             "zenoh config", "write the configuration and certificates of a router", fleet_config.write_config
         )
     )
-    add_options(actions.add("check", "who is connected over Zenoh, and why others are not", check))
+    text = "who is connected with the vehicles on a bus, and why others are not"
+    check.add_options(actions.add("check", text, check.check))
     action = actions.add("list", "show the mapping table: topics, services, actions", print_table)
     action.add_argument(
         "bus", nargs="?", choices=("ros2", "zenoh"), default="ros2", help="the rows, or the keys of a fleet"
