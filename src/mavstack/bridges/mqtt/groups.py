@@ -7,6 +7,7 @@ vehicle does not report; a group without any value is None.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.bridges.core.enum_names import enum_name
@@ -65,19 +66,15 @@ class TelemetryGroup:
     read: Callable[[Vehicle], Any]
 
 
-def _snapshot(group: str) -> Callable[[Vehicle], Any]:
-    return lambda vehicle: snapshot(vehicle, group)
-
-
 #: The groups of telemetry by name.
 GROUPS: Final[Mapping[str, TelemetryGroup]] = {
     "position": TelemetryGroup(
-        "degrees, metres above sea level and above home, heading", _snapshot("position")
+        "degrees, metres above sea level and above home, heading", partial(snapshot, group="position")
     ),
-    "attitude": TelemetryGroup("roll, pitch, yaw in degrees", _snapshot("attitude")),
+    "attitude": TelemetryGroup("roll, pitch, yaw in degrees", partial(snapshot, group="attitude")),
     "speed": TelemetryGroup("m/s, throttle in percent, wind", speed),
-    "battery": TelemetryGroup("volts, amperes, percent", _snapshot("battery")),
-    "gps": TelemetryGroup("fix, satellites, accuracies", _snapshot("gps")),
+    "battery": TelemetryGroup("volts, amperes, percent", partial(snapshot, group="battery")),
+    "gps": TelemetryGroup("fix, satellites, accuracies", partial(snapshot, group="gps")),
 }
 
 

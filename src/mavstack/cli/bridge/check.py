@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from dataclasses import asdict
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.bridges.core.naming_options import port_number, url_host
 from mavstack.bridges.core.zenoh_session import DEFAULT_ROUTER, SessionOptions
@@ -19,7 +19,7 @@ from mavstack.cli.common.output import coloured, echo, echo_json
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
-    from collections.abc import Awaitable, Callable, Mapping, Sequence
+    from collections.abc import Callable, Coroutine, Mapping, Sequence
 
     from mavstack.bridges.core.finding import Finding
 
@@ -59,7 +59,7 @@ def add_options(parser: ArgumentParser) -> None:
 
 def check(arguments: Namespace) -> int:
     """Run `mav bridge check`; the exit code is 1 if something does not work."""
-    found = asyncio.run(_findings(arguments))
+    found = asyncio.run(_CHECKS[arguments.bus](arguments))
     if arguments.json:
         echo_json([asdict(each) for each in found])
     else:
@@ -70,10 +70,6 @@ def check(arguments: Namespace) -> int:
 def _line(finding: Finding) -> str:
     word = coloured("ok     ", "green") if finding.ok else coloured("problem", "red")
     return f"{word}  {finding.text}"
-
-
-async def _findings(arguments: Namespace) -> Sequence[Finding]:
-    return await _CHECKS[arguments.bus](arguments)
 
 
 async def _check_ros2(arguments: Namespace) -> Sequence[Finding]:
@@ -119,13 +115,15 @@ async def _check_otel(arguments: Namespace) -> Sequence[Finding]:
     return await check_collector(arguments.otlp)
 
 
-_CHECKS: Final[Mapping[str, Callable[[Namespace], Awaitable[Sequence[Finding]]]]] = MappingProxyType(
-    {
-        "ros2": _check_ros2,
-        "zenoh": _check_zenoh,
-        "mqtt": _check_mqtt,
-        "foxglove": _check_foxglove,
-        "prometheus": _check_prometheus,
-        "otel": _check_otel,
-    }
+_CHECKS: Final[Mapping[str, Callable[[Namespace], Coroutine[Any, Any, Sequence[Finding]]]]] = (
+    MappingProxyType(
+        {
+            "ros2": _check_ros2,
+            "zenoh": _check_zenoh,
+            "mqtt": _check_mqtt,
+            "foxglove": _check_foxglove,
+            "prometheus": _check_prometheus,
+            "otel": _check_otel,
+        }
+    )
 )
