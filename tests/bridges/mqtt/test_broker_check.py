@@ -80,7 +80,7 @@ def test_a_bridge_with_mosquitto(tmp_path: Path) -> None:
             MqttBridge(connection, MqttOptions(place, "fleet", role=Role.OPERATE)) as bridge,
         ):
             await connection.wait_for_vehicle()
-            await until(lambda: bridge.vehicles[1].session._online)
+            await until(lambda: 1 in bridge.vehicles and bridge.vehicles[1].session._online)
             found = await check_broker(place, "fleet")
             assert all(each.ok for each in found), found
             assert found[1].text.startswith("uav1 is online (ARDUPILOTMEGA, copter")
