@@ -68,6 +68,47 @@ def test_each_task_has_one_vehicle(seed, vehicles, tasks):
     assert sorted(task for route in routes for task in route) == list(range(tasks))
 
 
+def optimal_end(starts, tasks):
+    """Return the earliest time at which the last vehicle can end at 1 m/s, by ortools."""
+    cp_model = pytest.importorskip("ortools.sat.python.cp_model")
+    model, longest = cp_model.CpModel(), 100_000
+    end = model.new_int_var(0, longest, "end")
+    visits = [[] for _ in tasks]
+    for start in starts:
+        places = np.vstack((start, tasks))
+        lengths = np.rint(100.0 * np.linalg.norm(places[:, None] - places[None], axis=2)).astype(int)
+        arcs, way = [], []
+        for one in range(len(places)):
+            for other in range(len(places)):
+                arc = model.new_bool_var("")
+                arcs.append((one, other, arc))
+                if one == other and one:  # left out
+                    visits[one - 1].append(arc.negated())
+                elif other:  # the way back to the start costs nothing
+                    way.append(int(lengths[one, other]) * arc)
+        model.add_circuit(arcs)
+        model.add(sum(way) <= end)
+    for each in visits:
+        model.add_exactly_one(each)
+    model.minimize(end)
+    solver = cp_model.CpSolver()
+    solver.parameters.num_workers = 1
+    assert solver.solve(model) == cp_model.OPTIMAL
+    return solver.objective_value / 100.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_an_auction_ends_within_twice_the_optimum_of_ortools(seed):
+    random = np.random.default_rng(seed)
+    starts, tasks = random.uniform(0, 100, (3, 3)), random.uniform(0, 100, (6, 3))
+    ends = []
+    for start, route in zip(starts, auction_tasks(starts, tasks), strict=True):
+        places = np.vstack((start, tasks[route]))
+        ends.append(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
+    best = optimal_end(starts, tasks)
+    assert best - 0.1 <= max(ends) <= 2.0 * best
+
+
 def test_a_fast_vehicle_takes_more_tasks():
     tasks = np.array([[float(10 * index), 0.0, 0.0] for index in range(1, 13)])
     slow, fast = auction_tasks(np.zeros((2, 3)), tasks, [1.0, 5.0])
