@@ -71,8 +71,8 @@ def test_each_task_has_one_vehicle(seed, vehicles, tasks):
 def optimal_end(starts, tasks):
     """Return the earliest time at which the last vehicle can end at 1 m/s, by ortools."""
     cp_model = pytest.importorskip("ortools.sat.python.cp_model")
-    model, longest = cp_model.CpModel(), 100_000
-    end = model.new_int_var(0, longest, "end")
+    model = cp_model.CpModel()
+    end = model.new_int_var(0, 100_000, "end")
     visits = [[] for _ in tasks]
     for start in starts:
         places = np.vstack((start, tasks))
