@@ -153,7 +153,7 @@ class ArdupilotProfile(FirmwareProfile):
         """Report disarming, and reset the mission."""
         autopilot.vehicle.send_statustext(disarmed_text(self.vehicle_type), common.MavSeverity.INFO)
         autopilot.mission.reset()
-        autopilot.mission.restore(autopilot.mission.first)
+        autopilot.mission.set_current(autopilot.mission.first)
 
     def armed_state(self, autopilot: SimulatedAutopilot) -> int:
         """Return STANDBY for a copter or plane on the ground: they are active in the air only."""
