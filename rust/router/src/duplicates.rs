@@ -4,14 +4,20 @@
 //! the same bytes as a packet that came from another port shortly before. The same bytes from the same port are no copy:
 //! sequence numbers repeat after 256 packets, so equal messages may be equal packets.
 //!
-//! The table has a fixed size. Its hash has a random key, so that no sender can make packets that displace each other.
+//! The table grows while packets of the window displace each other, up to a fixed size. Its hash has a random key, so that
+//! no sender can make packets that do.
 
 use std::hash::{BuildHasher, RandomState};
 
 /// Entries that a hash can be in; the oldest of them is replaced.
 const WAYS: usize = 4;
-/// Number of sets: 65,536 entries, one megabyte.
-const SETS: usize = 1 << 14;
+/// Number of sets: one page at first, one megabyte with 65,536 entries at most.
+const MIN_SETS: usize = 1 << 6;
+const MAX_SETS: usize = 1 << 14;
+/// Packets of a window that may be displaced before the table grows.
+const MAX_DISPLACED: u32 = 3;
+/// The bits of the hash that may choose the set; the other 50 of an entry are enough for the microseconds of 35 years.
+const SET_BITS: u32 = MAX_SETS.trailing_zeros();
 
 /// A packet that was received before.
 #[derive(Clone, Copy, Debug, Default)]
@@ -20,7 +26,23 @@ struct Entry {
     tag: u32,
     /// The lower half of the port's serial number; 0: no entry.
     port: u32,
-    at: u64,
+    /// The time since the first packet, and in the lower bits the part of the hash that chooses the set.
+    at_and_set: u64,
+}
+
+impl Entry {
+    fn new(hash: u64, port: u32, now: u64) -> Self {
+        let set = hash & ((1 << SET_BITS) - 1);
+        Self { tag: (hash >> 32) as u32, port, at_and_set: now << SET_BITS | set }
+    }
+
+    fn at(&self) -> u64 {
+        self.at_and_set >> SET_BITS
+    }
+
+    fn is_alive(&self, window: u64, now: u64) -> bool {
+        self.port != 0 && now.saturating_sub(self.at()) <= window
+    }
 }
 
 /// The entries of one part of the hashes: one line of the processor's cache.
@@ -33,11 +55,16 @@ struct Set([Entry; WAYS]);
 pub struct Duplicates {
     hasher: RandomState,
     sets: Vec<Set>,
+    /// Time of the first packet, from which the times of the entries count.
+    started: Option<u64>,
+    /// Packets of the window that were displaced since it began.
+    displaced: u32,
+    counted_until: u64,
 }
 
 impl Default for Duplicates {
     fn default() -> Self {
-        Self { hasher: RandomState::new(), sets: Vec::new() }
+        Self { hasher: RandomState::new(), sets: Vec::new(), started: None, displaced: 0, counted_until: 0 }
     }
 }
 
@@ -49,23 +76,64 @@ impl Duplicates {
     #[inline]
     pub fn record(&mut self, raw: &[u8], port: u64, window: u64, now: u64) -> Option<(u32, u64)> {
         if self.sets.is_empty() {
-            self.sets = vec![Set::default(); SETS];
+            self.sets = vec![Set::default(); MIN_SETS];
         }
+        let now = now.saturating_sub(*self.started.get_or_insert(now));
         let hash = self.hasher.hash_one(raw);
-        let (tag, port) = ((hash >> 32) as u32, port as u32);
-        let set = &mut self.sets[hash as usize % SETS].0;
-        let alive = |entry: &Entry| entry.port != 0 && now.saturating_sub(entry.at) <= window;
-        if let Some(known) = set.iter_mut().find(|entry| entry.tag == tag && alive(entry)) {
-            if known.port != port {
-                return Some((known.port, now.saturating_sub(known.at)));
+        let new = Entry::new(hash, port as u32, now);
+        let set = self.set_mut(hash);
+        if let Some(known) = set.iter_mut().find(|entry| entry.tag == new.tag && entry.is_alive(window, now)) {
+            if known.port != new.port {
+                return Some((known.port, now.saturating_sub(known.at())));
             }
-            known.at = now;
+            *known = new;
             return None;
         }
-        if let Some(oldest) = set.iter_mut().min_by_key(|entry| entry.at) {
-            *oldest = Entry { tag, port, at: now };
-        }
+        self.insert(new, window, now);
         None
+    }
+
+    /// The entries that a hash can be in; the number of sets is a power of two.
+    #[inline]
+    fn set_mut(&mut self, hash: u64) -> &mut [Entry; WAYS] {
+        let index = hash as usize & (self.sets.len() - 1);
+        &mut self.sets[index].0
+    }
+
+    /// Replaces the oldest entry that the new one displaces; a table that is too small for the window grows first.
+    fn insert(&mut self, new: Entry, window: u64, now: u64) {
+        while self.sets.len() < MAX_SETS && self.set_mut(new.at_and_set).iter().all(|entry| entry.is_alive(window, now))
+        {
+            if self.tolerates_displacement(window, now) {
+                break;
+            }
+            self.grow();
+        }
+        let age = |entry: &&mut Entry| (entry.port != 0, entry.at());
+        if let Some(oldest) = self.set_mut(new.at_and_set).iter_mut().min_by_key(age) {
+            *oldest = new;
+        }
+    }
+
+    /// Returns whether a packet of the window may be displaced: chance fills a set of any table sometimes.
+    fn tolerates_displacement(&mut self, window: u64, now: u64) -> bool {
+        if now >= self.counted_until {
+            (self.counted_until, self.displaced) = (now + window, 0);
+        }
+        self.displaced += 1;
+        self.displaced <= MAX_DISPLACED
+    }
+
+    /// Doubles the number of sets.
+    #[cold]
+    fn grow(&mut self) {
+        let larger = vec![Set::default(); 2 * self.sets.len()];
+        for entry in std::mem::replace(&mut self.sets, larger).iter().flat_map(|set| set.0) {
+            // The entries of a set are divided between two, so that there is room for all.
+            if let Some(free) = self.set_mut(entry.at_and_set).iter_mut().find(|other| other.port == 0) {
+                *free = entry;
+            }
+        }
     }
 
     /// Forgets a packet of a port that is not forwarded: a forged one that came first must not hide the true one.
@@ -73,11 +141,11 @@ impl Duplicates {
     pub fn forget(&mut self, raw: &[u8], port: u64) {
         let hash = self.hasher.hash_one(raw);
         let (tag, port) = ((hash >> 32) as u32, port as u32);
-        if let Some(set) = self.sets.get_mut(hash as usize % SETS) {
-            set.0
-                .iter_mut()
-                .filter(|entry| (entry.tag, entry.port) == (tag, port))
-                .for_each(|entry| *entry = Entry::default());
+        if self.sets.is_empty() {
+            return;
+        }
+        for entry in self.set_mut(hash).iter_mut().filter(|entry| (entry.tag, entry.port) == (tag, port)) {
+            *entry = Entry::default();
         }
     }
 }
@@ -95,6 +163,29 @@ mod tests {
         assert_eq!(duplicates.record(b"two", 2, 1000, 6_000), None);
         assert_eq!(duplicates.record(b"one", 3, 1000, 7_001), None, "too late");
         assert_eq!(duplicates.record(b"one", 1, 1000, 7_002), Some((3, 1)));
+    }
+
+    #[test]
+    fn times_may_count_from_1970() {
+        let mut duplicates = Duplicates::default();
+        let now = 1_790_000_000_000_000;
+        assert_eq!(duplicates.record(b"one", 1, 1000, now), None);
+        assert_eq!(duplicates.record(b"one", 2, 1000, now + 20), Some((1, 20)));
+    }
+
+    #[test]
+    fn the_table_is_as_large_as_the_window_needs() {
+        let mut duplicates = Duplicates::default();
+        let mut record = |from: u32, until: u32| {
+            let known = (from..until)
+                .filter(|number| duplicates.record(&number.to_le_bytes(), 1, 1000, u64::from(*number)).is_some());
+            (known.count(), duplicates.sets.len())
+        };
+        assert_eq!(record(0, 16).1, MIN_SETS);
+        assert!(record(16, 100_000).1 <= 1 << 12, "a thousand packets are in the window");
+        let latest =
+            (99_500..100_000u32).filter(|number| duplicates.record(&number.to_le_bytes(), 2, 1000, 100_000).is_some());
+        assert!(latest.count() >= 498, "the table keeps its packets when it grows");
     }
 
     #[test]

@@ -30,14 +30,14 @@ class CommandEntry(NamedTuple):
         summary: The line.
         logs: False if nothing that the command runs writes to the log.
         mixed: True if options may stand between its words.
-        tls_on_use: True if its memory matters, and few of its runs use TLS.
+        lean: True if its memory matters: large modules that few of its runs need are loaded on use.
     """
 
     module: str
     summary: str
     logs: bool = True
     mixed: bool = False
-    tls_on_use: bool = False
+    lean: bool = False
 
 
 class CommandModule(Protocol):
@@ -68,7 +68,7 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
                 "route",
                 "join links: forward, filter, record; control a running router",
                 mixed=True,
-                tls_on_use=True,
+                lean=True,
             ),
             _entry("relay", "a meeting place for vehicles and stations that both dial out: serve, invite"),
             _entry("web", "ground station in the browser, with an HTTP and WebSocket API"),
@@ -107,10 +107,10 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
 def load_command(name: str) -> CommandModule:
     """Import the module of a command."""
     with ended_by_sigint():
-        if COMMANDS[name].tls_on_use:
-            from mavstack.cli.common.tls_on_use import load_tls_on_use
+        if COMMANDS[name].lean:
+            from mavstack.cli.common.modules_on_use import load_modules_on_use
 
-            load_tls_on_use()
+            load_modules_on_use()
         return cast("CommandModule", import_module(COMMANDS[name].module))
 
 

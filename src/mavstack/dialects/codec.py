@@ -103,7 +103,8 @@ def table_lines(definition: DialectDefinition) -> Iterator[str]:
 
 def encode_table(definition: DialectDefinition) -> Table:
     """Return the table of one definition file."""
-    return Table(table_lines(definition), definition.path)
+    lines = tuple(table_lines(definition))
+    return Table(lambda: lines, definition.path)
 
 
 def decode_message(row: MessageRow, table: Table) -> MessageDefinition:

@@ -1,7 +1,7 @@
 """The compact tables from which dialects are loaded.
 
 A table is a header line, then one line per message and per enum. Each line has two JSON values separated by a
-tab: first the layout on the wire, which every program needs, then the other metadata, which is parsed on
+tab: first the layout on the wire, which every program needs, then the other metadata, which is read on
 demand. `codec` converts definitions to such lines and back. This module is all that an ordinary program
 loads, so it avoids imports, even that of `typing`, which takes longer than loading a table (type checkers
 recognise `TYPE_CHECKING` by its name).
@@ -13,13 +13,13 @@ from __future__ import annotations
 
 import json
 import os
-from functools import cache
+from functools import cache, partial
 
 from mavstack.errors import UnknownDialectError
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
     from typing import Any, TypeAlias
 
 #: id, name, CRC_EXTRA, base length, length, and [name, type, array length, offset, enum] of each field.
@@ -29,23 +29,51 @@ _TABLES = os.path.join(os.path.dirname(__file__), "tables")
 
 
 class Table:
-    """The table of one definition file; lines are parsed on demand."""
+    """The table of one definition file; lines are parsed on demand.
 
-    __slots__ = ("_enums", "_metadata", "_parsed", "_rows", "header", "ids", "path")
+    Only the layouts stay in memory: a router, which uses no enums and descriptions, needs no more.
 
-    def __init__(self, lines: Iterable[str], path: str = "") -> None:
-        header, *rest = lines
+    Args:
+        read: Returns the lines; called again when metadata or enums are used for the first time.
+        path: Path of a user's file.
+    """
+
+    __slots__ = ("_details", "_parsed", "_read", "_rows", "header", "ids", "path")
+
+    def __init__(self, read: Callable[[], Iterable[str]], path: str = "") -> None:
+        header, *rest = read()
         self.header: dict[str, Any] = json.loads(header)
         self.path = path
-        count = self.header["messages"]
-        rows = [line.partition("\t") for line in rest]
-        starts = [row[0].split(",", 2) for row in rows[:count]]
+        self._read = read
+        rows = [line.partition("\t")[0] for line in rest[: self.header["messages"]]]
+        starts = [row.split(",", 2) for row in rows]
         #: Message ids by name.
         self.ids = {name[1:-1]: int(number[1:]) for number, name, _ in starts}
-        self._rows = {number: row[0] for number, row in zip(self.ids.values(), rows, strict=False)}
-        self._metadata = {name: row[2] for name, row in zip(self.ids, rows, strict=False)}
-        self._enums = {row[0]: row[2] for row in rows[count:]}
+        self._rows = dict(zip(self.ids.values(), rows, strict=True))
+        self._details: tuple[dict[str, str], dict[str, str]] | None = None
         self._parsed: dict[int, MessageRow] = {}
+
+    @property
+    def _metadata(self) -> dict[str, str]:
+        return self._read_details()[0]
+
+    @property
+    def _enums(self) -> dict[str, str]:
+        return self._read_details()[1]
+
+    def _read_details(self) -> tuple[dict[str, str], dict[str, str]]:
+        """Return the metadata of messages and the enums by name."""
+        if self._details is None:
+            _, *lines = self._read()
+            metadata: dict[str, str] = {}
+            enums: dict[str, str] = {}
+            for start, _, text in (line.partition("\t") for line in lines):
+                if start.startswith("["):
+                    metadata[start.split(",", 2)[1][1:-1]] = text
+                else:
+                    enums[start] = text
+            self._details = metadata, enums  # complete: other threads may read it
+        return self._details
 
     @property
     def name(self) -> str:
@@ -109,5 +137,9 @@ def official_name(name: str) -> str:
 @cache
 def load_table(name: str) -> Table:
     """Return the table of an official dialect."""
-    with open(os.path.join(_TABLES, f"{name}.jsonl"), encoding="utf-8") as file:
-        return Table(file.read().rstrip("\n").split("\n"))
+    return Table(partial(_lines, os.path.join(_TABLES, f"{name}.jsonl")))
+
+
+def _lines(path: str) -> list[str]:
+    with open(path, encoding="utf-8") as file:
+        return file.read().rstrip("\n").split("\n")

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-import ipaddress
 import socket
-from typing import Any, TypeAlias
+from typing import Any, Final, TypeAlias
 
 Address: TypeAlias = tuple[Any, ...]
+
+#: The first byte of 127.0.0.0/8, and ::1.
+_LOOPBACK_NETWORK: Final = 127
+_LOOPBACK_6: Final = bytes(15) + b"\1"
 
 
 async def resolve(
@@ -38,12 +41,25 @@ async def resolve_datagram(host: str, port: int) -> tuple[socket.AddressFamily, 
 
 def local_address(remote: Address) -> str:
     """Return the local address for a socket that sends to `remote`: loopback for loopback, else any."""
-    target = ip_of(remote)
-    if target.version == 6:
-        return "::1" if target.is_loopback else "::"
-    return "127.0.0.1" if target.is_loopback else "0.0.0.0"  # noqa: S104
+    local, any_address = ("::1", "::") if ":" in remote[0] else ("127.0.0.1", "0.0.0.0")  # noqa: S104
+    return local if is_loopback(remote[0]) else any_address
 
 
-def ip_of(address: Address) -> ipaddress.IPv4Address | ipaddress.IPv6Address:
-    """Return the IP address of a socket address, without its scope."""
-    return ipaddress.ip_address(address[0].partition("%")[0])
+def is_loopback(host: str) -> bool:
+    """Return true for an IP address that only this machine reaches; false for all other texts."""
+    try:
+        packed = packed_ip((host,))
+    except (OSError, ValueError):  # not an address
+        return False
+    return packed == _LOOPBACK_6 if len(packed) > 4 else packed[0] == _LOOPBACK_NETWORK
+
+
+def packed_ip(address: Address) -> bytes:
+    """Return the 4 or 16 bytes of the IP address of a socket address, without its scope."""
+    host = address[0].partition("%")[0]
+    return socket.inet_pton(socket.AF_INET6 if ":" in host else socket.AF_INET, host)
+
+
+def is_multicast(packed: bytes) -> bool:
+    """Return true for the bytes of a multicast group."""
+    return packed[0] == 0xFF if len(packed) > 4 else packed[0] >> 4 == 0xE

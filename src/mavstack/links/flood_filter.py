@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 
 #: Seconds between two adjustments.
 ADJUST_INTERVAL: Final = 0.1
-#: The part of datagrams that passes at first, its bounds and its growth once the queue can be emptied.
-FIRST_PART, MIN_PART, PART_GROWTH = 0.125, 1 / 8192, 1.1
+#: The part of datagrams that passes at first, its bound, its reduction while the queue cannot be emptied, and
+#: its growth once it can: in large steps down, since each costs the other senders an interval.
+FIRST_PART, MIN_PART, PART_REDUCTION, PART_GROWTH = 0.125, 1 / 8192, 0.25, 1.1
 #: Senders in the filter; a sender with fewer datagrams in an interval is never in it.
 MAX_SENDERS, MIN_DATAGRAMS = 256, 5
 
@@ -58,7 +59,7 @@ class FloodFilter:
     def adjust(self, *, overflowed: bool) -> None:
         """Adapt the filter once per interval; `overflowed`: the kernel dropped datagrams meanwhile."""
         if 2 * self._full_reads > self._reads and (self.active or overflowed):
-            self._part = max(self._part / 2, MIN_PART) if self.active else FIRST_PART
+            self._part = max(self._part * PART_REDUCTION, MIN_PART) if self.active else FIRST_PART
             self._add_senders()
             self._attach()
         elif self.active:

@@ -8,9 +8,9 @@ accepted too, and is taken for a scheme that neither listens nor is reached over
 
 from __future__ import annotations
 
+import os
 from functools import cache, lru_cache
 from importlib import import_module
-from pkgutil import iter_modules
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
@@ -29,11 +29,17 @@ ENTRY_POINTS: Final = "mavstack.links"
 @cache
 def builtin_schemes() -> Mapping[str, LinkScheme]:
     """Return the records of Mavstack by name, those of networks first."""
-    modules = [import_module(f"{schemes.__name__}.{each.name}") for each in iter_modules(schemes.__path__)]
+    modules = [import_module(f"{schemes.__name__}.{name}") for name in _module_names()]
     kinds = list(AddressKind)
     records: list[LinkScheme] = [record for module in modules for record in module.SCHEMES]
     records.sort(key=lambda record: (kinds.index(record.address), "+" in record.name))
     return MappingProxyType({record.name: record for record in records})
+
+
+def _module_names() -> list[str]:
+    """Return the modules of the package; `pkgutil` would import `inspect`, a large module, to find them."""
+    files = (os.path.splitext(file) for folder in schemes.__path__ for file in os.listdir(folder))  # noqa: PTH122, PTH208
+    return sorted({name for name, suffix in files if suffix in (".py", ".pyc")} - {"__init__"})
 
 
 @lru_cache(maxsize=64)  # a look-up of entry points takes milliseconds

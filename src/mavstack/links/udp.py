@@ -28,7 +28,7 @@ from contextlib import suppress
 from time import monotonic, time
 from typing import TYPE_CHECKING
 
-from mavstack.links.address import Address, format_address, ip_of, resolve_datagram
+from mavstack.links.address import Address, format_address, is_multicast, packed_ip, resolve_datagram
 from mavstack.links.admission import PeerAdmission
 from mavstack.links.backlog import Backlog
 from mavstack.links.base import Link
@@ -323,15 +323,15 @@ class UdpListener(UdpLink):
             self.spawn(self._close_idle())
 
     def _bind(self, sock: socket.socket, address: Address) -> None:
-        group_address = ip_of(address)
+        group = packed_ip(address)
         if sys.platform == "win32":
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)
-        if group_address.version != 4 or not group_address.is_multicast:
+        if len(group) != 4 or not is_multicast(group):
             sock.bind(address)
             return
         sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # several programs may join a group
         sock.bind(("", address[1]) if sys.platform == "win32" else address)
-        sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group_address.packed + bytes(4))
+        sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group + bytes(4))
 
     def _datagram(self, data: bytes, address: Address, now: float, count: int = 1) -> None:
         channel = self._peers.get(address) or self._admit(address, data, now)

@@ -6,7 +6,14 @@ import asyncio
 import socket
 from typing import TYPE_CHECKING
 
-from mavstack.links.address import Address, format_address, ip_of, local_address, resolve_datagram
+from mavstack.links.address import (
+    Address,
+    format_address,
+    is_multicast,
+    local_address,
+    packed_ip,
+    resolve_datagram,
+)
 from mavstack.links.os_errors import open_error
 from mavstack.links.udp import UdpLink
 from mavstack.links.udp_channel import UdpChannel
@@ -63,11 +70,11 @@ class UdpSender(UdpLink):
 
     def _is_broadcast_or_multicast(self, sock: socket.socket, address: Address) -> bool:
         """Return whether the address is a multicast group or looks like a broadcast address."""
-        target = ip_of(address)
-        if target.version == 4 and target.packed[3] == 255:
+        target = packed_ip(address)
+        if len(target) == 4 and target[3] == 255:
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
             return True
-        return target.is_multicast
+        return is_multicast(target)
 
     def _datagram(self, data: bytes, address: Address, now: float, count: int = 1) -> None:
         channel = self._channel

@@ -24,13 +24,13 @@ same group. RADIO_STATUS and SETUP_SIGNING stay on their link. A packet that com
 is dropped (`loop`), and so are copies that links of one group deliver (`duplicate`). A monitor gets a copy of
 every packet that is accepted, whatever its target.
 
-All methods are thread-safe, and only `statistics` and `close` wait for the thread of the engine: for one turn
-of it, normally less than a millisecond. Changes are made in the order of the calls. `fileno` is readable
-while events wait. Nothing grows without bound: a slow stream or queue loses its own packets, and events that
-are not taken are dropped. All of that is counted. An endpoint fills a queue at most as far as it leaves room
-for others; packets with a target and heartbeats may fill four fifths. On a slow stream the endpoints take
-turns, so that a packet waits for those of its own endpoint, and for one turn of each other. Each link is read
-64 kB at a time, so that a flood on one delays the others by some milliseconds.
+All methods are thread-safe, and only `statistics`, `synchronize` and `close` wait for the thread of the
+engine: for one turn of it, normally less than a millisecond. Changes are made in the order of the calls.
+`fileno` is readable while events wait. Nothing grows without bound: a slow stream or queue loses its own
+packets, and events that are not taken are dropped. All of that is counted. An endpoint fills a queue at most
+as far as it leaves room for others; packets with a target and heartbeats may fill four fifths. On a slow
+stream the endpoints take turns, so that a packet waits for those of its own endpoint, and for one turn of
+each other. Each link is read 64 kB at a time, so that a flood on one delays the others by some milliseconds.
 """
 
 from __future__ import annotations
@@ -39,17 +39,17 @@ from typing import TYPE_CHECKING
 
 from mavstack._core import RouterCore
 from mavstack.errors import InvalidArgumentError, InvalidStateError
-from mavstack.router.engine_statistics import RouterStatistics
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from types import TracebackType
-    from typing import Literal, Self
+    from typing import Any, Literal, Self
 
     from typing_extensions import Buffer
 
     from mavstack._core import HasCoreDialect, RuleLayout, Signing
     from mavstack.router.engine_events import RouterEvent
+    from mavstack.router.engine_statistics import RouterStatistics
     from mavstack.router.rules import Rule, RuleSet
     from mavstack.security.senders import Authority
 
@@ -341,9 +341,22 @@ class RouterEngine:
         Raises:
             InvalidStateError: The engine is closed, or ended by an internal error.
         """
+        from mavstack.router.engine_statistics import RouterStatistics
+
+        return RouterStatistics.of(self._counted(), self._names)
+
+    def synchronize(self) -> None:
+        """Wait until the engine has made all changes of the calls so far.
+
+        Raises:
+            InvalidStateError: The engine is closed, or ended by an internal error.
+        """
+        self._counted()
+
+    def _counted(self) -> dict[str, Any]:
         self._check_open()
         try:
-            return RouterStatistics.of(self._core.statistics(), self._names)
+            return self._core.statistics()
         except RuntimeError:
             raise InvalidStateError(ENDED) from None
 

@@ -303,7 +303,7 @@ class Router:
         self._endpoints[config.name] = endpoint
         self.problems.pop(config.name, None)
         self._start_timer()
-        self.engine.statistics()  # waits until the engine has the endpoint, so that the next packet finds it
+        self.engine.synchronize()  # it has the endpoint, so that the next packet finds it
 
     async def _close_endpoint(self, name: str) -> None:
         self.problems.pop(name, None)

@@ -7,8 +7,6 @@ from dataclasses import asdict, dataclass, field
 from time import time
 from typing import TYPE_CHECKING, Any
 
-from mavstack.links.registry import resolve_url
-
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
@@ -143,17 +141,15 @@ def _names(numbers: Iterable[int], owners: Mapping[int, str]) -> tuple[str, ...]
 
 
 def _endpoint(config: EndpointConfig, router: Router, statistics: RouterStatistics) -> EndpointState:
-    url = config.record.path if config.record is not None else resolve_url(config.url).redacted
     found = EndpointState(
-        config.name, url, "failed", router.problems.get(config.name, ""),
+        config.name, config.location, "failed", router.problems.get(config.name, ""),
         group=config.group, listen_only=config.listen_only, pause=config.pause,
     )  # fmt: skip
     endpoint = router.endpoints.get(config.name)
     if endpoint is None:
         return found
     found.state, found.reason = endpoint.state, endpoint.reason
-    address = getattr(endpoint, "address", None)
-    found.address = f"{address[0]}:{address[1]}" if address else ""
+    found.address = endpoint.listens_on
     found.reconnections = endpoint.reconnections
     for number, name in endpoint.numbers.items():
         counted = statistics.endpoints.get(number)

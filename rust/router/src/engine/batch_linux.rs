@@ -13,6 +13,9 @@ use std::io::{self, IoSlice, IoSliceMut};
 use std::net::{SocketAddr, SocketAddrV4, SocketAddrV6};
 use std::os::fd::AsRawFd;
 
+/// Datagrams whose memory is prepared while few come.
+const FEW: usize = 8;
+
 /// The headers of received datagrams. Those of both families differ in length, which the kernel stores in them.
 pub struct Batches {
     headers_v4: MultiHeaders<SockaddrIn>,
@@ -47,15 +50,25 @@ impl Batches {
         buffer: &mut ReceiveBuffer,
     ) -> io::Result<()> {
         buffer.received.clear();
-        if is_v6 {
-            receive(socket, &mut self.headers_v6, count, buffer, |address| SocketAddrV6::from(address).into())
-        } else {
-            receive(socket, &mut self.headers_v4, count, buffer, |address| SocketAddrV4::from(address).into())
+        match (is_v6, count <= FEW) {
+            (true, true) => receive::<_, FEW>(socket, &mut self.headers_v6, count, buffer, from_v6),
+            (true, false) => receive::<_, BATCH>(socket, &mut self.headers_v6, count, buffer, from_v6),
+            (false, true) => receive::<_, FEW>(socket, &mut self.headers_v4, count, buffer, from_v4),
+            (false, false) => receive::<_, BATCH>(socket, &mut self.headers_v4, count, buffer, from_v4),
         }
     }
 }
 
-fn receive<S: SockaddrLike + Copy>(
+fn from_v4(address: SockaddrIn) -> SocketAddr {
+    SocketAddrV4::from(address).into()
+}
+
+fn from_v6(address: SockaddrIn6) -> SocketAddr {
+    SocketAddrV6::from(address).into()
+}
+
+/// Receives at most `count` datagrams, which are not more than `N`.
+fn receive<S: SockaddrLike + Copy, const N: usize>(
     socket: &UdpSocket,
     headers: &mut MultiHeaders<S>,
     count: usize,
@@ -63,7 +76,7 @@ fn receive<S: SockaddrLike + Copy>(
     to_address: impl Fn(S) -> SocketAddr,
 ) -> io::Result<()> {
     let (mut slots, received) = buffer.parts();
-    let mut slices: [[IoSliceMut<'_>; 1]; BATCH] =
+    let mut slices: [[IoSliceMut<'_>; 1]; N] =
         std::array::from_fn(|_| [IoSliceMut::new(slots.next().unwrap_or_default())]);
     let slices = slices.iter_mut().take(count);
     let messages = recvmmsg(socket.as_raw_fd(), headers, slices, MsgFlags::MSG_DONTWAIT, None)?;

@@ -35,12 +35,14 @@ impl Worker {
     /// Takes the links that may have something to read, and what the program pushed to them.
     pub(super) fn take_ready(&mut self) -> Vec<usize> {
         self.spare.clear();
+        self.has_collected = false;
         let ready = std::mem::replace(&mut self.ready, std::mem::take(&mut self.spare));
         for &index in &ready {
             if let Some(link) = self.links.all.get_mut(index) {
                 link.is_ready = false;
                 if let Transport::Queue(queue) = &mut link.transport {
                     queue.collect();
+                    self.has_collected = true;
                 }
             }
         }
@@ -154,12 +156,12 @@ impl Worker {
     }
 
     /// Gives the peers what they may get since their packets were accepted, or answered something.
-    pub(super) fn note_progress(&mut self) {
+    pub(super) fn note_progress(&mut self, now: u64) {
         for (port, evidence) in self.router.take_progress() {
             let Some((index, address)) = self.links.peer_of(port) else {
                 continue;
             };
-            self.accept_peer(index, address, evidence == Evidence::Verified);
+            self.accept_peer(index, address, evidence == Evidence::Verified, now);
             let trusts_senders = matches!(&self.links.all[index].transport, Transport::Udp(udp) if udp.trusts_senders);
             let is_proven = match evidence {
                 Evidence::Verified => true,
@@ -174,8 +176,7 @@ impl Worker {
     }
 
     /// Makes a sender a peer, of which a packet was accepted, if there is room.
-    fn accept_peer(&mut self, index: usize, address: SocketAddr, is_verified: bool) {
-        let now = self.time().now;
+    fn accept_peer(&mut self, index: usize, address: SocketAddr, is_verified: bool, now: u64) {
         let Transport::Udp(udp) = &mut self.links.all[index].transport else {
             return;
         };

@@ -16,6 +16,7 @@ use mavstack_core::layout::Dialect;
 use mavstack_core::parser::Parser;
 use mavstack_core::signing::EPOCH;
 use mio::{Events, Poll};
+use std::cell::Cell;
 use std::collections::HashMap;
 use std::io;
 use std::sync::Arc;
@@ -26,6 +27,9 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 const MAX_EVENTS: usize = 256;
 /// Microseconds between two searches for silent peers.
 const EXPIRY_INTERVAL: u64 = 1_000_000;
+/// Microseconds between two looks at the calendar of the system: after a pause of the machine it differs from the
+/// monotonic clock.
+const CALENDAR_INTERVAL: u64 = 100_000;
 
 /// Returns the current time; never 0 microseconds, so that it differs from "never".
 pub type Clock = Box<dyn Fn() -> Time + Send>;
@@ -33,12 +37,21 @@ pub type Clock = Box<dyn Fn() -> Time + Send>;
 /// The clock of the system.
 #[must_use]
 pub fn system_clock() -> Clock {
-    let started = Instant::now();
+    let (started, calendar) = (Instant::now(), Cell::new((0, signing_time())));
     Box::new(move || {
-        let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-        let signing = since_1970.saturating_sub(Duration::from_secs(EPOCH)).as_micros() / 10;
-        Time { now: started.elapsed().as_micros() as u64 + 1, signing: signing as u64 }
+        let now = started.elapsed().as_micros() as u64 + 1;
+        let (mut at, mut signing) = calendar.get();
+        if now - at >= CALENDAR_INTERVAL {
+            (at, signing) = (now, signing_time());
+            calendar.set((at, signing));
+        }
+        Time { now, signing: signing + (now - at) / 10 }
     })
+}
+
+fn signing_time() -> u64 {
+    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    (since_1970.saturating_sub(Duration::from_secs(EPOCH)).as_micros() / 10) as u64
 }
 
 /// The state of the thread.
@@ -57,6 +70,8 @@ pub struct Worker {
     pub(super) spare: Vec<usize>,
     /// Datagrams that this turn received.
     pub(super) datagrams: usize,
+    /// This turn took bytes that the program pushed.
+    pub(super) has_collected: bool,
     moderation: Moderation,
     /// Answered when what was pushed before is routed.
     requests: Vec<SyncSender<Snapshot>>,
@@ -78,6 +93,7 @@ impl Worker {
             ready: Vec::new(),
             spare: Vec::new(),
             datagrams: 0,
+            has_collected: false,
             moderation: Moderation::default(),
             requests: Vec::new(),
             clock,
@@ -119,13 +135,14 @@ impl Worker {
             }
         }
         let (ready, requests) = (self.take_ready(), std::mem::take(&mut self.requests));
-        if !self.execute_commands() {
+        // Before bytes that the program pushed, the commands that it gave before.
+        if self.has_collected && !self.execute_commands() {
             return false;
         }
         let time = self.time(); // one look at the clocks for each turn: a vehicle's packets come one by one
         self.read_links(&ready, time);
         self.spare = ready;
-        self.note_progress();
+        self.note_progress(time.now);
         self.flush();
         self.expire_peers(time.now);
         let events = self.router.events.take();

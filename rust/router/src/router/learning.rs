@@ -1,6 +1,6 @@
 //! The router's knowledge from accepted packets: the claims of their senders, and how far their peers are proven.
 
-use super::{Evidence, Passing, Router, Senders, Time};
+use super::{Evidence, Passing, Router, Senders, Stage, Time};
 use crate::addressing::{Kind, Summary};
 use crate::event::Notice;
 use crate::ports::PortId;
@@ -35,6 +35,9 @@ impl Router {
         } else {
             Evidence::Accepted
         };
+        if evidence == Evidence::Accepted && self.ports[from].stage == Stage::Accepted {
+            return; // as before, like most packets of a sender that answers nothing
+        }
         if !self.progress.contains(&(from, evidence)) {
             self.progress.push((from, evidence));
         }

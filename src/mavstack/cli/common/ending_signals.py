@@ -10,11 +10,12 @@ import asyncio
 import signal
 import sys
 import threading
-from contextlib import suppress
+from contextlib import contextmanager
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 if TYPE_CHECKING:
-    from collections.abc import Coroutine
+    from collections.abc import Callable, Coroutine, Iterator, Mapping
 
 Result = TypeVar("Result")
 
@@ -56,16 +57,30 @@ async def _cancelled_by_signals(work: Coroutine[Any, Any, Result], received: lis
         received.append(number)
         task.cancel()
 
-    taken = _default_signals()
-    for number in taken:
-        with suppress(NotImplementedError):  # Windows has no pseudo terminals either
-            loop.add_signal_handler(number, end, number)
-    try:
+    with calling_on_signals({number: partial(end, number) for number in _default_signals()}):
         return await task
+
+
+@contextmanager
+def calling_on_signals(callbacks: Mapping[signal.Signals, Callable[[], object]]) -> Iterator[None]:
+    """Call functions in the event loop when signals come, while the block runs.
+
+    Unlike `loop.add_signal_handler` it works on Windows, and does not need `inspect`, a large module.
+    The handlers before it return at the end.
+
+    Args:
+        callbacks: The functions by signal.
+    """
+    loop = asyncio.get_running_loop()
+    previous = {
+        number: signal.signal(number, lambda *_, call=call: loop.call_soon_threadsafe(call))
+        for number, call in callbacks.items()
+    }
+    try:
+        yield
     finally:
-        for number in taken:
-            with suppress(NotImplementedError):
-                loop.remove_signal_handler(number)
+        for number, handler in previous.items():
+            signal.signal(number, handler)
 
 
 def _default_signals() -> list[signal.Signals]:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ipaddress import ip_address
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.output import echo
+from mavstack.links.address import is_loopback
 from mavstack.links.scheme_table import find_scheme
 
 if TYPE_CHECKING:
@@ -39,13 +39,8 @@ def announce_exposure(command: str, links: Iterable[HasURL]) -> None:
 
 def _is_exposed(url: LinkURL) -> bool:
     scheme = find_scheme(url.scheme)
-    return scheme is not None and scheme.is_network and scheme.listens and not _is_loopback(url.host)
+    return scheme is not None and scheme.is_network and scheme.listens and not _is_local(url.host)
 
 
-def _is_loopback(host: str) -> bool:
-    if host == "localhost":
-        return True
-    try:
-        return ip_address(host).is_loopback
-    except ValueError:
-        return False
+def _is_local(host: str) -> bool:
+    return host == "localhost" or is_loopback(host)

@@ -5,22 +5,22 @@ from __future__ import annotations
 import asyncio
 import signal
 import sys
-from contextlib import AsyncExitStack, contextmanager
+from contextlib import AsyncExitStack, suppress
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
+from mavstack.cli.common.ending_signals import calling_on_signals
 from mavstack.cli.common.exposure import announce_exposure
 from mavstack.cli.common.output import echo, echo_json
 from mavstack.links.registry import resolve_url
-from mavstack.router.reloading import ConfigFile
 from mavstack.router.router import Router
-from mavstack.router.snapshot import snapshot_values, take_snapshot
 
 if TYPE_CHECKING:
     from argparse import Namespace
-    from collections.abc import Awaitable, Callable, Coroutine, Iterator
+    from collections.abc import Awaitable, Callable, Coroutine
 
     from mavstack.links.url import LinkURL
     from mavstack.router.config import RouterConfig
+    from mavstack.router.reloading import ConfigFile
 
 
 class _Opened(NamedTuple):
@@ -50,19 +50,28 @@ async def run_router(
         tasks = _Tasks(end)
         stack.push_async_callback(tasks.cancel)
         tasks.start(router.serve_forever())
-        file = ConfigFile(path, router, load) if path else None
+        file = _watched(path, router, load) if path else None
         if config.control:
             await _serve_control(stack, router, file)
         if file is not None and config.watch:
             tasks.start(file.watch())
         announce_exposure("route", [_Opened(resolve_url(each.url)) for each in config.endpoints if each.url])
         reload = file.try_to_reload if file is not None else None
-        with _signals(end, reload, tasks):  # before anything is printed: who reads it may end the router
+        with calling_on_signals(
+            _callbacks(end, reload, tasks)
+        ):  # before anything is printed: who reads it may end the router
             _show(router, arguments, tasks, stack)
-            await end.wait()
+            with suppress(asyncio.CancelledError):  # Ctrl-C: asyncio cancels the main task
+                await end.wait()
         if tasks.error is not None:
             raise tasks.error
     return 0
+
+
+def _watched(path: str, router: Router, load: Callable[[str], RouterConfig]) -> ConfigFile:
+    from mavstack.router.reloading import ConfigFile
+
+    return ConfigFile(path, router, load)
 
 
 async def _serve_control(stack: AsyncExitStack, router: Router, file: ConfigFile | None) -> None:
@@ -117,40 +126,28 @@ def _show(router: Router, arguments: Namespace, tasks: _Tasks, stack: AsyncExitS
         display = stack.enter_context(RouterDisplay(router))
         tasks.start(display.run())
     else:
-        for endpoint in take_snapshot(router).endpoints:
-            address = f" on {endpoint.address}" if endpoint.address else ""
-            echo(f"{endpoint.name}: {endpoint.state}{address} ({endpoint.url})")
+        for each in router.config.endpoints:
+            endpoint = router.endpoints.get(each.name)
+            address = f" on {endpoint.listens_on}" if endpoint and endpoint.listens_on else ""
+            echo(f"{each.name}: {endpoint.state if endpoint else 'failed'}{address} ({each.location})")
 
 
 async def _print_json(router: Router) -> None:
+    from mavstack.router.snapshot import snapshot_values, take_snapshot
+
     while True:
         echo_json(snapshot_values(take_snapshot(router)))
         await asyncio.sleep(JSON_INTERVAL)
 
 
-@contextmanager
-def _signals(
+def _callbacks(
     end: asyncio.Event, reload: Callable[[], Awaitable[None]] | None, tasks: _Tasks
-) -> Iterator[None]:
-    """Set `end` on SIGINT and SIGTERM, and reload on SIGHUP, while the block runs."""
-    loop = asyncio.get_running_loop()
-    previous = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        for number in previous:
-            loop.add_signal_handler(number, end.set)
-        if reload is not None:
-            loop.add_signal_handler(signal.SIGHUP, lambda: tasks.start(_call(reload)))
-    except NotImplementedError:  # Windows: Ctrl-C raises KeyboardInterrupt
-        yield
-        return
-    try:
-        yield
-    finally:
-        for number, handler in previous.items():
-            loop.remove_signal_handler(number)
-            signal.signal(number, handler)
-        if reload is not None:
-            loop.remove_signal_handler(signal.SIGHUP)
+) -> dict[signal.Signals, Callable[[], object]]:
+    """Return the callbacks of SIGTERM, which ends the router, and SIGHUP, which loads its file again."""
+    callbacks: dict[signal.Signals, Callable[[], object]] = {signal.SIGTERM: end.set}
+    if reload is not None and hasattr(signal, "SIGHUP"):
+        callbacks[signal.SIGHUP] = lambda: tasks.start(_call(reload))
+    return callbacks
 
 
 async def _call(work: Callable[[], Awaitable[None]]) -> None:

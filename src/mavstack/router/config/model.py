@@ -96,6 +96,11 @@ class EndpointConfig:
     signing: SigningConfig | None = None
 
     @property
+    def location(self) -> str:
+        """The URL without secrets, or the path of a recording."""
+        return self.record.path if self.record is not None else resolve_url(self.url).redacted
+
+    @property
     def keys(self) -> SigningConfig | None:
         """The keys, also those of `signing_key` in the URL; None: signatures pass unchanged."""
         key = resolve_url(self.url).options.get("signing_key", "") if self.url else ""

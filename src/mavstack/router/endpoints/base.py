@@ -50,6 +50,12 @@ class Endpoint(ABC):
         return self._numbers
 
     @property
+    def listens_on(self) -> str:
+        """Host and port on which it listens, as text; empty: it does not listen on a port."""
+        address = getattr(self, "address", None)
+        return f"{address[0]}:{address[1]}" if address else ""
+
+    @property
     def dropped(self) -> Mapping[int, int]:
         """Packets lost by slow clients outside the engine, by the engine's number."""
         return {}

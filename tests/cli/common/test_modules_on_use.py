@@ -7,8 +7,8 @@ import sys
 
 PROGRAM = """
 import sys
-from mavstack.cli.common.tls_on_use import load_tls_on_use
-load_tls_on_use()
+from mavstack.cli.common.modules_on_use import load_modules_on_use
+load_modules_on_use()
 import asyncio
 print("_ssl" in sys.modules)
 {use}

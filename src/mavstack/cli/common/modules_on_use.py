@@ -1,8 +1,10 @@
-"""`ssl` on first use: asyncio imports it with OpenSSL, which costs a program without TLS five megabytes.
+"""Large modules on first use: those that asyncio, dataclasses and urllib import, and few programs call.
 
-A module of a subclass with `__getattr__` stands in until one of its attributes is read. `asyncio.sslproto`
-reads some of `ssl` while it is imported, so it is loaded on first use too. `importlib.util.LazyLoader` is not
-lazy enough: the second import of its module reads `__spec__`, and thereby loads it.
+`ssl` costs a program without TLS five megabytes, `inspect` and the modules that it imports one, `ipaddress` a
+third. A module of a subclass with `__getattr__` stands in until one of its attributes is read.
+`asyncio.sslproto` reads some of `ssl` while it is imported, so it is loaded on first use too.
+`importlib.util.LazyLoader` is not lazy enough: the second import of its module reads `__spec__`, and thereby
+loads it.
 """
 
 from __future__ import annotations
@@ -12,6 +14,8 @@ import threading
 from importlib.machinery import PathFinder
 from importlib.util import find_spec, module_from_spec
 from types import ModuleType
+
+_MODULES = ("ssl", "inspect", "ipaddress", "locale")
 
 
 class _OnUse(ModuleType):
@@ -27,15 +31,16 @@ class _OnUse(ModuleType):
         return getattr(self, name)
 
 
-def load_tls_on_use() -> None:
-    """Let `ssl` and the TLS of asyncio be loaded when they are used; call it before asyncio is imported.
+def load_modules_on_use() -> None:
+    """Let large modules be loaded when they are used; call it before asyncio is imported.
 
     A program that has imported asyncio already is left as it is.
     """
     package = find_spec("asyncio")
     if "asyncio" in sys.modules or package is None:
         return
-    _load_on_use("ssl")
+    for name in _MODULES:
+        _load_on_use(name)
     _load_on_use("asyncio.sslproto", package.submodule_search_locations)
 
 
