@@ -2,7 +2,7 @@
 
 The packets are forwarded by the native engine (`engine.py`); everything here decides: which endpoints there
 are, which filters they have, what is recorded and told. The classes of statistics are imported when they are
-used: a router that nobody looks at needs less memory.
+used: a router without a control API needs less memory.
 """
 
 from __future__ import annotations

@@ -35,14 +35,12 @@ impl Worker {
     /// Takes the links that may have something to read, and what the program pushed to them.
     pub(super) fn take_ready(&mut self) -> Vec<usize> {
         self.spare.clear();
-        self.has_collected = false;
         let ready = std::mem::replace(&mut self.ready, std::mem::take(&mut self.spare));
         for &index in &ready {
             if let Some(link) = self.links.all.get_mut(index) {
                 link.is_ready = false;
                 if let Transport::Queue(queue) = &mut link.transport {
                     queue.collect();
-                    self.has_collected = true;
                 }
             }
         }

@@ -70,8 +70,6 @@ pub struct Worker {
     pub(super) spare: Vec<usize>,
     /// Datagrams that this turn received.
     pub(super) datagrams: usize,
-    /// This turn took bytes that the program pushed.
-    pub(super) has_collected: bool,
     moderation: Moderation,
     /// Answered when what was pushed before is routed.
     requests: Vec<SyncSender<Snapshot>>,
@@ -93,7 +91,6 @@ impl Worker {
             ready: Vec::new(),
             spare: Vec::new(),
             datagrams: 0,
-            has_collected: false,
             moderation: Moderation::default(),
             requests: Vec::new(),
             clock,
@@ -135,8 +132,8 @@ impl Worker {
             }
         }
         let (ready, requests) = (self.take_ready(), std::mem::take(&mut self.requests));
-        // Before bytes that the program pushed, the commands that it gave before.
-        if self.has_collected && !self.execute_commands() {
+        // Immediately before reading: a packet that came after a command finds its effect.
+        if !self.execute_commands() {
             return false;
         }
         let time = self.time(); // one look at the clocks for each turn: a vehicle's packets come one by one
