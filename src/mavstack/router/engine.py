@@ -346,11 +346,7 @@ class RouterEngine:
         return RouterStatistics.of(self._counted(), self._names)
 
     def synchronize(self) -> None:
-        """Wait until the engine has made all changes of the calls so far.
-
-        Raises:
-            InvalidStateError: The engine is closed, or ended by an internal error.
-        """
+        """Wait until all changes of the calls so far are made; raises as `statistics`."""
         self._counted()
 
     def _counted(self) -> dict[str, Any]:
