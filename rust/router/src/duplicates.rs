@@ -4,7 +4,7 @@
 //! the same bytes as a packet that came from another port shortly before. The same bytes from the same port are no copy:
 //! sequence numbers repeat after 256 packets, so equal messages may be equal packets.
 //!
-//! The table grows while packets of the window displace each other, up to a fixed size. Its hash has a random key, so that
+//! The table grows before a packet of the window displaces another one, up to a fixed size. Its hash has a random key, so that
 //! no sender can make packets that do.
 
 use std::hash::{BuildHasher, RandomState};
@@ -14,8 +14,6 @@ const WAYS: usize = 4;
 /// Number of sets: one page at first, one megabyte with 65,536 entries at most.
 const MIN_SETS: usize = 1 << 6;
 const MAX_SETS: usize = 1 << 14;
-/// Packets of a window that may be displaced before the table grows.
-const MAX_DISPLACED: u32 = 3;
 /// The bits of the hash that may choose the set; the other 50 of an entry are enough for the microseconds of 35 years.
 const SET_BITS: u32 = MAX_SETS.trailing_zeros();
 
@@ -57,14 +55,11 @@ pub struct Duplicates {
     sets: Vec<Set>,
     /// Time of the first packet, from which the times of the entries count.
     started: Option<u64>,
-    /// Packets of the window that were displaced since it began.
-    displaced: u32,
-    counted_until: u64,
 }
 
 impl Default for Duplicates {
     fn default() -> Self {
-        Self { hasher: RandomState::new(), sets: Vec::new(), started: None, displaced: 0, counted_until: 0 }
+        Self { hasher: RandomState::new(), sets: Vec::new(), started: None }
     }
 }
 
@@ -100,28 +95,16 @@ impl Duplicates {
         &mut self.sets[index].0
     }
 
-    /// Replaces the oldest entry that the new one displaces; a table that is too small for the window grows first.
+    /// Replaces the oldest entry; a table in which that one is still needed grows first.
     fn insert(&mut self, new: Entry, window: u64, now: u64) {
         while self.sets.len() < MAX_SETS && self.set_mut(new.at_and_set).iter().all(|entry| entry.is_alive(window, now))
         {
-            if self.tolerates_displacement(window, now) {
-                break;
-            }
             self.grow();
         }
         let age = |entry: &&mut Entry| (entry.port != 0, entry.at());
         if let Some(oldest) = self.set_mut(new.at_and_set).iter_mut().min_by_key(age) {
             *oldest = new;
         }
-    }
-
-    /// Returns whether a packet of the window may be displaced: chance fills a set of any table sometimes.
-    fn tolerates_displacement(&mut self, window: u64, now: u64) -> bool {
-        if now >= self.counted_until {
-            (self.counted_until, self.displaced) = (now + window, 0);
-        }
-        self.displaced += 1;
-        self.displaced <= MAX_DISPLACED
     }
 
     /// Doubles the number of sets.
@@ -178,14 +161,15 @@ mod tests {
         let mut duplicates = Duplicates::default();
         let mut record = |from: u32, until: u32| {
             let known = (from..until)
-                .filter(|number| duplicates.record(&number.to_le_bytes(), 1, 1000, u64::from(*number)).is_some());
+                .filter(|number| duplicates.record(&number.to_le_bytes(), 1, 100, u64::from(*number)).is_some());
             (known.count(), duplicates.sets.len())
         };
-        assert_eq!(record(0, 16).1, MIN_SETS);
-        assert!(record(16, 100_000).1 <= 1 << 12, "a thousand packets are in the window");
+        assert_eq!(record(0, 4), (0, MIN_SETS));
+        let (known, sets) = record(4, 2_000);
+        assert!(known == 0 && sets <= 1 << 12, "{sets} sets for a hundred packets");
         let latest =
-            (99_500..100_000u32).filter(|number| duplicates.record(&number.to_le_bytes(), 2, 1000, 100_000).is_some());
-        assert!(latest.count() >= 498, "the table keeps its packets when it grows");
+            (1_900..2_000u32).filter(|number| duplicates.record(&number.to_le_bytes(), 2, 100, 2_000).is_some());
+        assert_eq!(latest.count(), 100, "a table that grows keeps its packets");
     }
 
     #[test]
