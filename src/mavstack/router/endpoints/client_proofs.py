@@ -21,6 +21,8 @@ LOOK_INTERVAL: Final = 0.25
 
 @dataclass(slots=True)
 class _Client:
+    """A client, and when it was heard last."""
+
     host: str
     used_at: float
     received: int = 0

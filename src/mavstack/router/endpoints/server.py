@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from contextlib import suppress
 from itertools import count
 from time import monotonic
 from typing import TYPE_CHECKING, Final
@@ -88,10 +89,9 @@ class ServerEndpoint(Endpoint):
         await self._link.close()
 
     async def _accept(self, sock: socket.socket) -> None:
-        loop = asyncio.get_running_loop()
         while True:
             try:
-                client, address = await loop.sock_accept(sock)
+                client, address = await _accepted(sock)
             except OSError as error:  # such as too many open files, or a client that left already
                 _log.warning("endpoint %s: accepting a client failed: %s", self.config.name, error)
                 await asyncio.sleep(ACCEPT_PAUSE)
@@ -144,3 +144,19 @@ class ServerEndpoint(Endpoint):
 def _peer_of(address: object) -> Peer | None:
     """Return the peer at an IP address; None for a path."""
     return Peer(*address[:2]) if isinstance(address, tuple) else None
+
+
+async def _accepted(sock: socket.socket) -> tuple[socket.socket, object]:
+    """Return the next client and its address, without `sock_accept` of the loop, which loads OpenSSL."""
+    loop = asyncio.get_running_loop()
+    while True:
+        with suppress(BlockingIOError, InterruptedError):
+            client, address = sock.accept()
+            client.setblocking(False)
+            return client, address
+        readable = asyncio.Event()
+        loop.add_reader(sock, readable.set)
+        try:
+            await readable.wait()
+        finally:
+            loop.remove_reader(sock)
