@@ -15,7 +15,7 @@ from mavstack.dialects.enums import marked_values
 
 UNKNOWN = 0x7FFFFFFF
 INT32_MIN = -0x80000000
-#: Values from here on round to infinity as a float32.
+#: The smallest value that rounds to infinity as a float32.
 FLOAT32_OVERFLOW = (2 - 2**-24) * 2.0**127
 
 GLOBAL_FRAMES = frozenset(

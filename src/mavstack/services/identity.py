@@ -13,7 +13,7 @@ from mavstack.dialects import common
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-#: The parameter of the system id by MAV_AUTOPILOT: the present name first, then earlier ones.
+#: The parameter that holds the system id, by MAV_AUTOPILOT: the present name first, then earlier names.
 SYSTEM_ID_PARAMETERS: Final[Mapping[int, tuple[str, ...]]] = MappingProxyType(
     {
         int(common.MavAutopilot.ARDUPILOTMEGA): ("MAV_SYSID", "SYSID_THISMAV"),
@@ -32,5 +32,5 @@ IDENTITY_PARAMETERS: Final[Mapping[int, tuple[str, ...]]] = MappingProxyType(
         int(common.MavAutopilot.PX4): ("MAV_SYS_ID", "MAV_COMP_ID", "UAVCAN_NODE_ID"),
     }
 )
-#: The patterns of all firmwares.
+#: The patterns of all firmwares together.
 ALL_IDENTITY_PARAMETERS: Final = tuple(name for names in IDENTITY_PARAMETERS.values() for name in names)

@@ -10,7 +10,7 @@ from mavstack.services.arguments import check_number
 from mavstack.services.command import Command
 
 _CMD, _ZOOM, _FOCUS = common.MavCmd, common.CameraZoomType, common.SetFocusType
-#: All storages, or all streams.
+#: The id that means all storages or all streams.
 ALL = 0
 #: The range of values of each type of zoom and focus.
 _LIMITS: dict[int, tuple[float, float]] = {

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from mavstack.services.camera.device import CameraDevice
     from mavstack.services.camera.media import CapturedImage, VideoStream
 
-#: Seconds for which the number of a request for a single image identifies it; programs count from 1 again.
+#: Seconds in which a single-image request with the same number is a repetition; later the client may count
+#: from 1 again.
 REPETITION_WINDOW = 5.0
 
 _CAPS = common.CameraCapFlags
@@ -28,7 +29,8 @@ class ManagedCamera:
     def __init__(self, device: CameraDevice, on_image: Callable[[CapturedImage, float], None]) -> None:
         self.device = device
         self.sequence = CaptureSequence(device, on_image)
-        #: The sender, the number and the time of the last request for a single image: it is taken once.
+        #: The sender, number and time of the last single-image request, so that a repetition takes no second
+        #: image.
         self._last_request: tuple[Address, float, float] | None = None
         self._running = {stream.id: stream.running for stream in device.streams}
         self._status_interval: float | None = None

@@ -27,12 +27,14 @@ if TYPE_CHECKING:
 #: An autopilot has at most this many attached cameras (guide: camera protocol).
 MAX_CAMERAS = 7
 MAX_STREAMS = MAX_STORAGES = 32
-#: Missing images that are requested; older ones of a longer gap are given up.
+#: The largest number of missing images that are requested; the oldest images of a longer gap are not
+#: requested.
 MAX_MISSING = 200
-#: Requests of missing images that run at the same time, and seconds for each of them.
+#: The largest number of concurrent requests for missing images.
 MAX_REQUESTS = 4
+#: Timeout of a request for a missing image, in seconds.
 REQUEST_TIMEOUT = 20.0
-#: Maximum number of a request: it is sent as a 32-bit float, which holds integers up to twice this number.
+#: The largest request number: it is sent as a float32, which holds integers exactly up to twice this number.
 MAX_REQUEST = 8_000_000
 
 
@@ -189,7 +191,8 @@ class CameraMonitor(Service):
         if index >= 0 and not self._is_new(camera, index, at):
             return
         camera.newest_image_at = max(camera.newest_image_at, at)
-        self.emit(ImageCaptured(self.target, image))  # a negative index: the camera does not number images
+        # an image with a negative index is always new: the camera does not number its images
+        self.emit(ImageCaptured(self.target, image))
         self._request_missing(camera, now)
 
     def _is_new(self, camera: CameraReports, index: int, at: int) -> bool:

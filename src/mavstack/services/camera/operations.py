@@ -30,11 +30,13 @@ if TYPE_CHECKING:
 
     from mavstack.wire import Packet
 
-#: Seconds to wait for CAMERA_IMAGE_CAPTURED before the camera is asked, and for how many rounds.
+#: Seconds to wait for CAMERA_IMAGE_CAPTURED before the message is requested from the camera.
 IMAGE_TIMEOUT = 3.0
+#: The number of these waits after which the operation fails.
 MAX_IMAGE_ROUNDS = 10
-#: Seconds between two requests of CAMERA_SETTINGS, and their number, until the camera is in the mode.
+#: Seconds between two requests of CAMERA_SETTINGS, which show whether the camera has changed its mode.
 MODE_INTERVAL = 0.5
+#: The largest number of these requests.
 MAX_MODE_ROUNDS = 12
 STATUS_TIMEOUT = 10.0
 
@@ -172,7 +174,7 @@ class TakePhoto(Procedure[CapturedImage]):
                 timeout=STATUS_TIMEOUT,
             )
         except (CommandDenied, CommandTimeout, MessageTimeout):
-            return  # `receive` reads the message if it arrives
+            return  # the message may still arrive, and `receive` reads it then
 
     def _checked(self, image: CapturedImage) -> CapturedImage:
         if not image.success:

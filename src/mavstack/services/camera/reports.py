@@ -21,7 +21,7 @@ OWN_COMPONENT = 0
 MAX_ATTACHED_DEVICE = 6
 
 _CAPS = common.CameraCapFlags
-#: Pictures and video in modes, basic zoom and focus.
+#: The camera has modes for images and video, basic zoom and basic focus.
 DEFAULT_CAPABILITIES = (
     _CAPS.CAPTURE_IMAGE | _CAPS.CAPTURE_VIDEO | _CAPS.HAS_MODES | _CAPS.HAS_BASIC_ZOOM | _CAPS.HAS_BASIC_FOCUS
 )

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mavstack.services.camera.media import CapturedImage
 
 MAX_LOG = 4096
-#: The shortest interval of a series, seconds.
+#: The shortest interval between two images of a series, in seconds.
 MIN_INTERVAL = 0.05
 
 _CAPS, _MODE = common.CameraCapFlags, common.CameraMode

@@ -61,7 +61,8 @@ class CameraServer(Service):
         InvalidArgumentError: There is no camera, two have one device id, or an id is above 6.
     """
 
-    #: The command server answers the commands; after them the messages and events of this service are due.
+    #: The command server executes these commands. Their ids are listed here so that the messages and events
+    #: of this service are sent afterwards.
     handles = message_ids(common.CommandLong, common.CommandInt)
 
     def __init__(

@@ -15,8 +15,9 @@ REMOTE: Final = 1 << 30
 ERROR: Final = 1 << 29
 MAX_ID: Final = (1 << 29) - 1
 MAX_STANDARD_ID: Final = (1 << 11) - 1
-#: Bytes of data of a frame, and of one of CAN FD.
+#: The largest number of data bytes in a classic CAN frame.
 MAX_DATA: Final = 8
+#: The largest number of data bytes in a CAN FD frame.
 MAX_FD_DATA: Final = 64
 
 
@@ -88,5 +89,5 @@ def from_message(message: common.CanFrame | common.CanfdFrame) -> CanFrame:
 def dronecan_type(number: int) -> int:
     """Return the data type of a DroneCAN frame from its identifier, as ArduPilot's filter does."""
     if not number & 0xFF:
-        return 0  # anonymous
+        return 0  # a frame of an anonymous node
     return number >> 16 & 0xFF if number & 0x80 else number >> 8 & 0xFFFF

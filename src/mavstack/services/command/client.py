@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 ATTEMPTS = 8
 #: Seconds without a message after which a command in progress fails.
 PROGRESS_TIMEOUT = 30.0
-#: Commands that a vehicle may execute before it answers, and the seconds after which they are sent again.
+#: Commands that a vehicle may execute before it answers them.
 SLOW_COMMANDS = frozenset(
     {
         common.MavCmd.PREFLIGHT_CALIBRATION,
@@ -44,6 +44,7 @@ SLOW_COMMANDS = frozenset(
         common.MavCmd.PREFLIGHT_REBOOT_SHUTDOWN,
     }
 )
+#: Seconds after which such a command is sent again.
 SLOW_TIMEOUT = 5.0
 #: `progress` of an acknowledgement without progress.
 PROGRESS_UNKNOWN = 255

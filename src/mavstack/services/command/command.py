@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from mavstack.services.addressing import Address
 
-#: The frame of a location without a frame: most vehicles read COMMAND_LONG this way.
+#: The frame of a location for which no frame is given: most vehicles read COMMAND_LONG in this frame.
 DEFAULT_FRAME = common.MavFrame.GLOBAL_RELATIVE_ALT
 
 PARAMETERS = 7
@@ -59,7 +59,8 @@ class Command:
         if len(params) > PARAMETERS:
             raise InvalidArgumentError(f"a command has {PARAMETERS} parameters, got {len(params)}")
         one, two, three, four, five, six, seven = (*params, *(0.0,) * (PARAMETERS - len(params)))
-        number = command if isinstance(command, MavEnum) else int(command)  # a member has a name for errors
+        # error texts show the name of an enum member
+        number = command if isinstance(command, MavEnum) else int(command)
         return cls(number, one, two, three, four, five, six, seven, frame=frame)
 
     @property

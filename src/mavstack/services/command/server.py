@@ -33,7 +33,8 @@ AUTOPILOT = common.MavComponent.AUTOPILOT1
 #: Seconds for which a repetition is recognised.
 REPETITION_WINDOW = 30.0
 MAX_ANSWERED = 256
-#: Latest answers kept for each source and command: a late copy of an older request is not executed either.
+#: The number of answers kept for each source and command, so that a late copy of an older request is not
+#: executed again.
 MAX_ANSWERS_OF_COMMAND = 4
 #: Seconds between two IN_PROGRESS if the program reports no progress.
 PROGRESS_INTERVAL = 2.0
@@ -94,8 +95,8 @@ class CommandCancelRequested(Event):
     request: CommandRequest
 
 
-#: The handler of a command: returns its MAV_RESULT, a pair of that and `result_param2`, or None for a long
-#: one.
+#: The handler of a command: returns its MAV_RESULT, a pair of MAV_RESULT and `result_param2`, or None for a
+#: long command.
 Handler: TypeAlias = Callable[[CommandRequest], "common.MavResult | tuple[common.MavResult, int] | None"]
 _Answer: TypeAlias = "tuple[CommandRequest, common.CommandAck]"
 

@@ -15,9 +15,9 @@ from mavstack.services.ftp import file_crc32
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: The largest file as served, and the largest content after decompression, in bytes. The largest published
-#: files have 2.5 MB, and 300 kB compressed.
+#: The largest file as it is served, in bytes; the largest published file has 300 kB.
 MAX_FILE: Final = 8 << 20
+#: The largest content after decompression, in bytes; the largest published content has 2.5 MB.
 MAX_CONTENT: Final = 32 << 20
 #: Bytes that the decompressor of xz may use for its dictionary; the largest preset needs 65 MB.
 _MAX_XZ_MEMORY: Final = 80 << 20

@@ -8,7 +8,7 @@ from typing import Any, Final
 from mavstack.errors import MetadataError
 from mavstack.services.component_metadata.json_document import parse_json
 
-#: The number of files that a general file may name; six types are defined.
+#: The largest number of files that a general file may name; MAVLink defines six types.
 MAX_TYPES: Final = 64
 _MAX_CRC: Final = 0xFFFFFFFF
 

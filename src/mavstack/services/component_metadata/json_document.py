@@ -8,8 +8,9 @@ from typing import Any, Final
 from mavstack.errors import MetadataError
 from mavstack.services.component_metadata.contents import MAX_CONTENT
 
-#: Bounds on the objects and arrays, and on all values: a value in memory takes up to a hundred times its
-#: text. The largest published files have 30,000 and 150,000.
+#: The largest numbers of objects and arrays, and of all values, in a document: a parsed value needs up to a
+#: hundred times the memory of its text. The largest published files have 30,000 objects and arrays, and
+#: 150,000 values.
 MAX_CONTAINERS: Final = 300_000
 MAX_VALUES: Final = 2_000_000
 
@@ -39,7 +40,7 @@ def parse_json(data: bytes) -> dict[str, Any]:
         raise MetadataError(f"not JSON: {error.msg}", line=error.lineno) from None
     except UnicodeDecodeError:
         raise MetadataError("not UTF-8 text") from None
-    except ValueError:  # a number of thousands of digits
+    except ValueError:  # a number with thousands of digits
         raise MetadataError("the JSON holds a number that is too long") from None
     if not isinstance(found, dict):
         raise MetadataError("the root of the JSON is not an object")

@@ -71,6 +71,7 @@ def provide_component_metadata(
 
 
 def _compressed(content: bytes) -> bytes:
-    import lzma  # takes some milliseconds, which vehicles without such files save
+    # imported here, because the import takes some milliseconds and not all vehicles have such files
+    import lzma
 
     return lzma.compress(content, preset=_PRESET)

@@ -51,9 +51,9 @@ _PART = re.compile(
     r"|\{(?P<index>\d+)(?::(?:\.(?P<decimals>\d+))?)?(?P<unit>m_v|m/s|m\^2|m|C)?\}",
     re.DOTALL,
 )
-#: Characters of a text; the rest is left out.
+#: The largest number of characters of a text; the rest is cut off.
 _MAX_TEXT: Final = 4000
-#: The profile of users who are not developers.
+#: The profile whose texts are shown: texts for users who are not developers.
 _PROFILE: Final = "normal"
 
 

@@ -30,9 +30,11 @@ MAX_MISSING: Final = 64
 MAX_REQUESTS: Final = 8
 #: Seconds until the first repetition of a request, as the guide recommends.
 REQUEST_TIMEOUT: Final = 0.1
-#: Seconds between two older CURRENT_EVENT_SEQUENCE that count as a reboot: more than any reordering.
+#: If CURRENT_EVENT_SEQUENCE reports an older number twice, with these seconds in between, the sender has
+#: rebooted: reordered messages are closer together.
 _REBOOT_DELAY: Final = 1.0
-#: Milliseconds by which a newer event has an older time if the sender rebooted between the two.
+#: A newer event whose time is older by this many milliseconds shows that the sender rebooted between the two
+#: events.
 _REBOOT_MARGIN_MS: Final = 10_000
 
 
@@ -82,12 +84,12 @@ class EventReceiver(Service):
     def __init__(self, local: Address, source: Address) -> None:
         super().__init__(local)
         self.source_filter = self._source = source
-        #: The number up to which all events were emitted or lost; None before the first packet.
+        #: The number of the event up to which all events were emitted or lost; None before the first packet.
         self._done: int | None = None
         self._newest = 0
-        #: The newest event, and the time of its reception; None before it.
+        #: The newest event, and the time of its reception; None before the first event.
         self._newest_event: tuple[common.Event, float] | None = None
-        #: The received events behind a gap, with the times of their reception.
+        #: The received events that follow a missing one, with the times of their reception.
         self._waiting: dict[int, tuple[common.Event, float]] = {}
         self._gone: set[int] = set()
         self._after_reset = False

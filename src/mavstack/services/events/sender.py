@@ -29,10 +29,11 @@ if TYPE_CHECKING:
 SEQUENCE_INTERVAL: Final = 3.0
 DEFAULT_CAPACITY: Final = 20
 MAX_ARGUMENTS: Final = 40
-#: The number before the first event: it wraps soon, so that receivers which cannot wrap are noticed.
+#: The number before the first event: numbers wrap to 0 soon, so that receivers that cannot handle this are
+#: noticed.
 _INITIAL: Final = NUMBERS - 11
 _MAX_TIME_MS: Final = 0xFFFFFFFF
-#: Answers that may wait, in multiples of the capacity.
+#: The largest number of waiting answers, as a multiple of the capacity.
 _MAX_WAITING: Final = 4
 
 

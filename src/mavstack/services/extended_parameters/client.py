@@ -64,7 +64,7 @@ class ExtendedParameterClient(Client):
             raise InvalidArgumentError(f"the target of parameters must be one component, got {target}")
         super().__init__(local, target)
         self.round_trip = RoundTrip(initial=1.0, minimum=0.05, maximum=2.0)
-        #: The parameter in the packet that is being received, for the operations.
+        #: The parameter of the packet that is being received; the operations read it.
         self.received: ReceivedExtendedParameter | None = None
         self._parameters: dict[str, ExtendedParameter] = {}
         self._reorder_filter = ReorderFilter()
@@ -82,7 +82,7 @@ class ExtendedParameterClient(Client):
 
     def clear_cache(self, now: float) -> None:
         """Discard all parameters, because the component rebooted; a running download restarts."""
-        self._parameters, self._complete = {}, False  # callers keep the old mapping
+        self._parameters, self._complete = {}, False  # a new mapping, because callers may hold the old one
         for operation in self._running:
             if isinstance(operation, DownloadExtendedParameters):
                 operation.restart_download(now)

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 MAX_LISTS = 32
 MAX_READS = 256
 MAX_ENDED = 256
-#: Seconds for which a repetition of an ended long change is recognised.
+#: Seconds after the end of a long change for which a repeated request is recognised.
 REPETITION_WINDOW = 5.0
 BURST = 16
 BURST_INTERVAL = 0.004
@@ -73,7 +73,7 @@ class ExtendedSetStarted(Event):
     request: ExtendedSetRequest
 
 
-#: The handler of a new value: returns its PARAM_ACK, or None for a long change.
+#: The handler of a new value: returns its PARAM_ACK, or None for a change that takes longer.
 Handler: TypeAlias = Callable[[ExtendedSetRequest], "common.ParamAck | None"]
 
 
@@ -189,7 +189,7 @@ class ExtendedParameterServer(Service):
     def _next_of_list(self, client: Address) -> common.ParamExtValue:
         entry = self._lists.pop(client)
         if entry + 1 < len(self._parameters):
-            self._lists[client] = entry + 1  # behind the other clients
+            self._lists[client] = entry + 1  # this client waits behind the other clients
         return self._value_message(self._order[entry])
 
     def _read_requested(self, client: Address, name: str, index: int) -> None:

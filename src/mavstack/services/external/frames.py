@@ -49,7 +49,7 @@ class Frame(StrEnum):
         return self in (Frame.NED, Frame.ENU)
 
 
-#: The axis and the sign of each axis of MAVLink in a frame.
+#: For each frame: the axis and the sign that belong to each of the three axes of MAVLink.
 _AXES: Final[Mapping[Frame, tuple[tuple[int, float], ...]]] = MappingProxyType(
     {
         Frame.NED: ((0, 1.0), (1, 1.0), (2, 1.0)),
@@ -59,7 +59,7 @@ _AXES: Final[Mapping[Frame, tuple[tuple[int, float], ...]]] = MappingProxyType(
         Frame.RDF: ((2, 1.0), (0, 1.0), (1, 1.0)),
     }
 )
-#: The same changes of axes as rotations.
+#: The same conversions as quaternions.
 _ROTATIONS: Final[Mapping[Frame, Quaternion]] = MappingProxyType(
     {
         Frame.NED: (1.0, 0.0, 0.0, 0.0),

@@ -22,7 +22,7 @@ class StreamMonitor:
         self.parts: frozenset[str] = frozenset()
         #: The quality of the last estimate in percent.
         self.quality = 0
-        #: Estimates sent.
+        #: The number of estimates sent.
         self.sent = 0
 
     def add(self, measured_at: float, now: float, estimate: PoseEstimate) -> None:

@@ -21,15 +21,17 @@ if TYPE_CHECKING:
     from mavstack.services.ftp.payload import FtpPayload
 
 MAX_BURSTS = 8
-#: Seconds added to the timeout of a burst request: a repeated request brings the burst twice.
+#: Seconds added to the timeout of a burst request, because a repeated request makes the server send the burst
+#: twice.
 TIMEOUT_MARGIN = 0.05
-#: The number of packets by which the next burst is requested earlier if `expected` is only an estimate.
+#: The number of packets by which the next burst is requested earlier while `expected` is only an estimate.
 EARLY_PACKETS = 3.0
-#: The number of consecutive bursts that must bring all expected bytes before more are expected.
+#: The number of consecutive bursts with all expected bytes after which more bytes are expected.
 FULL_BURSTS_BEFORE_GROWTH = 16
-#: Bursts that bring a smaller share of new data are not worthwhile.
+#: Bursts are not worthwhile if a smaller share of their data is new.
 MIN_NOVELTY = 0.85
-#: Bursts are worthwhile while they use at least this share of the link, measured over some bursts.
+#: Bursts are not worthwhile either if they use a smaller share of the link, measured over at least this
+#: number of bursts.
 MIN_LINK_USE, MIN_MEASURED_BURSTS = 0.75, 12
 
 
@@ -42,7 +44,7 @@ class Burst:
     attempts: int = 1
     packets: int = 0
     received: int = 0
-    run: int = field(init=False)  # the end of its contiguous beginning
+    run: int = field(init=False)  # the end of the data received without a gap
     furthest: int = field(init=False)
     first_at: float = 0.0
     last_at: float = 0.0

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
     from mavstack.services.ftp.stores import OpenFile
 
-#: The bytes of all files together, unless the program gives another capacity.
+#: The largest size of all files together in bytes, unless the program sets another capacity.
 DEFAULT_CAPACITY = 1 << 30
-#: The number of files and directories, likewise.
+#: The largest number of files and directories, unless the program sets another one.
 DEFAULT_MAX_ENTRIES = 16384
 MAX_LINKS = 16
 
@@ -41,7 +41,8 @@ _FLAGS = (
     | getattr(os, "O_CLOEXEC", 0)
 )
 _DIRECTORY = os.O_RDONLY | _FLAGS | getattr(os, "O_DIRECTORY", 0)
-#: Errors of opening a link without following it as a directory, by operating system.
+#: The errors of opening a symbolic link as a directory without following it; they depend on the operating
+#: system.
 _NOT_A_DIRECTORY = frozenset({ENOTDIR, ELOOP, EMLINK})
 
 

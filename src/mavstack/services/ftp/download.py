@@ -28,10 +28,11 @@ if TYPE_CHECKING:
     from mavstack.services.ftp.partial_file import PartialFile
     from mavstack.wire import Packet
 
-#: The missing bytes that make a burst worthwhile, inside the file and at its end.
+#: The smallest number of missing bytes inside the file for which a burst is requested.
 MIN_BURST_GAP = 16 * MAX_DATA
+#: The smallest number of missing bytes at the end of the file for which a burst is requested.
 MIN_BURST_GAP_AT_END = 3 * MAX_DATA
-#: The number of unanswered burst requests after which the server counts as one without bursts.
+#: The number of unanswered burst requests after which the server is taken to support no bursts.
 BURST_ATTEMPTS = 3
 #: PX4 may send the errno of an earlier failure in place of EOF.
 _END_OF_FILE = frozenset({int(FtpError.EOF), int(FtpError.FILEEXISTS)})
@@ -71,7 +72,7 @@ class DownloadTransfer(Operation[bytes]):
         self._bursts = BurstTracker()
         self._no_bursts = server.no_bursts
         self._last_burst = False  # True if no further burst is worthwhile
-        self._unanswered_bursts = 0  # consecutive requests; each has a longer timeout
+        self._unanswered_bursts = 0  # consecutive burst requests without an answer; each has a longer timeout
 
     def start(self, now: float) -> None:
         self.attempts = 1
@@ -149,7 +150,7 @@ class DownloadTransfer(Operation[bytes]):
             answer = "the file became shorter during the download"
             self.fail(RemoteProtocolError(self.description, str(self.target), answer=answer))
 
-    # Bursts that fail
+    # Failed bursts
 
     def _burst_timed_out(self, now: float) -> None:
         burst = self._bursts.active

@@ -21,15 +21,15 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 ATTEMPTS = 12
-#: The sequence numbers reserved for the packets of a burst: more than any server sends.
+#: The number of sequence numbers reserved for the packets of one burst; no server sends more packets.
 BURST_SEQUENCES = 2500
-#: Modifying requests, and the error of a repetition whose first request was executed.
+#: Modifying requests, each with the error that a repeated request gets if the first one was executed.
 _ALREADY_DONE = (
     (Opcode.REMOVEFILE, FtpError.FILENOTFOUND),
     (Opcode.REMOVEDIRECTORY, FtpError.FILENOTFOUND),
     (Opcode.CREATEDIRECTORY, FtpError.FILEEXISTS),
 )
-#: The error codes of the errnos ENOENT and EEXIST, which some servers send as they are.
+#: The error codes for the errnos ENOENT and EEXIST, which some servers send unconverted.
 _CODES_OF_ERRNOS: Final = MappingProxyType({2: FtpError.FILENOTFOUND, 17: FtpError.FILEEXISTS})
 
 
@@ -99,7 +99,7 @@ class Exchange(Operation[FtpPayload]):
         self._sent_at = now
         self.send(self._payload.to_message(*self.target))
         wait = self._server.round_trip.timeout(min(self.attempts, MAX_DOUBLINGS))
-        if self.attempts > 2:  # the server may still execute it: a checksum, a copy
+        if self.attempts > 2:  # the server may still execute a long operation, such as a checksum or a copy
             wait = max(wait, min(0.05 * 2.0**self.attempts, 2.0))
         self.timer = now + wait
 

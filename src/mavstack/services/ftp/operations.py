@@ -45,11 +45,11 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 logger = logging.getLogger("mavstack.services")
 
-#: The largest download into memory unless the caller allows more, bytes.
+#: The largest download into memory in bytes, unless the caller allows more.
 MAX_BYTES = 1 << 30
-#: The entries of a directory, unless the caller allows more.
+#: The largest number of entries of a directory, unless the caller allows more.
 MAX_ENTRIES = 10_000
-#: How often a download continues after an interruption; each time data must have arrived since the last.
+#: The number of interruptions after which a download still continues, if data arrived between them.
 MAX_INTERRUPTIONS = 16
 LAST_SESSION = 255
 
@@ -101,7 +101,7 @@ class _SessionProcedure(_FtpProcedure[Result]):
     exclusive = True
     min_rate = 32.0
     _session: int | None = None
-    _unclear = False  # True if there may be a session with an unknown number
+    _unclear = False  # True if the server may have opened a session whose number is not known
 
     def open(self, opcode: int) -> Generator[Operation[Any], Any, FtpPayload]:
         """Open the file; resets once the sessions that an earlier run left open."""
@@ -176,7 +176,7 @@ class DownloadFile(_SessionProcedure[bytes]):
                     raise
                 interruptions, received = interruptions + 1, file.received
                 logger.debug("%s: interrupted at %d of %d bytes", self, received, file.total)
-                if self.path.startswith("@"):  # generated again for each session
+                if self.path.startswith("@"):  # the server generates such a file again for each session
                     self._file, received = None, 0
         if len(data) > self._max_size:
             answer = f"the file has more than the {self._max_size} bytes allowed"
@@ -212,7 +212,7 @@ class DownloadFile(_SessionProcedure[bytes]):
     def _bounds(self, announced: int) -> tuple[int, int]:
         offset, size = self._range
         end = announced if size is None else min(offset + size, announced)
-        if announced == ALL_ONES:  # not known: one byte more shows that the file is too large
+        if announced == ALL_ONES:  # the size is not known: one more byte shows that the file is too large
             return offset, min(end, offset + self._max_size + 1)
         if end - offset > self._max_size:
             answer = f"the file has {end - offset} bytes, more than the {self._max_size} allowed"
@@ -324,7 +324,8 @@ class PathOperation(_FtpProcedure[FtpPayload]):
             self._path += b"\0" + path_bytes(other)
         if len(self._path) > MAX_DATA:
             raise InvalidArgumentError(f"both paths together must have at most {MAX_DATA - 1} bytes")
-        FtpPayload.request(opcode, self._path, offset=offset)  # raises now if it cannot be sent
+        # raises here, not later, if the request cannot be sent
+        FtpPayload.request(opcode, self._path, offset=offset)
 
     def steps(self) -> Generator[Operation[Any], Any, FtpPayload]:
         reply: FtpPayload = yield self.exchange(self._opcode, self._path, offset=self._offset)
@@ -356,7 +357,7 @@ class EndSession(Exchange):
 
     def time_out(self, now: float, answer: str = "no answer") -> None:
         super().time_out(now, answer)
-        logger.warning("%s", self.error)  # no caller receives the error
+        logger.warning("%s", self.error)  # logged, because no caller receives the error
 
 
 class FtpSessionClient(Client):

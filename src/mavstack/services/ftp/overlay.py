@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from mavstack.services.ftp.stores import FileStore, OpenFile
 
 
-#: The largest upload to one virtual file, and the data of all unfinished uploads to a store, bytes.
+#: The largest upload to one virtual file, and the largest size of all unfinished uploads to a store, in
+#: bytes.
 MAX_UPLOAD, MAX_UPLOADS = 1 << 20, 4 << 20
 
 
@@ -195,7 +196,8 @@ class OverlayStore:
         if not location:
             return True
         try:
-            self.base.open_file("/".join(location)).close()  # to list a directory may take long
+            # opened, because listing a directory may take long
+            self.base.open_file("/".join(location)).close()
         except IsADirectoryError:
             return True
         except OSError:

@@ -12,7 +12,7 @@ import os
 from collections import Counter
 from errno import ENOSPC
 
-#: The refusals after which the directory is scanned again.
+#: The number of refusals after which the directory is scanned again.
 REFUSALS_PER_SCAN = 64
 
 FileId = tuple[int, int]
@@ -95,7 +95,8 @@ class Quota:
         for folder, directories, names in os.walk(self._root):
             found += len(directories) + len(names)
             if self._capacity is not None and found > self._max_entries:
-                self._used, self._entries = self._capacity, found  # full; the rest need not be scanned
+                # counts as full; the rest need not be scanned
+                self._used, self._entries = self._capacity, found
                 return
             for name in names:
                 try:

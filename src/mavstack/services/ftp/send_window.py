@@ -25,13 +25,13 @@ INITIAL_WINDOW = 4.0
 MAX_WINDOW = 64.0
 MAX_OVERTAKEN = 3
 MAX_ANSWERED = 128
-#: Seconds added to each timeout: an unnecessary repetition costs more than a late one.
+#: Seconds added to each timeout, because an unnecessary repetition costs more than a late one.
 TIMEOUT_MARGIN = 0.05
-#: Multiples of the shortest round trip that indicate a queue, and a full one.
+#: The multiples of the shortest round trip that show that packets are queued, and that the queue is full.
 QUEUED, FULL = 2.0, 4.0
-#: A larger share of losses is not random.
+#: A larger share of lost packets shows congestion, not random loss.
 MAX_RANDOM_LOSS = 0.7
-#: Timeouts are doubled no further: a link may lose several repetitions at random.
+#: The largest number of times a timeout is doubled: a link may lose several repetitions at random.
 MAX_DOUBLINGS = 3
 
 
@@ -51,10 +51,10 @@ class SendWindow(Generic[Request]):
     def __init__(self) -> None:
         self.window = INITIAL_WINDOW
         self.attempts = 1
-        self.known_delay = 0.0  # the round trip as measured by other traffic
+        self.known_delay = 0.0  # the round trip that other traffic measured
         self._round_trip = RoundTrip(
             initial=0.5, minimum=0.05, maximum=3.0
-        )  # full packets take longer than short ones
+        )  # measured separately, because full packets take longer than short ones
         self._requests: dict[int, _Outstanding[Request]] = {}
         self._answered: OrderedDict[int, tuple[float, int]] = OrderedDict()
         self._order = 0

@@ -30,14 +30,16 @@ if TYPE_CHECKING:
     from mavstack.services.ftp.stores import FileStore
     from mavstack.wire import Packet
 
-#: Seconds: mavftp gives up 3.7 s after its last request, whatever it receives.
+#: The longest burst in seconds: mavftp gives up 3.7 s after its last request, even if packets arrive.
 MAX_BURST_DURATION = 3.0
 #: A burst ends after this number of bytes or packets; the client requests the next one.
 MAX_BURST_BYTES, MAX_BURST_PACKETS = 150 * MAX_DATA, 500
-#: The bytes of a checksum that are computed at once, and the burst packets that are sent at once.
+#: The number of bytes of a checksum that are computed in one slice.
 CRC_SLICE = 1 << 18
+#: The number of burst packets that are sent in one slice.
 MAX_PACKETS_AT_ONCE = 100
-#: The listings that are kept while clients request their pages, and the seconds since the last page.
+#: The largest number of listings kept while clients request their pages, and the seconds for which a listing
+#: is kept after its last page.
 MAX_LISTINGS, LISTING_LIFETIME = 4, 5.0
 _MODIFYING = frozenset(
     {
@@ -53,7 +55,7 @@ _MODIFYING = frozenset(
 )
 
 
-#: Requests that wait in the queue.
+#: The opcodes of requests that wait in the work queue.
 _QUEUED = frozenset(
     {
         Opcode.LISTDIRECTORY,
@@ -172,7 +174,7 @@ class FtpServer(Service):
 
     def _continue_work(self, now: float) -> None:
         while (work := self._work.next(now)) is not None:
-            ended = True  # also if the store raises an unexpected exception
+            ended = True  # stays True if the store raises an unexpected exception
             try:
                 reply = self._execute(work.request, work.source, now, work)
                 ended = reply is not None
@@ -205,7 +207,7 @@ class FtpServer(Service):
             return nak(request, refused.code)
         except OSError as error:
             return nak(request, *error_code(error))
-        except ValueError:  # a path with characters that the file system does not allow
+        except ValueError:  # the path has characters that the file system does not allow
             return nak(request, FtpError.FAIL)
 
     def _answer(self, request: FtpPayload, reply: FtpPayload, source: Address, now: float) -> None:

@@ -19,15 +19,16 @@ if TYPE_CHECKING:
 
 MAX_SESSIONS, MAX_SESSIONS_PER_CLIENT = 64, 4
 MAX_CLIENTS = 64
-#: Seconds without a request after which a session is closed; the shorter time applies when all are in use.
+#: Seconds without a request after which a session is closed, normally and while all sessions are in use.
 IDLE_TIMEOUT, IDLE_TIMEOUT_WHEN_FULL = 15.0, 3.0
 #: Seconds for which a client keeps its only session while all are in use and another client has none.
 MIN_SESSION_DURATION = 3.0
-#: The number of cached replies to one client (it may have several outstanding requests), and the seconds for
-#: which they are kept: replies to modifying requests as long as a client may repeat them, others only for
-#: duplicates of a packet.
+#: The largest number of cached replies to one client, which may have several outstanding requests, and the
+#: seconds for which replies are kept: replies to modifying requests as long as a client may repeat the
+#: request, other replies only as long as duplicate packets may arrive.
 MAX_REPLIES, REPLY_LIFETIME, SHORT_REPLY_LIFETIME = 256, 60.0, 3.0
-#: After the end of its session a client may reuse sequence numbers; duplicate packets are younger than this.
+#: Seconds for which replies are kept after the end of a session: the client may then reuse sequence numbers,
+#: and duplicate packets arrive sooner than this.
 REPLY_LIFETIME_AFTER_SESSION = 1.0
 
 

@@ -179,7 +179,8 @@ class MemoryStore:
 
     def remove(self, path: str) -> None:
         location = parts_of(path)
-        self._file(location).clear()  # an open file must not keep memory beyond the capacity
+        # cleared, because an open file would keep memory that the capacity no longer counts
+        self._file(location).clear()
         del self._files[location]
 
     def rename(self, path: str, to: str) -> None:

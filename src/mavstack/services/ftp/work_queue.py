@@ -17,9 +17,10 @@ if TYPE_CHECKING:
     from mavstack.services.addressing import Address
     from mavstack.services.ftp.payload import FtpPayload
 
-#: The clients with waiting requests, and the requests of each; a client repeats a request that finds no room.
+#: The largest number of clients with waiting requests, and of waiting requests of each client. Further
+#: requests are dropped; the client repeats them.
 MAX_WAITING_CLIENTS, MAX_WAITING_REQUESTS = 64, 4
-#: The average seconds from one slice to the next, and the slices that are executed at once after a pause.
+#: The average seconds from one slice to the next, and the number of slices that run at once after a pause.
 SLICE_INTERVAL, MAX_SLICES_AT_ONCE = 0.002, 8
 
 #: The execution of a request: yields after each slice, and returns the reply.
@@ -40,7 +41,7 @@ class WorkQueue:
 
     def __init__(self) -> None:
         self._clients: OrderedDict[Address, deque[Work]] = OrderedDict()
-        self._due = 0.0  # when the next slice is due; in the past after a pause
+        self._due = 0.0  # the time of the next slice; in the past after a pause
 
     def add(self, source: Address, request: FtpPayload) -> None:
         """Add a request, unless it is waiting already or its client has too many waiting requests."""

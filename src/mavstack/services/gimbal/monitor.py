@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 Key = TypeVar("Key")
 Value = TypeVar("Value")
 
-#: A manager has at most this many gimbals here; a flood of ids from outside fills no memory.
+#: The largest number of gimbals of one manager, so that forged ids cannot fill the memory.
 MAX_GIMBALS = 16
 
 
@@ -57,7 +57,7 @@ class GimbalMonitor(Service):
         self.source_filter = Address(target.system, 0)
         self._informations: dict[int, GimbalInformation] = {}
         self._statuses: dict[int, GimbalStatus] = {}
-        #: By the component and the device id of the message.
+        #: The attitudes by the component id of the sender and the device id in the message.
         self._attitudes: dict[tuple[int, int], GimbalAttitude] = {}
         self._names: dict[tuple[int, int], tuple[str, str]] = {}
 

@@ -18,7 +18,7 @@ from mavstack.services.gimbal.setpoint import GimbalSetpoint
 if TYPE_CHECKING:
     from mavstack.services.gimbal.setpoint import GimbalValue
 
-#: Degrees per second.
+#: The default of the maximum rate, in degrees per second.
 DEFAULT_MAX_RATE = 60.0
 
 _FLAGS, _ERRORS = common.GimbalDeviceFlags, common.GimbalDeviceErrorFlags
@@ -82,11 +82,11 @@ class GimbalMotion:
         endless = self.information.can(common.GimbalManagerCapFlags.SUPPORTS_INFINITE_YAW)
         self._roll = _Axis(self.information.roll_range)
         self._pitch = _Axis(self.information.pitch_range)
-        #: Relative to the vehicle, also while yaw is locked: the range is that of the mechanics.
+        #: Relative to the vehicle, also while yaw is locked, because the range is a mechanical limit.
         self._yaw = _Axis(self.information.yaw_range, endless=endless or self._is_full_circle())
         self._lock = False
         self._retracted = self._neutral = False
-        #: The direction to keep while yaw is locked, degrees from north.
+        #: The direction that is kept while yaw is locked, in degrees from north.
         self._heading: float | None = None
         self._vehicle_heading: float | None = None
         self._moved_at = -inf
@@ -120,7 +120,8 @@ class GimbalMotion:
         for axis in (self._roll, self._pitch, self._yaw):
             axis.advance(seconds, self.max_rate)
         if self._lock and self._yaw.target is None and vehicle_heading is not None:
-            self._heading = wrap(self._yaw.angle + vehicle_heading)  # a rate turns the kept direction
+            # a yaw rate turns the direction that is kept
+            self._heading = wrap(self._yaw.angle + vehicle_heading)
         return self._attitude(vehicle_heading)
 
     def _command_yaw(self, setpoint: GimbalSetpoint) -> None:

@@ -35,12 +35,14 @@ if TYPE_CHECKING:
 
 #: Degrees within which an angle counts as reached.
 TOLERANCE = 1.0
-#: Seconds without progress after which pointing fails, and the progress that counts, degrees.
+#: Seconds without progress after which pointing fails.
 STALL_TIMEOUT = 5.0
+#: The smallest change of an angle that counts as progress, in degrees.
 MIN_PROGRESS = 0.5
-#: Seconds for the message that reports who is in control; a manager that does not send it has no owner.
+#: Timeout in seconds of the message that reports who is in control; a manager that does not send it has no
+#: owner.
 STATUS_TIMEOUT = 3.0
-#: Seconds for the names of a gimbal.
+#: Timeout in seconds of the message with the names of a gimbal.
 NAMES_TIMEOUT = 2.0
 
 
@@ -58,7 +60,7 @@ class ListGimbals(Procedure[tuple[GimbalInformation, ...]]):
                 common.GimbalManagerInformation, lambda message: int(message.gimbal_device_id)
             )
         except CommandDenied:
-            return ()  # the component manages no gimbal
+            return ()  # a component that denies the request manages no gimbals
         gimbals = {}
         for number, message in found.items():
             gimbals[number] = yield from _named(GimbalInformation.read(message))
@@ -110,7 +112,8 @@ class TakeControl(Procedure[None]):
         if not self._force:
             yield from self._check_owner()
         kept = (float(UNCHANGED),) * 2
-        # PX4 and ArduPilot accept the sender's own ids; the placeholder for the sender is for missions.
+        # The ids of the sender are sent, which PX4 and ArduPilot accept; the placeholder for the sender is
+        # only for missions.
         ours = float(self._local.system), float(self._local.component)
         params = (*kept, *ours) if self._secondary else (*ours, *kept)
         yield CommandOperation(_configure(params, self._device_id))
@@ -124,7 +127,7 @@ class TakeControl(Procedure[None]):
                 timeout=STATUS_TIMEOUT,
             )
         except (RemoteDenied, MessageTimeout):
-            return  # the manager does not report it
+            return  # the manager does not report who is in control
         status = GimbalStatus.read(message)
         owner = status.secondary if self._secondary else status.primary
         if owner is not None and owner != self._local:

@@ -18,11 +18,11 @@ from mavstack.services.gimbal.rotation import angles_of, quaternion_of, wrap
 if TYPE_CHECKING:
     from typing import Self
 
-#: The component id that stands for all gimbal devices of a manager.
+#: The device id that means all gimbal devices of a manager.
 ALL_DEVICES = 0
-#: The largest device id of gimbals without a MAVLink component of their own.
+#: The largest device id of gimbals that are not MAVLink components.
 MAX_ATTACHED_DEVICE = 6
-#: The address that stands for no component in control.
+#: The address that means that no component is in control.
 NOT_CONTROLLED = Address(0, 0)
 
 _CAPS, _FLAGS = common.GimbalManagerCapFlags, common.GimbalDeviceFlags

@@ -36,8 +36,9 @@ if TYPE_CHECKING:
     from mavstack.services.message_request import MessageServer
     from mavstack.wire import Packet
 
-#: Seconds between two messages (guide: 5 Hz and 10 Hz).
+#: Seconds between two status messages (guide: 5 Hz).
 STATUS_INTERVAL = 0.2
+#: Seconds between two attitude messages (guide: 10 Hz).
 ATTITUDE_INTERVAL = 0.1
 #: Seconds between two corrections of a gimbal that keeps a region of interest in view.
 AIM_INTERVAL = 0.1
@@ -111,7 +112,7 @@ class GimbalManagerServer(Service):
         common.GimbalManagerSetPitchyaw,
         common.GimbalManagerSetAttitude,
         common.GimbalManagerSetManualControl,
-        common.CommandLong,  # the command server answers commands; this service then emits the events
+        common.CommandLong,  # the command server executes commands; this service sends its events afterwards
         common.CommandInt,
         common.GlobalPositionInt,
         common.Attitude,

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mavstack.services.addressing import Address
 
 _FLAGS = common.GimbalManagerFlags
-#: A stabilising gimbal keeps roll and pitch relative to the horizon.
+#: The flags of a stabilising gimbal, which keeps roll and pitch relative to the horizon.
 _HORIZON = _FLAGS.ROLL_LOCK | _FLAGS.PITCH_LOCK
 MAX_ANGLE = 180.0
 

@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 
 Key = TypeVar("Key")
 
-#: How often a type must alternate with another one.
+#: The number of alternations between two types that show a conflict.
 MIN_ALTERNATIONS = 2
 MAX_SENDERS = 4
-#: Seconds of silence after which a channel no longer counts as one on which the address is received.
+#: Seconds without a packet after which the address no longer counts as received on a channel.
 CHANNEL_SILENCE = 5.0
 
 

@@ -16,14 +16,16 @@ if TYPE_CHECKING:
     from mavstack.services.addressing import Address
     from mavstack.services.heartbeat.component_info import ComponentInfo
 
-#: Real networks are far smaller.
+#: The largest number of components in the table; real networks are far smaller.
 MAX_COMPONENTS = 4096
-#: Components that are removed at once from a full table.
+#: The number of components that are removed from a full table in one step.
 REMOVED_AT_ONCE = 256
-#: New components of one channel: at once, and per second after that.
+#: The number of new components that one channel may add at once.
 MAX_NEW_BURST = 256.0
+#: The number of new components that one channel may add per second after that.
 MAX_NEW_RATE = 100.0
-#: Minimum time for which a component with more than one heartbeat counts as present, in seconds.
+#: Seconds between the first and the last packet of a component from which a full table prefers to keep the
+#: component.
 MIN_HEARD_DURATION = 2.5
 MAX_CHANNELS = 512
 

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from mavstack.services.version import AutopilotVersion
 
-#: Seconds after which a board that sent nothing proves nothing; boards of one channel are asked more often.
+#: Seconds without a packet after which a board is no evidence of a conflict; the ids of boards on one channel
+#: are requested more often.
 MAX_AGE = 10.0
 MAX_BOARDS = 4
 MAX_CHANNELS = 8

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 Key: TypeAlias = tuple[int, int, str]
 
 INTERVAL = 0.1
-#: Seconds by which a boot time may deviate; far less than `boot_tracker.SAME_BOOT`.
+#: Seconds by which a boot time may deviate from the expected one; far less than `boot_tracker.SAME_BOOT`.
 TOLERANCE = 1.0
 
 

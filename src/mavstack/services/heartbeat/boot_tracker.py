@@ -4,22 +4,24 @@ from __future__ import annotations
 
 from enum import Enum, auto
 
-#: Seconds by which the boot time of messages of one boot may deviate.
+#: Seconds by which the boot times computed from messages of one boot may differ.
 SAME_BOOT = 3.0
-#: The delays of two links to one vehicle differ by fewer seconds than this, and so do its boot times.
+#: Seconds by which the delays of two links to one vehicle may differ, and so the boot times computed from
+#: them.
 MAX_PATH_DELAY = 10.0
-#: No autopilot boots within this time; a longer gap between two messages is a silence.
+#: The shortest boot of any autopilot in seconds; after a longer gap between two messages the sender may have
+#: rebooted.
 MIN_BOOT_DURATION = 1.0
-#: Seconds of silence after which a boot has ended, if another one continues.
+#: Seconds without a message of a boot after which it has ended, if messages of another boot still arrive.
 BOOT_SILENCE = 3.0
-#: Seconds for which two boots must continue side by side to be a conflict: longer than packets sent before a
-#: reboot stay in queues.
+#: Seconds for which messages of two boots must arrive side by side to show a conflict; packets sent before a
+#: reboot do not stay in queues for so long.
 CONFLICT_AFTER = 10.0
-#: The same, if messages of the older boot were surely sent after the later boot.
+#: The same time, if messages of the older boot were surely sent after the later boot.
 CONCURRENT_AFTER = 2.0
-#: How many messages of each boot must have arrived meanwhile.
+#: The number of messages of each boot that must have arrived in this time.
 MIN_MESSAGES = 3
-#: Seconds with messages of one boot only after which a conflict is over.
+#: Seconds with messages of only one boot after which a conflict is over.
 CONFLICT_ENDS_AFTER = 30.0
 MAX_BOOTS = 4
 MAX_CHANNELS = 8
@@ -52,10 +54,10 @@ class Boot:
 
     def __init__(self, since_boot: float, now: float) -> None:
         self.since_boot, self.seen_at, self.began_at = since_boot, now, now
-        self.moment = now - since_boot  # of the boot, by the message with the least delay
-        self.messages = self.others = 0  # messages of this boot, and of the current one meanwhile
-        self.is_reboot = False  # True if it can follow the current one
-        self.is_path = False  # True if it is the current one over another link
+        self.moment = now - since_boot  # the local time of the boot, from the message with the least delay
+        self.messages = self.others = 0  # messages of this boot, and of the current boot in the same time
+        self.is_reboot = False  # True if this boot can follow the current one
+        self.is_path = False  # True if this is the current boot, received over another link
         self.channels: dict[str, None] = {}
 
     @property

@@ -16,17 +16,18 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: Length in seconds of each of the two last periods whose minimum delay is taken.
+#: The length of a period in seconds; the minimum delay is taken over the last two periods.
 BUCKET = 1.0
-#: Minimum number of messages in each of the two last periods.
+#: Minimum number of messages in each of these two periods.
 MIN_MESSAGES = 2
-#: Seconds by which the moment of the boot may shift from one bucket to the next.
+#: Seconds by which the boot time may differ between these two periods.
 MAX_SHIFT = 0.25
-#: Seconds by which the difference must exceed the round trip: messages carry the time of their measurement.
+#: Seconds by which the difference of two clocks must exceed the round trip: messages carry the time of their
+#: measurement.
 MARGIN = 1.0
-#: Seconds for which two clocks must contradict each other.
+#: Seconds for which two clocks must contradict each other to show a conflict.
 CONTRADICTION_TIME = 2.0
-#: Seconds without a message after which a channel shows no clock.
+#: Seconds without a message after which the clock of a channel is not known.
 MAX_SILENCE = 1.5
 MAX_CHANNELS = 8
 _WRAP = 4294967.296
@@ -71,7 +72,7 @@ class ChannelClocks:
     def __init__(self, round_trip: Callable[[str, float], float]) -> None:
         self._round_trip = round_trip
         self._clocks: dict[str, _Clock] = {}
-        #: Since when, and when last, two channels contradicted each other.
+        #: The times of the first and the last contradiction of two channels.
         self._contradicted_since: dict[tuple[str, str], tuple[float, float]] = {}
 
     def add(self, time_boot_ms: int, now: float, channel: str) -> tuple[str, ...]:

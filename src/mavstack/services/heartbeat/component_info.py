@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from mavstack.services.addressing import Address
 
 HEARTBEAT_TIMEOUT = 5.0
-#: HIGH_LATENCY2 arrives every five seconds at best.
+#: Longer than HEARTBEAT_TIMEOUT, because HIGH_LATENCY2 arrives every five seconds at best.
 HIGH_LATENCY_TIMEOUT = 30.0
 
 

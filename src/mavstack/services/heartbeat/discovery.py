@@ -45,10 +45,10 @@ if TYPE_CHECKING:
     from mavstack.services.heartbeat.conflicting_sender import Conflict
     from mavstack.wire import Packet
 
-#: A table with more components is checked for lost ones once per this interval, in seconds, at most.
+#: The number of components above which the table is checked for lost ones only every `MANY_INTERVAL` seconds.
 MANY_COMPONENTS = 300
 MANY_INTERVAL = 0.5
-#: Seconds for which an address that came on another channel is being examined.
+#: Seconds for which an address that arrives on another channel too is examined for a conflict.
 EXAMINATION_TIME = 3.0
 
 _WITH_BOOT_TIME = (
@@ -58,7 +58,8 @@ _WITH_BOOT_TIME = (
     common.GlobalPositionInt,
     common.LocalPositionNed,
 )
-#: The messages whose expected boot times need no analysis: each position is compared with those before.
+#: The messages whose expected boot times need no analysis. GLOBAL_POSITION_INT is always analysed: each
+#: position is compared with earlier ones.
 _FILTERED_IDS = message_ids(*_WITH_BOOT_TIME) - message_ids(common.GlobalPositionInt)
 
 
@@ -103,7 +104,8 @@ class Discovery(Service):
         self.conflicts: dict[int, Address] = {}
         self._now = 0.0
         self._own_address_used_at: float | None = None
-        self._check_at: float | None = None  # no component is lost before; a check per packet would be slow
+        # no component can be lost before this time; a check for each packet would be slow
+        self._check_at: float | None = None
 
     def has_conflict(self, address: Address) -> bool:
         """Return whether several senders use the address."""
@@ -247,7 +249,7 @@ class Discovery(Service):
         alive = (info for info in self.components.values() if info.alive)
         self._check_at = min((info.last_seen + info.timeout for info in alive), default=None)
         if self._check_at is not None and len(self.components) > MANY_COMPONENTS:
-            self._check_at = max(self._check_at, now + MANY_INTERVAL)  # a check visits all of them
+            self._check_at = max(self._check_at, now + MANY_INTERVAL)  # each check visits all components
 
     def _version_received(self, address: Address, version: AutopilotVersion, now: float) -> None:
         known = self.components[address]

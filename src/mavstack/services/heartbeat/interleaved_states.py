@@ -20,20 +20,21 @@ if TYPE_CHECKING:
 
     from mavstack.dialects import Message
 
-#: Seconds of boot time, and of real time, over which states are compared.
+#: Seconds of boot time, and of reception time, over which states are compared.
 WINDOW = 12.0
-#: Seconds of boot time by which a state may follow the one before without a closer look.
+#: Seconds of boot time after the previous state within which a state that fits it is not compared with
+#: others.
 MAX_STEP = 1.5
 MAX_STATES = 64
-#: How often the states must switch between two paths.
+#: The number of switches between two paths that shows a conflict.
 MIN_SWITCHES = 4
-#: States on more paths are noise.
+#: The largest number of paths; states on more paths are noise.
 MAX_PATHS = 4
-#: Metres, and metres per second in addition to the speed, by which positions of one vehicle may differ.
+#: Metres, and metres per second added to the speed, by which positions of one vehicle may differ.
 POSITION_TOLERANCE, SPEED_TOLERANCE = 20.0, 10.0
-#: Degrees, and degrees per second in addition to the rate, by which headings of one vehicle may differ.
+#: Degrees, and degrees per second added to the rate, by which headings of one vehicle may differ.
 HEADING_TOLERANCE, RATE_TOLERANCE = 40.0, 60.0
-#: Degrees of roll or pitch beyond which a heading means nothing.
+#: Degrees of roll or pitch above which a heading has no meaning.
 MAX_TILT = 45.0
 
 State = TypeVar("State", bound="PositionState | HeadingState")
@@ -121,7 +122,7 @@ class _Path(Generic[State]):
             if newest.received_at - each.received_at <= WINDOW and abs(newest.time - each.time) <= WINDOW
         ]
         recent.sort(key=lambda each: each.time)
-        paths: list[State] = []  # the last state of each path, the path of the state before at the end
+        paths: list[State] = []  # the last state of each path; the path of the previous state is at the end
         switches = 0
         for state in recent:
             found = next((path for path in reversed(paths) if self._fits(path, state)), None)

@@ -54,7 +54,8 @@ class HeartbeatSender(Service):
     def handle_timeout(self, now: float) -> None:
         if now < self._due:
             return
-        # The rate does not drift, but heartbeats missed during a stall are not sent later.
+        # A late heartbeat does not delay the following ones; heartbeats missed during a stall are not sent
+        # later.
         late = now - self._due
         self._due = now + self.interval - (late if late < self.interval else 0.0)
         if not self.enabled:

@@ -19,18 +19,19 @@ if TYPE_CHECKING:
 
     from mavstack.services.addressing import Address
 
-#: Seconds between two questions for an id that is not known, and how often it is asked for at that interval.
+#: Seconds between two requests for a unique id that is not known.
 VERSION_INTERVAL = 1.0
+#: The number of requests at this interval.
 MAX_REQUESTS = 5
-#: Seconds between two requests for a unique id that is known already, or that the vehicle never sent.
+#: Seconds between two requests for a unique id that is known already, or that the vehicle has never sent.
 CONFIRMATION_INTERVAL = 6.0
 #: Seconds between two measurements of the round trip.
 TIME_INTERVAL = 1.0
-#: Seconds for which a measured round trip counts, or a request waits for its answer.
+#: Seconds for which a measured round trip is valid, and for which a request waits for its answer.
 MAX_ROUND_TRIP_AGE = 20.0
 MAX_OUTSTANDING = 32
 MAX_CHANNELS = 8
-#: Addresses that are asked at a time: ids can be forged.
+#: The largest number of addresses that are asked at a time, because addresses can be forged.
 MAX_PROBES = 32
 _AUTOPILOT_VERSION = next(iter(message_ids(common.AutopilotVersion)))
 
@@ -43,7 +44,8 @@ class _Channel:
     time_due: float
     requests: int = 0
     outstanding: dict[int, float] = field(default_factory=dict)
-    round_trips: list[tuple[float, float]] = field(default_factory=list)  # answered at, round trip
+    # pairs: time of the answer, round trip
+    round_trips: list[tuple[float, float]] = field(default_factory=list)
 
 
 class SenderProbe:

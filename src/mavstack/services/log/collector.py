@@ -11,7 +11,7 @@ from __future__ import annotations
 from mavstack.services.log.entry import CHUNK
 
 MIN_END_REPORTS = 3
-#: Bytes by which a listed size may be too large: a few blocks of flash memory.
+#: The number of bytes by which a listed size may be too large: a few blocks of flash memory.
 MAX_SIZE_ERROR = 1 << 16
 _MAX_PARTIAL = 64
 FIRST_CHUNKS = 12

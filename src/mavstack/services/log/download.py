@@ -35,21 +35,22 @@ if TYPE_CHECKING:
     from mavstack.services.operation import Operation
     from mavstack.wire import Packet
 
-#: Window sizes, in chunks.
+#: Window sizes: the number of chunks in one request.
 INITIAL_WINDOW, MIN_WINDOW, MAX_WINDOW = 64, 16, 11_650
-#: The number of good windows before a larger one is tried, after a window was too large.
+#: After a window was too large: the number of good windows before a larger one is tried.
 WINDOWS_BEFORE_GROWTH = 16
-#: The shares of a window that must arrive, relative to the share of its first chunks, for the next window to
-#: be larger, and to be no smaller: an overflowing queue drops the last chunks, a bad link any. If nothing of
-#: the window's end arrived, the next window is as large as the part that did.
+#: The share of a window that must arrive for the next window to be larger, and the share for a window of the
+#: same size. Shares are relative to the share of the window's first chunks, because an overflowing queue
+#: drops the last chunks, but a bad link any. If nothing of the window's end arrived, the next window is as
+#: large as the part that arrived.
 GOOD, FAIR = 0.95, 0.75
 #: The number of consecutive timeouts after which the download fails.
 ATTEMPTS = 16
-#: The bytes by which a log that is being written may exceed twice its listed size.
+#: The number of bytes by which a log that is being written may exceed twice its listed size.
 MAX_GROWTH = 1 << 20
 #: The number of timeouts after which the log is listed again, and after which other transfers are ended too.
 LIST_AFTER, UNBLOCK_AFTER = 3, 5
-#: The number of timeouts at a whole number of chunks that mean the end of the log.
+#: The number of timeouts that mean the end of the log, if the received data ends with a full chunk.
 TIMEOUTS_AT_END = 3
 
 
@@ -172,7 +173,7 @@ class _Transfer(LogOperation[bytes]):
         if self._collector.complete:
             self.finish(self._collector.data())
         elif in_range and len(content) < CHUNK and not self._collector.end_known:
-            # It seems to have stopped early. Copies of this chunk must not count as new answers.
+            # The vehicle seems to have stopped early. Copies of this chunk must not count as new answers.
             self._stopped = True
             self.timer = now + self._round_trip.timeout()
         elif chunk == self._until - 1:

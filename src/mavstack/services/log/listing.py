@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 ATTEMPTS = 6
 #: How often the number of logs may change during a listing.
 MAX_CHANGES = 64
-#: From this timeout on LOG_REQUEST_END is sent first: another client's transfer may block the vehicle.
+#: The number of timeouts after which LOG_REQUEST_END is sent first: another client's transfer may block the
+#: vehicle.
 UNBLOCK_AFTER = 3
 
 

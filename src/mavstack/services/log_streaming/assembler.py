@@ -35,7 +35,7 @@ class LogAssembler:
     def __init__(self) -> None:
         #: True once the header was received.
         self.has_started = False
-        #: Bytes of the log so far.
+        #: The number of bytes of the log so far.
         self.size = 0
         self._expected = 0
         self._rest = bytearray()

@@ -8,12 +8,13 @@ from typing import Final
 MAGIC: Final = b"ULog\x01\x12\x35"
 #: The size of the file header in bytes: magic, version, time.
 HEADER_SIZE: Final = 16
-#: The bytes of log in one message, and the offset that says that no message starts in it.
+#: The number of log bytes in one message.
 BLOCK_SIZE: Final = 249
+#: The offset that means that no log message starts in the block.
 NO_START: Final = 255
-#: Sequence numbers of blocks count modulo this.
+#: The number of sequence numbers of blocks, after which they wrap to 0.
 SEQUENCES: Final = 1 << 16
-#: Later numbers than this ahead of the expected one belong to blocks of the past.
+#: A sequence number that is further ahead of the expected one belongs to an older block.
 HALF: Final = SEQUENCES // 2
 
 _MESSAGE: Final = Struct("<HB")

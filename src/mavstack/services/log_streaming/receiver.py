@@ -48,7 +48,7 @@ class LogStreamReceiver(Service):
         super().__init__(local)
         self.source_filter = target
         self.assembler = LogAssembler()
-        #: Blocks that were received and that are missing.
+        #: The numbers of received and of missing blocks.
         self.blocks = self.lost = 0
 
     def receive(self, packet: Packet, now: float) -> None:

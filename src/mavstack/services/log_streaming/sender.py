@@ -30,12 +30,15 @@ if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest, CommandServer
     from mavstack.wire import Packet
 
-#: Seconds until a block is sent again, at first and at most; the growth with each repetition; the tries.
+#: Seconds until a block is sent again for the first time.
 ACK_TIMEOUT: Final = 0.05
+#: The longest time until a block is sent again, in seconds.
 MAX_ACK_TIMEOUT: Final = 0.5
+#: The factor by which this time grows with each repetition.
 _GROWTH: Final = 1.5
+#: The largest number of times a block is sent.
 MAX_TRIES: Final = 25
-#: Blocks that wait for room on the link; then the oldest is dropped.
+#: The largest number of blocks that wait for room on the link; then the oldest is dropped.
 MAX_WAITING: Final = 256
 
 
@@ -68,7 +71,7 @@ class LogStreamSender(Service):
         super().__init__(local)
         #: The client; None while nothing is streamed.
         self.client: Address | None = None
-        #: Blocks that were dropped for want of room.
+        #: The number of blocks that were dropped because the link had no room.
         self.dropped = 0
         self._touch: Callable[[Service], object] = lambda _: None
         self._partial = bytearray()
@@ -176,7 +179,7 @@ class LogStreamSender(Service):
         )
 
     def _start(self, request: CommandRequest) -> common.MavResult:
-        if request.command.param1 != 0:  # 0 is ULog
+        if request.command.param1 != 0:  # 0 is the ULog format
             return common.MavResult.UNSUPPORTED
         if self.client is not None and self.client != request.source:
             return common.MavResult.TEMPORARILY_REJECTED

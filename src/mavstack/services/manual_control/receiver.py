@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 DEFAULT_TIMEOUT = 1.0
 DEFAULT_OVERRIDE_TIMEOUT = 3.0
-#: The number of concurrent sources; further ones are refused until one of these is lost.
+#: The largest number of concurrent sources; further ones are refused until one of these is lost.
 MAX_SOURCES = 32
-#: A sequence number that is ahead by this much, modulo 256, is behind.
+#: A sequence number that is ahead by this much or more, modulo 256, is an older one.
 _BEHIND = 192
 #: Seconds within which packets may be reordered.
 _REORDER_WINDOW = 0.5
@@ -155,8 +155,8 @@ class ManualControlReceiver(Service):
         before = held[0] if held else MappingProxyType({})
         merged = {**before, **override.channels}
         channels = MappingProxyType({key: pulse for key, pulse in merged.items() if pulse != RELEASE})
-        # A source without channels stays in the table for a while: a reordered packet must not override
-        # again.
+        # A source that released all channels stays in the table for a while, so that a reordered packet does
+        # not override channels again.
         taken = self._accepted(self._overrides.put(source, channels, sequence, now))
         if taken and (before or channels):
             self.emit(OverrideReceived(source, channels))

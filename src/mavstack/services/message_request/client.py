@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     Match: TypeAlias = Callable[[Any], bool]
 
-#: The number of accepted requests for a message that does not arrive.
+#: The number of accepted requests after which a message that does not arrive is given up.
 MAX_ROUNDS = 4
 INITIAL_TIMEOUT = 1.0
 MAX_PARAMS = 5
@@ -137,7 +137,8 @@ class RequestMessage(Operation[Any]):
         if error.code in _TRY_LEGACY and self._try_legacy(now):
             self._denied = error
             return
-        # A target without the legacy command refused the current one: that refusal is more specific.
+        # UNSUPPORTED only means that the target lacks the legacy command. It refused the current command
+        # before, and that refusal is more specific.
         first = self._denied if error.code == common.MavResult.UNSUPPORTED and self._denied else error
         denied = CommandDenied(
             self.description, str(self.target), attempts=self.attempts, answer=first.answer, code=first.code

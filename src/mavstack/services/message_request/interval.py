@@ -56,9 +56,9 @@ class Interval:
         return 1e6 / self.microseconds if self.microseconds > 0 else 0.0
 
 
-#: The sender's default rate.
+#: The default rate of the sender.
 DEFAULT = Interval(0)
-#: Not sent.
+#: The message is not sent.
 OFF = Interval(-1)
 
 

@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from mavstack.dialects import Message
     from mavstack.wire import Packet
 
-#: Seconds after the last message after which missing ones are requested, or the listing ends.
+#: Seconds without a message after which missing messages are requested, or the listing ends.
 IDLE_TIMEOUT = 1.0
 MAX_ROUNDS = 4
-#: Instances have ids of one byte; 0 stands for all.
+#: Ids of instances have one byte; 0 means all instances.
 ALL, MAX_INSTANCES = 0.0, 255
 AnyMessage = TypeVar("AnyMessage", bound="Message")
 

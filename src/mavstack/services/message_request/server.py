@@ -29,20 +29,22 @@ if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest, CommandServer
     from mavstack.wire import Packet
 
-#: One message, several (of all instances, such as gimbals), or None if there is none.
+#: The result of a producer: one message, several messages (of all instances, such as gimbals), or None if
+#: there is no message.
 Made: TypeAlias = Message | Sequence[Message] | None
 #: Makes a message for a time in Unix seconds.
 Producer: TypeAlias = Callable[[float], Made]
-#: Makes the message of an index or id (param 2 of a request) for a time; all of them for the index 0, where
-#: the definition of the message says so.
+#: Makes the message of an index or id (param 2 of a request) for a time in Unix seconds. For the index 0 it
+#: makes the messages of all instances, where the definition of the message says so.
 InstanceProducer: TypeAlias = Callable[[float, float], Made]
 
 #: The shortest interval of a message, whatever is requested, in microseconds.
 MIN_INTERVAL = 1_000
-#: Seconds after which a stream without room checks again.
+#: Seconds after which a stream tries again because the link had no room.
 RETRY = 0.5
 
-#: The part of an interval by which a triggered message may come early: values do not arrive exactly in time.
+#: The fraction of an interval by which a triggered message may come early, because values do not arrive
+#: exactly in time.
 _EARLY = 0.25
 
 _REQUESTER, _BROADCAST = 1, 2
@@ -56,7 +58,7 @@ class _Stream:
     produce: Producer
     default: int
     interval: int
-    #: Time of the next message; infinite if off.
+    #: Time of the next message; infinite if none is due.
     due: float
     triggered: bool = False
     #: Time of the next transmission of each message that the program triggers.
@@ -78,7 +80,8 @@ class _Stream:
         """Record that the message was sent; returns when it is due again."""
         seconds = self.interval / 1e6
         if self.triggered:
-            # Slots are kept, so that early and late values give the right number in the long run.
+            # The slots keep their interval, so that early and late values do not change the rate in the long
+            # run.
             self.slot = self.slot + seconds if now < self.slot + seconds else now + seconds
             self.due = inf
             return inf
@@ -97,12 +100,12 @@ class MessageServer(Service):
         self._commands = commands
         self._streams: dict[int, _Stream] = {}
         #: The messages of each supported group of REQUEST_DATA_STREAM. Without an entry for
-        #: MAV_DATA_STREAM_ALL it means all messages that are streamed by default; if empty, such requests are
-        #: ignored.
+        #: MAV_DATA_STREAM_ALL, that group means all messages that are streamed by default. If the mapping is
+        #: empty, such requests are ignored.
         self.data_streams: Mapping[int, frozenset[int]] = stream_groups()
         self._instances: dict[int, InstanceProducer] = {_INTERVAL_ID: self._message_interval}
         self._retry_at: float | None = None
-        #: The streams by due time, as a heap; None after a change.
+        #: The streams by due time, as a heap; None if a change requires a new heap.
         self._queue: list[tuple[float, int, _Stream]] | None = None
         self._others = commands.handler_of(common.MavCmd.REQUEST_MESSAGE)
         commands.support(common.MavCmd.REQUEST_MESSAGE, self._request_message)
@@ -179,7 +182,7 @@ class MessageServer(Service):
             heapreplace(queue, (stream.sent(now), order, stream))
             for message in _each(stream.produce(now)):
                 yield Outgoing(message, BROADCAST, Priority.STREAM)
-            queue = self._queued()  # a new one after a change of rate
+            queue = self._queued()  # a new heap, if a rate has changed
 
     def next_timeout(self) -> float | None:
         if self._retry_at is not None:
@@ -208,7 +211,8 @@ class MessageServer(Service):
     ) -> common.MavResult | tuple[common.MavResult, int] | None:
         message_id, response_target = request.command.param1, request.command.param7
         if self._others and message_id not in self._instances and message_id not in self._streams:
-            return self._others(request)  # the handler that was registered before
+            # the handler of this command that was registered before this service
+            return self._others(request)
         target = BROADCAST if response_target == _BROADCAST else request.source
         instance = request.command.param2
         # MAVSDK sends NaN for a param that it does not set.
