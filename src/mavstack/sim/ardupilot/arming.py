@@ -26,7 +26,7 @@ Check: TypeAlias = "Callable[[SimulatedAutopilot], Iterator[str]]"
 #: Bits of ARMING_CHECK.
 _ALL, _BAROMETER, _COMPASS, _GPS, _PARAMETERS, _RC, _BATTERY, _MISSION = 0, 1, 2, 3, 5, 6, 8, 14
 _VISION: Final = 18
-#: Seconds between reports of the problems.
+#: Interval in seconds at which pre-arm problems are reported.
 DISPLAY_INTERVAL = 30.0
 _QUIET_OPTION = 1
 _FIX_3D = int(common.GpsFixType["_3D_FIX"])
@@ -35,7 +35,7 @@ _THROTTLE_LOW = 0.03
 _THROTTLE_NEUTRAL = 0.55
 _FENCES_WITH_POSITION = 0b110
 _WITHOUT_MODULE: Final = "ARM_STATUS not available"
-#: Bits of ARMING_MIS_ITEMS.
+#: Mission commands by bit of ARMING_MIS_ITEMS, with the names that pre-arm reports use.
 _REQUIRED_ITEMS: Final = (
     (common.MavCmd.NAV_LAND, "land"),
     (common.MavCmd.NAV_VTOL_LAND, "vtol land"),

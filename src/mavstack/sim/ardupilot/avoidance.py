@@ -26,7 +26,8 @@ _PLANNED_ON_SURFACE: Final = frozenset({int(_ROVER.AUTO), int(_ROVER.GUIDED), in
 _PLANNED: Final = frozenset({int(_MODE.AUTO), int(_MODE.GUIDED), int(_MODE.RTL)})
 #: The bit of AVOID_ENABLE for proximity sensors, and the default of OA_MARGIN_MAX in metres.
 _PROXIMITY, _PLANNER_MARGIN = 2, 5.0
-#: The default of OA_BR_LOOKAHEAD in metres, and PRX1_TYPE for OBSTACLE_DISTANCE.
+#: The default of OA_BR_LOOKAHEAD in metres, and the value of PRX1_TYPE for a sensor that sends
+#: OBSTACLE_DISTANCE.
 _LOOKAHEAD: Final = 15.0
 _BY_MAVLINK: Final = 2
 

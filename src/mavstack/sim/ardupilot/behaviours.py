@@ -16,14 +16,14 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
-#: RTL_AUTOLAND: landing sequence at home, or immediately.
+#: Values of RTL_AUTOLAND: fly the landing sequence after reaching home, or immediately.
 _AT_HOME, _IMMEDIATELY = 1, 2
-#: Q_RTL_MODE: land on the lifting motors at home.
+#: Value of Q_RTL_MODE: land on the lifting motors at home.
 _HOVER_AT_HOME: Final = 1
 _QRTL: Final = int(ardupilotmega.PlaneMode.QRTL)
 _MAX_POINTS = 2000
 _MIN_SPACING = 1.0
-#: Step in radians in which the nose follows a region of interest.
+#: The yaw follows a region of interest only if the bearing changes by more than this, in radians.
 _MIN_YAW_CHANGE: Final = radians(2)
 
 
@@ -33,7 +33,7 @@ class ReturnPath:
     def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self._autopilot = autopilot
         self.points: list[Point] = []
-        #: True if the path exceeded its maximum length.
+        #: True if the path exceeded its maximum length and can no longer be flown back.
         self.lost = False
         self._armed = False
 

@@ -49,13 +49,13 @@ if TYPE_CHECKING:
 
 _CMD, _RESULT = ardupilotmega.MavCmd, common.MavResult
 _INFO = common.MavSeverity.INFO
-#: Another value of param2 of COMPONENT_ARM_DISARM that forces arming.
+#: A second value of param 2 of COMPONENT_ARM_DISARM that forces arming, besides 21196.
 _FORCE_ARMING = 2989.0
 _MAX_SOURCES = 3
 Handler: TypeAlias = "Callable[[CommandRequest], Outcome]"
-#: Unsupported, because ArduPilot has no standard modes.
+#: Commands that are not supported, because ArduPilot has no standard modes.
 _UNSUPPORTED = (_CMD.DO_SET_STANDARD_MODE,)
-#: Parameter that enables a payload.
+#: The parameter that enables a payload, by the command that uses the payload.
 _ENABLE_PARAMETERS: dict[int, str] = {
     _CMD.DO_GRIPPER: "GRIP_ENABLE",
     _CMD.DO_SPRAYER: "SPRAY_ENABLE",

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 #: The value of GPS1_TYPE for a receiver that speaks MAVLink.
 GPS_TYPE_MAV: Final = 14
-#: The GPS_FIX_TYPE without a receiver.
+#: The value of GPS_FIX_TYPE when no receiver is connected.
 _NO_GPS: Final = 0
-#: Silence after which the fix is lost, in seconds.
+#: Seconds without a message of the receiver after which the fix is lost.
 GPS_TIMEOUT: Final = 4.0
 
 

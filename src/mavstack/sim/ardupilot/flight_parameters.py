@@ -85,7 +85,7 @@ class CopterFlightParameters(ArdupilotFlightParameters):
     sink_speed = from_parameter("WPNAV_SPEED_DN", _CM, minimum=_MIN_SPEED)
     land_speed = from_parameter("LAND_SPEED", _CM, minimum=_MIN_SPEED)
     land_slow_altitude = from_parameter("LAND_ALT_LOW", _CM, minimum=1.0, default=10.0)
-    #: Copters disarm right after an automatic landing.
+    #: Seconds: copters disarm soon after an automatic landing.
     land_disarm_delay = 1.0
     disarm_delay = from_parameter("DISARM_DELAY", zero_means=inf)
     acceptance_radius = from_parameter("WPNAV_RADIUS", _CM, minimum=_MIN_RADIUS)

@@ -34,27 +34,29 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.wire import Packet
 
-#: Seconds after which the leader's last message no longer counts, and after which the leader is discarded.
+#: Seconds after the leader's last message until its position is no longer used, and until the leader is
+#: discarded.
 ESTIMATE_TIMEOUT: Final = 3.0
 FORGET_TIMEOUT: Final = 10.0
-#: The firmware's text of a copter without FOLL_ENABLE.
+#: The status text that ArduCopter sends if FOLL_ENABLE is 0.
 DISABLED_TEXT: Final = "Set FOLL_ENABLE = 1"
 
 _ENABLE: Final = "FOLL_ENABLE"
 _SYSID: Final = "FOLL_SYSID"
 _OFFSETS: Final = ("FOLL_OFS_X", "FOLL_OFS_Y", "FOLL_OFS_Z")
-#: FOLL_OFS_TYPE, FOLL_ALT_TYPE and FOLL_YAW_BEHAVE.
+#: Values of FOLL_OFS_TYPE, FOLL_ALT_TYPE and FOLL_YAW_BEHAVE.
 _RELATIVE_OFFSET: Final = 1
 _RELATIVE_ALTITUDE: Final = 1
 _FACE_LEADER: Final = 1
 #: Bits of `est_capabilities` of FOLLOW_TARGET.
 _HAS_POSITION, _HAS_VELOCITY, _HAS_ATTITUDE = 1, 2, 8
 _UNKNOWN_HEADING: Final = 36_000
-#: A copter brakes for its slot with a half of its accelerations; the gain of its position controller.
+#: Share of a copter's acceleration that braking uses, gain of its position controller in 1/s, and its
+#: vertical acceleration in m/s2.
 _BRAKING_SHARE: Final = 0.5
 _POSITION_GAIN: Final = 1.0
 _CLIMB_ACCELERATION: Final = 1.0
-#: m/s below which a rover stops, and a copter does not turn along its flight.
+#: Speeds in m/s: a rover stops below the first, a copter turns its nose along its flight above the second.
 _ROVER_STOPS_BELOW: Final = 0.03
 _TURNS_ABOVE: Final = 1.0
 _FACES_BEYOND: Final = 1.0
@@ -180,7 +182,7 @@ class Leader(Service):
             heading = atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
         return LeaderReport(place, (north, east, down), heading, now)
 
-    # Use
+    # Guidance
 
     def slot(self, now: float) -> tuple[LeaderReport, Point, Point] | None:
         """Return the leader, where it is now and where this vehicle should be; None without an estimate."""

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 REPORT_INTERVAL: Final = 1.0
-#: Bytes that wait for a request.
+#: Maximum bytes of the receiver's output that wait for a client; the oldest are dropped.
 MAX_WAITING: Final = 1024
 
 

@@ -20,7 +20,7 @@ from mavstack.sim.vehicle_types import VehicleType
 if TYPE_CHECKING:
     from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
-#: Seconds between two checks, and the distance in metres that the vehicle must have moved, by type.
+#: By vehicle type: seconds between two checks, and the distance in metres that the vehicle must have moved.
 _RULES: Final = {
     VehicleType.PLANE: (5.0, 0.0),
     VehicleType.VTOL: (5.0, 0.0),

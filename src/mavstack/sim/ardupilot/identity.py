@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 
 
 VERSION: Final = FirmwareVersion(4, 6, 3)
-#: An invented commit hash, because this is not a build of ArduPilot.
+#: Invented commit hashes, because this is not a build of ArduPilot.
 GIT_HASH: Final = "51a17d00"
 _OPERATING_SYSTEM_HASH: Final = "51a17c05"
-#: Board type of simulated hardware.
+#: The board type that ArduPilot's own simulator reports.
 _BOARD: Final = 3
-#: USB ids of a board that is not simulated as a program.
+#: USB ids that a vehicle with a simulated board (`board_id`) reports.
 _USB_VENDOR, _USB_PRODUCT = 0x1209, 0x5740
 
 _CAPABILITY = common.MavProtocolCapability
@@ -41,7 +41,7 @@ _CAPABILITIES: Final = (
     | _CAPABILITY.PARAM_ENCODE_C_CAST
     | _CAPABILITY.SET_ATTITUDE_TARGET
 )
-#: ArduPlane follows no setpoints in local metres.
+#: Vehicle types that ignore SET_POSITION_TARGET_LOCAL_NED, because ArduPlane does.
 _WINGED: Final = frozenset({VehicleType.PLANE, VehicleType.VTOL})
 _FIRMWARES: Final[Mapping[VehicleType, str]] = MappingProxyType(
     {

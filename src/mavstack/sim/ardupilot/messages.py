@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 _RESULT = common.MavMissionResult
-#: Minimum seconds between banners, which are sent to a client that requests all parameters.
+#: Minimum interval in seconds between two banners; a client that requests all parameters gets a banner.
 _BANNER_INTERVAL = 10.0
 _MAX_LATITUDE, _MAX_LONGITUDE = 900_000_000, 1_800_000_000
 

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from mavstack.sim.ardupilot.failsafes.firmware import ModeFailure
     from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
-#: Pulses in microseconds: limits of the six flight mode positions, and of three-position switches.
+#: Pulse widths in microseconds: the limits between the six positions of the flight mode switch, and the
+#: limits of the low and high position of other switches.
 _POSITION_LIMITS: Final = (1230, 1360, 1490, 1620, 1749)
 _LOW_BELOW, _HIGH_ABOVE = 1200, 1800
 _MIN_PULSE, _MAX_PULSE = 900, 2200
@@ -32,7 +33,7 @@ class ModeSwitch:
         prefix = "FLTMODE" if "FLTMODE_CH" in self._parameters else "MODE"
         self._channel = f"{prefix}_CH"
         self._modes = tuple(f"{prefix}{number}" for number in range(1, 7))
-        #: Position of each channel's switch, and the channels at the last check.
+        #: Switch position of each channel, and the pulse widths of all channels at the last check.
         self._positions: dict[int, int] = {}
         self._last_channels: tuple[int, ...] = ()
 

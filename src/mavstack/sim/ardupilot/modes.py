@@ -228,7 +228,7 @@ MODE_ROLES: Final[Mapping[VehicleType, ModeRoles]] = MappingProxyType(
         ),
     }
 )
-#: Modes by bit of FLTMODE_GCSBLOCK, which blocks mode changes by ground stations.
+#: Modes in the order of the bits of FLTMODE_GCSBLOCK, which forbids ground stations to enter them.
 BLOCKABLE: Final[Mapping[VehicleType, tuple[int, ...]]] = MappingProxyType(
     {VehicleType.COPTER: (0, 1, 2, 3, 4, 5, 7, 11, *range(13, 29))}
 )

@@ -16,16 +16,16 @@ if TYPE_CHECKING:
 
 _INFO: Final = common.MavSeverity.INFO
 _STATUS_INTERVAL: Final = 0.5
-#: The pilot raises the throttle to the half within this time, in seconds.
+#: Seconds in which the simulated pilot raises the throttle from zero to `_HALF_THROTTLE`.
 _THROTTLE_TIME: Final = 5.0
 _HALF_THROTTLE: Final = 0.5
-#: The compensation is updated above this throttle; without it the calibration fails.
+#: The calibration succeeds only if the throttle was raised above this share.
 _MIN_THROTTLE: Final = 0.05
-#: Amperes and percent of interference at full throttle.
+#: Current in amperes, and interference in percent, at full throttle.
 _CURRENT, _INTERFERENCE = 40.0, 24.0
 ESC_PARAMETER: Final = "ESC_CALIBRATION"
 _AUTOMATIC: Final = 3
-#: The time in which the pilot connects the battery again, in seconds.
+#: Seconds after which the simulated pilot reconnects the battery, which reboots the vehicle.
 _POWER_CYCLE_TIME: Final = 5.0
 
 
@@ -34,7 +34,7 @@ class CompassMotorCalibration:
 
     def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self._autopilot = autopilot
-        #: Start of the calibration; None if it does not run.
+        #: Time at which the calibration started; None if no calibration runs.
         self.started: float | None = None
         self._throttle = 0.0
         self._due = 0.0

@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 _CMD, _RESULT = ardupilotmega.MavCmd, common.MavResult
 _VTOL = common.MavVtolState
 _MAX_ALTITUDE: Final = 83_000.0
-#: Distance in metres of the point that a guided heading flies to.
+#: A guided heading is flown as a line to a point this many metres ahead.
 _FAR_AHEAD: Final = 100_000.0
-#: The version of ArduPlane whose DO_REPOSITION has a radius.
+#: The first version of ArduPlane that reads a radius from DO_REPOSITION.
 _WITH_RADIUS: Final = (4, 3)
 _MAX_SYSTEM: Final = 255
-#: HEADING_TYPE_DEFAULT.
+#: The heading type HEADING_TYPE_DEFAULT.
 _HEADING_DEFAULT: Final = 2
 
 

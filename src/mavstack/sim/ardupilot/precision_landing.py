@@ -28,7 +28,8 @@ _ENABLED: Final = "PLND_ENABLED"
 _TYPE: Final = "PLND_TYPE"
 _MAVLINK: Final = 1
 _RAW: Final = 0
-#: Seconds of reports until the target is used, the longest gap until then, and the gap that loses it.
+#: In seconds: reports are needed for the first time until the target is used; a gap longer than the second
+#: restarts this initialisation; a gap longer than the third loses a target in use.
 _INIT_TIME: Final = 2.0
 _INIT_GAP: Final = 0.5
 _TIMEOUT: Final = 2.0
@@ -61,7 +62,7 @@ class PrecisionLanding:
     def __init__(self, vehicle: SimulatedVehicle) -> None:
         self._vehicle = vehicle
         self._target = vehicle.engine.add(LandingTarget(vehicle, self._read))
-        #: The time at which the target was found; None while it is not seen.
+        #: The time at which the target was found; None while there are no reports of a target.
         self._found_at: float | None = None
         self._acquired = False
         self._refused_frame = False

@@ -50,10 +50,11 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle import SimulatedVehicle
 
 _ALTITUDE_ONLY = 3
-#: The first version of ArduRover that reports an altitude above home here; 4.1 has one above the sea there.
+#: The first version of ArduRover that reports the altitude above home; older versions report the altitude
+#: above the sea instead.
 _ROVER_HEIGHT = (4, 2)
 _WITH_YAW_CONTROL = frozenset({VehicleType.COPTER, VehicleType.SUB})
-#: The MAV_TYPE of a quadplane; 0 for that of a plane.
+#: The parameter with the MAV_TYPE of a quadplane; the value 0 means the MAV_TYPE of a plane.
 _QUADPLANE_TYPE = "Q_MAV_TYPE"
 _WITH_AVOIDANCE = frozenset({VehicleType.COPTER, VehicleType.ROVER, VehicleType.BOAT})
 _WITH_RETURN_PATH = frozenset({VehicleType.COPTER, VehicleType.ROVER, VehicleType.BOAT})

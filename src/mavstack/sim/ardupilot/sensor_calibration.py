@@ -20,15 +20,15 @@ if TYPE_CHECKING:
 
 _POSITIONS: Final = ("level", "on its LEFT side", "on its RIGHT side", "nose DOWN", "nose UP", "on its BACK")
 _SUCCESS: Final = int(ardupilotmega.AccelcalVehiclePos.SUCCESS)
-#: The COMMAND_ACK of an older ground station has a command up to this one, and this result.
+#: Older ground stations confirm a position by a COMMAND_ACK with a command up to this number and this result.
 _MAX_ACK_COMMAND, _ACK_RESULT = 6, int(common.MavResult.TEMPORARILY_REJECTED)
 _STATUS = ardupilotmega.MagCalStatus
 _REQUEST_INTERVAL = 1.0
-#: Seconds in which a position is measured.
+#: Seconds for which the accelerometers are measured in one position.
 _SAMPLING_TIME = 0.5
 _COMPASS_TIME = 10.0
 _PROGRESS_INTERVAL = 0.5
-#: Percent at the end of the first step and of the second.
+#: Progress in percent at the end of the first and of the second step of the compass calibration.
 _FIRST_STEP, _SECOND_STEP = 33, 99
 _FITNESS, _SCALE = 5.0, 1.0
 _COMPASSES = 0b1
@@ -39,23 +39,23 @@ class Calibrations:
 
     def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self._autopilot = autopilot
-        #: Requested accelerometer position, 1 to 6; 0 for none.
+        #: Requested position of the vehicle in the accelerometer calibration, 1 to 6; 0 if none is requested.
         self.position = 0
-        #: The end of the measurement of the position; None while it is waited for.
+        #: Time at which the measurement in the present position ends; None until the position is confirmed.
         self._measured_at: float | None = None
         self._uses_texts = True
-        #: The ground station whose COMMAND_ACK is awaited.
+        #: The ground station that has to confirm the position by a COMMAND_ACK.
         self._awaited: Address | None = None
         self._starter: Address | None = None
         #: True once the accelerometers have been calibrated.
         self._succeeded = False
-        #: Start of the compass calibration; None if not running.
+        #: Time at which the compass calibration started; None if no calibration runs.
         self.compass_started: float | None = None
-        #: True if a compass calibration waits for acceptance.
+        #: True if the result of a compass calibration waits for DO_ACCEPT_MAG_CAL.
         self.compass_ready = False
         self._auto_accept = False
         self._due = 0.0
-        #: True if the last compass calibration is reported.
+        #: True while MAG_CAL_REPORT of the last compass calibration is sent repeatedly.
         self._reporting = False
 
     # Accelerometers
@@ -124,7 +124,7 @@ class Calibrations:
         self._reporting = False
         self.compass_started, self.compass_ready = None, False
 
-    # Time
+    # Periodic update
 
     def tick(self, now: float) -> None:
         """Repeat the request or the result, and report progress."""

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 LOW, MIDDLE, HIGH = range(3)
-#: Functions that enter a mode at the high position.
+#: Names of the modes that a switch enters at its high position, by the value of RCx_OPTION.
 _MODES: Final[Mapping[int, tuple[str, ...]]] = MappingProxyType(
     {
         4: ("RTL",),

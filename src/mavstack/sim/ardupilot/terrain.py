@@ -30,11 +30,12 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle import SimulatedVehicle
 
 _WAYPOINTS: Final = frozenset({common.MavCmd.NAV_WAYPOINT, common.MavCmd.NAV_SPLINE_WAYPOINT})
-#: Distance of the neighbours whose blocks are wanted, as a share of a block.
+#: Blocks are requested for points this far from the vehicle in each direction, as a share of a block's size.
 _NEIGHBOUR: Final = 0.7
-#: Distance of the four points around a waypoint, in points of the grid along each axis.
+#: Blocks are also requested for four points around a waypoint, this many grid points away along each axis.
 _AROUND_WAYPOINT: Final = 7
-#: Blocks that are wanted for the mission and the rally points, so that those around the vehicle find room.
+#: Maximum number of blocks for the mission and the rally points, so that the table has room for the blocks
+#: around the vehicle.
 _MAX_PLANNED: Final = 512
 _SPACING: Final = "TERRAIN_SPACING"
 _DOWNLOAD_DISABLED: Final = 1
@@ -73,7 +74,7 @@ class WantedTerrain:
 
     def __init__(self, autopilot: SimulatedAutopilot, terrain: TerrainMap) -> None:
         self._autopilot, self._terrain = autopilot, terrain
-        #: The mission and the rally points that `_planned` was computed for, and the spacing.
+        #: The mission, the rally points and the grid spacing for which `_planned` was computed.
         self._plans: tuple[object, object, int] = (None, None, 0)
         self._planned: list[Position] = []
 
@@ -115,7 +116,7 @@ class WantedTerrain:
 def _around_waypoints(items: tuple[MissionItem, ...], spacing: int) -> Iterator[Position]:
     """Yield each waypoint and four points around it."""
     aside = _AROUND_WAYPOINT * spacing
-    waypoints = tuple(item for item in items[1:] if item.command in _WAYPOINTS)  # without home
+    waypoints = tuple(item for item in items[1:] if item.command in _WAYPOINTS)  # item 0 is home
     for position in _places(waypoints):
         yield position
         for north, east in ((aside, aside), (-aside, aside), (-aside, -aside), (aside, -aside)):

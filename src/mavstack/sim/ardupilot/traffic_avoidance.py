@@ -20,16 +20,17 @@ if TYPE_CHECKING:
 
 _ACTION, _THREAT = common.MavCollisionAction, common.MavCollisionThreatLevel
 _COPTER = ardupilotmega.CopterMode
-#: Seconds between two reports, and until a lower level counts.
+#: In seconds: the interval of the reports, and the time until a lower threat level is accepted.
 INTERVAL: Final = 1.0
 RECOVERY_TIME: Final = 2.0
-#: Defaults of a copter: seconds, metres over the ground, metres of height.
+#: Defaults of a copter: times in seconds, horizontal (XY) and vertical (Z) distances in metres.
 _DEFAULTS: Final = {
     "AVD_W_TIME": 30.0, "AVD_W_DIST_XY": 300.0, "AVD_W_DIST_Z": 300.0,
     "AVD_F_TIME": 30.0, "AVD_F_DIST_XY": 100.0, "AVD_F_DIST_Z": 100.0,
     "AVD_F_ACTION": 1.0, "AVD_F_RCVRY": 2.0, "AVD_F_ALT_MIN": 0.0,
 }  # fmt: skip
-#: AVD_F_RCVRY: stay, the mode before, RTL, AUTO again or else LOITER.
+#: Values of AVD_F_RCVRY: 0 stays in the mode, 1 enters the mode before the avoidance, 2 enters RTL, others
+#: enter AUTO if it was active before, else LOITER.
 _STAY, _RESUME, _RETURN = 0, 1, 2
 _RESTING: Final = 0.1
 
@@ -135,7 +136,8 @@ class TrafficAvoidance:
         squared = contact.velocity_north**2 + contact.velocity_east**2
         along = (north * contact.velocity_north + east * contact.velocity_east) / max(squared, 1.0)
         north, east = north - along * contact.velocity_north, east - along * contact.velocity_east
-        if hypot(north, east) < _RESTING:  # it comes straight on: to its right
+        # On a head-on course: move to the right, seen from the vehicle towards the aircraft.
+        if hypot(north, east) < _RESTING:
             north, east = contact.velocity_east, -contact.velocity_north
         length = max(hypot(north, east), _RESTING)
         sideways = limits.speed * north / length, limits.speed * east / length

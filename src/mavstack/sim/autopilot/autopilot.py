@@ -37,12 +37,12 @@ if TYPE_CHECKING:
 
 #: Time from power-on until the sensors are settled and the position is known, in seconds.
 BOOT_TIME = 2.0
-#: A vehicle on the ground that is slower than this, in m/s, is at rest.
+#: Speed in m/s below which a vehicle on the ground is at rest.
 _AT_REST = 0.3
 #: Time at rest until the vehicle counts as landed, in seconds.
 _LANDED_AFTER = 0.5
 
-#: Plain integers, because the flags are combined on each tick.
+#: These flags are plain integers, because integers are faster to combine on each tick than enum members.
 _CUSTOM, _ARMED = int(common.MavModeFlag.CUSTOM_MODE_ENABLED), int(common.MavModeFlag.SAFETY_ARMED)
 _LANDED = common.MavLandedState
 
@@ -68,7 +68,8 @@ class SimulatedAutopilot:
         self.home: Home | None = None
         #: True if home was set by a command, so that arming does not move it.
         self.home_locked = False
-        #: The point that the vehicle flies to or circles, in local metres; for telemetry.
+        #: The point that the vehicle flies to or circles, in local metres (north, east, down); read by the
+        #: telemetry.
         self.target: tuple[float, float, float] | None = None
         self.payload = Payload(self)
         self.tasks = Tasks(vehicle)
@@ -87,13 +88,15 @@ class SimulatedAutopilot:
         self.landed = True
         #: True if there was a position fix since the boot.
         self._located = False
-        #: The estimates of a companion computer; None if the parameters leave them out.
+        #: Receives position estimates of a companion computer; None if the parameters disable external
+        #: estimates.
         self.vision: ExternalVision | None = None
-        #: The obstacles that a companion computer reports; None if the firmware does not take them.
+        #: Receives obstacles that a companion computer reports; None if the firmware does not accept them.
         self.obstacle_input: ObstacleInput | None = None
-        #: The place to land on that a companion computer reports; None if the firmware has no mode for it.
+        #: Receives the landing target that a companion computer reports; None if the firmware has no mode for
+        #: it.
         self.landing_target: LandingTarget | None = None
-        #: Returns the place on which a landing vehicle descends; None: where it is.
+        #: Returns the place onto which a landing vehicle descends; None to descend at the present place.
         self.landing_aim: Callable[[], LandingAim | None] = lambda: None
         #: True if a client set the origin of the local frame.
         self.has_origin = False
@@ -140,7 +143,7 @@ class SimulatedAutopilot:
         """True while the position estimate is good."""
         return self._located and self.booted and self.body.health.horizontal
 
-    # Time
+    # Periodic update
 
     def tick(self, now: float) -> None:
         """Run the watches and the behaviour once, at the time `now`."""
@@ -247,7 +250,7 @@ class SimulatedAutopilot:
         self.target = None
         if (
             isinstance(script, GeneratorType) and not script.gi_running
-        ):  # the script itself may have ended the behaviour
+        ):  # a running generator cannot be closed, as when the script itself ends the behaviour
             script.close()
 
     # Arming

@@ -16,16 +16,18 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
-#: Share of the maximum acceleration that braking before an obstacle uses.
+#: Share of the maximum acceleration that is used to brake before an obstacle.
 _BRAKING: Final = 0.35
-#: Maximum speed in m/s for each metre to the margin, so that the last metre is flown gently.
+#: Maximum speed in m/s for each metre that is left to the margin; it slows the vehicle in the last metres.
 _GAIN: Final = 0.5
-#: Seconds until a demand takes effect.
+#: Seconds that the vehicle needs to react to a demand.
 _DELAY: Final = 0.4
 _MIN_SPEED: Final = 0.01
-#: Metres by which a target must lie beyond the margin.
+#: The vehicle stops before an obstacle only if the target is at least this many metres farther than the
+#: margin around the obstacle.
 _BEYOND: Final = 0.5
-#: Courses that are tried, in degrees from the straight one, and the advantage of the side of the last one.
+#: Turns from the direct course that are tried, in degrees, and the preference in degrees for the side of the
+#: last turn.
 _TURNS: Final = tuple(range(5, 171, 5))
 _SAME_SIDE: Final = 30
 
@@ -84,7 +86,7 @@ class PathAround:
         lookahead: Callable[[], float],
     ) -> None:
         self._autopilot, self._margin, self._lookahead = autopilot, margin, lookahead
-        #: The target behind the obstacles, and the point to which the vehicle flies instead.
+        #: The target behind the obstacles, and the intermediate point to which the vehicle flies first.
         self._goal: Point | None = None
         self._via: Point | None = None
         self._side = 0
@@ -93,7 +95,7 @@ class PathAround:
         """Turn aside if the way to the target is blocked nearby, and back when it is free."""
         autopilot, margin = self._autopilot, self._margin()
         if self._goal is not None and autopilot.target != self._via:
-            self._goal = self._via = None  # a new target was set
+            self._goal = self._via = None  # another command changed the target
         target = self._goal or autopilot.target
         if margin is None or target is None or not autopilot.armed:
             return

@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.maneuvers import Point
 
 _F = common.MavFrame
-#: Frames by the reference of their altitude.
+#: Frames grouped by the reference of their altitude.
 ABOVE_SEA = frozenset({_F.GLOBAL, _F.GLOBAL_INT})
 ABOVE_HOME = frozenset({_F.GLOBAL_RELATIVE_ALT, _F.GLOBAL_RELATIVE_ALT_INT})
 GLOBAL = ABOVE_SEA | ABOVE_HOME | ABOVE_GROUND
 LOCAL = frozenset({_F.LOCAL_NED, _F.LOCAL_OFFSET_NED})
 
 _LATITUDE, _LONGITUDE = 90.0, 180.0
-#: Bounds of a destination, in metres.
+#: Maximum horizontal distance and altitude of a destination, in metres.
 _FAR, _HIGH = 2.0e6, 1.0e5
 
 

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 RTK_FLOAT, RTK_FIXED = 5, 6
-#: Seconds of observations until the fix is fixed.
+#: Seconds of corrections until the fix is RTK fixed.
 FIXING_TIME: Final = 10.0
-#: Seconds without observations after which the fix is float, and 3D.
+#: Seconds without corrections after which the fix is RTK float, and after which it is 3D.
 FLOAT_AGE: Final = 5.0
 MAX_AGE: Final = 30.0
 

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.maneuvers import Point
     from mavstack.sim.autopilot.payload import Payload
 
-#: Step of the yaw towards a region of interest, in radians.
+#: The yaw follows a region of interest in steps of this size, in radians.
 _TURN = pi / 90
-#: Steps in which a line follows the terrain, in metres.
+#: The altitude of a line that follows the terrain is rounded to multiples of this many metres.
 _FOLLOWED = 0.25
 _TURNS_ON_THE_SPOT = frozenset({VehicleType.COPTER, VehicleType.VTOL, VehicleType.SUB})
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 _IGNORE = common.GpsInputIgnoreFlags
 _UNKNOWN_16, _UNKNOWN_8 = 65_535, 255
-#: A larger error is sent as unknown.
+#: An error above this, in metres, is sent as unknown.
 _MAX_ERROR = 655.35
 
 

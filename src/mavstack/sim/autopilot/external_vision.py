@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 KINDS: Final = (
     common.Odometry, common.VisionPositionEstimate, common.VisionSpeedEstimate, common.AttPosMocap,
 )  # fmt: skip
-#: Metres by which a position may differ from the estimate, and seconds of rejections until it counts.
+#: A position that differs by more metres from the estimate is rejected; after this many seconds of rejections
+#: it is accepted.
 GATE: Final = 2.0
 RESET_AFTER: Final = 1.0
 
@@ -91,9 +92,9 @@ class ExternalVision(Service):
         self._due: float | None = None
         self._reset_counter: int | None = None
         self._rejected_since: float | None = None
-        #: True while a position is used.
+        #: True while the estimator uses external positions.
         self.aids_position = False
-        #: The time of the last estimate that was taken, Unix seconds; None before the first.
+        #: Time of the last accepted estimate, in Unix seconds; None before the first one.
         self.received_at: float | None = None
         self._body.aid(Aid())
 
@@ -137,7 +138,8 @@ class ExternalVision(Service):
             position = _turned(position, here.yaw - estimate.yaw)
         horizontal = position[:2] if position is not None and use.position else None
         if horizontal is None and use.velocity and estimate.has_velocity:
-            horizontal = here.north, here.east  # velocities keep the position from drifting away
+            # External velocities prevent position drift, so the present position is correct.
+            horizontal = here.north, here.east
         down = position[2] if position is not None and use.height else None
         yaw = estimate.yaw if use.heading else None
         aid = Aid(horizontal, down, yaw)

@@ -25,7 +25,7 @@ class FenceLimits:
     highest: float = inf
     lowest: float = -inf
     radius: float = inf
-    #: True if being inside any of the inclusion shapes is enough.
+    #: True if it is enough to be inside one of the inclusion shapes.
     union: bool = False
-    #: A distance to an edge of less than this counts as a breach.
+    #: A distance to an edge below this, in metres, counts as a breach.
     margin: float = 0.0

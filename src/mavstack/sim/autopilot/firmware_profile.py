@@ -32,13 +32,13 @@ class Mode:
     #: HEARTBEAT's `base_mode` without the armed and custom bits.
     flags: int = _FLAGS.STABILIZE_ENABLED
     needs_position: bool = True
-    #: True if the pilot's sticks fly the mode, so that it cannot continue without them.
+    #: True if the pilot's sticks fly the vehicle in this mode, so that the mode cannot continue without them.
     manual_control: bool = False
     #: True if the vehicle may be armed in the mode.
     may_arm: bool = True
-    #: The `custom_mode` that follows when the behaviour ends; None: the mode stays.
+    #: The `custom_mode` that is entered when the behaviour of this mode ends; None: the mode is not left.
     then: int | None = None
-    #: The mode's name, where AVAILABLE_MODES has none because it is a standard mode.
+    #: The mode's name for standard modes, which have no name in AVAILABLE_MODES.
     label: str = ""
 
     @property
@@ -63,7 +63,7 @@ class FirmwareProfile(ABC):
     version: FirmwareVersion
     #: All modes, in the order in which they are listed.
     modes: Sequence[Mode]
-    #: `custom_mode` of the modes that behaviours and failsafes enter by their purpose.
+    #: `custom_mode` of the modes that behaviours and failsafes enter, named by purpose.
     initial: int
     hold: int
     guided: int
@@ -72,9 +72,10 @@ class FirmwareProfile(ABC):
     land: int
     #: True if the vehicle has a radio-control transmitter.
     transmitter = True
-    #: True if GLOBAL_POSITION_INT holds the altitude above the sea in place of the one above home.
+    #: True if GLOBAL_POSITION_INT reports the altitude above the sea in `relative_alt`, as ArduRover before
+    #: 4.2.
     reports_no_height = False
-    #: The text in front of the reason why a mode cannot be entered.
+    #: The beginning of the status text that explains why a mode cannot be entered.
     refusal = "Mode refused: "
 
     @abstractmethod

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from mavstack.sim.motion import Body
     from mavstack.sim.parameters import Parameters
 
-#: Limit of the body that a parameter sets, and the parameter's unit.
+#: By parameter: the limit of the body that the parameter sets, and the factor from its unit to SI units.
 Limits: TypeAlias = Mapping[str, tuple[str, float]]
 _Value = TypeVar("_Value")
 
@@ -49,7 +49,7 @@ def from_parameter(
 class FlightParameters:
     """The flight parameters of one vehicle; each firmware computes them from its own parameters."""
 
-    #: Limits of the body by parameter.
+    #: The limits of the body that parameters set.
     limits: ClassVar[Limits] = MappingProxyType({})
 
     #: Default altitude of a takeoff, in metres above the ground.
@@ -68,11 +68,11 @@ class FlightParameters:
     loiter_radius: float
     #: Altitude of the return, in metres above home; -infinity keeps the current altitude.
     return_altitude: float
-    #: Wait above home before the landing, in seconds; infinity stays there.
+    #: Seconds of waiting above home before the landing; infinity never lands.
     return_loiter_time: float
-    #: Time that a velocity setpoint is flown if it is not repeated, in seconds.
+    #: Seconds for which a velocity setpoint is flown if no other setpoint follows.
     setpoint_timeout: float
-    #: Time from landing to disarming, in seconds; infinity never disarms.
+    #: Seconds from the landing to disarming; infinity never disarms.
     disarm_delay: float
 
     # Manual flight
@@ -90,13 +90,15 @@ class FlightParameters:
 
     #: Height above the ground below which the vehicle descends at `land_speed`, in metres.
     land_slow_altitude: float
-    #: Time from the touchdown of a landing to disarming, in seconds; other modes use `disarm_delay`.
+    #: Seconds from touchdown to disarming in landing modes; other modes use `disarm_delay`.
     land_disarm_delay: float
-    #: Altitude of the wait above home, in metres above home; infinity keeps the return altitude.
+    #: Altitude at which the vehicle waits above home, in metres above home; infinity keeps the return
+    #: altitude.
     return_descend_altitude: float
-    #: Climb of a return near home, as altitude over distance; 0 climbs to `return_altitude`.
+    #: Slope (altitude over distance) of the climb of a return near home; 0 always climbs to
+    #: `return_altitude`.
     return_cone_slope: float
-    #: Height over distance of a wing's final approach.
+    #: Slope (height over distance) of a wing's final approach.
     glide_slope: float
     #: Height above the ground where a landing wing raises its nose, in metres.
     flare_altitude: float
@@ -105,20 +107,20 @@ class FlightParameters:
 
     #: Radius of the circle or orbit mode, in metres; negative means counter-clockwise.
     circle_radius: float
-    #: True if the circle mode circles the current position, not a point one radius ahead.
+    #: True if the centre of the circle mode is the current position, False if it is one radius ahead.
     circles_where_it_is: bool
-    #: Speed along the circle of that mode, in m/s; wings fly at their cruise speed.
+    #: Speed along the circle in the circle mode, in m/s; wings fly at their cruise speed.
     circle_speed: float
 
     # Guided flight
 
     #: The frames that SET_POSITION_TARGET_LOCAL_NED may use; setpoints in other frames are ignored.
     setpoint_frames: frozenset[int]
-    #: False if only the altitude of position setpoints is followed, as by ArduPlane.
+    #: False if only the altitude of position setpoints is followed, as ArduPlane does.
     follows_positions = True
     #: True if the thrust of an attitude setpoint means a climb rate (0.5 holds the altitude).
     thrust_is_climb: bool
-    #: Distance beyond which a hovering VTOL flies forward, in metres; infinity never.
+    #: Distance in metres beyond which a hovering VTOL changes to forward flight; infinity: never.
     forward_beyond: float
 
     def __init__(self, parameters: Parameters) -> None:

@@ -28,7 +28,8 @@ NOTHING: Axes = (None, None, None)
 #: Frames with axes forward and right, and frames with positions relative to the vehicle.
 _TURNED = frozenset({_F.BODY_NED, _F.BODY_OFFSET_NED, _F.BODY_FRD, _F.LOCAL_FRD})
 _FROM_HERE = frozenset({_F.LOCAL_OFFSET_NED, _F.BODY_NED, _F.BODY_OFFSET_NED, _F.BODY_FRD})
-#: Bounds of setpoints: metres, metres, m/s.
+#: Maximum of a setpoint: horizontal distance in metres, altitude in metres, velocity and acceleration (m/s,
+#: m/s2).
 _FAR, _HIGH, _FAST = 2.0e6, 1.0e5, 100.0
 
 
@@ -211,7 +212,7 @@ class GuidedFlight:
             return self._autopilot.body.frame.altitude - altitude
         if above == _F.GLOBAL_RELATIVE_ALT:
             return self._autopilot.home_position[2] - altitude
-        return -altitude  # the ground is level
+        return -altitude  # the ground is level, so altitudes above the terrain count from the local origin
 
 
 def _sum(value: float | None, other: float) -> float | None:

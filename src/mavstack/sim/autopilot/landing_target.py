@@ -49,7 +49,7 @@ class LandingTarget(Service):
     ) -> None:
         super().__init__(vehicle.address)
         self._read = read
-        #: The place in local metres; None before the first report.
+        #: The position of the target in local metres; None before the first report.
         self.place: Point | None = None
         #: The time of the last report.
         self.received_at = -inf

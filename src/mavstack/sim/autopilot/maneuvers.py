@@ -22,26 +22,26 @@ Point: TypeAlias = tuple[float, float, float]
 #: Altitude error at which an altitude counts as reached, in metres.
 _ALTITUDE_REACHED = 1.0
 _WING_ALTITUDE_REACHED = 8.0
-#: Length of a wing's line without a target, in metres.
+#: Without a target a wing flies a line of this length straight ahead, in metres.
 _AHEAD = 2000.0
-#: Share of the maximum acceleration that a planned stop uses.
+#: Share of the maximum acceleration that is used to brake before a planned stop.
 _BRAKING = 0.6
 
 
 class Maneuvers:
     """Maneuvers of a vehicle that stops at its target: copter, sub, VTOL in hover."""
 
-    #: True if the vehicle circles to hold a position.
+    #: True for vehicles that circle to hold a position.
     circles = False
 
     def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self.autopilot = autopilot
         self.body = autopilot.body
-        #: The speed chosen by a command or mission item, in m/s; None: the flight parameters.
+        #: The speed in m/s that a command or mission item set; None to use the flight parameters.
         self.speed: float | None = None
         self.climb: float | None = None
         self.sink: float | None = None
-        #: The yaw chosen by a command or mission item, in radians; None: free.
+        #: The yaw in radians that a command or mission item set; None if the yaw is free.
         self.yaw: float | None = None
         self._repeat: Callable[[], None] = lambda: None
 

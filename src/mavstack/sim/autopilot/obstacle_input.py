@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.wire import Packet
 
-#: Seconds after which a report is discarded.
+#: Seconds after which a report of obstacles is discarded.
 MAX_AGE: Final = 1.0
 _CENTIMETRES: Final = 100.0
 

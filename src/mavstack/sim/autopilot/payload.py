@@ -22,7 +22,7 @@ SERVOS = 16
 RELAYS = 6
 _NEUTRAL = 1500
 _HIGHEST_RATE = 10.0
-#: The speed of a winch that runs by length, in m/s.
+#: The speed in m/s at which a winch unwinds to a given length.
 _WINCH_SPEED = 1.0
 
 
@@ -60,23 +60,23 @@ class Payload:
 
     def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self._autopilot = autopilot
-        #: Commanded PWM by servo number from 1.
+        #: Commanded PWM in microseconds, by servo number (from 1).
         self.servos: dict[int, int] = {}
         self.relays: dict[int, bool] = {}
         self.gripper_closed = False
         self.parachute_enabled = False
         self.parachute_released = False
         self.sprayer = False
-        #: Length of the unwound line, in metres, and the speed at which it is paid out, in m/s.
+        #: Length of the unwound line in metres, and the unwinding speed in m/s.
         self.winch, self.winch_speed = 0.0, 0.0
-        #: Takes a picture with the vehicle's camera component; None if it has none.
+        #: Takes a picture with the vehicle's camera component; None if the vehicle has no camera.
         self.trigger: Callable[[], None] | None = None
         self.images = 0
         self.recording = False
         self.zoom = 0.0
         self.focus = 0.0
         self.gimbal = Gimbal()
-        #: The motor under test, 0 for none, and its throttle from 0 to 1.
+        #: The number of the motor under test (0 if none is tested), and its throttle from 0 to 1.
         self.motor_tested, self.motor_throttle = 0, 0.0
         self.motor_tested_until = -inf
         #: The point that the nose or the gimbal looks at, in local metres.
@@ -216,7 +216,7 @@ class Payload:
         """Point the gimbal ahead."""
         self.region_of_interest, self.gimbal = None, Gimbal()
 
-    # Time
+    # Periodic update
 
     def tick(self, now: float) -> None:
         """Run the repeated actions, and point at the region of interest."""

@@ -49,19 +49,19 @@ class RadioControl:
         self._vehicle = vehicle
         self._may_steer = may_steer
         self._hovers_at_middle = vehicle.vehicle_type is VehicleType.SUB or vehicle.vehicle_type.on_surface
-        # ArduPilot's channel 2 is low for a pulled stick, PX4's is high
+        # a pulled pitch stick is a low pulse on channel 2 for ArduPilot, and a high pulse for PX4
         self._pulled = 1.0 if vehicle.firmware is Firmware.ARDUPILOT else -1.0
-        #: True if there is a transmitter; `switched_on` if it transmits.
+        #: True if there is a transmitter; `switched_on` is True while it transmits.
         self.has_transmitter = transmitter
         self.switched_on = transmitter and "radio" not in vehicle.faults.active
         self._own = [MIDDLE] * 4 + [HIGH - 200] * 4 + [0] * (CHANNELS - 8)
         if not self._hovers_at_middle:
             self._own[THROTTLE] = LOW
-        #: True if there was any input since the boot.
+        #: True if there was any input since boot.
         self.was_present = self.switched_on
         self._overridden: dict[Address, dict[int, int]] = {}
         self._inputs: dict[Address, ManualInput] = {}
-        #: Time of the last input over the link.
+        #: Time of the last input that came over MAVLink (RC_CHANNELS_OVERRIDE or MANUAL_CONTROL).
         self.received_at = vehicle.now if self.switched_on else float("-inf")
         vehicle.on_event(OverrideReceived, self._override)
         vehicle.on_event(OverrideLost, lambda event: self._release(event.source))

@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.maneuvers import Point
 
 _F = common.MavFrame
-#: Frames whose altitudes count from the terrain.
+#: Frames whose altitudes are above the terrain.
 ABOVE_GROUND: Final = frozenset({_F.GLOBAL_TERRAIN_ALT, _F.GLOBAL_TERRAIN_ALT_INT})
-#: Spacing in metres and number of tiles that are reported of the flat ground: nine blocks.
+#: TERRAIN_REPORT of flat ground: grid spacing in metres, and number of loaded tiles (nine blocks of 56).
 _FLAT_SPACING, _FLAT_TILES = 100, 504
 _MAX_TILES: Final = 65_535
-#: Minimum length in metres of a line along which the height above the terrain changes gradually.
+#: Minimum length in metres of a line, so that the share of the line that is left can be computed.
 _MIN_LINE: Final = 1.0
 
 

@@ -13,10 +13,11 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.wire import Packet
 
-#: Aircraft that are kept, and seconds after which one is discarded.
+#: Maximum number of aircraft in the table, and seconds after which an aircraft is discarded.
 MAX_AIRCRAFT: Final = 25
 MAX_AGE: Final = 60.0
-#: Seconds between two reports of an aircraft to ground stations, and after which it is not reported.
+#: In seconds: the interval of an aircraft's reports to ground stations, and the age after which it is not
+#: reported.
 REPORT_INTERVAL: Final = 1.0
 MAX_REPORT_AGE: Final = 10.0
 _FLAGS = common.AdsbFlags

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _MODE: Final = ardupilotmega.CopterMode
 #: Actions, numbered as in BATT_FS_LOW_ACT.
 NONE, LAND, RTL, SMART_RTL, SMART_RTL_OR_LAND, TERMINATE, AUTO_RTL, BRAKE = range(8)
-#: Actions of FS_THR_ENABLE and FS_GCS_ENABLE; unknown values mean Land and RTL.
+#: Actions by the value of FS_THR_ENABLE and of FS_GCS_ENABLE; unknown values mean LAND and RTL respectively.
 _RADIO_ACTIONS: Final[Mapping[int, int]] = MappingProxyType(
     {0: NONE, 1: RTL, 2: RTL, 3: LAND, 4: SMART_RTL, 5: SMART_RTL_OR_LAND, 6: AUTO_RTL, 7: BRAKE}
 )
@@ -32,9 +32,9 @@ _GROUND_ACTIONS: Final[Mapping[int, int]] = MappingProxyType(
 #: Bits of FS_OPTIONS.
 _RADIO_IN_AUTO, _GROUND_IN_AUTO, _RADIO_IN_GUIDED, _LANDING, _GROUND_IN_MANUAL, _GRIPPER = range(6)
 _THROTTLE_CLOSED: Final = 0.01
-#: Seconds after arming in which a failsafe disarms.
+#: A failsafe within this many seconds after arming disarms instead of flying.
 _ARMING_DELAY: Final = 2.0
-#: Seconds without terrain data until the failsafe.
+#: Seconds without terrain data after which the terrain failsafe starts.
 _TERRAIN_TIMEOUT: Final = 5.0
 _ZERO_THROTTLE_MODES: Final = frozenset({_MODE.STABILIZE, _MODE.ACRO})
 

@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 _EMERGENCY: Final = common.MavSeverity.EMERGENCY
 _ACRO: Final = int(ardupilotmega.CopterMode.ACRO)
-#: Maximum speed of a landing in m/s.
+#: A vehicle that meets the ground with a higher sink rate, in m/s, has crashed.
 _MAX_LANDING_SPEED: Final = 2.5
 _THRUST_LOSS_TIME, _CRASH_TIME = 1.0, 2.0
 _ANGLE, _ACCELERATION = 30, 3.0
-#: Reported angle in degrees per m/s of impact speed.
+#: The attitude error in the crash report, in degrees for each m/s of impact speed, and its maximum.
 _DEGREES_PER_SPEED, _MAX_DEGREES = 20.0, 180.0
 
 
@@ -32,7 +32,7 @@ class CrashCheck:
         self._autopilot = firmware.autopilot
         self._sinking_since: float | None = None
         self._reported = False
-        #: Sink rate at the last check, and time and speed of the impact.
+        #: Sink rate at the last check in m/s; time and sink rate of the impact, None without an impact.
         self._sink = 0.0
         self._impact: tuple[float, float] | None = None
         self._autopilot.watches.append(self)

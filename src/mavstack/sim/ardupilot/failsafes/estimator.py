@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 _COPTER, _ROVER, _PLANE = ardupilotmega.CopterMode, ardupilotmega.RoverMode, ardupilotmega.PlaneMode
 _MAX_COUNT: Final = 10
 _WARNING_INTERVAL: Final = 30.0
-#: FS_EKF_ACTION of Copter: land, ALT_HOLD, land even in Stabilize; of Rover: nothing, hold, report.
+#: Values of FS_EKF_ACTION. Copter: 1 lands, 2 enters ALT_HOLD, 3 lands even in Stabilize. Rover: 0 does
+#: nothing, 1 enters HOLD, 2 only reports.
 _ALT_HOLD, _LAND_ALWAYS = 2, 3
 _ROVER_NOTHING, _ROVER_HOLD = 0, 1
 _GATE: Final = 1.0

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.firmware_profile import Mode
 
-#: Returns the firmware's text why a mode cannot be entered; None if it can.
+#: Returns the firmware's status text about why a mode cannot be entered; None if the mode can be entered.
 ModeFailure: TypeAlias = "Callable[[SimulatedAutopilot, Mode], str | None]"
 WARNING: Final = common.MavSeverity.WARNING
 CRITICAL: Final = common.MavSeverity.CRITICAL
@@ -22,7 +22,7 @@ CRITICAL: Final = common.MavSeverity.CRITICAL
 class FirmwareFailsafes:
     """Conditions and actions that all firmwares share."""
 
-    #: Battery actions in descending urgency; actions not listed are least urgent.
+    #: Battery actions, the most urgent first; actions that are not listed are the least urgent.
     battery_priorities: tuple[int, ...] = ()
 
     def __init__(self, autopilot: SimulatedAutopilot, mode_failure: ModeFailure) -> None:

@@ -22,15 +22,15 @@ if TYPE_CHECKING:
 
 _MODE: Final = ardupilotmega.PlaneMode
 _INFO: Final = common.MavSeverity.INFO
-#: FS_SHORT_ACTN: best guess, circle, glide (FBWA), none, FBWB.
+#: Values of FS_SHORT_ACTN: 0 best guess, 1 circle, 2 glide (FBWA), 3 disabled, 4 FBWB.
 _BEST_GUESS, _DISABLED = 0, 3
 _SHORT_MODES: Final[Mapping[int, int]] = MappingProxyType({2: _MODE.FLY_BY_WIRE_A, 4: _MODE.FLY_BY_WIRE_B})
-#: FS_LONG_ACTN: continue, RTL, glide (FBWA), parachute, mission.
+#: Values of FS_LONG_ACTN: 0 continue, 1 RTL, 2 glide (FBWA), 3 parachute, 4 mission.
 _CONTINUE, _RETURN, _PARACHUTE, _INTO_AUTO = 0, 1, 3, 4
 _LONG_MODES: Final[Mapping[int, int]] = MappingProxyType({2: _MODE.FLY_BY_WIRE_A, 4: _MODE.AUTO})
-#: FS_GCS_ENABL: always, or only in AUTO.
+#: Value of FS_GCS_ENABL: the failsafe starts only in AUTO.
 _ONLY_IN_AUTO: Final = 3
-#: BATT_FS_LOW_ACT.
+#: Values of BATT_FS_LOW_ACT.
 _RTL, _LAND, _TERMINATE, _QLAND, _LOITER_QLAND, _AUTOLAND = 1, 2, 3, 4, 6, 7
 #: Bits of Q_OPTIONS.
 _QRTL_BIT, _RTL_BIT = 5, 20
@@ -53,7 +53,8 @@ class PlaneFailsafes(FirmwareFailsafes):
 
     def __init__(self, autopilot: SimulatedAutopilot, mode_failure: ModeFailure) -> None:
         super().__init__(autopilot, mode_failure)
-        #: The mode before the short failsafe, and the mode that it entered.
+        #: The mode before the short failsafe, and the mode that the failsafe entered; None without a mode
+        #: change.
         self._before: tuple[int, int] | None = None
         self.add(
             "throttle",

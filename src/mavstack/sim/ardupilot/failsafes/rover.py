@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 _MODE: Final = ardupilotmega.RoverMode
 _TERMINATE: Final = 5
-#: Modes to try in turn, by FS_ACTION and BATT_FS_LOW_ACT.
+#: Modes to try in turn, by the value of FS_ACTION or BATT_FS_LOW_ACT.
 _ACTIONS: Final[Mapping[int, tuple[int, ...]]] = MappingProxyType(
     {
         1: (_MODE.RTL, _MODE.HOLD),
@@ -30,10 +30,10 @@ _ACTIONS: Final[Mapping[int, tuple[int, ...]]] = MappingProxyType(
         6: (_MODE.LOITER, _MODE.HOLD),
     }
 )
-#: FS_THR_ENABLE and FS_GCS_ENABLE: continue a mission.
+#: Value of FS_THR_ENABLE and FS_GCS_ENABLE: continue a mission in AUTO.
 _CONTINUE_MISSION: Final = 2
 _ENABLED: Final[Mapping[str, str]] = MappingProxyType({"Radio": "FS_THR_ENABLE", "GCS": "FS_GCS_ENABLE"})
-#: Bit of FS_OPTIONS.
+#: Bit of FS_OPTIONS: failsafes are active in HOLD mode.
 _ACTIVE_IN_HOLD: Final = 0
 
 

@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 _MODE: Final = ardupilotmega.SubMode
-#: FS_GCS_ENABLE; FS_PILOT_INPUT, FS_EKF_ACTION and the battery's actions have the first three, too.
+#: Values of FS_GCS_ENABLE; the values 1 to 3 have the same meaning in FS_PILOT_INPUT and FS_EKF_ACTION.
 _WARN, _DISARM, _HOLD, _SURFACE = 1, 2, 3, 4
-#: BATT_FS_LOW_ACT.
+#: Values of BATT_FS_LOW_ACT.
 _BATTERY_DISARM, _BATTERY_SURFACE = 2, 3
 _WARNING_INTERVAL: Final = 30.0
 _EKF_TIME: Final = 2.0

@@ -29,11 +29,11 @@ if TYPE_CHECKING:
 
 Axes: TypeAlias = "tuple[float | None, float | None, float | None]"
 
-#: m/s for each metre of position error.
+#: Speed in m/s for each metre of position error.
 _POSITION_GAIN = 0.8
-#: A VTOL in forward flight hovers again at this distance, in metres.
+#: Distance to the target, in metres, at which a VTOL in forward flight changes to hover.
 _HOVER_WITHIN = 120.0
-#: The thrust that holds the altitude where thrust means a climb rate.
+#: The thrust that holds the altitude, for firmware that reads the thrust of a setpoint as a climb rate.
 _NO_CLIMB = 0.5
 
 

@@ -26,17 +26,18 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
-#: Depth of a descent's target below the ground, in metres, so that the ground comes first.
+#: The target of a descent is this many metres below the ground, so that the vehicle does not slow down before
+#: it touches the ground.
 _BELOW = 60.0
 _WATER = 0.0
-#: Bounds of the height where a wing's approach begins, in metres.
+#: Minimum and maximum height at which a wing's approach begins, in metres.
 _LOWEST, _HIGHEST = 15.0, 45.0
 _FLARE_PITCH = radians(5)
-#: Time that a wing floats before the touchdown, in seconds.
+#: Seconds for which a wing floats above the ground before it touches down.
 _FLOATING = 4.0
-#: A wind stronger than this, in m/s, decides the direction of a wing's landing.
+#: A wing lands against the wind if the wind is stronger than this, in m/s.
 _WIND = 1.5
-#: Course error at which a wing leaves its last circle for the approach.
+#: Course error in radians below which a wing leaves its last circle for the approach.
 _ALIGNED = radians(25)
 
 
@@ -61,7 +62,7 @@ class Land(Behaviour):
     ) -> None:
         super().__init__(autopilot)
         self._point, self._course, self._yaw, self._direct = point, course, yaw, direct
-        #: True if a VTOL lands as a plane does.
+        #: True if a VTOL in forward flight lands as a plane does.
         self._forward = forward
 
     def fly(self) -> Iterator[None]:
@@ -224,7 +225,7 @@ class WingLanding:
         self._handling.go_to(self._touchdown, start=start, sink=max(flight_parameters.sink_speed, 3.0))
         while self._handling.height > flight_parameters.flare_altitude and not self._autopilot.landed:
             if self._handling.has_reached(self._touchdown, 1.0):
-                # too high at the end of the line: continue on the same slope
+                # too high at the end of the approach: extend the line on the same slope
                 far, down = 1000.0, 1000.0 * max(flight_parameters.glide_slope, 0.02)
                 start = self._handling.place
                 beyond = (

@@ -29,12 +29,12 @@ if TYPE_CHECKING:
 _CENTRED = 0.08
 #: Throttle below which the motors idle on the ground.
 _IDLE = 0.08
-#: Throttle stick above which the vehicle leaves the ground, in modes that control the climb.
+#: Throttle above which the vehicle leaves the ground, in modes where the throttle controls the climb rate.
 _LIFT_OFF = 0.6
 _WING_PITCH = radians(20)
-#: m/s of climb for each metre of altitude error.
+#: Climb rate in m/s for each metre of altitude error.
 _ALTITUDE_GAIN = 1.0
-#: Angle between a wing's course and the course that its full stick demands.
+#: Angle in radians between a wing's present course and the demanded course at full roll stick.
 _COURSE_LEAD = radians(35)
 
 
@@ -48,7 +48,7 @@ def dead_zone(stick: float) -> float:
 class StickControl(Behaviour):
     """Manual flight, tick by tick."""
 
-    #: Throttle at which an aircraft leaves the ground.
+    #: Throttle above which an aircraft leaves the ground.
     lifts_off_at = _IDLE
 
     def __init__(self, autopilot: SimulatedAutopilot, *, forward: bool | None = None) -> None:
@@ -56,9 +56,9 @@ class StickControl(Behaviour):
         self.body, self.flight_parameters = autopilot.body, autopilot.flight_parameters
         self._forward = forward
         self.climb = ClimbControl(autopilot)
-        #: The altitude to hold while the throttle is centred, in local metres.
+        #: The altitude (metres down, local) that is held while the throttle is centred; None while it is not.
         self._held_down: float | None = None
-        #: The course of a wing to hold while its stick is centred.
+        #: The course in radians that a wing holds while the roll stick is centred; None while it is not.
         self.held_course: float | None = None
 
     def fly(self) -> Iterator[None]:
@@ -116,7 +116,7 @@ class StickControl(Behaviour):
         flies = self.autopilot.vehicle.vehicle_type.flies
         return flies and self.autopilot.landed and sticks.throttle < self.lifts_off_at
 
-    # Shared by several modes
+    # Helpers of several modes
 
     def lean(self, sticks: Sticks, thrust: float) -> None:
         """Lean in proportion to the sticks, and turn at a rate."""
@@ -134,7 +134,7 @@ class StickControl(Behaviour):
             self._held_down = None
             return stick * self.flight_parameters.pilot_climb_speed
         if self._held_down is None:
-            # the vehicle comes to rest a little after the stick
+            # hold the altitude that the vehicle reaches while it brakes, not the present altitude
             self._held_down = here + self.body.estimate.velocity_down * 0.5
         limit = self.flight_parameters.pilot_climb_speed
         return min(max((here - self._held_down) * _ALTITUDE_GAIN, -limit), limit)

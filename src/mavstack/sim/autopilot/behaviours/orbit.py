@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.maneuvers import Point
 
 _YAW = common.OrbitYawBehaviour
-#: Time ahead at which a climb is targeted, in seconds.
+#: The pilot's climb rate is applied by a target altitude this many seconds ahead.
 _AHEAD = 1.0
 
 
@@ -40,7 +40,7 @@ class Orbit(Behaviour):
         self.speed = speed
         self.yaw_behaviour = yaw_behaviour
         self.turns = turns
-        #: Turns since the vehicle was first on the circle.
+        #: Number of turns since the vehicle reached the circle.
         self.turned = 0.0
 
     def fly(self) -> Iterator[None]:

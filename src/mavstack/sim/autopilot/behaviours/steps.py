@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 #: Maximum time to wait for a transition, in seconds.
 _TRANSITION_LIMIT = 40.0
 _ON_THE_WING = 0.95
-#: Throttle for each m/s of climb error, and the rate at which the hover throttle is learnt.
+#: Throttle for each m/s of climb error, and the change of the learned hover throttle for each m/s and tick.
 _CLIMB_GAIN, _CLIMB_LEARNING = 0.1, 0.01
 _HOVER = 0.5
 
@@ -46,7 +46,8 @@ def transition(autopilot: SimulatedAutopilot, forward: bool | None) -> Iterator[
         return
     body.transition_to(forward)
     if forward:
-        autopilot.maneuvers.fly_on()  # circles begin when the wing carries the vehicle
+        # Fly straight ahead: the vehicle can circle only when the wing carries it
+        autopilot.maneuvers.fly_on()
     else:
         autopilot.maneuvers.hold()
     end = autopilot.now + _TRANSITION_LIMIT

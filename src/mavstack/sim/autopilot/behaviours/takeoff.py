@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 
-#: Pitch of a wing's takeoff, and the height in metres up to which it keeps its course.
+#: Pitch in radians of a wing's takeoff, and the height in metres up to which the wing keeps its course.
 _PITCH = radians(13)
 _STRAIGHT = 15.0
 #: Altitude error in metres and vertical speed in m/s at which a takeoff is complete.

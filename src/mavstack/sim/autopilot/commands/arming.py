@@ -13,14 +13,14 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.commands.registration import Outcome
 
 _CMD, _RESULT = common.MavCmd, common.MavResult
-#: Param 2 of a command that skips the checks.
+#: Value of param 2 of COMPONENT_ARM_DISARM that skips the checks.
 FORCE = 21196.0
 
 
 class ArmingCommands(CommandGroup):
     """COMPONENT_ARM_DISARM, RUN_PREARM_CHECKS, DO_FLIGHTTERMINATION."""
 
-    #: The result of a refused arming or disarming.
+    #: The result that is sent if arming or disarming is refused.
     refusal = _RESULT.FAILED
 
     def handlers(self) -> Handlers:

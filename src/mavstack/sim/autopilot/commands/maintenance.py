@@ -52,7 +52,7 @@ class MaintenanceCommands(CommandGroup):
             self.vehicle.reboot_into_bootloader if to_bootloader else self.vehicle.reboot
         )
 
-    #: The accepted values of param 1.
+    #: The accepted values of param 1 of PREFLIGHT_REBOOT_SHUTDOWN.
     reboots = frozenset({_REBOOT, _STAY_IN_BOOTLOADER})
 
     def refuse_reboot(self) -> common.MavResult:

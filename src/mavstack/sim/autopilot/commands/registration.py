@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.tasks import Script
     from mavstack.sim.vehicle import SimulatedVehicle
 
-#: The result of a handler; None: a long command has begun.
+#: The result of a command handler; None if a long-running command has begun.
 Outcome: TypeAlias = "common.MavResult | None"
 Handlers: TypeAlias = Mapping[int, "Callable[[CommandRequest], Outcome]"]
 

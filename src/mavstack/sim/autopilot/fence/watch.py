@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 WORSENED_DISTANCE = 20.0
 _KINDS = common.FenceBreach
-#: Values of DO_FENCE_ENABLE.
+#: Values of param 1 of DO_FENCE_ENABLE: disable, enable, disable only the minimum altitude.
 OFF, ON, FLOOR_OFF = 0, 1, 2
 
 
@@ -38,7 +38,7 @@ class FenceWatch:
         #: The number of breaches since boot, and the time of the last one in seconds since boot.
         self.count = 0
         self.breached_at = 0.0
-        #: True or False if a command enabled or disabled the fence; None: the parameters decide.
+        #: True if a command enabled the fence, False if a command disabled it; None: the parameters decide.
         self.switched: bool | None = None
         #: True if a command disabled the minimum altitude.
         self.floor_off = False

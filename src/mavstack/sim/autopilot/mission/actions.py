@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 _ROI = common.MavRoi
 _SPEED = common.SpeedType
-#: The value that restores the default speed.
+#: The value of the speed in DO_CHANGE_SPEED that restores the default speed.
 _USUAL = -2.0
 _SLOWEST = 0.1
 

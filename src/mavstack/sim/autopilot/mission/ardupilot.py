@@ -96,7 +96,7 @@ _PLACED_NAMES = """
     DO_SET_ROI_LOCATION
     """
 _PLACED = frozenset(getattr(_CMD, name) for name in _PLACED_NAMES.split())
-#: The numbers of params 1 to 4 that may be NaN.
+#: By command: the numbers of the params (1 to 4) that may be NaN.
 _MAY_BE_NAN: Mapping[int, frozenset[int]] = {
     _CMD.NAV_WAYPOINT: frozenset({4}),
     _CMD.NAV_LAND: frozenset({4}),
@@ -106,7 +106,7 @@ _MAY_BE_NAN: Mapping[int, frozenset[int]] = {
     _CMD.DO_GIMBAL_MANAGER_PITCHYAW: frozenset({1, 2, 3, 4}),
     _CMD.IMAGE_START_CAPTURE: frozenset({4}),
 }
-#: Commands of the mission library, which does not send MISSION_ITEM_REACHED for them.
+#: Commands for which ArduPilot sends no MISSION_ITEM_REACHED, because its mission library runs them.
 _SILENT_NAMES = """
     DO_GRIPPER DO_SET_SERVO DO_SET_RELAY DO_REPEAT_SERVO DO_REPEAT_RELAY DO_DIGICAM_CONFIGURE
     DO_DIGICAM_CONTROL DO_SET_CAM_TRIGG_DIST DO_PARACHUTE DO_SET_RESUME_REPEAT_DIST DO_SPRAYER

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.mission.rules import Step
 
 _HEADING_REACHED = radians(5)
-#: Time after which a heading that is not reached is given up, in seconds.
+#: Seconds after which CONDITION_YAW ends even if the heading is not reached.
 _YAW_TIMEOUT = 60.0
 
 
@@ -24,7 +24,7 @@ def condition_delay(step: Step) -> Iterator[None]:
 
 def condition_distance(step: Step) -> Iterator[None]:
     """CONDITION_DISTANCE: wait until the next waypoint is within param 1 metres."""
-    yield  # until the line to the next waypoint is set
+    yield  # wait one tick until the line to the next waypoint is set
     target = step.mission.course.point or step.autopilot.target
     while target is not None and step.maneuvers.distance(target) > step.number(1):
         yield

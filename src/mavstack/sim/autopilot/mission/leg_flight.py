@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.mission.route import Leg
     from mavstack.sim.autopilot.mission.runner import MissionRunner
 
-#: Returned by `next` at the end of a script.
+#: The default that `next` returns when a script has ended.
 ENDED = object()
 
 

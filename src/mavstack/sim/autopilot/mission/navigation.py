@@ -22,13 +22,14 @@ if TYPE_CHECKING:
 #: Minimum climb of a takeoff, in metres.
 _MIN_CLIMB = 1.0
 _MIN_CLIMB_OF_WING = 10.0
-#: Altitude error at which an altitude counts as reached while passing through, in metres.
+#: Altitude error in metres within which an altitude counts as reached without a stop.
 _ALTITUDE_NEAR = 5.0
 _DAY = 86400.0
 _HEADING_REACHED = radians(5)
-#: Height at which a payload is released, in metres.
+#: Height above the ground at which a payload is released, in metres.
 _PLACE_HEIGHT = 0.5
-#: Maximum height over distance of a wing's direct landing, about its glide without power.
+#: Maximum slope (height over distance) of a wing's direct landing, close to the slope of its glide without
+#: power.
 _MAX_GLIDE_SLOPE = 0.15
 _SURFACE = 0.0
 

@@ -51,7 +51,7 @@ _REGIONS_PLACELESS = frozenset({common.MavRoi.NONE, common.MavRoi.WPNEXT, common
 _ALL = frozenset({1, 2, 3, 4})
 _TAKEOFFS = frozenset({_CMD.NAV_TAKEOFF, _CMD.NAV_VTOL_TAKEOFF})
 _HIGHEST = 1.0e5
-#: Repetitions of MISSION_ITEM_REACHED, one per second.
+#: Number of times that MISSION_ITEM_REACHED is repeated, once a second.
 _REPEATS = 10
 
 
@@ -64,7 +64,7 @@ class Px4MissionRules(MissionRules):
     waypoints_fly_forward = False
     takeoff_flies_to_position = yaw_counts = True
 
-    #: Identity of the last reached item.
+    #: An object that identifies the last reached item, so that repeats for older items stop.
     _reached: object = None
 
     # Uploads
@@ -152,7 +152,7 @@ class Px4MissionRules(MissionRules):
         if was_last:
             mission.send_statustext("Mission finished, loitering")
         mission.send_statustext("Returning to launch")
-        # After disarming the mode is Hold, so that the mission does not restart.
+        # After disarming PX4 enters Hold, so that the mission does not restart at the next arming.
         modes = (profile.hold, profile.return_to_launch) if was_last else (profile.return_to_launch,)
         return mission.leave(*modes, reason="mission item")
 

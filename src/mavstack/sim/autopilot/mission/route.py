@@ -30,7 +30,7 @@ class Leg:
 
     actions: tuple[int, ...]
     navigation: int | None
-    #: The sequence number where the search for the next leg begins.
+    #: The sequence number at which the search for the next leg begins.
     then: int
 
 

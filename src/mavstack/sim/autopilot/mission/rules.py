@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.mission.runner import MissionRunner
 
 _RESULT = common.MavMissionResult
-#: Params of an item are clipped to this magnitude.
+#: Values of an item's params are limited to this magnitude.
 MAX_NUMBER = 1.0e6
 
 
@@ -121,17 +121,17 @@ Script: TypeAlias = Callable[[Step], Iterator[None]]
 class MissionRules(ABC):
     """The mission rules of one firmware on one vehicle."""
 
-    #: The first item that is flown.
+    #: The sequence number of the first item that is flown.
     first: int
-    #: True if DO and CONDITION items run beside the next NAV item, False if they run before it.
+    #: True if DO and CONDITION items run in parallel with the next NAV item, False if they run before it.
     actions_meanwhile: bool
     #: True if an altitude of 0 above home means the current altitude.
     zero_altitude_is_here: bool
     #: True if a VTOL flies waypoints in forward flight unless commanded to hover.
     waypoints_fly_forward: bool
-    #: True if NAV_RETURN_TO_LAUNCH changes the mode, False if it is flown as an item.
+    #: True if NAV_RETURN_TO_LAUNCH enters the return mode, False if the mission flies home in its own mode.
     returns_in_mode = True
-    #: True if a plane's landing item ends only by disarming.
+    #: True if a landing item of a plane ends only when the plane disarms.
     wing_stays_landed = False
     #: True if the vehicle flies to the position of a takeoff item after the climb.
     takeoff_flies_to_position = False
@@ -139,7 +139,7 @@ class MissionRules(ABC):
     hold_counts = True
     #: True if items have a heading in param 4.
     yaw_counts = False
-    #: True if a waypoint may be passed at the distance of param 3.
+    #: True if param 3 of a waypoint is the distance at which the vehicle may pass it.
     passes_by = False
     #: True if waypoints have an acceptance radius.
     radius_counts = True

@@ -35,7 +35,8 @@ _STATE = common.MissionState
 _CMD = common.MavCmd
 #: `mission_mode` of MISSION_CURRENT.
 IN_MISSION, SUSPENDED = 1, 2
-#: Maximum number of legs in one tick: a leg to the current position takes no time, and jumps can loop.
+#: Maximum number of legs in one tick: a leg to the current position takes no time, so a jump could loop
+#: forever.
 _MAX_LEGS = 10
 
 
@@ -49,7 +50,7 @@ class MissionRunner:
         #: The behaviour that the current item runs, such as a takeoff.
         self.part: Behaviour | None = None
         self.guided_limits = GuidedLimits()
-        #: True if a VTOL was commanded to hover on its way.
+        #: True if a command made a VTOL hover between waypoints.
         self.hovers = False
         self.paused = False
         self._paused_for = 0.0
@@ -60,9 +61,9 @@ class MissionRunner:
         self._at = 0
         self._ticked = autopilot.now
         self._later: list[tuple[float, Callable[[], object]]] = []
-        #: The item that is flown now, even if the plan was replaced meanwhile.
+        #: The item that is being flown, which may belong to a plan that was replaced meanwhile.
         self.flown: MissionItem | None = None
-        #: The last point of the mission that was flown to: the start of the next line.
+        #: The last point to which the mission flew; the next line starts there.
         self.origin: Point | None = None
         autopilot.watches.append(self)
         autopilot.vehicle.on_event(PlanReplaced, self._plan_replaced)
@@ -203,7 +204,7 @@ class MissionRunner:
         step = Step(self, seq, self.items[seq])
         return step.maneuvers.distance(step.place()) if step.has_place else float(seq)
 
-    # For the services
+    # Interface for the services
 
     def check(self, kind: int, seq: int, item: MissionItem) -> int:
         """Validate one item of an upload: MAV_MISSION_RESULT."""
@@ -213,7 +214,7 @@ class MissionRunner:
         """Validate a whole plan: MAV_MISSION_RESULT."""
         return validate_plan(self.rules, plan, flying=self._flying)
 
-    # For the scripts
+    # Interface for the scripts of mission items
 
     def later(self, act: Callable[[], object], *, after: float = 0.0) -> None:
         """Call `act` before the next tick, or after some seconds."""
@@ -367,7 +368,7 @@ class MissionRunner:
     def _touch(self) -> None:
         self.autopilot.vehicle.touch(self.server)
 
-    # External changes
+    # Events of the mission protocol
 
     def _plan_replaced(self, event: PlanReplaced) -> None:
         if event.plan.type != PlanType.MISSION:
