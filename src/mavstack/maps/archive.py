@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from typing import Self
 
-#: The encodings of heights: Terrarium of Mapzen, and Terrain-RGB of Mapbox.
+#: The encodings of heights in the colours of a tile: Terrarium by Mapzen, and Terrain-RGB by Mapbox.
 ENCODINGS: Final = ("terrarium", "mapbox")
 FORMATS: Final = ("png", "jpg", "webp", "pbf")
 _SCHEMA: Final = """
@@ -32,7 +32,8 @@ CREATE TABLE IF NOT EXISTS tiles (
     PRIMARY KEY (zoom_level, tile_column, tile_row)
 ) WITHOUT ROWID;
 """
-#: Members of the metadata that are read, so that a strange archive takes no memory.
+#: Maximum characters of a metadata value and number of layers that are read, to limit the memory that a
+#: damaged archive takes.
 _MAX_TEXT: Final = 1 << 20
 _MAX_LAYERS: Final = 100
 

@@ -22,16 +22,17 @@ if TYPE_CHECKING:
     from mavstack.maps.tile_server import TileServer
     from mavstack.maps.tiles import Area, Tile
 
-    #: Called with the tiles done and all tiles.
+    #: A callback that gets the number of finished tiles and the number of all tiles.
     Progress = Callable[[int, int], None]
 
-#: Limits of a pace: requests per second, and requests at a time.
+#: Maximum requests per second, and maximum requests at the same time.
 MAX_RATE: Final = 200.0
 MAX_CONNECTIONS: Final = 8
-#: Times that a tile is requested, and the longest pause between them in seconds.
+#: Maximum number of requests for one tile, and maximum pause between two of them in seconds.
 MAX_TRIES: Final = 6
 MAX_PAUSE: Final = 60.0
-#: Tiles that are written to the disk together: so many are requested again after a loss of power.
+#: Number of tiles that are written to disk together; after a loss of power, at most these are downloaded
+#: again.
 BATCH: Final = 50
 
 

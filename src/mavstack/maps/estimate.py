@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from mavstack.maps.tile_server import TileServer
     from mavstack.maps.tiles import Tile
 
-#: Tiles of one download. At two a second this many take three days.
+#: Maximum number of tiles of one download; at two tiles a second this takes three days.
 MAX_TILES: Final = 500_000
-#: Bytes of a tile of which no sample is known.
+#: Assumed bytes of a tile if no sample tile could be downloaded.
 DEFAULT_SIZE: Final = 20_000
 _SAMPLES: Final = 4
 

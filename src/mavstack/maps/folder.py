@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger("mavstack.maps")
 
 SUFFIX: Final = ".mbtiles"
-#: The names that maps may have: no folders, nothing hidden.
+#: A valid name of a map: it contains no folder and does not begin with a dot.
 NAME_PATTERN: Final = r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,62}"
 _MAX_LISTED: Final = 1000
 

@@ -28,11 +28,11 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger("mavstack.maps")
 
-#: Tiles that are kept in memory: half a megabyte each, if they have 256 by 256 points.
+#: Maximum number of tiles in memory; a tile of 256 by 256 points takes half a megabyte.
 MAX_LOADED: Final = 32
-#: Points along the edge of a tile.
+#: Maximum number of points along the edge of a tile.
 MAX_EDGE: Final = 1024
-#: Metres below which a colour means no height, as black and transparent pixels do.
+#: A height below this, in metres, means "no data"; black and transparent pixels decode to such heights.
 _NO_HEIGHT: Final = -9000.0
 
 
@@ -54,7 +54,7 @@ class TileHeights:
             raise MapError(
                 f"reading {path} failed: its pictures are not heights (mav map download --terrain)"
             )
-        #: The facts of the archive.
+        #: The metadata of the archive.
         self.facts = facts
         self._loaded: OrderedDict[Tile, NDArray[np.float64] | None] = OrderedDict()
 

@@ -21,7 +21,8 @@ class ServerTerms:
     attribution: str = ""
 
 
-#: Terms by the ends of hosts; and by the begin of the path behind the host, where a host has several owners.
+#: Terms by the end of the host name; by host name and beginning of the path where a host serves several
+#: owners.
 _TERMS: Final[tuple[tuple[str, ServerTerms], ...]] = (
     (
         "openstreetmap.org",

@@ -18,10 +18,10 @@ from mavstack.maps.terms import ServerTerms, terms_of
 if TYPE_CHECKING:
     from mavstack.maps.tiles import Tile
 
-#: Seconds for the answer to one request; bytes of the largest tile.
+#: Timeout of one request in seconds, and maximum bytes of a tile.
 REQUEST_TIMEOUT: Final = 30.0
 MAX_TILE: Final = 4 << 20
-#: Owners of servers ask for a name of the program.
+#: Operators of tile servers require that programs identify themselves.
 USER_AGENT: Final = "Mavstack offline maps"
 _PARTS: Final = ("{z}", "{x}", "{y}")
 _ABSENT: Final = frozenset({HTTPStatus.NO_CONTENT, HTTPStatus.NOT_FOUND, HTTPStatus.GONE})
@@ -89,9 +89,9 @@ class TileServer:
             raise InvalidArgumentError(
                 "the address of the tiles has spaces or other characters that URLs escape"
             )
-        #: The host, the only part that is shown: paths and queries may have keys.
+        #: The host name; logs and errors show only this part, because paths and queries may contain keys.
         self.host = host
-        #: The terms of the server.
+        #: The terms of use of the server.
         self.terms: ServerTerms = terms_of(host, parsed.path)
 
     def url(self, tile: Tile) -> str:

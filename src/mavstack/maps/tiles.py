@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
 MAX_ZOOM: Final = 22
-#: Degrees north and south at which the square of Web Mercator ends.
+#: The latitude in degrees at which the square map of Web Mercator ends, north and south.
 MAX_LATITUDE: Final = 85.051129
-#: Metres from the middle of an area to its sides.
+#: Maximum distance in metres from the centre of an area to its sides.
 MAX_AROUND: Final = 500_000.0
 
 
@@ -151,7 +151,8 @@ def _grids(area: Area, zooms: Iterable[int]) -> Iterator[tuple[int, list[range],
         rows = range(top.y, bottom.y + 1)
         if area.west < area.east:
             columns = [range(top.x, bottom.x + 1)]
-        elif bottom.x >= top.x:  # both sides are in one tile
+        elif bottom.x >= top.x:
+            # The west and the east side are in the same column of tiles, so the area covers all columns.
             columns = [range(1 << zoom)]
         else:
             columns = [range(top.x, 1 << zoom), range(bottom.x + 1)]

@@ -9,5 +9,5 @@ import numpy.typing as npt
 
 #: An array of floats; positions and velocities have the shape (n, 3): metres north, east and up.
 Points: TypeAlias = npt.NDArray[np.float64]
-#: Whole numbers, such as the slot of each vehicle.
+#: An array of integers, such as the slot of each vehicle.
 Indices: TypeAlias = npt.NDArray[np.int64]

@@ -27,12 +27,13 @@ if TYPE_CHECKING:
 
 Singles: TypeAlias = npt.NDArray[np.float32]
 
-#: Rows and columns from which costs are reduced before they are solved.
+#: Costs are reduced by Sinkhorn's iteration only if there are at least this many vehicles.
 _SMALLEST_REDUCED: Final = 100
-#: The largest cost in units of Sinkhorn's iteration, whose exponential stays far from zero, and its steps.
+#: The largest cost in units of Sinkhorn's iteration, chosen so that its exponential does not underflow, and
+#: the number of iterations in each stage.
 _SINKHORN_RANGE: Final = 70.0
 _SINKHORN_STEPS: Final = 12
-#: The parts into which the unit of the iteration is divided at its stages.
+#: The unit of each stage is the unit of the first stage divided by this number.
 _SINKHORN_STAGES: Final = (1.0, 6.0, 36.0)
 
 

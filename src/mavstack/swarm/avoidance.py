@@ -32,16 +32,17 @@ from mavstack.swarm.separation import VERTICAL_FACTOR, scaled
 if TYPE_CHECKING:
     from mavstack.swarm.arrays import Points
 
-#: Angle by which preferred velocities are turned to the right, in radians, and the tangent of the largest
-#: tilt.
+#: Angle in radians by which preferred velocities are turned to the right, and the largest tilt up or down as
+#: a tangent.
 _RIGHT_HAND: Final = math.radians(3.0)
 _TILT: Final = 0.05
-#: Fraction by which the tilts of two successive vehicles differ: multiples of the golden ratio never repeat.
+#: Step of the tilt from one vehicle to the next: multiples of the golden ratio never repeat, so all tilts
+#: differ.
 _GOLDEN_RATIO: Final = (5.0**0.5 - 1.0) / 2.0
-#: Steps within which vehicles that are too near separate.
+#: Vehicles that are too close to each other must separate within this number of steps.
 _SEPARATION_STEPS: Final = 5.0
 _TINY: Final = 1e-9
-#: Metres for each unit of the scaled space.
+#: Metres north, east and up in one unit of the scaled space.
 _AXES: Final = (1.0, 1.0, VERTICAL_FACTOR)
 
 

@@ -20,10 +20,11 @@ if TYPE_CHECKING:
 
     from mavstack.swarm.arrays import Points
 
-#: Width of a letter and of the gap behind it, in units of the grid.
+#: Width of a letter, and of the gap after it, in units of the grid.
 _WIDTH: Final = 4
 _GAP: Final = 2
-#: Beginnings of the points along the strokes that are tried: two strokes cross where no point should be.
+#: Number of offsets along the strokes that are tried for the first point, to find the largest distance
+#: between points: where two strokes cross, points can be too close.
 _PHASES: Final = 16
 #: Strokes of each letter: points "xy" joined by lines, strokes separated by spaces.
 _STROKES: Final[Mapping[str, str]] = MappingProxyType(

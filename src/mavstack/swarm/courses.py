@@ -73,7 +73,8 @@ class Turn:
         """Seconds until the turn ends."""
         radius = max(float(np.hypot(*(self.places[:, :2] - self.centre).T).max(initial=0.0)), 1.0)
         way, acceleration = abs(math.radians(self.angle)) * radius, self.limits.acceleration / math.sqrt(2.0)
-        # Half of the acceleration keeps a member on the circle, the other half changes its speed.
+        # Centripetal and tangential acceleration are at right angles, so each may use the limit divided by
+        # the root of two.
         speed = min(self.limits.speed, math.sqrt(acceleration * radius))
         return max(PEAK_SPEED * way / speed, math.sqrt(PEAK_ACCELERATION * way / acceleration))
 

@@ -36,10 +36,11 @@ if TYPE_CHECKING:
     from mavstack.geodesy import LocalFrame
     from mavstack.swarm.arrays import Points
 
-#: Seconds after its last message for which a member counts, and for which its position is carried on.
+#: Seconds after the last message until a member is no longer a neighbour, and for which its position is
+#: extrapolated.
 NEIGHBOUR_TIMEOUT: Final = 3.0
 MAX_EXTRAPOLATION: Final = 1.0
-#: Maximum number of members that are kept: the system ids of a network.
+#: Maximum number of members in the table: the number of system ids of a network.
 MAX_MEMBERS: Final = 255
 _MAX_16: Final = 32_767
 _STATE: Final = "SWARM_STATE"

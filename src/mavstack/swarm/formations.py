@@ -29,9 +29,9 @@ if TYPE_CHECKING:
 
     from mavstack.swarm.arrays import Points
 
-#: Angle between two neighbours of a sphere's spiral, in radians: the golden angle.
+#: Angle between successive vehicles on the spiral of a sphere, in radians: the golden angle.
 _GOLDEN_ANGLE: Final = math.pi * (3.0 - math.sqrt(5.0))
-#: Maximum number of vehicles of one formation: the system ids of four networks.
+#: Maximum number of vehicles of one formation: about the system ids of four networks.
 MAX_VEHICLES: Final = 1000
 
 
@@ -144,7 +144,7 @@ def _wedge(formation: Formation, count: int) -> Points:
     rank, side = _sides(count)
     angle = math.radians(formation.angle)
     back, across = math.cos(angle), math.sin(angle)
-    # The arms are apart by twice the sine of the angle: neighbours of one rank keep the spacing too.
+    # The two vehicles of one rank are `2 * across * stretch` apart, which must not be less than the spacing.
     stretch = formation.spacing * max(1.0, 0.5 / across)
     return _columns(-rank * back * stretch, side * rank * across * stretch)
 
@@ -235,9 +235,9 @@ _SHAPES: Final[Mapping[str, Callable[[Formation, int], Points]]] = MappingProxyT
         "points": _points,
     }
 )
-#: Shapes whose neighbours are above each other.
+#: Formations with vehicles above each other, which need more distance.
 _UPRIGHT: Final = frozenset({"sphere", "text"})
-#: The names of the shapes, with a line about each.
+#: The names of the formations, with a line about each.
 FORMATIONS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "line": "abeam of the leader, to the right and left in turn",

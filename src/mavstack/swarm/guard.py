@@ -81,7 +81,7 @@ class Guard:
 
     def __init__(self, limits: GuardLimits | None = None) -> None:
         self.limits = limits or GuardLimits()
-        #: The smallest scaled distance of two vehicles so far, in metres.
+        #: The smallest scaled distance between two vehicles since the start, in metres.
         self.smallest_separation = math.inf
         self._present: set[tuple[Breach, tuple[int, ...]]] = set()
 

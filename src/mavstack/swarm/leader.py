@@ -21,11 +21,11 @@ from mavstack.swarm.formations import rotate_to_course
 if TYPE_CHECKING:
     from mavstack.swarm.arrays import Points
 
-#: Speed below which a velocity has no direction, in m/s.
+#: Speed in m/s below which the velocity of the leader does not give a course.
 MIN_COURSE_SPEED: Final = 0.5
-#: Seconds for which a position is carried on.
+#: Seconds for which the leader's position is extrapolated.
 MAX_EXTRAPOLATION: Final = 1.0
-#: Seconds in which the course approaches that of the velocity.
+#: Time constant in seconds with which the course approaches the direction of the velocity.
 _COURSE_TIME: Final = 0.5
 
 

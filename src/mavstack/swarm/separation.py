@@ -30,11 +30,11 @@ if TYPE_CHECKING:
 
     from mavstack.swarm.arrays import Indices, Points
 
-#: Vertical distance that separates two multicopters as well as one metre of ground distance, in metres.
+#: A vertical distance between multicopters counts as a horizontal distance divided by this factor.
 VERTICAL_FACTOR: Final = 2.0
-#: Standard deviations of a position that count as its largest error.
+#: The largest expected position error, in standard deviations.
 SIGMAS: Final = 4.0
-#: Part by which a tree searches farther, so that its rounding loses no pair.
+#: Relative increase of the search radius of the tree, so that rounding loses no pair.
 _ROUNDING: Final = 1e-9
 
 
@@ -65,7 +65,7 @@ class Margins:
     @property
     def planned_distance(self) -> float:
         """Metres that a plan has to keep between two vehicles."""
-        # Both positions are wrong independently, so their difference by the root of two of one error.
+        # The two position errors are independent, so their difference is larger by the square root of two.
         position: float = SIGMAS * self.position * math.sqrt(2.0)
         return self.minimum + position + 2.0 * self.tracking + self.latency * self.speed
 
@@ -107,7 +107,7 @@ def nearest_pair(points: Points) -> tuple[float, int, int]:
         return float("inf"), 0, 0
     between, neighbours = _tree(space).query(space, k=2)
     first = int(between[:, 1].argmin())
-    # Of vehicles at the same place, each may be found as its own second neighbour.
+    # Among vehicles at the same place, a vehicle may be listed second among its own neighbours.
     second = next(int(each) for each in neighbours[first] if each != first)
     low, high = sorted((int(known[first]), int(known[second])))
     return float(np.linalg.norm(space[first] - space[second])), low, high

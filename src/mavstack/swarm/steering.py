@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from mavstack.swarm.arrays import Points
     from mavstack.swarm.avoidance import Avoidance
 
-#: Share of a position error that is corrected each second.
+#: Gain in 1/s with which a position error is corrected.
 _GAIN: Final = 0.8
-#: Change of a velocity, in m/s, above which a member leaves its course.
+#: A member leaves its course if avoidance changes its velocity by more than this, in m/s.
 _DEVIATES: Final = 0.3
-#: No vehicles that are not members.
+#: Positions and velocities if there are no vehicles besides the members.
 NO_VEHICLES: Final = (np.empty((0, 3)), np.empty((0, 3)))
 
 

@@ -39,14 +39,14 @@ if TYPE_CHECKING:
     from mavstack.swarm.arrays import Indices, Points
 
 Method = Literal["straight", "layers", "staggered"]
-#: Peak speed and acceleration of the profile, for a way of one metre in one second.
+#: Peak speed (m/s) and peak acceleration (m/s2) of the motion profile for one metre in one second.
 PEAK_SPEED: Final = 1.875
 PEAK_ACCELERATION: Final = 10.0 / math.sqrt(3.0)
-#: Times a second at which a finished plan is checked.
+#: Samples per second in the check of a finished plan.
 CHECK_RATE: Final = 25.0
-#: Part of a distance that rounding may cost.
+#: Share by which distances may be too short because of rounding.
 _TOLERANCE: Final = 1e-6
-#: Seconds by which a start is moved until it fits.
+#: Starts are delayed in steps of this size, in seconds, until the paths keep their distance.
 _STAGGER_STEP: Final = 0.5
 
 

@@ -12,10 +12,11 @@ from typing import Final, NamedTuple
 
 from mavstack.geodesy import distance, offset
 
-#: Seconds after which an aircraft is discarded, and a position is too old to be used.
+#: In seconds: the age of the last report after which an aircraft is discarded, and the age after which a
+#: position is no longer used.
 MAX_AGE: Final = 60.0
 MAX_POSITION_AGE: Final = 30.0
-#: Maximum number of aircraft; a further one replaces the one with the oldest report.
+#: Maximum number of aircraft; a new aircraft then replaces the aircraft with the oldest report.
 MAX_AIRCRAFT: Final = 20_000
 
 
@@ -96,7 +97,7 @@ class AircraftTable:
         """Forget the aircraft that were not reported for `MAX_AGE` seconds."""
         for address, aircraft in list(self._aircraft.items()):
             if now - aircraft.seen <= MAX_AGE:
-                break  # the table is in the order of the reports
+                break  # the aircraft are in the order of their last reports
             del self._aircraft[address]
 
     def all(self) -> list[Aircraft]:

@@ -40,7 +40,7 @@ class BeastReader:
     def __init__(self) -> None:
         self._buffer = bytearray()
         self._halves: dict[int, dict[bool, _Coded]] = {}
-        #: Frames with a wrong checksum, and bytes outside of frames.
+        #: Number of frames with a wrong checksum, and of bytes outside of frames.
         self.bad = 0
 
     def feed(self, data: bytes, now: float = 0.0) -> list[Report]:
@@ -66,7 +66,7 @@ class BeastReader:
             size = _SIZES.get(buffer[start + 1])
             if size is None:
                 self.bad += start + 2
-                del buffer[: start + 2]  # a doubled escape inside a frame, or another kind
+                del buffer[: start + 2]  # an escaped byte inside a frame, or a frame of an unknown kind
                 continue
             self.bad += start
             del buffer[:start]
@@ -76,7 +76,7 @@ class BeastReader:
             kind = buffer[1]
             if len(content) < _HEADER + size:
                 self.bad += used
-                del buffer[:used]  # another frame begins inside
+                del buffer[:used]  # the frame is truncated: the next frame begins inside it
                 continue
             del buffer[:used]
             return kind, bytes(content[_HEADER:])

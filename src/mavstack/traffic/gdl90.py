@@ -24,7 +24,7 @@ class Gdl90Reader:
 
     def __init__(self) -> None:
         self._buffer = bytearray()
-        #: Frames with a wrong checksum, or of a wrong size.
+        #: Number of frames with a wrong checksum or a wrong size.
         self.bad = 0
 
     def feed(self, data: bytes) -> list[Report]:

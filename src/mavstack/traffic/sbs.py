@@ -22,7 +22,7 @@ class SbsReader:
 
     def __init__(self) -> None:
         self._buffer = bytearray()
-        #: Lines that are not messages of aircraft.
+        #: Number of lines that are not messages of aircraft.
         self.bad = 0
 
     def feed(self, data: bytes) -> list[Report]:

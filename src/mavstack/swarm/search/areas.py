@@ -25,11 +25,11 @@ if TYPE_CHECKING:
     from mavstack.swarm.arrays import Points
 
 Corner = tuple[float, float]
-#: The begin and the end of a part of a line.
+#: The two ends of a part of a line.
 Interval = tuple[float, float]
-#: Metres within which two heights of a sweep are one.
+#: Heights of a sweep that differ by less than this, in metres, are equal.
 _SAME: Final = 1e-9
-#: Maximum number of strips of an area; more are a mistake of units.
+#: Maximum number of strips of an area; a larger number is probably a mistake in a unit.
 MAX_STRIPS: Final = 10_000
 
 
@@ -211,7 +211,8 @@ def _intervals(rings: Sequence[Points], height: float) -> list[tuple[float, floa
 
 def _cells(rows: Sequence[Sequence[tuple[float, float]]]) -> Iterator[list[tuple[int, float, float]]]:
     """Yield cells: runs of intervals in which each touches one of the row before, which touches no other."""
-    open_cells: dict[int, list[tuple[int, float, float]]] = {}  # by the index of the last interval in its row
+    # The key is the index of a cell's last interval in its row.
+    open_cells: dict[int, list[tuple[int, float, float]]] = {}
     before: Sequence[tuple[float, float]] = ()
     for row, intervals in enumerate(rows):
         below = [[old for old, each in enumerate(before) if _touch(each, interval)] for interval in intervals]

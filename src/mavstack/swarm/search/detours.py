@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from mavstack.swarm.arrays import Points
     from mavstack.swarm.search.areas import Area, Corner
 
-#: Part of a line near its ends in which a border does not count: lines begin and end on borders.
+#: Share of a line at each end in which crossings are ignored, because lines begin and end on borders.
 _ENDS: Final = 1e-6
 
 
@@ -75,7 +75,7 @@ def _crosses(ring: Points, start: Corner, end: Corner) -> bool:
     line = np.subtract(end, start)
     edges, offsets = after - ring, ring - start
     denominator = line[0] * edges[:, 1] - line[1] * edges[:, 0]
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # lines that are nearly parallel
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # parallel lines divide by zero
         on_line = (offsets[:, 0] * edges[:, 1] - offsets[:, 1] * edges[:, 0]) / denominator
         on_edge = (offsets[:, 0] * line[1] - offsets[:, 1] * line[0]) / denominator
         hit = (on_line > _ENDS) & (on_line < 1.0 - _ENDS) & (on_edge > _ENDS) & (on_edge < 1.0 - _ENDS)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from mavstack.swarm.search.areas import Corner
 
-#: Pieces of a track that are shorter are not flown by another vehicle, in metres.
+#: A track is cut for two vehicles only if both pieces are longer than this, in metres.
 _SHORTEST_PIECE: Final = 0.5
 
 
@@ -96,7 +96,7 @@ def divide(tracks: Sequence[Track], searchers: Sequence[Searcher]) -> list[list[
     rest = list(tracks)
     for index, weight in zip(order, weights, strict=True):
         shares[index], rest = _take(rest, total * weight / sum(weights))
-    shares[order[-1]] += rest  # rounding
+    shares[order[-1]] += rest  # tracks that are left by rounding errors
     return shares
 
 

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from mavstack.swarm.search.areas import Corner
     from mavstack.swarm.search.division import Searcher
 
-#: Maximum number of cells of a grid; more take longer than a person waits.
+#: Maximum number of cells of a grid, which bounds the time of the calculation.
 MAX_CELLS: Final = 20_000
-#: Maximum number of exchanges of border cells, for each cell of the grid.
+#: Maximum number of exchanges of border cells between vehicles, per cell of the grid.
 _EXCHANGES: Final = 4
 
 
@@ -117,7 +117,7 @@ class _Regions:
                 self._move(min(free, key=lambda cell: (self._away(cell, centre), cell)), region)
             else:
                 growing.discard(region)
-        for cell, owner in enumerate(self._owner):  # parts of the area without a seed
+        for cell, owner in enumerate(self._owner):  # cells that no seed can reach
             if owner < 0:
                 self._flood(cell, min(range(len(seeds)), key=lambda each: (self._loads[each], each)))
 
@@ -180,7 +180,8 @@ class _Regions:
             for cell in self.members[giver]
             if any(self._owner[near] == taker for near in self._near[cell])
         ]
-        seed = self._seeds[giver]  # it goes last: where starts are close together, one seed encloses another
+        # The seed is passed on last: where starts are close together, one seed can enclose another.
+        seed = self._seeds[giver]
         for cell in sorted(border, key=lambda each: (each == seed, self._away(each, centre), each)):
             if len(self.members[giver]) > 1 and self._is_connected_without(giver, cell):
                 return cell
@@ -234,7 +235,7 @@ def _grid(cells: Sequence[Sequence[Track]], spacing: float) -> list[_Cell]:
             begin, end = _begin(track), _begin(track) + track.length
             first = math.floor(begin / spacing)
             cuts = [spacing * index for index in range(first + 1, math.ceil(end / spacing))]
-            # A piece shorter than a quarter of a cell belongs to its neighbour.
+            # A piece shorter than a quarter of a cell is joined to its neighbour.
             inner = [cut for cut in cuts if begin + spacing / 4.0 < cut < end - spacing / 4.0]
             edges = [begin, *inner, end]
             found += [_Cell(row, low, high, track) for low, high in pairwise(edges)]
@@ -267,7 +268,7 @@ def _seeds(grid: Sequence[_Cell], searchers: Sequence[Searcher]) -> list[int]:
     taken: list[int] = []
     for index, searcher in enumerate(searchers):
         free = [cell for cell in range(len(grid)) if cell not in set(taken)]
-        if searcher.start is None:  # spread along the tracks
+        if searcher.start is None:  # without a start position, seeds are spread along the tracks
             wanted = (2 * index + 1) * len(grid) // (2 * len(searchers))
             taken.append(min(free, key=lambda cell: (abs(cell - wanted), cell)))
         else:

@@ -121,7 +121,7 @@ def _legs(
 
 def _waypoint(frame: LocalFrame, place: Corner, altitude: float) -> MissionItem:
     latitude, longitude, _ = frame.to_global(place[0], place[1], 0.0)
-    # The digits that a mission item has on the wire.
+    # MISSION_ITEM_INT has seven decimal places of a degree.
     return MissionItem.waypoint(round(latitude, 7), round(longitude, 7), altitude)
 
 

@@ -83,7 +83,8 @@ def sector(radius: float, *, bearing: float = 0.0) -> Points:
     _check_positive(radius=radius)
     corners = [np.zeros(2)]
     for triangle in range(3):
-        first = bearing + 240.0 * triangle  # straight on through the datum, on the course of the leg before
+        # Each triangle leaves the datum on the course of the leg that led there.
+        first = bearing + 240.0 * triangle
         corners += [radius * _direction(first), radius * _direction(first + 60.0), np.zeros(2)]
     return np.array(corners)
 
@@ -158,7 +159,8 @@ def offset_line(line: Points, right: float) -> Points:
     normals = np.column_stack((-legs[:, 1], legs[:, 0])) / lengths[:, None]
     before, after = np.vstack((normals[:1], normals)), np.vstack((normals, normals[-1:]))
     mitre = before + after
-    mitre /= np.maximum((mitre * before).sum(axis=1), 0.2)[:, None]  # sharp corners are cut
+    # The minimum 0.2 limits the distance of the new corner from the line at sharp turns.
+    mitre /= np.maximum((mitre * before).sum(axis=1), 0.2)[:, None]
     beside: Points = line + right * mitre
     return beside
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mavstack.swarm.arrays import Points
     from mavstack.swarm.search.missions import MissionOptions
 
-#: The names of the patterns, with a line about each.
+#: The names of the search patterns, with a line about each.
 PATTERNS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "parallel": "tracks along the bearing over a square, for a place that is not known well",

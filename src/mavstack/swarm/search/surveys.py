@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from mavstack.swarm.search.camera import Camera
     from mavstack.swarm.search.division import Searcher
 
-#: Latitude and longitude in degrees.
+#: A position: latitude and longitude in degrees.
 Place = tuple[float, float]
 #: The ways to divide a survey, with a line about each.
 DIVISIONS: Final[Mapping[str, str]] = MappingProxyType(
@@ -41,7 +41,7 @@ DIVISIONS: Final[Mapping[str, str]] = MappingProxyType(
         "grid": "connected regions around the starts of the vehicles",
     }
 )
-#: Metres between tracks without a camera.
+#: Default distance between tracks in metres, if no camera is given.
 DEFAULT_SPACING: Final = 20.0
 #: Maximum number of corners of an outline or a route.
 MAX_CORNERS: Final = 1000

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from mavstack.swarm.arrays import Points
     from mavstack.swarm.shows.show import Show
 
-#: Samples in a second.
+#: Samples per second.
 RATE: Final = 25.0
-#: Height in metres above its lowest place below which a vehicle is on the ground.
+#: A vehicle less than this many metres above its lowest position is on the ground.
 GROUND: Final = 1.0
 _SPAN: Final = 0.5
 

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 _END: Final = 0x00
 _SET_COLOUR: Final = 0x04
-#: Units of durations in a second.
+#: Durations in a light program are in units of 1/50 second.
 _TICKS: Final = 50
 
 
@@ -33,7 +33,7 @@ def light_program(colours: Sequence[tuple[float, Colour]]) -> bytes:
     ends = [*(time for time, _ in changes[1:]), colours[-1][0]]
     program = bytearray()
     for (begin, colour), end in zip(changes, ends, strict=True):
-        # Both ends are rounded, not the difference, so that errors do not add up.
+        # The two times are rounded before the subtraction, so that rounding errors do not add up.
         ticks = max(0, round(end * _TICKS) - round(begin * _TICKS))
         program += bytes((_SET_COLOUR, *(min(max(each, 0), 255) for each in colour))) + _varint(ticks)
     program.append(_END)

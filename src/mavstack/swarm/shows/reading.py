@@ -27,12 +27,12 @@ from mavstack.swarm.shows.show import Curve, Show, ShowVehicle, Trajectory
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-#: Bytes of a file and of its entries, and number of vehicles.
+#: Maximum bytes of a file, of one entry and of all entries that are read; maximum number of vehicles.
 MAX_FILE: Final = 64 << 20
 MAX_ENTRY: Final = 32 << 20
 MAX_TOTAL: Final = 256 << 20
 MAX_VEHICLES: Final = 5000
-#: Levels of references.
+#: Maximum depth of references from one entry to another.
 _MAX_DEPTH: Final = 8
 _COLUMNS: Final = ("time", "x", "y", "z")
 

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
     from mavstack.swarm.arrays import Indices, Points
 
-#: Largest degree of a curve.
+#: Maximum degree of a curve.
 MAX_DEGREE: Final = 7
-#: Largest coordinate in metres, duration in seconds and number of curves of a vehicle.
+#: Maximum coordinate in metres, duration in seconds, and number of curves of one vehicle.
 MAX_COORDINATE: Final = 1e5
 MAX_DURATION: Final = 4 * 3600.0
 MAX_CURVES: Final = 100_000

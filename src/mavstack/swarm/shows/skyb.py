@@ -29,7 +29,7 @@ _CRC: Final = 1
 _HEAD: Final = 10
 _TRAJECTORY: Final = 1
 _LIGHTS: Final = 2
-#: Degrees of curves by their code.
+#: Degree of a curve by its code.
 _DEGREES: Final = (0, 1, 3, 7)
 _MAX_MILLISECONDS: Final = 65_000
 _MAX_SCALE: Final = 127
@@ -97,7 +97,7 @@ def _trajectory(trajectory: Trajectory) -> bytes:
         raise InvalidArgumentError(f"a trajectory reaches {largest:.0f} m, the format holds 4161 m")
     start = _units(np.asarray(trajectory.curves[0].points[0]), scale)
     data = bytearray(struct.pack("<Bhhhh", scale, *start, 0))
-    if trajectory.begin > 0.0:  # it rests until its takeoff
+    if trajectory.begin > 0.0:  # the vehicle waits for its takeoff
         waiting = Curve(0.0, trajectory.begin, (trajectory.curves[0].points[0],) * 2)
         data += b"".join(_segment(each, scale) for each in _pieces(waiting))
     for curve in trajectory.curves:
