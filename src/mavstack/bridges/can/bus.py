@@ -21,7 +21,7 @@ from mavstack.vehicle import connect
 if TYPE_CHECKING:
     from collections.abc import Coroutine, Iterable
 
-#: Frames that wait for `recv`; then new ones are dropped and counted.
+#: Maximum number of frames that wait for `recv`; further frames are dropped and counted.
 MAX_WAITING: Final = 50_000
 DEFAULT_TIMEOUT: Final = 10.0
 

@@ -32,9 +32,9 @@ Fields = dict[str, Any]
 ACCEPTED, EXECUTING, CANCELING, SUCCEEDED, CANCELED, ABORTED = range(1, 7)
 _ENDED: Final = (SUCCEEDED, CANCELED, ABORTED)
 _CANCEL_OK, _CANCEL_UNKNOWN, _CANCEL_TERMINATED = 0, 2, 3
-#: Seconds between two feedbacks.
+#: Seconds between two feedback messages.
 FEEDBACK_INTERVAL: Final = 0.5
-#: The number of results that are kept.
+#: Maximum number of results that are kept.
 MAX_RESULTS: Final = 32
 _NO_GOAL: Final = bytes(16)
 
@@ -160,7 +160,7 @@ class ActionServer:
         result = {"success": goal.status == SUCCEEDED, "reason": goal.reason}
         return {"status": goal.status, "result": result}
 
-    # Flying
+    # Running a goal
 
     async def _run(self, goal: Goal) -> None:
         loop = asyncio.get_running_loop()
@@ -179,7 +179,7 @@ class ActionServer:
             self._publish_status()
 
     async def _end_cancelled(self, goal: Goal) -> None:
-        if goal.status != CANCELING:  # replaced, or the bridge ends
+        if goal.status != CANCELING:  # a new goal replaced this one, or the bridge ends
             goal.status, goal.reason = ABORTED, goal.reason or "the bridge ended"
             return
         goal.status, goal.reason = CANCELED, "cancelled; the vehicle holds its position"

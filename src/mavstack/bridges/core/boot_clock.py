@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from typing import Final
 
-#: Microseconds from here on are Unix time, not the time since boot: that of the year 2001.
+#: Microseconds from this value on (in the year 2001) are Unix time; smaller ones are time since boot.
 MIN_UNIX_MICROSECONDS: Final = 10**15
-#: A time that differs from the arrival by more than this belongs to another boot, or the clock is wrong.
+#: Maximum difference in nanoseconds between the time in a message and its arrival; a larger difference means
+#: another boot, or a wrong clock.
 MAX_AGE: Final = 10_000_000_000
-#: How much the offset may grow in a second: clocks drift.
+#: Maximum growth of the clock offset per second, because clocks drift.
 DRIFT: Final = 0.0005
 
 
@@ -20,7 +21,7 @@ class BootClock:
     """The clock of one vehicle; times in nanoseconds."""
 
     def __init__(self) -> None:
-        #: The vehicle's clock minus the local one, by TIMESYNC, in nanoseconds; None: not known.
+        #: The vehicle's clock minus the local clock in nanoseconds, from TIMESYNC; None: not known.
         self.timesync_offset: int | None = None
         self._delay: int | None = None
         self._updated = 0

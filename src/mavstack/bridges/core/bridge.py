@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Connection, Vehicle
 
 logger = logging.getLogger("mavstack.bridges")
-#: The name of a vehicle without one, before its system id.
+#: The prefix of the default vehicle name, which ends with the system id.
 DEFAULT_NAME: Final = "uav"
 
 

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger("mavstack.bridges")
 _FLOATS: Final = ("float32", "float64")
 _ROWS: Final[tuple[Service | Action, ...]] = (*SERVICES, *ACTIONS)
-#: The rows that are called, by their names.
+#: The rows of services and actions, by name.
 CALLS: Final[Mapping[str, Service | Action]] = {row.name: row for row in _ROWS}
 
 

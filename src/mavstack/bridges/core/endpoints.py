@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mavstack.dialects import Message
 
 logger = logging.getLogger("mavstack.bridges")
-#: The text that answers a request for which the bridge has no permission.
+#: The error text for a request that needs permission to control the vehicle.
 NO_CONTROL = "control is not allowed: start the bridge with --allow-control"
 
 
@@ -47,7 +47,7 @@ class Inlet:
         *,
         reject: Callable[[str], None],
     ) -> None:
-        #: The row.
+        #: The table row that defines the endpoint.
         self.row = row
         #: The full name, such as "/mavros/setpoint_raw/local".
         self.name = name
@@ -57,7 +57,7 @@ class Inlet:
         self.accepted = 0
         #: The number of samples that were refused.
         self.refused = 0
-        #: Why the last one was refused.
+        #: The reason for the last refusal.
         self.last_reason = ""
         self._inbound = inbound
         self._send = send

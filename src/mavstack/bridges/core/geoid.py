@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-#: Points of a row, and rows from the north pole to the south pole.
+#: Number of points in a row, and of rows from the north pole to the south pole.
 COLUMNS: Final = 720
 ROWS: Final = 361
 _STEP: Final = 0.5

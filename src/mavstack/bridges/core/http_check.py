@@ -10,9 +10,9 @@ from urllib.request import Request, urlopen
 
 from mavstack.errors import LinkError
 
-#: Seconds in which a server answers.
+#: Seconds in which a server must answer.
 ANSWER_TIMEOUT: Final = 5.0
-#: Bytes of an answer.
+#: Maximum size of an answer in bytes.
 MAX_ANSWER: Final = 32 << 20
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from mavstack.rotation import Quaternion, Vector
     from mavstack.services import Address
 
-#: Nanoseconds after which a sample that steers is too old.
+#: Maximum age in nanoseconds of a sample that steers the vehicle.
 MAX_AGE: Final = 500_000_000
 _UNIT_TOLERANCE: Final = 0.1
 _BODY_FRAMES: Final = ("base_link", "base_footprint", "body")

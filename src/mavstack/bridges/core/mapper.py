@@ -23,7 +23,7 @@ class Mapper:
 
     def __init__(self, view: VehicleView, topics: Iterable[Topic]) -> None:
         self.view = view
-        #: The topics by the names of their rows.
+        #: The topics by row name.
         self.topics = {topic.row.name: topic for topic in topics}
         self._reported: set[str] = set()
 

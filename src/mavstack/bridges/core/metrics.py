@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Connection, Vehicle
     from mavstack.wire import Parser
 
-#: Vehicles of which metrics are read; each has a few dozen time series.
+#: Maximum number of vehicles with metrics; each has a few dozen time series.
 MAX_VEHICLES: Final = 1000
 _PERCENT: Final = 100.0
 _LOAD: Final = 1000.0
@@ -138,7 +138,7 @@ _CORRECTIONS: Final = (
 )
 VEHICLE: Final = "mavstack_vehicle_"
 LINK: Final = "mavstack_link_"
-#: The counter of readings of the metrics by servers, without `_total`.
+#: The name of the counter of scrapes, without the suffix `_total`.
 SCRAPES: Final = "mavstack_scrapes"
 
 

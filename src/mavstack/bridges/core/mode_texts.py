@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 _AUTO: Final = 4
 _PREFIX: Final = "AUTO."
-#: Names of ours by those of MAVROS, for ArduPilot.
+#: The MAVROS names of ArduPilot modes, by Mavstack's names.
 _ARDUPILOT: Final[Mapping[str, str]] = MappingProxyType(
     {"FLY_BY_WIRE_A": "FBWA", "FLY_BY_WIRE_B": "FBWB", "INITIALIZING": "INITIALISING"}
 )

@@ -9,9 +9,9 @@ from typing import Final
 from mavstack.bridges.core.view import Frames
 from mavstack.errors import InvalidArgumentError
 
-#: The namespace of the rows, as MAVROS has it.
+#: The namespace of all endpoints, the same as in MAVROS.
 ROOT: Final = "mavros"
-#: The node of all endpoints but those of parameters.
+#: The node of all endpoints except ROS parameters.
 NODE: Final = "mavstack"
 #: The node of the ROS parameters.
 PARAMETER_NODE: Final = "param"

@@ -15,9 +15,9 @@ from typing import Any, Final
 
 from mavstack.errors import InvalidArgumentError
 
-#: Bytes of a request; a plan of some thousand items is far smaller.
+#: Maximum size of a request in bytes; a plan with some thousand items is much smaller.
 MAX_REQUEST: Final = 1 << 20
-#: Most values: looked up, since the cases below ask abstract classes.
+#: Types of most values, which need no conversion: this lookup is faster than the cases with abstract classes.
 _PLAIN: Final = frozenset({type(None), bool, int, str})
 _ENCODER: Final = json.JSONEncoder(ensure_ascii=False, separators=(",", ":"), allow_nan=False)
 
@@ -54,7 +54,7 @@ def json_bytes(value: object) -> bytes:
 def plain_bytes(value: object) -> bytes:
     """Return a value that `plain` returned as compact JSON in UTF-8."""
     text = _ENCODER.encode(value)
-    return text.encode("utf-8", "backslashreplace")  # a lone surrogate becomes its escape in JSON
+    return text.encode("utf-8", "backslashreplace")  # a lone surrogate becomes a JSON escape
 
 
 def parse_object(data: bytes) -> dict[str, Any]:

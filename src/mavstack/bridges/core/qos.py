@@ -27,19 +27,19 @@ class Qos:
         return (self.reliable or not requested.reliable) and (self.latched or not requested.latched)
 
 
-#: Sensor data and setpoints: best effort, the last five.
+#: Sensor data and setpoints: best effort, the last five samples.
 SENSOR: Final = Qos("sensor", reliable=False, latched=False, depth=5)
-#: States: reliable, and a late subscriber gets the last ten.
+#: States: reliable; a late subscriber gets the last ten samples.
 STATE: Final = Qos("state", reliable=True, latched=True, depth=10)
-#: One valid value: reliable, and a late subscriber gets it.
+#: A single value: reliable; a late subscriber gets the last sample.
 LATCHED: Final = Qos("latched", reliable=True, latched=True, depth=1)
-#: Everything else: reliable, the last ten.
+#: Everything else: reliable, the last ten samples.
 DEFAULT: Final = Qos("default", reliable=True, latched=False, depth=10)
-#: Events of parameters.
+#: Events of ROS parameters: reliable, the last 1000 samples.
 PARAMETERS: Final = Qos("parameters", reliable=True, latched=False, depth=1000)
-#: Only the newest, reliable.
+#: Reliable, only the newest sample.
 NEWEST: Final = Qos("newest", reliable=True, latched=False, depth=1)
-#: Raw packets.
+#: Raw packets: best effort, the last 1000 samples.
 PACKETS: Final = Qos("packets", reliable=False, latched=False, depth=1000)
-#: Requests and replies.
+#: Requests and replies: reliable.
 SERVICES: Final = Qos("services", reliable=True, latched=False, depth=10)

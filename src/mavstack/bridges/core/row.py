@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     MessageClass = type[Message]
 
-#: The flat values of a ROS message behind its header.
+#: The field values of a ROS message without its header, nested fields flattened.
 Values: TypeAlias = Sequence[Any]
 #: Returns the values for a message, or None if it does not have them. Periodic rows get None as the message.
 Converter: TypeAlias = Callable[[Any, "VehicleView"], Values | None]

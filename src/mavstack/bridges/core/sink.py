@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from mavstack.bridges.core.topic import Topic
 
 Item = TypeVar("Item")
-#: Items that wait in a queue between threads.
+#: Maximum number of items in a queue between threads.
 MAX_ITEMS: Final = 1000
 
 
@@ -94,7 +94,7 @@ class Outbox(Generic[Item]):
     def __init__(self, work: Callable[[Item], object], limit: int = MAX_ITEMS, *, name: str = "sink") -> None:
         #: The number of items that were dropped.
         self.dropped = 0
-        #: The number of items whose work failed.
+        #: The number of items whose processing failed.
         self.failed = 0
         self._work = work
         self._limit = limit

@@ -47,7 +47,7 @@ def _health(vehicle: Vehicle) -> dict[str, Any]:
     }
 
 
-#: The groups, and the function that reads each; None: the vehicle has not reported it.
+#: The function that reads each group; it returns None if the vehicle has not reported the group.
 GROUPS: Final[Mapping[str, Callable[[Vehicle], Any]]] = {
     "status": _status,
     "position": _position,

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from mavstack.bridges.core.row import Publication, Values
     from mavstack.bridges.core.types import Definition
 
-    #: Takes the CDR bytes of a sample, and its time as Unix nanoseconds.
+    #: Called with the CDR bytes of a sample and its time as Unix nanoseconds.
     Receiver = Callable[[bytes, int], object]
 
 
@@ -42,7 +42,7 @@ class Topic:
         changed: Callable[[Topic], None] | None = None,
         node: str = "",
     ) -> None:
-        #: The row.
+        #: The table row that defines the topic.
         self.row = row
         #: The full name, such as "/mavros/imu/data".
         self.name = name

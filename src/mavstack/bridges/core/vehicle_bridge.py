@@ -37,11 +37,11 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 logger = logging.getLogger("mavstack.bridges")
-#: The ids of SiK radios, which report the link as components of a system that does not exist.
+#: The system id of SiK radios, which report the link with ids that belong to no vehicle.
 RADIO_SYSTEM: Final = 51
-#: Seconds without any message of a topic that is subscribed, before a message is requested.
+#: Seconds without a message for a subscribed topic, after which the bridge requests a message.
 REQUEST_DELAY: Final = 2.0
-#: Hertz at which messages are requested that the vehicle does not send by itself.
+#: Rate in hertz of the messages that the vehicle sends only on request.
 REQUEST_RATE: Final = 5.0
 _PACKETS: Final = "mavlink_source"
 _TICK: Final = 1.0

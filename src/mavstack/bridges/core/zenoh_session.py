@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 DEFAULT_ROUTER: Final = "tcp/127.0.0.1:7447"
 #: Seconds in which the router must answer.
 OPEN_TIMEOUT: Final = 5.0
-#: Milliseconds without any data after which the other end takes a session for dead; Zenoh has 10 s.
+#: Milliseconds without data after which the other end closes the session; Zenoh's default is 10 s.
 LEASE: Final = 4000
 _START_ROUTER: Final = "start one with `zenohd` or `ros2 run rmw_zenoh_cpp rmw_zenohd`"
 
@@ -52,7 +52,7 @@ class SessionOptions:
             "connect/timeout_ms": round(self.timeout * 1000),
             "connect/exit_on_failure": True,
             "scouting/multicast/enabled": False,
-            "timestamping/enabled": True,  # which the cache of advanced publishers and the age of data need
+            "timestamping/enabled": True,  # for the cache of advanced publishers and the age of data
             "transport/link/tx/lease": LEASE,
             # By default a put waits a millisecond for room in a full queue, in the event loop.
             "transport/link/tx/queue/congestion_control/drop/wait_before_drop": 0,

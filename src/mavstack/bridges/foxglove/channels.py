@@ -61,7 +61,7 @@ class TopicChannel:
             return
         try:
             encoded = self._panel.encode(self._topic, payload, stamp)
-        except (TypeError, ValueError, OverflowError):  # a value that the schema of Foxglove cannot hold
+        except (TypeError, ValueError, OverflowError):  # the schema of Foxglove cannot hold the value
             self.failed += 1
         else:
             self._channel.log(encoded, log_time=stamp)

@@ -11,10 +11,10 @@ from mavstack.bridges.core.names import VehicleNames
 if TYPE_CHECKING:
     from pathlib import Path
 
-#: The namespace in the file.
+#: The vehicle namespace in the layout file.
 _WRITTEN: Final = f"{VehicleNames().namespace}/"
 
-#: The frames in the file, and what is before them there.
+#: The text before each frame name in the layout file, and the frame name.
 _FRAMES: Final = (
     ('"followTf": "', "base_link"),
     ('"frameId": "', "map"),

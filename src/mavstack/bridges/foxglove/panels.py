@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 Fields = dict[str, Any]
 _NANOSECONDS: Final = 1_000_000_000
-#: The levels of Foxglove by MAV_SEVERITY.
+#: Foxglove log levels by MAV_SEVERITY.
 _LEVELS: Final = (
     *(messages.LogLevel.Fatal,) * 3,
     messages.LogLevel.Error,
@@ -30,7 +30,7 @@ _LEVELS: Final = (
     *(messages.LogLevel.Info,) * 2,
     messages.LogLevel.Debug,
 )
-#: MAV_CMD of items without a place.
+#: Mission items with this MAV_CMD or a larger one have no position.
 _FIRST_WITHOUT_PLACE: Final = 95
 
 
@@ -130,7 +130,7 @@ def _is_place(latitude: float, longitude: float) -> bool:
     return isfinite(latitude) and isfinite(longitude) and bool(latitude or longitude)
 
 
-#: The channels by the name of the row that they are made of.
+#: The Foxglove channels, by the name of the row whose samples they convert.
 PANELS: Final = {
     "global_position/global": Panel("foxglove/location", messages.LocationFix, location),
     "local_position/pose": Panel("foxglove/pose", messages.PoseInFrame, pose),

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger("mavstack.bridges")
 Value = int | float
-#: Parameters that are written at the same time.
+#: Maximum number of parameters that are written at the same time.
 MAX_WRITES: Final = 64
-#: The part of the name before the name of the parameter.
+#: The text before the MAVLink parameter name in a Foxglove parameter name.
 _FOLDER: Final = "/param/"
 
 

@@ -14,7 +14,7 @@ from mavstack.errors import InvalidArgumentError, LinkError, MissingExtraError
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-#: Seconds in which a server sends its channels.
+#: Seconds in which a server must send its channels.
 ANSWER_TIMEOUT: Final = 2.0
 _OPEN_TIMEOUT: Final = 5.0
 _SUBPROTOCOL: Final = "foxglove.sdk.v1"

@@ -34,11 +34,11 @@ if TYPE_CHECKING:
     from mavstack.bridges.foxglove.parameters import FoxgloveParameters, Value
 
 logger = logging.getLogger("mavstack.bridges")
-#: Seconds after which a call of a service is given up; an operation of the vehicle ends earlier by itself.
+#: Seconds after which a service call is aborted; operations of the vehicle have shorter timeouts.
 CALL_TIMEOUT: Final = 600.0
-#: Seconds in which the event loop returns the values of parameters.
+#: Seconds to wait until the event loop returns the values of parameters.
 _VALUES_TIMEOUT: Final = 2.0
-#: Channels that clients have advertised; further ones are ignored.
+#: Maximum number of channels that clients advertise; further channels are ignored.
 MAX_CLIENT_CHANNELS: Final = 1000
 _JSON: Final = "json"
 
@@ -55,7 +55,7 @@ class FoxgloveSink:
     def __init__(self, host: str, port: int, *, control: bool = False) -> None:
         #: The parameters that clients see; set before `open`.
         self.parameters: FoxgloveParameters | None = None
-        #: The number of messages of clients that were not understood.
+        #: The number of messages from clients that could not be decoded.
         self.refused = 0
         self._host = host
         self._port = port

@@ -34,7 +34,7 @@ _TIME_SIZE: Final = 8
 _NO_AUTOPILOT: Final = int(common.MavAutopilot.INVALID)
 #: Packets between two calls of `progress`.
 _PROGRESS_STEP: Final = 1 << 12
-#: Vehicles of one log; further ones are left out.
+#: Maximum number of vehicles of one log; further vehicles are left out.
 MAX_VEHICLES: Final = 250
 
 

@@ -23,9 +23,10 @@ if TYPE_CHECKING:
     from mavstack.dialects import Message
     from mavstack.wire import Packet
 
-#: Takes a topic, the CDR of a sample, its own time and the time of its packet, as Unix nanoseconds.
+#: Called with a topic, the CDR bytes of a sample, the sample's time and the packet's time as Unix
+#: nanoseconds.
 Write: TypeAlias = "Callable[[Topic, bytes, int, int], object]"
-#: Nanoseconds between two samples of rows without messages.
+#: Nanoseconds between two samples of periodic rows, which no message triggers.
 _TICK: Final = 1_000_000_000
 _PACKETS: Final = "mavlink_source"
 _NO_AUTOPILOT: Final = int(common.MavAutopilot.INVALID)

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger("mavstack.bridges")
 Sample = tuple["Topic", bytes, int, int]
-#: Samples that wait for the disk; about a minute of one vehicle.
+#: Maximum number of samples in the queue to the disk: about a minute of one vehicle.
 MAX_SAMPLES: Final = 20_000
-#: Seconds in which the samples that wait are written at the end.
+#: Seconds in which the sink must write the queued samples when it closes.
 _CLOSE_TIMEOUT: Final = 10.0
 
 

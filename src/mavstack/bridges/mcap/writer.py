@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from mavstack.bridges.core.qos import Qos
     from mavstack.bridges.core.topic import Topic
 
-#: The numbers of ROS 2 for the history of a profile, its reliability and its durability.
+#: The ROS 2 numbers for the history, the reliability and the durability of a QoS profile.
 _KEEP_LAST: Final = 1
 _RELIABLE, _BEST_EFFORT = 1, 2
 _TRANSIENT_LOCAL, _VOLATILE = 1, 2

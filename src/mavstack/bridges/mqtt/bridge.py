@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Connection, Vehicle
 
 logger = logging.getLogger("mavstack.bridges")
-#: Seconds between two attempts to connect for a vehicle that was found while the broker was away.
+#: Seconds between two attempts to connect for a vehicle that was found while the broker was unreachable.
 RETRY_INTERVAL: Final = 10.0
 
 

@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 logger = logging.getLogger("mavstack.bridges")
 #: Seconds in which the broker must accept the first connection.
 OPEN_TIMEOUT: Final = 5.0
-#: Seconds between pings; the broker publishes the last will after one and a half of them without any.
+#: Seconds between pings; the broker publishes the last will after 1.5 times this without a ping.
 KEEP_ALIVE: Final = 10
-#: Seconds between two attempts to connect again: the first ones, and the longest.
+#: Initial and maximum seconds between two attempts to reconnect.
 _RETRIES: Final = (1, 30)
-#: Seconds in which a session that ends waits for messages that are under way.
+#: Seconds that a closing session waits for messages that are not yet acknowledged.
 _CLOSE_TIMEOUT: Final = 1.0
 _PORTS: Final = {"mqtt": 1883, "mqtts": 8883}
 _RETAIN_ALL: Final = 0
@@ -132,7 +132,7 @@ class Session:
             from paho.mqtt import client, enums
         except ImportError:
             raise MissingExtraError("the bridge to MQTT", "mqtt") from None
-        #: The number of messages that were dropped because the broker took none.
+        #: The number of messages that could not be sent to the broker or queued for it.
         self.dropped = 0
         self._module: Any = client
         self._broker = broker
@@ -234,7 +234,8 @@ class Session:
             logger.debug("publishing %r failed: %s", topic, error)
             self.dropped += 1
             return False
-        # A message that waits for the connection is sent later; one without acknowledgement is lost.
+        # Without a connection, a message with acknowledgement is sent later; one without acknowledgement is
+        # lost.
         waits = qos >= _MIN_QOS_WITH_ACK and info.rc == self._module.MQTT_ERR_NO_CONN
         if info.rc != self._module.MQTT_ERR_SUCCESS and not waits:
             self.dropped += 1
@@ -273,7 +274,7 @@ class Session:
         try:
             topic = message.topic
         except UnicodeDecodeError:
-            return  # a broker that does not check its clients
+            return  # the broker does not check the topics of its clients
         arrived = Arrived(
             topic,
             bytes(message.payload),

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
     from mavstack.bridges.mqtt.broker import Arrived, Broker
 
-#: Seconds in which a broker sends what it keeps, and bridges answer.
+#: Seconds in which a broker must send its retained messages, and in which bridges must answer.
 ANSWER_TIMEOUT: Final = 1.5
-#: A request without a command: every bridge refuses it, which shows that requests and answers pass.
+#: A request without a command: every bridge refuses it, which shows that requests and answers arrive.
 PROBE: Final = "check"
 _CLIENTS: Final = "$SYS/broker/clients/connected"
 

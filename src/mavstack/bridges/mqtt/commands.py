@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from mavstack.security.roles import Role
     from mavstack.vehicle import Vehicle
 
-#: Commands of one vehicle that are carried out at the same time.
+#: Maximum number of commands of one vehicle that run at the same time.
 MAX_COMMANDS: Final = 8
-#: Characters of a response topic.
+#: Maximum length of a response topic in characters.
 _MAX_TOPIC: Final = 512
 
 

@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Vehicle
 
 Group = dict[str, Any]
-#: Decimals of degrees of latitude and longitude, about a centimetre, and of all other numbers.
+#: Decimals of latitude and longitude in degrees (about a centimetre), and of all other numbers.
 _PLACE_DECIMALS: Final = 7
 _DECIMALS: Final = 3
 _PLACES: Final = ("latitude", "longitude")
-#: The number of items of a vehicle that does not count them.
+#: The number of mission items that means that the vehicle does not report this number.
 _NO_TOTAL: Final = 0xFFFF
 
 

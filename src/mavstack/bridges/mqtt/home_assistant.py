@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-#: The prefix of discovery that Home Assistant has by default.
+#: Home Assistant's default prefix of discovery topics.
 DEFAULT_PREFIX: Final = "homeassistant"
 #: Sensors: name, group, key, unit, device class.
 _SENSORS: Final = (

@@ -200,7 +200,7 @@ class VehicleTopics:
         try:
             modes = [mode.name for mode in await self._vehicle.modes.list()]
         except MavstackError:
-            return  # the vehicle does not list them: it has buttons, and no choice of modes
+            return  # without a list of modes, Home Assistant shows buttons but no mode selection
         self._described = self._description(modes, control=True)
         self._publish_description()
 

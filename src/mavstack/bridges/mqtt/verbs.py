@@ -121,7 +121,7 @@ def _is_kind(value: object, kind: str) -> bool:
 def _is_finite(value: float) -> bool:
     try:
         return isfinite(value)
-    except OverflowError:  # an integer beyond the range of floats
+    except OverflowError:  # an integer that is too large for a float
         return False
 
 

@@ -71,14 +71,14 @@ _WORDS: Final[Mapping[str, str]] = MappingProxyType(
         "LANDING_DETECTED": "landed",
     }
 )
-#: Reasons that end when the bridge sends RC channels, sticks centered, throttle and switches low.
+#: Reasons that end when the bridge sends RC channels (sticks centered, throttle and switches low).
 ENDED_BY_CHANNELS: Final = frozenset(
     {"FAILSAFE", "RX_FAILSAFE", "THROTTLE", "FAILSAFE_SYSTEM", "RC_LINK", "ROLLPITCH_NOT_CENTERED"}
     | {"ARM_SWITCH", "NOT_DISARMED"}
 )
 #: Reasons that show that a calibration runs.
 CALIBRATING: Final = frozenset({"CALIBRATING", "SENSORS_CALIBRATING"})
-#: The arm switch is not a reason beside others: Betaflight adds it to each of them.
+#: Betaflight adds the arm switch to every other reason, so it is not a separate reason.
 _SWITCH: Final = "ARM_SWITCH"
 
 

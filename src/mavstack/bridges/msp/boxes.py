@@ -21,11 +21,11 @@ from mavstack.services.modes import AvailableMode
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-#: `custom_mode` and name of the mode without an active flight mode.
+#: `custom_mode` and mode name while no flight mode is active.
 ACRO: Final = 0
 ACRO_NAME: Final = "ACRO"
 
-#: Permanent ids that are equal in both firmwares.
+#: Permanent box ids that are equal in both firmwares.
 ARM: Final = 0
 BEEPER: Final = 13
 FAILSAFE: Final = 27
@@ -60,7 +60,7 @@ _BETAFLIGHT: Final[Mapping[int, _FlightMode]] = MappingProxyType(
         49: _FlightMode(properties=_ADVANCED),  # LAUNCH CONTROL
     }
 )
-#: The same of iNav.
+#: The flight modes of iNav by permanent id, highest precedence first.
 _INAV: Final[Mapping[int, _FlightMode]] = MappingProxyType(
     {
         FAILSAFE: _FlightMode(properties=_HIDDEN),

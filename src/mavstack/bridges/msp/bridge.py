@@ -64,16 +64,16 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 DEFAULT_SYSTEM: Final = 1
-#: Seconds between two runs of the status texts with the reasons not to arm.
+#: Seconds after which the status texts with the reasons not to arm are sent again.
 REASONS_INTERVAL: Final = 30.0
-#: Seconds between two polls of the status, and while the bridge sends RC channels.
+#: Seconds between two status polls: normally, and while the bridge sends RC channels.
 STATUS_INTERVAL, CONTROL_STATUS_INTERVAL = 0.2, 0.1
-#: Seconds between two AUTOPILOT_VERSION, and AVAILABLE_MODES of the current mode: programs that come later
-#: know by them what the firmware is, and the name of its mode.
+#: Seconds between two AUTOPILOT_VERSION messages, and between two AVAILABLE_MODES messages for the current
+#: mode: ground stations that connect later learn the firmware and the mode name from them.
 IDENTITY_INTERVAL: Final = 5.0
-#: Seconds after which a new peer gets the names of the modes.
+#: Seconds after which the mode names are sent to a new peer.
 GREETING_TIME: Final = 0.1
-#: Seconds until settings that could not be read are read again.
+#: Seconds after which settings that could not be read are read again.
 LOAD_RETRY: Final = 2.0
 FAILURES: Final = (MspError, LinkError, RemoteCancelled, InvalidStateError)
 
@@ -97,7 +97,7 @@ class MspBridge(AsyncResource):
         self, controller: FlightController, *links: str | Link, system: int = DEFAULT_SYSTEM
     ) -> None:
         self.controller = controller
-        #: The node that is the vehicle.
+        #: The MAVLink node that acts as the vehicle.
         self.node = Node(
             *links,
             system=system,
@@ -128,12 +128,12 @@ class MspBridge(AsyncResource):
         facts = await read_facts(self.controller)
         status = await self.controller.get(self._status_message(facts))
         self._create_parts(facts)
-        self._heartbeat.silent = True  # until its fields are known
+        self._heartbeat.silent = True  # send no heartbeat until its fields are known
         await self.node.open()
         self._samples.booted_at = self.node.now()
         self._use_facts(facts)
-        with suppress(*FAILURES):  # the settings are read again, and this with them
-            await self._missions.load()  # a program that connects may ask for the mission at once
+        with suppress(*FAILURES):  # the mission is read again together with the settings
+            await self._missions.load()  # a program may ask for the mission as soon as it connects
         self._on_message(status)
         self._heartbeat.silent = False
         works = (
@@ -149,7 +149,7 @@ class MspBridge(AsyncResource):
         self._tasks = [asyncio.get_running_loop().create_task(work) for work in works]
         for task in self._tasks:
             task.add_done_callback(self._on_task_ended)
-        await asyncio.sleep(0)  # they subscribe before the first peer comes
+        await asyncio.sleep(0)  # the tasks subscribe before the first peer connects
         self._announce()
         return self
 
@@ -177,7 +177,7 @@ class MspBridge(AsyncResource):
 
     def _on_task_ended(self, task: asyncio.Task[None]) -> None:
         if not task.cancelled() and (error := task.exception()) is not None:
-            self._on_silence()  # rather lost than shown as it was before
+            self._on_silence()  # a lost vehicle is safer than outdated values
             context = {"message": "a part of the MSP bridge failed", "exception": error}
             asyncio.get_running_loop().call_exception_handler(context)
 
@@ -307,8 +307,8 @@ class MspBridge(AsyncResource):
             self._heartbeat.handle_timeout(now)
             self.node.wake(self._heartbeat)
             if (version := self._version(now)) is not None:
-                self.node.send(version)  # behind the heartbeat, without which no program knows the vehicle
-            self._reasons_due = now  # the new peer has not received them
+                self.node.send(version)  # after the heartbeat, which makes the vehicle known
+            self._reasons_due = now  # the new peer has not received the reasons
 
     # Status
 

@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 
     from mavstack.bridges.msp.connection import RawLine
 
-#: Seconds until the prompt, and attempts to open the CLI.
+#: Seconds to wait for the prompt, and number of attempts to open the CLI.
 ENTER_TIMEOUT: Final = 2.0
 ENTER_ATTEMPTS: Final = 2
 #: Seconds without a byte after which a line has failed.
 IDLE_TIMEOUT: Final = 5.0
-#: Seconds for which the text of a controller that restarts is awaited.
+#: Seconds to wait for the text that a restarting controller prints.
 LEAVE_TIMEOUT: Final = 1.0
-#: The commands of the dumps.
+#: The CLI commands that print all settings or the changed ones.
 DUMPS: Final = ("diff all", "diff", "dump all", "dump")
 
 

@@ -27,11 +27,11 @@ if TYPE_CHECKING:
 _CMD: Final = common.MavCmd
 _RESULT: Final = common.MavResult
 _FAILURES = (MspError, LinkError, RemoteCancelled, InvalidStateError)
-#: Params of PREFLIGHT_CALIBRATION, counted from 1: gyroscope, compass and so on.
+#: The numbers of the params of PREFLIGHT_CALIBRATION for the compass and the accelerometer.
 _COMPASS, _ACCELEROMETER = 2, 5
-#: Seconds in which the firmware reports a calibration that it began.
+#: Seconds in which the firmware must report that a calibration has begun.
 BEGIN_TIMEOUT: Final = 0.6
-#: Seconds for the calibration of the accelerometer.
+#: Maximum seconds that the calibration of the accelerometer takes.
 ACCELEROMETER_TIMEOUT: Final = 15.0
 #: Seconds for which the firmwares collect the magnetic field.
 COMPASS_TIME: Final = 30.0
@@ -95,11 +95,11 @@ class BridgedCommands:
             return self._deny("Reboot refused: armed")
         try:
             await self._controller.send(Reboot(None if mode is RebootMode.FIRMWARE else mode))
-        except RemoteCancelled:  # the reboot was quicker than its reply
+        except RemoteCancelled:  # the controller rebooted before it replied
             pass
         except _FAILURES as error:
             return self._fail(error)
-        asyncio.get_running_loop().call_soon(self._restarting)  # after the acknowledgement
+        asyncio.get_running_loop().call_soon(self._restarting)  # runs after the acknowledgement is sent
         return _RESULT.ACCEPTED
 
     async def _store(self, request: CommandRequest) -> common.MavResult:

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from mavstack.links import Channel, LinkEvent, LinkURL
     from mavstack.msp.frame import Frame, FrameVersion
 
-#: Seconds until a link that opens has its channel.
+#: Seconds to wait for the channel of a link that opens.
 CHANNEL_TIMEOUT: Final = 5.0
-#: Bytes that a caller of `exclusive` may leave unread.
+#: Maximum number of bytes that a caller of `exclusive` may leave unread.
 MAX_UNREAD: Final = 1 << 20
 
 
@@ -33,7 +33,7 @@ class RawLine:
     """The bytes of a line that carries no frames now; made by `MspConnection.exclusive`."""
 
     def __init__(self, connection: MspConnection, reply: bytes = b"") -> None:
-        self.reply = reply  # to the request that lent the line
+        self.reply = reply  # the reply to the request before the raw line was handed out
         self._connection = connection
         self._data = bytearray()
         self._wake = asyncio.Event()
@@ -108,7 +108,7 @@ class MspConnection:
         """
         try:
             await self._link.open()
-        except LinkError as error:  # names the link that carries MSP
+        except LinkError as error:  # its text has the URL of the link that carries MSP
             raise LinkError(str(error).replace(self._link.url.redacted, self.name)) from None
         self._reader = asyncio.get_running_loop().create_task(self._link.read(self._receive, direct=True))
         try:

@@ -44,16 +44,16 @@ logger = logging.getLogger("mavstack.bridges.msp")
 
 M = TypeVar("M", bound=MspMessage)
 
-#: Major versions of the MSP interface whose messages are known: Betaflight has 1, iNav 1 and then 2.
+#: Major versions of the MSP API that are supported: 1 of Betaflight; 1 and 2 of iNav.
 API_MAJORS: Final = {BETAFLIGHT: (1,)}
 OTHER_API_MAJORS: Final = (1, 2)
 _MSP_REBOOT, _MSP_SET_PASSTHROUGH, _MSP_EEPROM_WRITE = 68, 245, 250
 _NO_ANSWER: Final = (
     "check the baud rate, and that the port of the controller has MSP and no other program uses it"
 )
-#: Seconds after the request to reboot until the controller is asked again, and between the attempts.
+#: Seconds between the reboot request and the first attempt to reach the controller, and between attempts.
 REBOOT_PAUSE: Final = 1.0
-#: Seconds for which a controller that reboots may be silent.
+#: Seconds in which a controller that reboots must answer again.
 REBOOT_TIMEOUT: Final = 30.0
 #: Seconds for one reply to EEPROM_WRITE: the flash is erased first.
 SAVE_TIMEOUT: Final = 5.0
@@ -140,7 +140,7 @@ class FlightController(AsyncResource):
                 raise MspTimeout(
                     "asking for the version of", self.name, attempts=error.attempts, answer=answer
                 ) from None
-            self.info = firmware_info(found)  # on which the layout of the next ones depends
+            self.info = firmware_info(found)  # later messages are decoded with this information
         self._require_known_interface()
         logger.info("%s: %s %s", self.name, self.info.firmware, self.info.version_text)
         return self.info
@@ -256,7 +256,7 @@ class FlightController(AsyncResource):
             MspDenied: The firmware refused it.
             MspTimeout: The controller does not answer afterwards.
         """
-        with suppress(MspTimeout, RemoteCancelled):  # some restart before they reply
+        with suppress(MspTimeout, RemoteCancelled):  # some controllers restart before they reply
             await self._connection.request(_MSP_REBOOT, name="MSP_REBOOT", retries=0)
         await self.wait_for_restart(timeout)
 

@@ -8,7 +8,7 @@ from mavstack.services.heartbeat import HeartbeatSender
 class ControllerHeartbeat(HeartbeatSender):
     """The sender of HEARTBEAT for a flight controller."""
 
-    #: True while the flight controller does not answer: then nothing is sent.
+    #: True while the flight controller does not answer; then no heartbeat is sent.
     silent = False
 
     def next_timeout(self) -> float | None:  # noqa: D102 (that of `Service`)

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from mavstack.services import Address
     from mavstack.services.mission import MissionItem
 
-#: Number of waypoints of an iNav that does not report it.
+#: Number of waypoints if iNav does not report it.
 DEFAULT_MAX_WAYPOINTS: Final = 120
 #: Seconds between two polls of the state of the navigation, of the size of the mission and of home.
 NAV_INTERVAL, INFO_INTERVAL, HOME_INTERVAL = 1.0, 5.0, 5.0
@@ -144,7 +144,7 @@ class BridgedMissions:
 
     def _check(self, plan_type: int, seq: int, item: MissionItem) -> int:
         del plan_type, seq, item
-        return _RESULT.ACCEPTED  # items depend on each other: the whole plan is checked
+        return _RESULT.ACCEPTED  # items depend on each other: `_validate` checks the plan
 
     def _validate(self, plan: Plan, source: Address) -> int:
         try:
@@ -206,7 +206,7 @@ class BridgedMissions:
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
 
-    # Following
+    # Navigation state and home
 
     def _follow(self, status: NavStatus) -> None:
         flying = status.mode is NavMode.NAV
@@ -230,7 +230,7 @@ class BridgedMissions:
         try:
             await self._controller.send(SetWpIndex(place))
         except _FAILURES as error:
-            # Outside of a mission iNav refuses; a mission then begins at its first item.
+            # iNav refuses this unless it flies a mission; the next mission then begins at its first item.
             logger.info("%s", error)
 
     async def _follow_home(self) -> None:
@@ -246,7 +246,7 @@ class BridgedMissions:
         gps, altitude = self._samples.get(RawGps), self._samples.get(Altitude)
         if self._home is None or gps is None or altitude is None:
             return None
-        above_sea = gps.altitude - altitude.altitude  # that of the waypoint is above home itself
+        above_sea = gps.altitude - altitude.altitude  # the altitude of the waypoint is relative to home
         return common.HomePosition(
             latitude=round(self._home.latitude * 1e7),
             longitude=round(self._home.longitude * 1e7),

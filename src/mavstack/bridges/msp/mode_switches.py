@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable
 
-#: The pulses that a transmitter sends, in microseconds.
+#: The range of pulse widths that a transmitter sends, in microseconds.
 MIN_PULSE, MAX_PULSE = 1000, 2000
 _STEP: Final = 25
 

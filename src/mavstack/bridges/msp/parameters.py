@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from mavstack.node import Node
     from mavstack.services.parameters import Value
 
-#: Read-only parameters that show which equipment there is.
+#: Read-only parameters that show whether the board has an OSD and a VTX.
 HAS_OSD, HAS_VTX = "MSP_HAS_OSD", "MSP_HAS_VTX"
-#: Characters of the name of a parameter.
+#: Maximum length of a parameter name in characters.
 _MAX_NAME = 16
 _LONG_TYPES = (common.MavParamType.UINT32, common.MavParamType.INT32)
 _FAILURES = (MspError, LinkError, RemoteCancelled, InvalidStateError)
@@ -52,7 +52,7 @@ class BridgedParameters:
     def __init__(self, controller: FlightController, node: Node, report: Callable[[str, int], None]) -> None:
         self._controller, self._node, self._report = controller, node, report
         self.server = node.serve(SettingsServer(node.address))
-        #: The setting of each name, aliases included.
+        #: The setting for each parameter name, aliases included.
         self._names: dict[str, str] = {}
 
     async def load(self, facts: ControllerFacts) -> None:

@@ -30,13 +30,13 @@ if TYPE_CHECKING:
     from mavstack.services import Address
     from mavstack.services.manual_control import ManualInput
 
-#: Seconds in which the reasons not to arm must end after the channels began.
+#: Seconds in which the reasons not to arm must end after the bridge begins to send channels.
 READY_TIMEOUT: Final = 6.0
 #: Seconds in which the firmware must arm, disarm or enter a mode after its switch moved.
 SWITCH_TIMEOUT: Final = 2.0
 #: Seconds for which the beeper sounds.
 BEEP_TIME: Final = 1.0
-#: Seconds for which the firmware sees the arm switch off before it is switched on.
+#: Seconds for which the firmware must see the arm switch off before the bridge switches it on.
 _SETTLING_TIME: Final = 0.3
 _CHECK_INTERVAL: Final = 0.02
 _SEND_TIMEOUT: Final = 0.2
@@ -71,9 +71,9 @@ class Pilot:
         self._facts: ControllerFacts | None = None
         self._wake = asyncio.Event()
         self._manual = False
-        #: The time of the loop until which the firmware may still arm.
+        #: The event loop time until which the firmware may still arm.
         self._may_arm_until = 0.0
-        #: The switches of the latest mode that was requested.
+        #: The switch positions for the latest mode that was requested.
         self._mode_pulses: dict[int, int] = {}
 
     @property
@@ -159,7 +159,7 @@ class Pilot:
         result: common.MavResult | None = None
         try:
             result = await self._arm_by(switch, source)
-        finally:  # also if a disarming cancels the task
+        finally:  # also when a disarm request cancels this task
             if result != _RESULT.ACCEPTED and self._channels.may_control(source):
                 self._switch_off(ARM)
             self._may_arm_until = asyncio.get_running_loop().time() + _SETTLING_TIME
@@ -168,7 +168,7 @@ class Pilot:
     async def _arm_by(self, switch: Switch, source: Address) -> common.MavResult:
         was_in_control = self.in_control
         self._take(source)
-        self._switch_off(ARM)  # the mode may still be on, if the firmware disarmed by itself
+        self._switch_off(ARM)  # ARM may still be on if the firmware disarmed by itself
         if not was_in_control:
             await asyncio.sleep(_SETTLING_TIME)
         if not await self._wait(lambda: not self._status().failed_checks(by_channels=False), READY_TIMEOUT):
@@ -222,7 +222,7 @@ class Pilot:
         boxes = facts.boxes
         if await self._wait(lambda: boxes.custom_mode(self._status().active) == custom_mode, SWITCH_TIMEOUT):
             return None
-        if self._mode_pulses is pulses:  # else a later request moved the switches
+        if self._mode_pulses is pulses:  # unless a later request moved the switches
             self._move_switches(before)
         return "the firmware did not enter it"
 
@@ -238,7 +238,7 @@ class Pilot:
         before = self._channels.aux(switch.aux)
         self._channels.set_aux(switch.aux, switch.middle)
         await asyncio.sleep(BEEP_TIME)
-        if self._channels.aux(switch.aux) == switch.middle:  # else a mode or another tune moved it
+        if self._channels.aux(switch.aux) == switch.middle:  # unless a mode or another tune moved it
             self._channels.set_aux(switch.aux, before)
         return None
 
@@ -259,7 +259,7 @@ class Pilot:
         if self._refusal(source) is not None:
             return False
         if not self.in_control:
-            self._switch_off(ARM)  # the low position, which all switches have then, may mean on
+            self._switch_off(ARM)  # all switches are low at first, and low may mean on
         self._channels.take_control(source, self._now())
         self._wake.set()
         return True

@@ -76,7 +76,7 @@ class PollSchedule(Generic[Key]):
             return None
         key = tuple(self._polls)[due.index(latest)]
         poll = self._polls[key]
-        # Missed polls are skipped, and the phase is kept otherwise.
+        # Skip missed polls; otherwise keep the phase.
         poll.due = poll.due + poll.interval if now < poll.due + poll.interval else now + poll.interval
         return key
 

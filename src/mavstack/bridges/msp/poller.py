@@ -29,9 +29,10 @@ RETRY_INTERVAL: Final = 0.5
 RESTART_PAUSE: Final = 1.0
 #: Seconds for which one poll may wait for its answer.
 POLL_TIMEOUT: Final = 1.0
-#: The longest time between two looks at the intervals, which clients change, in seconds.
+#: Maximum seconds between two checks of the poll intervals, which clients change.
 MAX_IDLE: Final = 0.25
-#: Polls at this interval or faster go before requests of settings, slower ones behind them; seconds.
+#: Maximum interval in seconds of polls that are sent before requests for settings; slower polls are sent
+#: after them.
 FAST: Final = 0.2
 
 logger = logging.getLogger("mavstack.bridges.msp")
@@ -113,7 +114,7 @@ class Poller:
             await self._check_silence()
             return
         else:
-            if not self.silent:  # this may be a late answer before a restart
+            if not self.silent:  # without contact, this may be a late reply from before a restart
                 self._on_message(message)
         self._answered_at = loop.time()
 

@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 
     from mavstack.services import Address
 
-#: Channels that are sent.
+#: Number of channels that are sent.
 CHANNELS: Final = 16
-#: Sends of all channels per second: Betaflight calls a signal lost that pauses for 0.3 s.
+#: Rate in hertz at which all channels are sent: Betaflight reports a lost signal after a pause of 0.3 s.
 DEFAULT_RATE: Final = 25.0
-#: Seconds without a sign of life of the one in control after which the channels stop.
+#: Seconds without a heartbeat or command from the component in control after which the channels stop.
 CONTROL_TIMEOUT: Final = 2.5
-#: Pulses in microseconds.
+#: Pulse widths in microseconds.
 LOW, MIDDLE = 1000, 1500
 #: Index of the first AUX channel.
 AUX: Final = 4
@@ -38,7 +38,7 @@ class RcChannels:
     """The channels of one flight controller, and who is in control."""
 
     def __init__(self) -> None:
-        #: For roll, pitch, yaw, throttle, and further on for AUX channels: the index of its channel.
+        #: The channel index of roll, pitch, yaw, throttle and then of each AUX channel.
         self.channel_map: tuple[int, ...] = (0, 1, 3, 2)
         self._sticks = [MIDDLE, MIDDLE, MIDDLE, LOW]
         self._aux = [LOW] * (CHANNELS - AUX)

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 AnyMessage = TypeVar("AnyMessage", bound="MspMessage")
 
-#: Older messages count as missing, in seconds; the slowest poll is faster.
+#: Maximum age of a message in seconds; an older one counts as missing. The slowest poll is faster.
 MAX_AGE: Final = 10.0
 
 

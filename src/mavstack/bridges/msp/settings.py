@@ -98,7 +98,7 @@ class ControllerSettings:
         reads = settings.reads()
         messages: dict[type[MspMessage], MspMessage] = {}
         for count, kind in enumerate(reads, 1):
-            with suppress(MspDenied):  # a target without this equipment does not know the command
+            with suppress(MspDenied):  # a target without this equipment refuses the command
                 messages[kind] = await self._controller.get(kind, priority=Priority.BACKGROUND)
             if progress is not None:
                 progress(count, len(reads))
@@ -122,7 +122,7 @@ class ControllerSettings:
         """
         definition = self.definition(name)
         wanted = definition.checked(value)
-        async with self._changing:  # the message has other settings too, which another call may change
+        async with self._changing:  # another call may change other settings of the same message
             current: TableMessage = await self._controller.get(definition.read)
             await self._controller.send(self._current().change(current, name, wanted))
             now = definition.value_in(await self._controller.get(definition.read))

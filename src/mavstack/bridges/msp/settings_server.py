@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mavstack.services.parameters.table import ParameterDefinition
     from mavstack.wire import Packet
 
-#: Requests that wait; further ones are dropped, and their clients ask again.
+#: Maximum number of waiting requests; further ones are dropped, and their clients ask again.
 MAX_WAITING: Final = 256
 
 _Key = tuple[Address, type, str | int]
@@ -114,7 +114,7 @@ class SettingsServer(ParameterServer):
     ) -> None:
         held = fitted(value, definition.kind)
         if held is None or self._writing.get(definition.name) == held:
-            return  # the client repeats a set that is being written
+            return  # the client repeats a request that is already being written
         self._writing[definition.name] = held
         self.emit(SettingWritten(definition.name, held, source, packet))
 

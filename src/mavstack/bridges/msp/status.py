@@ -116,7 +116,7 @@ def sys_status(status: ControllerStatus, power: Power | None, *, ready: bool) ->
             present |= sensor
     if power is not None:
         present |= _SENSOR.SENSOR_BATTERY
-    # Without that bit MAVProxy reports a breach of the geofence that there is not.
+    # Without this bit, MAVProxy reports a breach of a geofence that does not exist.
     health = (present if ready else present & ~_SENSOR.PREARM_CHECK) | _SENSOR.GEOFENCE
     for name in status.failed_checks(by_channels=ready):
         health &= ~_FAULTS.get(name, _SENSOR(0))

@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     from mavstack.node import Node
     from mavstack.services.message_request.server import Made, Producer
 
-#: Seconds between two polls of a message that is only needed for requests of single messages.
+#: Seconds between two polls of a message that no client streams and that is only requested.
 REQUEST_INTERVAL: Final = 2.0
-#: The shortest interval of a poll, whatever is requested, in seconds.
+#: Minimum interval of a poll in seconds, even if a client requests a shorter one.
 MIN_INTERVAL: Final = 0.005
 
 

@@ -33,7 +33,7 @@ _UNKNOWN_U8: Final = 0xFF
 _UNKNOWN_U16: Final = 0xFFFF
 _UNKNOWN_INT16: Final = 0x7FFF
 _MAX_RSSI: Final = 1023
-#: RSSI of RC_CHANNELS: the largest value, since 255 means that it is unknown.
+#: Maximum value of RSSI in RC_CHANNELS; 255 means unknown.
 _MAX_MAVLINK_RSSI: Final = 254
 _MAX_CELLS: Final = 10
 _THROTTLE: Final = 3
@@ -41,7 +41,7 @@ _RC_CHANNELS: Final = 18
 _OUTPUTS: Final = 16
 _ESC_GROUP: Final = 4
 _INAV_3D_FIX: Final = 2
-#: GPS_FIX_TYPE.
+#: Values of GPS_FIX_TYPE.
 _FIX_2D, _FIX_3D = common.GpsFixType(2), common.GpsFixType(3)
 
 

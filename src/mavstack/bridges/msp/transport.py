@@ -37,7 +37,7 @@ def transport_url(text: str | LinkURL, baud: int | None = None) -> LinkURL:
     if separator and scheme.lower() in SCHEMES:
         words = f"{SCHEMES[scheme.lower()]}://{rest}"
     url = parse_url(words)
-    if url.scheme == "file":  # a name of a device, such as a symbolic link
+    if url.scheme == "file":  # a device name, such as a symbolic link to a port
         url = replace(url, scheme="serial")
     if url.scheme not in SCHEMES.values() and url.scheme not in ("unix", "memory"):
         raise LinkURLError(

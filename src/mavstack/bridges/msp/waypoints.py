@@ -33,9 +33,9 @@ _CMD: Final = common.MavCmd
 _RESULT: Final = common.MavMissionResult
 _RELATIVE: Final = frozenset({common.MavFrame.GLOBAL_RELATIVE_ALT, common.MavFrame.GLOBAL_RELATIVE_ALT_INT})
 _ABSOLUTE: Final = frozenset({common.MavFrame.GLOBAL, common.MavFrame.GLOBAL_INT})
-#: Bit 0 of p3: the altitude is above mean sea level.
+#: Bit 0 of the waypoint field p3: the altitude is above mean sea level.
 _ABOVE_SEA: Final = 1
-#: MAV_CMD_DO_CHANGE_SPEED: the speed of the vehicle's own settings.
+#: Speed in MAV_CMD_DO_CHANGE_SPEED that means the default speed of the vehicle.
 _DEFAULT_SPEED: Final = -2.0
 _CENTI: Final = 100
 _MAX_INT16: Final = 32767

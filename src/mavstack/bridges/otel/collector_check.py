@@ -8,7 +8,7 @@ from mavstack.bridges.core.finding import Finding
 from mavstack.bridges.core.http_check import ask
 from mavstack.bridges.otel.exporting import checked_url
 
-#: The paths of OTLP, by what is sent there.
+#: The OTLP paths, by the kind of data that is sent to them.
 _PATHS: Final = {"spans": "v1/traces", "metrics": "v1/metrics"}
 _PROTOBUF: Final = "application/x-protobuf"
 _OK: Final = 200

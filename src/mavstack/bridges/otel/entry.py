@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Connection
 
 _EXAMPLES: Final = ("mav bridge otel udpin://0.0.0.0:14550 --otlp http://127.0.0.1:4318",)
-#: The port of collectors for OTLP over HTTP.
+#: The default port of collectors for OTLP over HTTP.
 DEFAULT_COLLECTOR: Final = "http://127.0.0.1:4318"
 
 

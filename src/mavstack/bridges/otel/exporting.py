@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger("mavstack.bridges")
 #: Seconds in which the collector must take a batch.
 EXPORT_TIMEOUT: Final = 3
-#: Milliseconds between two exports of metrics, and the seconds between two readings of them.
+#: Milliseconds between two exports of metrics, and seconds between two readings of the values.
 _METRICS_INTERVAL: Final = 5000
 _READ_INTERVAL: Final = 5.0
 _NAME: Final = "mavstack"

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Connection
 
 _NANOSECONDS: Final = 1_000_000_000
-#: Words at the end of a description that lead to the target.
+#: Prepositions at the end of a description, after which the target follows.
 _PREPOSITIONS: Final = ("of", "on", "to", "from", "by", "at", "with", "for")
 
 
@@ -53,7 +53,7 @@ class OperationSpans:
     ) -> None:
         """Follow the operations no more."""
         if self._task is not None:
-            await asyncio.sleep(0)  # an operation that has just ended
+            await asyncio.sleep(0)  # let the task report an operation that has just ended
             self._task.cancel()
             await asyncio.gather(self._task, return_exceptions=True)
 

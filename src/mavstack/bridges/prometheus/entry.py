@@ -21,7 +21,7 @@ _EXAMPLES: Final = (
     "mav bridge prometheus udpin://0.0.0.0:14550 --port 9464   # http://127.0.0.1:9464/metrics",
     "mav bridge prometheus udpin://0.0.0.0:14550 --dashboard vehicles.json --alerts vehicles.yml",
 )
-#: The port that exporters of OpenTelemetry have for Prometheus; no other known exporter uses it.
+#: OpenTelemetry's default port for Prometheus exporters; no other known exporter uses it.
 DEFAULT_PORT: Final = 9464
 DASHBOARD: Final = "grafana.json"
 ALERTS: Final = "alerts.yml"

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Connection
 
 logger = logging.getLogger("mavstack.bridges")
-#: Seconds in which the event loop returns the values of a scrape.
+#: Seconds to wait until the event loop returns the values of a scrape.
 SCRAPE_TIMEOUT: Final = 8.0
 
 

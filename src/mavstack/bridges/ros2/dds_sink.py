@@ -22,12 +22,12 @@ if TYPE_CHECKING:
     from mavstack.bridges.core.qos import Qos
     from mavstack.bridges.core.topic import Topic
 
-#: Seconds between two looks whether a topic has subscribers.
+#: Seconds between two checks whether a topic has subscribers.
 MATCH_INTERVAL: Final = 0.25
-#: Samples that are taken from a reader at once.
+#: Maximum number of samples that are taken from a reader at once.
 MAX_TAKEN: Final = 64
-#: Fast DDS sends type objects that Cyclone finds invalid; without this their samples are dropped silently.
-#: 1.15 is the vendor id of Fast DDS.
+#: Cyclone DDS rejects the type objects of Fast DDS and then drops its samples without an error; this setting
+#: makes it ignore them. 1.15 is the vendor id of Fast DDS.
 _CONFIG: Final = (
     "<CycloneDDS><Domain Id='any'><Compatibility><IgnoreTypeInformation>1.15</IgnoreTypeInformation>"
     "</Compatibility>{local}</Domain></CycloneDDS>"
@@ -118,7 +118,7 @@ class DdsSink:
 
             def on_data_available(self, reader: Any) -> None:  # noqa: ANN401
                 for sample in reader.take(MAX_TAKEN):
-                    if hasattr(sample, "payload"):  # otherwise a writer ended
+                    if hasattr(sample, "payload"):  # a sample without payload: a writer ended
                         put((inlet, sample.payload))
 
         topic = self._topic(f"rt{inlet.name}", inlet.type)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mavstack.bridges.ros2.zenoh_keys import GraphEntity
 
 _OURS: Final = (NODE, PARAMETER_NODE)
-#: Package, kind, `dds_` and name.
+#: Number of parts of a DDS type name: package, kind, `dds_` and name.
 _PARTS: Final = 4
 _OPPOSITES: Final = {PUBLISHER: SUBSCRIPTION, SUBSCRIPTION: PUBLISHER, SERVER: CLIENT}
 _VERBS: Final = {SUBSCRIPTION: "receives", PUBLISHER: "sends", CLIENT: "calls"}

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    #: Puts a payload with its attachment.
+    #: Called to publish a payload with its attachment.
     Put = Callable[[bytes, bytes], object]
 
 

@@ -28,13 +28,13 @@ if TYPE_CHECKING:
     from mavstack.bridges.core.topic import Topic
 
 logger = logging.getLogger("mavstack.bridges")
-#: Seconds between two looks whether a topic has subscribers.
+#: Seconds between two checks whether a topic has subscribers.
 MATCH_INTERVAL: Final = 0.25
-#: Requests that are answered at the same time.
+#: Maximum number of requests that are answered at the same time.
 MAX_REQUESTS: Final = 16
-#: Seconds after which a request that got no answer is given up.
+#: Seconds after which a request without an answer is aborted.
 REQUEST_TIMEOUT: Final = 600.0
-#: Seconds in which rclpy must end.
+#: Seconds in which rclpy must shut down.
 END_TIMEOUT: Final = 3.0
 _THREADS: Final = MAX_REQUESTS + 2
 

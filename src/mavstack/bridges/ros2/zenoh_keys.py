@@ -32,7 +32,7 @@ _TRANSIENT_LOCAL, _VOLATILE = 1, 2
 _KEEP_LAST: Final = 1
 _NODE_PARTS: Final = 9
 _ENDPOINT_PARTS: Final = 13
-#: The defaults of the quality of service in a token with empty parts.
+#: The QoS depth of a liveliness token whose QoS parts are empty.
 _DEFAULT_DEPTH: Final = 10
 
 

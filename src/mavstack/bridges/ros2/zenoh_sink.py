@@ -45,9 +45,9 @@ if TYPE_CHECKING:
     from mavstack.bridges.core.topic import Topic
 
 logger = logging.getLogger("mavstack.bridges")
-#: Requests that are answered at the same time; further ones wait in the queue of the handoff.
+#: Maximum number of requests that are answered at the same time; further ones wait in the `Handoff` queue.
 MAX_REQUESTS: Final = 64
-#: Seconds in which the graph answers.
+#: Seconds in which the answers to a query of the ROS graph must arrive.
 GRAPH_TIMEOUT: Final = 2.0
 
 
@@ -68,7 +68,7 @@ class ZenohSink:
         self._session_id = ""
         self._numbers = 0
         self._node_tokens: dict[str, str] = {}
-        self._kept: list[Any] = []  # a declaration lives as long as its object
+        self._kept: list[Any] = []  # a declaration ends when its object is deleted
         self._publishers: list[_TopicPublisher] = []
         self._tasks: set[asyncio.Task[None]] = set()
         self._slots = asyncio.Semaphore(MAX_REQUESTS)
@@ -184,7 +184,7 @@ class ZenohSink:
                 except CdrError as error:
                     query.reply_err(str(error).encode())
                     return
-                # The client knows its request by the attachment, which is returned as it came.
+                # The client finds its request by the attachment, which must return unchanged.
                 query.reply(key, response, attachment=None if attachment is None else bytes(attachment))
 
     # The graph

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from mavstack.bridges.core.zenoh_session import SessionOptions
 
 logger = logging.getLogger("mavstack.bridges")
-#: Samples and queries that wait for the event loop; then the oldest are dropped.
+#: Maximum number of samples and queries that wait for the event loop; the oldest are dropped first.
 MAX_WAITING: Final = 10_000
-#: Queries that are answered at the same time; further ones wait.
+#: Maximum number of queries that are answered at the same time; further ones wait.
 MAX_QUERIES: Final = 256
 
 

@@ -27,7 +27,8 @@ _EXAMPLES: Final = (
     "mav bridge zenoh /dev/ttyACM0 --connect tls/tower:7447 --tls-ca ca.pem --tls-cert a.pem --tls-key a.key",
     "mav bridge zenoh udpin://0.0.0.0:14550 --mavlink-server   # its keys too",
 )
-#: The ids of a gateway: other than those of ground stations, for vehicles watch the heartbeats of stations.
+#: The MAVLink identity of a gateway, which is not a ground station because vehicles monitor the heartbeats of
+#: ground stations.
 IDENTITY: Final = {
     "system": 254,
     "component": int(common.MavComponent.ONBOARD_COMPUTER),

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from mavstack.bridges.core.zenoh_session import SessionOptions
 
-#: Seconds in which the network answers.
+#: Seconds to wait for answers from the network.
 ANSWER_TIMEOUT: Final = 2.0
 
 

@@ -56,7 +56,7 @@ class FleetVehicle:
     ) -> None:
         self.vehicle = vehicle
         self.keys = keys
-        #: The other gateways that serve a vehicle of this name.
+        #: The other gateways that serve a vehicle with this name.
         self.rivals: set[str] = set()
         #: The filter of packets for the vehicle, with its counters.
         self.guard = FrameGuard(vehicle.system, role, vehicle.connection.dialect)
@@ -73,7 +73,7 @@ class FleetVehicle:
         self._frames: Any = None
         self._listeners: dict[str, Listener] = {}
         self._token: Any = None
-        self._kept: list[Any] = []  # a declaration lives as long as its object
+        self._kept: list[Any] = []  # a declaration ends when its object is deleted
 
     def open(self) -> None:
         """Declare the endpoints."""
@@ -160,7 +160,7 @@ class FleetVehicle:
         stamp = sample.timestamp
         source, seconds = ("", None) if stamp is None else (str(stamp.get_id()), stamp.get_time().timestamp())
         for packet in self.guard.accept(bytes(sample.payload), source, seconds, time.time()):
-            with suppress(InvalidStateError):  # the connection closes
+            with suppress(InvalidStateError):  # raised while the connection closes
                 self.vehicle.connection.forward(packet, self.vehicle.address)
 
     async def _answer_state(self, query: Any) -> None:
@@ -172,7 +172,7 @@ class FleetVehicle:
     async def _answer_command(self, query: Any) -> None:
         name = command_of(str(query.key_expr))
         if not name:
-            return  # a query for everything carries nothing out
+            return  # a query with a wildcard must not run a command
         if name not in CALLS:
             query.reply_err(json_bytes({"ok": False, "reason": f"there is no command {name!r:.60}"}))
             return

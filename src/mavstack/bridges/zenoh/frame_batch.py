@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-#: Bytes of a sample: one datagram on most networks.
+#: Maximum size of a sample in bytes: it fits into one datagram on most networks.
 MAX_BYTES: Final = 1400
 
 

@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from mavstack._core import HasCoreDialect
     from mavstack.wire import Packet
 
-#: Seconds by which a packet that steers may be late.
+#: Maximum delay in seconds of a packet that steers the vehicle.
 MAX_STEERING_AGE: Final = 0.5
-#: Seconds by which any other packet may be late.
+#: Maximum delay in seconds of any other packet.
 MAX_AGE: Final = 2.0
-#: Messages that steer, or that replace a sensor: an old one is worse than none.
+#: Messages that steer the vehicle or replace a sensor: it is safer to drop an old one than to forward it.
 STEERING: Final = message_ids(
     common.SetPositionTargetLocalNed,
     common.SetPositionTargetGlobalInt,
@@ -62,7 +62,8 @@ class FrameGuard:
         self.accepted = 0
         self._system = system
         self._freshness = Freshness()
-        # One parser decides where packets begin: a second one could find others in the allowed bytes.
+        # The same parser finds and checks the packets: a second parser could find other packets in the same
+        # bytes.
         self._packets: Callable[[bytes], Iterable[Packet]] = (
             Parser(dialect).feed if role is Role.ADMINISTER else RoleFilter(role).packets
         )

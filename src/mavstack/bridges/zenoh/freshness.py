@@ -12,13 +12,13 @@ from collections import OrderedDict
 from dataclasses import dataclass
 from typing import Final
 
-#: The growth of the shortest delay per second: clocks drift.
+#: Growth per second of the shortest measured delay, because clocks drift.
 DRIFT: Final = 0.0001
-#: Seconds that no network holds a sample back: the clock of the source was set.
+#: Maximum delay of a network in seconds: a longer delay means that the clock of the source was set.
 MAX_DELAY: Final = 60.0
-#: Seconds of such samples only, before the source is measured again.
+#: Seconds with only longer delays, after which the delay of the source is measured again.
 RESET_TIME: Final = 5.0
-#: Sources that are remembered.
+#: Maximum number of sources that are remembered.
 MAX_SOURCES: Final = 256
 
 

@@ -35,11 +35,12 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Connection, Vehicle
 
 logger = logging.getLogger("mavstack.bridges")
-#: Seconds that packets wait for others of the same sample: only those of the same read are put together.
+#: Seconds for which a packet waits for others before they are sent as one sample; 0: only packets that were
+#: read together form a sample.
 BATCH_TIME: Final = 0.0
 #: Hertz at which states that changed are published.
 STATE_RATE: Final = 1.0
-#: Parts of the vehicles whose states are published one after the other.
+#: Maximum number of groups into which the vehicles are divided to publish their states one group at a time.
 STATE_PARTS: Final = 25
 
 

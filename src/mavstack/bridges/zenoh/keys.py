@@ -20,10 +20,10 @@ from typing import Final
 from mavstack.errors import InvalidArgumentError
 
 DEFAULT_PREFIX: Final = "mavstack"
-#: The name of a vehicle without one, before its system id.
+#: The prefix of the default vehicle name, which ends with the system id.
 DEFAULT_NAME: Final = "sys"
 _NAME: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
-#: Kind, end of the key, and payload of each key, for the table.
+#: Direction, end of the key, and payload of each key, for the table of keys.
 TABLE: Final = (
     ("from vehicle", "frame/out", "MAVLink packets as received, several in a sample"),
     ("from vehicle", "message/<component>/<MESSAGE>", "one message as JSON: name, ids, time, fields"),

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from mavstack.links.options import Options
     from mavstack.links.url import LinkURL
 
-#: Samples that wait for the event loop; then the oldest are dropped.
+#: Maximum number of samples that wait for the event loop; the oldest are dropped first.
 MAX_WAITING: Final = 10_000
 
 
@@ -46,7 +46,7 @@ class ZenohChannel(Channel):
 
     def __init__(self, link: ZenohLink, name: str, publisher: Any) -> None:
         super().__init__(f"zenoh {name}", name, link.channel_closed)
-        #: The gateways that serve it.
+        #: The gateways that serve the vehicle.
         self.gateways: set[str] = set()
         self._publisher = publisher
 
@@ -153,7 +153,7 @@ class ZenohLink(Link):
     def _on_sample(self, sample: tuple[str, bytes]) -> None:
         key, data = sample
         channel = self._by_name.get(vehicle_of(self._prefix, key))
-        if channel is None:  # its token has not arrived yet
+        if channel is None:  # the liveliness token of the vehicle has not arrived yet
             self.inbox.drop()
             return
         channel.last_received = now = time()

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger("mavstack.bridges")
 ROOT, RAW_ROOT = "mavlink", "mavlink_raw"
 _JSON: Final = "application/json"
-#: The names of fields that the language of mavlink-server reserves.
+#: Field names that mavlink-server changes because they are reserved words of its programming language.
 _RENAMED: Final = {"type": "mavtype"}
 _ORIGINAL: Final = {new: old for old, new in _RENAMED.items()}
 

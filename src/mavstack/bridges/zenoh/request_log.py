@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
     from typing import Any
 
-#: Requests that are remembered.
+#: Maximum number of requests that are remembered.
 MAX_REQUESTS: Final = 512
-#: Letters of an id.
+#: Maximum length of a request id in characters.
 MAX_ID: Final = 64
 
 
@@ -27,7 +27,7 @@ class RequestLog:
     """
 
     def __init__(self, limit: int = MAX_REQUESTS) -> None:
-        #: The number of requests that were repeated.
+        #: The number of requests that were received more than once.
         self.repeated = 0
         self._limit = limit
         self._known: dict[str, asyncio.Task[bytes]] = {}

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
 DEFAULT_LISTEN: Final = "tls/0.0.0.0:7447"
-#: Kinds of messages and their direction, and the keys that they may have.
+#: The kinds of messages that are allowed with their direction, and the keys for which they are allowed.
 _Right: TypeAlias = "tuple[tuple[tuple[str, ...], str], list[str]]"
 _FROM_VEHICLE: Final = (("put", "delete", "declare_queryable", "liveliness_token", "reply"), "ingress")
 _WATCH: Final = (
@@ -143,11 +143,11 @@ def _rights_of_gateway(prefix: str, vehicles: Iterable[str], everything: list[st
     own = [expression for each in keys for expression in _with_caches(each.root)]
     return [
         (_FROM_VEHICLE, [*own, gateway_key(prefix, "*")]),
-        # Subscriptions and queries are about many vehicles; about others they find nothing here.
+        # Subscriptions and queries may cover all vehicles; this gateway only has data of its own vehicles.
         ((("declare_subscriber", "query"), "egress"), everything),
         ((("declare_subscriber",), "ingress"), [each.frames_in for each in keys]),
         ((("put", "delete"), "egress"), [each.frames_in for each in keys]),
-        # Other gateways that serve its vehicles.
+        # Let the gateway find other gateways that serve its vehicles.
         ((("declare_liveliness_subscriber", "liveliness_query"), "ingress"), [f"{prefix}/*/alive/*"]),
         ((("liveliness_token", "reply"), "egress"), [f"{each.root}/alive/*" for each in keys]),
     ]

@@ -178,7 +178,7 @@ def obstacles(fields: Fields, inbound: Inbound) -> tuple[Message]:
     if not ranges or fields["angle_increment"] <= 0:
         raise InvalidArgumentError("a scan must have ranges and a positive angle_increment")
     joined = -(-len(ranges) // _MAX_RANGES)
-    # FRD counts clockwise: the last range comes first.
+    # Angles in FRD increase clockwise, so the last range comes first.
     turned = ranges[::-1]
     nearest = [_nearest(turned[at : at + joined]) for at in range(0, len(turned), joined)]
     increment = degrees(fields["angle_increment"]) * joined

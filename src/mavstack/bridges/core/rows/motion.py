@@ -141,7 +141,7 @@ def odometry(message: Any, view: VehicleView) -> Values:
 def _covariances(message: Any) -> tuple[Values, Values]:
     if not isinstance(message, common.LocalPositionNedCov):
         return _ZEROS, _ZEROS
-    known = message.covariance  # the upper right triangle of position, velocity and acceleration
+    known = message.covariance  # upper right triangle: position, velocity and acceleration
     return _on_diagonal(known[9], known[0], known[17]), _on_diagonal(known[30], known[24], known[35])
 
 

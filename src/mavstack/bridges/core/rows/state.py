@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 _FLAG: Final = common.MavModeFlag
 _UNKNOWN_16: Final = 0xFFFF
-#: Microseconds of 2009, before which the time is not set, and the end of the time of ROS in 2038.
+#: Unix time in microseconds: a clock before this time in 2009 is not set; ROS time ends in 2038.
 _MIN_UNIX: Final = 1_234_567_890_000_000
 _MAX_UNIX: Final = 2_147_483_647_000_000
 _DISCHARGING: Final = 2
@@ -23,7 +23,7 @@ _HEALTH_UNKNOWN: Final = 0
 _LIPO, _LIFE, _LION, _NIMH = 1, 2, 3, 4
 #: POWER_SUPPLY_TECHNOLOGY of sensor_msgs/BatteryState by MAV_BATTERY_TYPE.
 _TECHNOLOGIES: Final = {_LIPO: 3, _LIFE: 4, _LION: 2, _NIMH: 1}
-#: The flags of mavros_msgs/EstimatorStatus in their order are the bits of ESTIMATOR_STATUS.
+#: Bits of ESTIMATOR_STATUS, in the order of the flags of mavros_msgs/EstimatorStatus.
 _ESTIMATOR_BITS: Final = range(12)
 
 
@@ -70,7 +70,8 @@ def estimator(message: Any, view: VehicleView) -> Values:
     del view
     flags = int(message.flags)
     if isinstance(message, ardupilotmega.EkfStatusReport):
-        # From bit 10 on the two differ: ArduPilot has UNINITIALIZED there, and GPS_GLITCHING at bit 15.
+        # EKF_STATUS_REPORT differs from ESTIMATOR_STATUS from bit 10 on: ArduPilot has UNINITIALIZED there,
+        # and GPS_GLITCHING at bit 15.
         flags = (flags & 0x3FF) | (0x400 if flags & ardupilotmega.EkfStatusFlags.GPS_GLITCHING else 0)
     return tuple(bool(flags >> bit & 1) for bit in _ESTIMATOR_BITS)
 

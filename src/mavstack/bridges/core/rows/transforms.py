@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from mavstack.bridges.core.view import VehicleView
 
 _HALF: Final = sqrt(0.5)
-#: The rotations of NED in ENU, and of FRD in FLU, as (x, y, z, w).
+#: The rotations of NED in ENU, and of FRD in FLU, as quaternions (x, y, z, w).
 _NED_IN_ENU: Final = (_HALF, _HALF, 0.0, 0.0)
 _FRD_IN_FLU: Final = (1.0, 0.0, 0.0, 0.0)
 _DYNAMIC: Final = Qos("transforms", reliable=True, latched=False, depth=100)

@@ -70,7 +70,7 @@ async def _takeoff_or_land(vehicle: Vehicle, command: int, request: Fields) -> F
     px4 = vehicle.autopilot == common.MavAutopilot.PX4
     latitude, longitude = request["latitude"], request["longitude"]
     if px4 and latitude == longitude == 0.0:
-        latitude = longitude = nan  # PX4 would fly to 0, 0
+        latitude = longitude = nan  # the current position; PX4 would fly to 0, 0
     first = request["min_pitch"] if command == _CMD.NAV_TAKEOFF else 0.0
     params = (first, 0.0, 0.0, request["yaw"], latitude, longitude, request["altitude"])
     return await _command(vehicle, command, *params)
@@ -164,7 +164,7 @@ async def set_mode(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
         return {"mode_sent": True}
     number = int(text) if text.isdecimal() else _number_of(vehicle, text)
     if number is None:
-        await vehicle.set_mode(mode_of_text(text))  # a mode that the vehicle names itself
+        await vehicle.set_mode(mode_of_text(text))  # only the vehicle knows the number of this mode
         return {"mode_sent": True}
     base = float(_CUSTOM | (_ARMED if vehicle.armed else 0))
     if vehicle.autopilot == common.MavAutopilot.PX4:

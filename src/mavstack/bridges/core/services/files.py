@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Vehicle
 
 Fields = dict[str, Any]
-#: The largest file that is written, and the largest part that is read at once, in bytes.
+#: Maximum size in bytes of a file that is written, and of a part that is read at once.
 MAX_SIZE: Final = 16 << 20
 MAX_OPEN: Final = 8
 _READ, _WRITE, _CREATE = 0, 1, 2

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle.mission import VehiclePlan
 
 Fields = dict[str, Any]
-#: The topic of the list of each plan type, and the prefix of its services.
+#: The topic with the items of each plan type, which is also the prefix of its services.
 LISTS: Final = {
     PlanType.MISSION: "mission/waypoints",
     PlanType.FENCE: "geofence/fences",

@@ -142,7 +142,7 @@ class Codec:
     """The encoder and decoder of one message type; made by `codec_of`."""
 
     def __init__(self, definition: Definition) -> None:
-        #: The definition.
+        #: The definition of the message type.
         self.definition = definition
         self._steps = _steps(definition)
 
@@ -288,7 +288,7 @@ def _flatten_field(kind: FieldType, value: Any, values: list[Any]) -> None:
             _flatten_field(FieldType(kind.base, text_bound=kind.text_bound), element, values)
     elif inner is not None:
         values.append(tuple(tuple(flatten(inner, element)) for element in value or ()))
-    elif isinstance(value, int):  # bytes(number) would allocate as many
+    elif isinstance(value, int):  # bytes(number) would allocate that many bytes
         raise CdrError(f"a sequence must be a list, got {value}")
     else:
         values.append(bytes(value or ()) if kind.base in _BYTES else tuple(value or ()))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Final
 
-#: The primitive types of interface definitions, with the letter of `struct`; texts have none.
+#: The primitive types of interface definitions with their `struct` format characters; "" for strings.
 PRIMITIVES: Final = {
     "bool": "?",
     "byte": "B",
