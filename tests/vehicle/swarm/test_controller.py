@@ -179,9 +179,7 @@ def test_a_cancelled_call_leaves_the_members_where_they_are():
 
 
 def fly_past_a_stranger(controller, members):
-    places = np.vstack((STARTS, STARTS[:1] - (0.0, -25.0, 0.0)))
-    ends = np.vstack((GOALS, STARTS[:1] - (0.0, 30.0, 0.0)))
-    return controller.fly(straight_transition(places, ends), [*members, Stranger()])
+    return controller.fly(straight_transition(STARTS, GOALS), members, others=[Stranger()])
 
 
 def test_members_avoid_a_vehicle_that_is_not_a_member():

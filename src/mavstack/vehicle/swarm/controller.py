@@ -5,8 +5,8 @@ guard judge them, and sends a setpoint to each member that is present. If the gu
 members stand where they are, and the call that waits for the course ends in `SwarmStopped`. A vehicle that
 leaves its mode, since a pilot or `mav swarm stop` took it, leaves the swarm and is not called back.
 
-A course may contain a vehicle that is not a member: a leader that another program flies. Members avoid it,
-and the guard counts it, but it gets no setpoints.
+A leader that another program flies is not a member: members avoid it, and the guard counts it, but it has no
+place in the course and gets no setpoints.
 
 A course has its own time. It stops while no position arrives and while the program is held up, so that
 setpoints continue where they were instead of jumping ahead of the vehicles; a course without an end, which
@@ -126,7 +126,7 @@ class SwarmController:
 
     def stand(self) -> None:
         """Let all members stay where they are."""
-        self._begin(Standing(self.places()), tuple(self.active))
+        self._begin(Standing(self.places()), self.active, ())
 
     def stop(self, reason: str, systems: Sequence[int] = ()) -> None:
         """Let all members stay where they are, and end the call that waits.
@@ -139,19 +139,27 @@ class SwarmController:
         logger.warning("%s", self._stopped)
         self.stand()
 
-    async def fly(self, course: Course, members: Sequence[Member], *, until: float | None = None) -> None:
+    async def fly(
+        self,
+        course: Course,
+        members: Sequence[Member],
+        *,
+        until: float | None = None,
+        others: Sequence[Member] = (),
+    ) -> None:
         """Fly a course to its end.
 
         Args:
             course: The course, with a row for each of `members`.
-            members: The members that fly it, and vehicles that are not members.
+            members: The members that fly it.
             until: Seconds after which a course without an end is left.
+            others: Vehicles that are not members, which the members avoid and the guard counts.
 
         Raises:
             SwarmStopped: The guard or `stop` ended it, or all members were lost, or one did not arrive.
         """
         self._stopped = None
-        self._begin(course, tuple(members))
+        self._begin(course, members, others)
         duration = course.duration if until is None else min(until, course.duration)
         try:
             while self._elapsed < duration or not self._arrived(duration):
@@ -166,8 +174,9 @@ class SwarmController:
             self.stand()
             raise
 
-    def _begin(self, course: Course, members: tuple[Member, ...]) -> None:
-        self._course, self._flying, self._elapsed = course, members, 0.0
+    def _begin(self, course: Course, members: Sequence[Member], others: Sequence[Member]) -> None:
+        self._course, self._elapsed = course, 0.0
+        self._flying, self._others = tuple(members), tuple(others)
         self._advanced = self._received = self._now()
 
     def _advance(self) -> None:
@@ -205,9 +214,8 @@ class SwarmController:
 
     def _step(self) -> None:
         self._update_roster()
-        others = [each for each in self._flying if each not in self.members]
-        states = {each: each.state() for each in (*self.members, *others)}
-        self._check_guard(np.array([position for position, _ in states.values()]), others)
+        states = {each: each.state() for each in (*self.members, *self._others)}
+        self._check_guard(np.array([position for position, _ in states.values()]))
         self._advance()
         places, motion = self._course.state(self._elapsed)
         if self._waits:
@@ -223,7 +231,7 @@ class SwarmController:
         course = places[active], motion[active]
         if self.options.avoid:
             course = self._avoiding(
-                course, [states[each] for each in flying], [states[each] for each in others]
+                course, [states[each] for each in flying], [states[each] for each in self._others]
             )
         for member, place, velocity in zip(flying, *course, strict=True):
             member.follow(place, velocity)
@@ -252,8 +260,8 @@ class SwarmController:
         if change.leader is not None:
             logger.warning("vehicle %d leads the swarm now", change.leader)
 
-    def _check_guard(self, positions: Points, others: Sequence[Member]) -> None:
-        vehicles = (*self.members, *others)
+    def _check_guard(self, positions: Points) -> None:
+        vehicles = (*self.members, *self._others)
         for finding in self.guard.check(positions, [each.age for each in self.members]):
             if finding.breach is Breach.LINK:  # the roster's business
                 continue

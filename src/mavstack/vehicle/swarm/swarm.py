@@ -25,7 +25,6 @@ from mavstack.errors import ContactLost, GroupError, InvalidArgumentError, Swarm
 from mavstack.geodesy import LocalFrame
 from mavstack.node.api_object import ReadOnly
 from mavstack.services.arguments import check_numbers
-from mavstack.swarm.assignment import assign_slots
 from mavstack.swarm.courses import Following, Turn
 from mavstack.swarm.formations import Formation, default_spacing, rotate_to_course
 from mavstack.swarm.leader import LeaderFrame, turn_rate_for
@@ -40,7 +39,7 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
-    from mavstack.swarm.arrays import Indices, Points
+    from mavstack.swarm.arrays import Points
     from mavstack.swarm.shows.show import Show
     from mavstack.vehicle.vehicle import Vehicle
 
@@ -224,11 +223,7 @@ class Swarm(ReadOnly):
             )
         await leader.set_message_rate(common.GlobalPositionInt, RATE)
         target, (members, places) = Member(leader, self._frame()), self._present()
-        # Slot 0 is the leader's own: it gets no setpoints, but its followers avoid it.
-        offsets, flying = (
-            self._shape(formation, spacing, options).offsets(len(members) + 1),
-            (target, *members),
-        )
+        offsets = self._shape(formation, spacing, options).offsets(len(members) + 1)[1:]
         speed = self._options.limits.speed
         frame = LeaderFrame(self._course, turn_rate_for(offsets, speed / 2.0, speed))
         now = leader.connection.now
@@ -236,11 +231,10 @@ class Swarm(ReadOnly):
         try:
             await asyncio.sleep(0)
             slots, _ = frame.slots(offsets, now())
-            starts = np.vstack((slots[:1], places))
-            assigned = np.append(0, 1 + assign_slots(starts[1:], slots[1:]))
-            await self._running.fly(self._plan(starts, slots, assigned), flying)
-            course = Following(frame, offsets[assigned], now())
-            flight = asyncio.create_task(self._running.fly(course, flying, until=duration))
+            plan = self._plan(places, slots)
+            await self._running.fly(plan, members, others=[target])
+            course = Following(frame, offsets[plan.slots], now())
+            flight = asyncio.create_task(self._running.fly(course, members, until=duration, others=[target]))
             done, _ = await asyncio.wait((measure, flight), return_when=asyncio.FIRST_COMPLETED)
             flight.cancel()
             for each in done:
@@ -321,14 +315,13 @@ class Swarm(ReadOnly):
             spacing = default_spacing(formation, self._options.margins.planned_distance)
         return Formation(formation, spacing=spacing, **options)
 
-    def _plan(self, starts: Points, slots: Points, assigned: Indices | None = None) -> Transition:
+    def _plan(self, starts: Points, slots: Points) -> Transition:
         margins = self._options.margins
         return plan_transition(
             starts,
             slots,
             margins.planned_distance,
             limits=self._options.limits,
-            slots=assigned,
             closest_start=margins.minimum,
         )
 
