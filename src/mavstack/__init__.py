@@ -11,7 +11,7 @@ from importlib import import_module
 __version__ = "0.1.0"
 
 
-_MODULES: dict[str, str] = {}  # the module of each name, read on first use
+_MODULES: dict[str, str] = {}  # the module of each public name, filled on first use
 
 
 def _modules() -> dict[str, str]:

@@ -49,7 +49,7 @@ def write_file_atomically(
         )
         _write_new(temporary, data, mode)
         temporary.replace(target)
-    except OSError as error:  # names the file of the caller, not the temporary one
+    except OSError as error:  # raise an error that names the target file, not the temporary file
         if error.errno is None:
             raise
         raise OSError(error.errno, error.strerror, os.fspath(path)) from None

@@ -30,5 +30,5 @@ def read_file_bounded(path: str | os.PathLike[str], size: int) -> bytes:
 def _open(path: str, flags: int) -> int:
     descriptor = os.open(path, flags | _FLAGS)
     if _FLAGS:
-        os.set_blocking(descriptor, True)  # a pipe with a writer is read to its end
+        os.set_blocking(descriptor, True)  # a blocking read waits for the end of a pipe that has a writer
     return descriptor

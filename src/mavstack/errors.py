@@ -133,7 +133,7 @@ class RadioError(MavstackError):
     """A telemetry radio does not answer or refuses a command; the text holds the reason and the remedy."""
 
     def __init__(self, text: str, *, refused: bool = False) -> None:
-        self.refused = refused  # the radio answered ERROR
+        self.refused = refused  # True if the radio answered ERROR
         super().__init__(text)
 
 
@@ -218,7 +218,7 @@ _PREPOSITIONS = (" of", " on", " to", " from", " with")
 
 def _restore(kind: type[RemoteError], args: tuple[str, ...], state: dict[str, object]) -> RemoteError:
     error = kind.__new__(kind, *args)
-    error.args = args  # OSError, the base of TimeoutError, sets them in __init__ only
+    error.args = args  # set `args` here: OSError, a base of TimeoutError, sets it only in __init__
     error.__dict__.update(state)
     return error
 

@@ -23,11 +23,11 @@ ECCENTRICITY_SQUARED: Final = 6.69437999014e-3
 MEAN_RADIUS: Final = 6_371_008.8
 #: Metres per degree on the sphere with the mean radius.
 METRES_PER_DEGREE: Final = math.radians(MEAN_RADIUS)
-#: The radius in metres with which ArduPilot places the grid of its terrain: neither of the above.
+#: The radius of the earth in metres that ArduPilot's terrain grid uses.
 ARDUPILOT_RADIUS: Final = 6_378_100.0
 #: The radius in metres of the sphere of the World Magnetic Model.
 MAGNETIC_RADIUS: Final = 6_371_200.0
-#: Lower bound of the cosine of the latitude: at a pole, east is undefined.
+#: Lower bound of the cosine of the latitude, which is 0 at a pole, where east is undefined.
 MIN_COSINE = 1e-6
 #: The iteration ends when the latitude changes by less than this, in degrees (a tenth of a millimetre).
 LATITUDE_TOLERANCE = 1e-9
@@ -55,7 +55,7 @@ def distance(latitude: float, longitude: float, to_latitude: float, to_longitude
 def offset_location(latitude: float, longitude: float, north: float, east: float) -> tuple[float, float]:
     """Return the latitude and longitude `north` and `east` metres from a location."""
     to_latitude = min(max(latitude + north / METRES_PER_DEGREE, -90.0), 90.0)
-    parallel = max(math.cos(math.radians((latitude + to_latitude) / 2)), 1e-9)  # there is no east at a pole
+    parallel = max(math.cos(math.radians((latitude + to_latitude) / 2)), 1e-9)  # east is undefined at a pole
     to_longitude = longitude + east / (METRES_PER_DEGREE * parallel)
     return to_latitude, (to_longitude + 180.0) % 360.0 - 180.0
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import ssl
     from collections.abc import Callable
 
-#: Handshakes of one link that are under way at the same time.
+#: Maximum number of simultaneous handshakes of one link.
 MAX_HANDSHAKES: Final = 64
 #: Seconds that each handshake may take.
 HANDSHAKE_TIMEOUT: Final = 10.0
@@ -70,7 +70,7 @@ class TlsHandshake(asyncio.Protocol):
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Start the handshake."""
-        transport.pause_reading()  # the first bytes are for the TLS layer, which is not there yet
+        transport.pause_reading()  # the first bytes are for TLS, which starts later
         self._handshakes.begin(transport)
         self._task = asyncio.get_running_loop().create_task(self._run(transport))
 

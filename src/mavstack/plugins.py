@@ -46,7 +46,7 @@ class Registry(Generic[Item]):
         report: Callable[[str], None] | None = None,
     ) -> None:
         self._noun = noun
-        #: Group of the entry points.
+        #: The group of entry points in the metadata of distributions.
         self.group = group
         self._builtin = dict(builtin or {})
         self._objects = objects
@@ -151,7 +151,7 @@ def _reason(error: Exception) -> str:
 
 
 def _log_warning(line: str) -> None:
-    # A command that only looks up built-in objects takes longer to import this than to do its work.
+    # The import of logging takes longer than a command that only looks up built-in objects.
     import logging
 
     logging.getLogger("mavstack.plugins").warning(line)

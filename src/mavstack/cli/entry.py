@@ -8,7 +8,7 @@ from typing import Final
 
 from mavstack.cli.common.interrupted_imports import ended_by_sigint
 
-#: A module that reports its objects which are left at exit as leaks.
+#: A module that reports its objects as leaks if they exist at the exit of the process.
 _CHECKS_AT_EXIT: Final = "duckdb"
 
 
@@ -22,6 +22,6 @@ def main() -> int:
         from mavstack.cli.main import main as run
     code = run()
     if _CHECKS_AT_EXIT not in sys.modules:
-        # The collections at exit would search all objects, which the system frees together.
+        # The garbage collections at exit would search all objects, which the system frees together.
         gc.freeze()
     return code

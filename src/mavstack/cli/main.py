@@ -54,7 +54,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     words = sys.argv[1:] if argv is None else list(argv)
     for stream in (sys.stdout, sys.stderr):
-        with suppress(AttributeError):  # a captured stream may be anything
+        with suppress(AttributeError):  # a stream that replaces stdout may lack `reconfigure`
             stream.reconfigure(errors="replace")  # type: ignore[union-attr]
     try:
         code = _dispatch(words)
@@ -92,7 +92,7 @@ def _run(name: str, words: Sequence[str]) -> int:
     parse = parser.parse_intermixed_args if COMMANDS[name].mixed else parser.parse_args
     try:
         arguments = parse(words)
-    except SystemExit as leaving:  # argparse has printed its help or the problem
+    except SystemExit as leaving:  # argparse has printed its help or the error
         return leaving.code if isinstance(leaving.code, int) else 0
     with logging_to_outputs(arguments, quiet=not COMMANDS[name].logs), warnings_as_lines(f"mav {name}"):
         return load_command(name).run(arguments)

@@ -118,7 +118,7 @@ class CommandParser(ArgumentParser):
     """A parser that takes words such as -35.3,149.1 for values, not for options."""
 
     def __init__(self, *arguments: Any, **options: Any) -> None:  # noqa: ANN401 (those of ArgumentParser)
-        # Without the width argparse would import `shutil`, which is slow, for the first argument.
+        # Without `width`, argparse would import `shutil`, which is slow, when the first argument is added.
         formatter = options.get("formatter_class", HelpFormatter)
         options["formatter_class"] = partial(formatter, width=terminal_width() - 2)
         super().__init__(*arguments, **options)

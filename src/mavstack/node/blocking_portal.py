@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 Result = TypeVar("Result")
 
-#: Seconds that an interrupted call may take to clean up on the remote side.
+#: Seconds that an interrupted call may take to end its operation at the vehicle.
 CLEANUP_TIMEOUT = 2.0
 
 
@@ -30,7 +30,7 @@ CLEANUP_TIMEOUT = 2.0
 class Worker:
     """A function that runs in a thread of its own, and may make blocking calls."""
 
-    #: The outcome, as a future of the loop.
+    #: The result of the function: a future of the event loop.
     result: asyncio.Future[Any]
     #: Cancels the blocking call that the function waits for, and its later ones.
     cancel: Callable[[], None]
@@ -41,11 +41,11 @@ class BlockingPortal:
 
     def __init__(self) -> None:
         self._loop = asyncio.new_event_loop()
-        self._tasks: dict[asyncio.Task[Any], int] = {}  # with the thread that waits for each
+        self._tasks: dict[asyncio.Task[Any], int] = {}  # value: the thread that waits for the task
         self._lock = Lock()
         self._closed = False
-        self._calls: dict[int, Future[Any]] = {}  # by thread: the call that it waits for
-        self._cancelled: set[int] = set()  # workers whose calls are cancelled
+        self._calls: dict[int, Future[Any]] = {}  # the call that each thread waits for
+        self._cancelled: set[int] = set()  # threads of workers whose calls are cancelled
         self._thread = Thread(target=self._loop.run_forever, name="mavstack", daemon=True)
         self._thread.start()
 
@@ -68,7 +68,7 @@ class BlockingPortal:
             raise
         except Exception:
             raise
-        except BaseException:  # Ctrl-C may come before the future is known here
+        except BaseException:  # also Ctrl-C, even before `_submit` has returned the future
             self._abandon(get_ident())
             raise
         finally:
@@ -104,7 +104,7 @@ class BlockingPortal:
                 outcome = function()
             except BaseException as error:  # noqa: BLE001 (it belongs to the caller)
                 failure = error
-            with suppress(RuntimeError):  # the loop was closed meanwhile
+            with suppress(RuntimeError):  # the event loop was closed in the meantime
                 self._loop.call_soon_threadsafe(finish, outcome, failure)
 
         def cancel() -> None:
@@ -131,7 +131,7 @@ class BlockingPortal:
         self._loop.close()
 
     def _submit(self, work: Coroutine[Any, Any, Result]) -> Future[Result]:
-        with self._lock:  # a submitted coroutine is either done or cancelled by `close`
+        with self._lock:  # with the lock, a submitted coroutine is either completed or cancelled by `close`
             if self._closed or get_ident() == self._thread.ident:
                 work.close()
                 reason = "the node is closed" if self._closed else "a callback would wait for its own thread"
@@ -157,7 +157,7 @@ class BlockingPortal:
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
-        # Here and not after the loop's end: the caller of `close` may be in a separate event loop.
+        # Close the generators before the loop ends: `close` may be called from another event loop.
         await self._loop.shutdown_asyncgens()
 
     def _abandon(self, thread: int) -> None:
@@ -170,7 +170,7 @@ class BlockingPortal:
             ending.result(CLEANUP_TIMEOUT)
 
     async def _end_calls(self, thread: int) -> None:
-        # A call that was submitted just before is a task by now: the loop keeps the order.
+        # The loop runs callbacks in order, so a call that was submitted before this one is a task already.
         tasks = [task for task, waiting in self._tasks.items() if waiting == thread]
         for task in tasks:
             task.cancel()

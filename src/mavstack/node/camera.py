@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 
 _MODE = common.CameraMode
-#: The modes by the names that people use.
+#: Camera modes by their names in the API.
 _MODES = {
     "photo": _MODE.IMAGE,
     "image": _MODE.IMAGE,
@@ -55,7 +55,7 @@ class Camera(ReadOnly):
 
     def __init__(self, clients: ComponentClients, device_id: int = 0) -> None:
         self._clients = clients
-        #: 1 to 6 for a camera that is attached to the autopilot; 0 for one that is a component itself.
+        #: 1 to 6 for a camera that is attached to the autopilot; 0 for a camera with its own component id.
         self.device_id = device_id
         self._monitor = clients.get(
             CameraMonitor,

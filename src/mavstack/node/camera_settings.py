@@ -151,7 +151,7 @@ class CameraSettings(ReadOnly):
             definition.check(name, value, self.values)
         host, client = self._clients.host, self._client
         if error := host.refusal_of(self._clients.address, f"setting {name} of"):
-            raise error  # the client would read the type of the setting first
+            raise error  # check before the client's first request, which reads the type of the setting
         request = client.set(name, value, host.now(), kind=kind, timeout=timeout)
         changed = await host.finish(client, request)
         for other in updates:

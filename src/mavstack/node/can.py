@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 #: Seconds between two commands that renew the forwarding.
 RENEWAL_INTERVAL: Final = 1.0
-#: Frames that are queued while the program does not read.
+#: Maximum number of frames that are queued until the program reads them.
 DEFAULT_FRAMES: Final = 10_000
 _MAX_FILTERS: Final = 16
 _MAX_BUS: Final = 255
@@ -129,7 +129,7 @@ class CanBus(ReadOnly):
         if self._clients.host.is_open and kind is None:
             try:
                 await self._forward(0, timeout=1.0)
-            except MavstackError:  # the vehicle ends the forwarding by itself
+            except MavstackError:  # without renewals the vehicle ends the forwarding by itself
                 return
 
     def __aiter__(self) -> Self:
@@ -146,7 +146,8 @@ class CanBus(ReadOnly):
             await asyncio.sleep(RENEWAL_INTERVAL)
             try:
                 await self._forward(self._bus, timeout=RENEWAL_INTERVAL)
-            except MavstackError:  # a lost command, or a vehicle that reboots: the next one may succeed
+            except MavstackError:
+                # the command was lost, or the vehicle reboots: the next command may succeed
                 continue
 
     async def _forward(self, number: int, *, timeout: float | None = None) -> None:

@@ -49,29 +49,31 @@ class ChannelState(LoopBound):
         bulk_rate: float | None = None,
     ) -> None:
         self.name = name
-        #: True if signing keys may be installed over the channel: a cable, not a radio.
+        #: True if signing keys may be sent over the channel: True for a cable, False for a radio.
         self.trusted = False
-        #: The link id of its signatures, which distinguishes the channels of one component.
+        #: The link id in signatures, which distinguishes the channels of one component.
         self.link_id = 0
         self.pacer = Pacer(bandwidth, half_duplex=half_duplex, bulk_rate=bulk_rate)
         #: Stream messages dropped because the channel had no room.
         self.thinned = 0
         #: Messages dropped because the channel's MAVLink version cannot carry them.
         self.unsendable = 0
-        #: True if every packet that is received is verified, except those of ids accepted unsigned.
+        #: True if every received packet is verified, except packets of message ids that are accepted
+        #: unsigned.
         self.verifies = signing is not None
-        #: Called when the parser changes, or a second one begins.
+        #: Called when the parser is replaced, and when a second parser is added.
         self.on_parser_changed: Callable[[], None] = lambda: None
-        #: Packets refused because another channel verifies their sender.
+        #: Packets refused because packets of the same sender are verified on another channel.
         self.unverified = 0
         self._dialect = dialect
-        #: True if the version of sent packets follows the peer; False once it is known to speak MAVLink 2.
+        #: True if the version of sent packets follows the peer's; False once the peer has sent MAVLink 2.
         self.negotiates = version == "auto"
         self._version: int = 2 if version == "auto" else version
         self._signing = signing
         self._parser = Parser(dialect, signing=signing)
         self._encoders: dict[Address, Encoder] = {}
-        self._other: tuple[Signing | None, Parser] | None = None  # during a change of keys
+        # key and parser beside the first ones, during a change of keys
+        self._other: tuple[Signing | None, Parser] | None = None
         self._uses_new = False
         self._logged_refusals = 0
         self._next_refusal_log = 0.0

@@ -37,11 +37,11 @@ class ChosenSenders:
         self._channels = channels
         self._chosen: dict[int, str] = {}
         self._only: str | None = None
-        #: Called before a choice or a limit changes.
+        #: Called before the chosen sender of a system id or the only allowed channel changes.
         self.before_change: Callable[[], None] = lambda: None
         #: The system ids that several vehicles use.
         self.systems: Container[int] = ()
-        #: Returns the vehicles that use a system id; None if no more than one does.
+        #: Returns the vehicles that use a system id; None if at most one vehicle uses it.
         self.conflict_of: Callable[[int], Conflict | None] = lambda system: None
 
     @property

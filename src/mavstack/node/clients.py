@@ -23,7 +23,7 @@ class ComponentClients:
     def __init__(self, host: NodeHost, address: Address) -> None:
         self.host = host
         self.address = address
-        #: The clients that were used, by their classes.
+        #: The clients that were created so far, by class.
         self.made: dict[object, Service] = {}
 
     @property

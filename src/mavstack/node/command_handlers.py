@@ -133,7 +133,7 @@ class CommandHandlers(ReadOnly):
         none_is_pending: bool,
     ) -> None:
         self._tasks[request] = task = asyncio.get_running_loop().create_task(handler(request))
-        # The callback is called even for a task that is cancelled before its first step.
+        # Not `finally` in the task: a task that is cancelled before its first step does not execute it.
         task.add_done_callback(lambda ended: self._on_task_ended(request, ended, none_is_pending))
 
     def _on_task_ended(

@@ -69,7 +69,7 @@ if TYPE_CHECKING:
 AnyMessage = TypeVar("AnyMessage", bound="Message")
 Made = TypeVar("Made")
 
-#: The largest device id of cameras that are attached to an autopilot, and of component ids.
+#: The largest device id of a camera that is attached to an autopilot, and the largest component id.
 _MAX_ATTACHED, _MAX_COMPONENT = 6, 255
 
 
@@ -95,7 +95,7 @@ class RemoteComponent(ReadOnly):
 
     address: Address
 
-    # Parts
+    # Parts of the API
 
     params = _part(Params, "The component's parameters.", clear_cache=Params.clear_cache)
     extended_params = _part(ExtendedParams, "The component's extended parameters, as cameras have them.")
@@ -476,7 +476,7 @@ class RemoteComponent(ReadOnly):
         Raises:
             MessageTimeout: The component does not answer.
         """
-        _ = self._clients.get(GimbalMonitor)  # receives what the component reports of its gimbals
+        _ = self._clients.get(GimbalMonitor)  # creates the service that stores the gimbals' status messages
         found = await self._clients.host.run_operation(self._clients.command, ListGimbals(timeout=timeout))
         return tuple(self.gimbal_device(each.device_id) for each in found if each.device_id)
 

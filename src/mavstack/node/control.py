@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mavstack.node.host import NodeHost
     from mavstack.services import Service
 
-#: Seconds between two checks whether the release was sent.
+#: Seconds between two checks whether all repetitions of the release were sent.
 RELEASE_INTERVAL = 0.1
 Value_contra = TypeVar("Value_contra", contravariant=True)
 ControlValue = TypeVar("ControlValue")
@@ -71,7 +71,7 @@ class ControlStream(ReadOnly, Generic[ControlValue]):
 
     async def _release(self) -> None:
         self.stop()
-        # The release is repeated by timers, which emit no event when they are done.
+        # The release is repeated by timers, and no event reports the end of the repetitions.
         while self._sender.active and self._host.is_open:  # noqa: ASYNC110
             await asyncio.sleep(RELEASE_INTERVAL)
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from mavstack.node.host import NodeHost
 
-#: Components that a text names.
+#: Maximum number of components that an error text lists.
 MAX_NAMED = 8
 
 

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from mavstack.services import Service
     from mavstack.wire import Packet
 
-#: The key of listeners to every message id.
+#: The message id of listeners to all messages.
 ANY = -1
-#: Cached lookups; the cache is bounded because ids and addresses can be forged.
+#: Maximum number of cached lookups: without a bound, forged ids and addresses could fill the memory.
 MAX_CACHED = 16384
 
 
@@ -47,10 +47,10 @@ class PacketDispatch:
     """The packet listeners, by message id and system; each lookup by id and source is cached."""
 
     def __init__(self) -> None:
-        self._by_key: dict[tuple[int, int], list[Listener]] = {}  # message id, system (0: any)
+        self._by_key: dict[tuple[int, int], list[Listener]] = {}  # key: message id, system (0: all)
         self._cache: dict[tuple[int, int, int], tuple[Listener, ...]] = {}
         self._open: dict[Subscription[Any], Listener] = {}
-        #: Called with message ids (`ANY`: all) and a system (0: any) whose listeners changed.
+        #: Called after a change of listeners: message ids (`ANY`: all), and their system (0: all).
         self.on_change: Callable[[tuple[int, ...], int], None] = lambda ids, system: None
 
     def add(
@@ -124,7 +124,7 @@ class PacketDispatch:
         if len(self._cache) >= MAX_CACHED:
             self._cache.clear()
         source = Address(system, component)
-        # Listeners to every message come first, so that the state that they keep is new when the others run.
+        # Listeners to all messages come first: they update state that the other listeners read.
         keys = [(kind, each) for kind in (ANY, message_id) for each in ((0, system) if system else (0,))]
         candidates = [listener for key in keys for listener in self._by_key.get(key, ())]
         found = tuple(listener for listener in candidates if listener.source.covers(source))

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 Result = TypeVar("Result")
 
-#: Seconds for which a driver that stops waits for clients that release state of their remote components.
+#: Seconds for which a driver that stops waits until clients have released state of remote components.
 RELEASE_TIMEOUT = 1.5
 
 
@@ -78,7 +78,7 @@ class Driver:
         self._stopped = False
         self._waiting: dict[Operation[Any], asyncio.Future[None]] = {}
         self._progress: dict[Operation[Any], Callable[[int, int], None]] = {}
-        #: Clients that may release state, while the driver runs and when it stops.
+        #: Clients that may have state of their remote components to release.
         self._releasing: set[Client] = set()
         self._operation_ended = asyncio.Event()
         #: The thread that reads links; None: the event loop reads all of them.
@@ -231,7 +231,7 @@ class Driver:
             try:
                 channel.write(data)
             except LinkClosedError:
-                return  # its ChannelClosed follows
+                return  # the link reports the loss with ChannelClosed
             for listener in self._sent_listeners:
                 listener(data)
 

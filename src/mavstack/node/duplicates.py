@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 Channel = TypeVar("Channel")
 
-#: Seconds within which a copy on another channel is a duplicate.
+#: Seconds within which the same packet on another channel is a duplicate.
 WINDOW = 1.0
 MAX_PACKETS = 1024
 

@@ -55,7 +55,7 @@ if TYPE_CHECKING:
 
 AnyService = TypeVar("AnyService", bound=Service)
 
-#: Seconds for which the timer of a service that failed is suspended: no busy loop, and the service recovers.
+#: Seconds for which the timer of a service is suspended after an error, which avoids a busy loop.
 FAILURE_INTERVAL = 0.05
 
 _RADIO_STATUS = next(iter(message_ids(common.RadioStatus)))
@@ -70,18 +70,20 @@ class Engine:
         self.routes: Routes[ChannelState] = Routes()
         self.duplicates: Duplicates[ChannelState] = Duplicates()
         self.channels: list[ChannelState] = []
-        #: The senders that were chosen where several use one system id.
+        #: The chosen sender of each system id that several vehicles use.
         self.senders = ChosenSenders(self.channels)
-        #: The channels that lead to a target, and those that a signing key may be sent over.
+        #: Finds the channels to a target, and the channels over which a signing key may be sent.
         self.key_channels = KeyChannels(self.routes, self.channels, self.senders)
         #: Called with the name of a channel that was closed.
         self.on_channel_closed: Callable[[str], None] = lambda name: None
-        #: Called with a signed packet of a verified address on a channel without a key; may give it the key.
+        #: Called with a signed packet of a verified address on a channel without a key; may set the channel's
+        #: key.
         self.adopt_key: Callable[[ChannelState, Packet, float], bool] = lambda channel, packet, now: False
-        #: The channel of the packet that is being handled; None in between.
+        #: The channel of the packet that is handled now; None if no packet is handled.
         self.arrived_on: ChannelState | None = None
         self._heartbeats = OwnHeartbeats(dialect)
-        #: Returns whether a packet with the local address is an own heartbeat, echoed over looped links.
+        #: Returns whether a packet with the local address is this node's heartbeat, returned by a loop of
+        #: links.
         self.is_echo = self._heartbeats.is_echo
         self.signing_states = SigningStates()
         self._closed_clock = 0
@@ -317,7 +319,7 @@ class Engine:
         while self._touched:
             service = next(iter(self._touched))
             del self._touched[service]
-            self._collect_events(service)  # a change of keys applies to later messages
+            self._collect_events(service)  # apply a change of keys before the messages after it are sent
             try:
                 self._drain(service, now)
             except Exception as error:  # noqa: BLE001 (as above)
@@ -364,7 +366,7 @@ class Engine:
             return bool(channels)
         full = [channel for channel in channels if not channel.pacer.has_room(priority, now)]
         if priority is Priority.STREAM and len(full) < len(channels):
-            return True  # a slow link drops stream messages; the other links carry them
+            return True  # a slow link drops stream messages, which the other links transmit
         if full:
             again = max(channel.pacer.room_at(now) for channel in full)
             known = self._blocked.get(service, again)

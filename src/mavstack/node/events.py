@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from mavstack.node.subscription import Subscription
     from mavstack.services.events import DecodedEvent, EventDefinition
 
-#: Seconds that the download of the metadata may take while events wait for it.
+#: Maximum seconds to download the metadata; received events wait for the download.
 METADATA_TIMEOUT: Final = 60.0
 #: Seconds after which the download is tried again if the component did not answer.
 RETRY_INTERVAL: Final = 60.0
@@ -52,7 +52,7 @@ class EventMetadata:
         self._clients = clients
         self._files = MetadataFiles(clients)
         self._loading: asyncio.Task[None] | None = None
-        #: The time from which a download is tried; None: no more until a reboot.
+        #: The time of the next download attempt; None: no attempt until the component reboots.
         self._next_attempt: float | None = 0.0
         self.definitions = _NO_DEFINITIONS
 
@@ -144,7 +144,7 @@ class EventStream(ReadOnly):
             StopAsyncIteration: The stream or its connection was closed.
         """
         while True:
-            # A cancelled wait for the metadata must lose no event, so the event is taken after it.
+            # Wait for the metadata before an event is taken, so that a cancelled wait loses no event.
             definitions = await self._metadata.get() if await self._subscription.wait() else _NO_DEFINITIONS
             match await anext(self._subscription):
                 case EventsLost(count=count):

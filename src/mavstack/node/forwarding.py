@@ -72,7 +72,7 @@ class Forwarding:
         self._node = node
         self._outputs: list[Output] = []
         self._router = PacketRouter(node.dialect)
-        #: The port of all links of the node.
+        #: The router's port for all links of the node.
         self._links = self._router.add_port()
         self._ports: dict[int, tuple[Output, Channel]] = {}
         self._listener = node.add_packet_listener(None, self._forward)
@@ -106,7 +106,7 @@ class Forwarding:
         await output.link.open()
         output.task = asyncio.get_running_loop().create_task(self._read(output))
         self._outputs.append(output)
-        await asyncio.sleep(0)  # channels that are open already are reported
+        await asyncio.sleep(0)  # let the task report the channels that are open already
         return output
 
     async def remove(self, output: str | int) -> Output:
@@ -164,7 +164,7 @@ class Forwarding:
             try:
                 output.sent += channel.write(packet.raw)
             except LinkClosedError:
-                continue  # its ChannelClosed follows
+                continue  # the link reports the loss with ChannelClosed
 
     async def _read(self, output: Output) -> None:
         async for event in output.link:

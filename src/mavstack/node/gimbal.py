@@ -47,7 +47,7 @@ class Gimbal(ReadOnly):
 
     def __init__(self, clients: ComponentClients, device_id: int = 0) -> None:
         self._clients = clients
-        #: The gimbal device: 1 to 6, or its component id; 0: all gimbals of the manager.
+        #: The device id of the gimbal (1 to 6), or its component id; 0: all gimbals of the manager.
         self.device_id = device_id
         self._monitor = clients.get(GimbalMonitor)
 

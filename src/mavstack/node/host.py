@@ -38,9 +38,9 @@ AnyService = TypeVar("AnyService", bound="Service")
 AnyMessage = TypeVar("AnyMessage", bound="Message")
 Result = TypeVar("Result")
 
-#: Seconds between two looks whether it is clear which vehicle an operation is for.
+#: Seconds between two checks whether exactly one vehicle uses the address of an operation.
 EXAMINATION_INTERVAL = 0.05
-#: Seconds in which every vehicle that uses an address sends a heartbeat.
+#: Seconds in which all vehicles with one address have sent a heartbeat.
 FIRST_HEARTBEATS = 1.2
 
 
@@ -58,16 +58,17 @@ class NodeHost:
         self.engine = engine
         self.discovery = discovery
         self.packet_dispatch = PacketDispatch()
-        #: The latest packets of followed systems; its thread reads links while the node is open.
+        #: The native input: it keeps the latest packets, and its thread reads links while the node is open.
         self.intake = Intake(engine.dialect, BOOT_FIELDS, POSITION_FIELDS, HEADING_FIELDS)
         self.event_dispatch = EventDispatch()
-        #: Called with the bytes that are written to a channel.
+        #: Called with all bytes that are written to channels.
         self.sent_listeners: list[Callable[[bytes], None]] = []
-        #: Returns whether the links may have several peers, so that a vehicle may come on another channel.
+        #: Returns whether links may have several peers, so that a vehicle may be received on a further
+        #: channel.
         self.may_have_several_peers: Callable[[], bool] = lambda: False
-        #: The remote components that were used.
+        #: The remote components that were requested so far.
         self.remotes: dict[Address, RemoteComponent] = {}
-        #: Seconds that datagrams may wait for others; see `input_interval`.
+        #: Seconds for which datagrams may wait for further ones; see the argument `input_interval` of `Node`.
         self.input_interval = 0.0
         #: The driver that runs the engine; None while the node is closed.
         self.open_driver: Driver | None = None

@@ -39,9 +39,9 @@ if TYPE_CHECKING:
     from mavstack.services.signing_setup import KeyEvent
     from mavstack.wire import Packet
 
-#: Seconds between two stores of the signing timestamp; a crash loses at most this much.
+#: Seconds between two writes of the signing timestamp; a crash loses at most this time.
 STORE_INTERVAL = 30.0
-#: Seconds between two checks of a packet on a channel without a key, and keys that are tried.
+#: Seconds between two checks of a packet on a channel without a key, and maximum number of keys per check.
 ADOPTION_INTERVAL = 0.1
 MAX_ADOPTION_KEYS = 16
 
@@ -108,7 +108,7 @@ class Keys:
         if change is None:
             return
         change.last = event
-        # The peer is silent on reopened channels, so the engine has no route over them.
+        # The engine has no route over reopened channels, on which the peer has sent nothing yet.
         reopened = [channel for channel in change.reopened.values() if channel not in heard_on]
         apply_key_event(event, reopened, self._engine.signing_states)
         if isinstance(event, KeySettled):
@@ -138,7 +138,7 @@ class Keys:
             if signed_with(packet, key, now):
                 self._by_channel[channel.name] = key
                 self._sign(channel, key)
-                return bool(channel.parser.feed(packet.raw, time_if_set(now)))  # none if it is a replay
+                return bool(channel.parser.feed(packet.raw, time_if_set(now)))  # no packet if it is a replay
         return False
 
     def _sign(self, channel: ChannelState, key: SigningKey | None) -> None:

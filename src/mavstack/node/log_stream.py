@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from mavstack.node.clients import ComponentClients
 
-#: Pieces of the log that are queued while the program does not read.
+#: Maximum number of pieces of the log that are queued until the program reads them.
 _QUEUE: Final = 100_000
 _STOP_TIMEOUT: Final = 2.0
 #: Seconds without data after which a stream has ended: the vehicle rebooted, or the link is down.
@@ -86,7 +86,7 @@ class LogStream(ReadOnly):
         try:
             if self._clients.host.is_open:
                 await self._command(common.MavCmd.LOGGING_STOP, timeout=_STOP_TIMEOUT)
-        except MavstackError:  # without acknowledgements the component ends the stream by itself
+        except MavstackError:  # the component ends the stream by itself when acknowledgements are missing
             return
         finally:
             self._close()

@@ -6,7 +6,7 @@ from typing import Final
 
 from mavstack.dialects import common
 
-#: Offsets of the boot time in the payload, by message id.
+#: Offset of the boot time in the payload, by message id.
 BOOT_FIELDS: Final = {
     kind.__mavlink_row__[0]: offset
     for kind, offset in (
@@ -17,7 +17,7 @@ BOOT_FIELDS: Final = {
         (common.LocalPositionNed, 0),
     )
 }
-#: The message with a position, and the offsets of its latitude, longitude, and speeds to north and east.
+#: Id of the position message; offsets of its latitude, longitude, north speed and east speed.
 POSITION_FIELDS: Final = (common.GlobalPositionInt.__mavlink_row__[0], 4, 8, 20, 22)
-#: The message with an attitude, and the offsets of its roll, pitch, yaw and yaw speed.
+#: Id of the attitude message; offsets of its roll, pitch, yaw and yaw speed.
 HEADING_FIELDS: Final = (common.Attitude.__mavlink_row__[0], 4, 8, 12, 24)

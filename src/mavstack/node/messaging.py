@@ -148,7 +148,7 @@ def record(
         InvalidArgumentError: A limit is not positive.
         LogError: The file exists, or cannot be created.
     """
-    from mavstack.logs.recorder import Recorder  # numpy, which a node does not need otherwise
+    from mavstack.logs.recorder import Recorder  # imports numpy, which a node does not need otherwise
 
     recorder = Recorder(path, max_size=max_size, max_duration=max_duration, keep=keep)
     return Recording(host_of(node), recorder, sent=sent)

@@ -56,7 +56,7 @@ class MetadataAccess:
     cache: MetadataCache | None = None
     fetch: Fetch | None = None
     progress: Progress | None = None
-    #: Take files from the cache alone.
+    #: True if files are read only from the cache, without a download.
     cached_only: bool = False
 
 
@@ -179,7 +179,7 @@ class MetadataFiles:
         try:
             async with asyncio.timeout(access.budget.remaining()):
                 return await asyncio.to_thread(access.fetch, url)
-        except OSError as error:  # a TimeoutError too
+        except OSError as error:  # also a TimeoutError
             raise self._denied(f"{url} could not be fetched: {error or 'no answer in time'}") from None
 
     def _parsed(self, data: bytes, uri: str, parse: Callable[[bytes, str], Result]) -> Result:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mavstack.links import Link
     from mavstack.links.native_reading import NativeReading
 
-#: Seconds between two looks while datagrams come.
+#: Seconds between two reads of the received data while many datagrams arrive.
 _INTERVAL: Final = 0.002
 _LINK: Final = 0
 

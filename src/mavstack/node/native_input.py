@@ -45,17 +45,17 @@ if TYPE_CHECKING:
     from mavstack.node.host import NodeHost
     from mavstack.wire import Packet
 
-#: Seconds for which the thread reads without rests after the program sent something that is answered.
+#: Seconds for which the thread reads without pauses after the node has sent a request.
 HURRY_TIME: Final = 0.1
-#: How often the event loop looks at the sockets again before other tasks run, as long as packets come.
+#: Maximum number of reads in a row before other tasks of the event loop run.
 MAX_ROUNDS: Final = 4
-#: Seconds after the last look in which packets come one by one, so that another look finds some.
+#: Seconds since the last read within which a further packet makes more reads in a row worth it.
 ROUND_TIME: Final = 0.0002
-#: Takes in which packets may come that were granted before their grant was taken back.
+#: Number of reads after a grant was revoked that may still return packets of the granted source.
 STALE_TAKES: Final = 2
 
 _RADIO_STATUS: Final = message_ids(common.RadioStatus)
-#: Messages that come regularly or unasked: they come together with others.
+#: Messages that are sent regularly or without a request: there is no need to read them at once.
 _UNHURRIED: Final = message_ids(common.Heartbeat, common.GlobalPositionInt, common.Statustext)
 
 
@@ -127,7 +127,7 @@ class NativeInput:
         self._descriptor: int | None = None
         self._is_direct = False
         self._stale_takes = 0
-        #: The interval of looks at the sockets while the event loop waits for them.
+        #: The interval of reads while the event loop reads the sockets.
         self.interval = InputInterval(host.input_interval, self._look, self._watch)
         self._looked_at = 0.0
 
@@ -203,7 +203,7 @@ class NativeInput:
         self, channel: UdpChannel, size: int, chunks: int, received_at: float, valid_at: float
     ) -> None:
         if chunks:
-            ahead = time() - self._now()  # the clock of links is that of the system
+            ahead = time() - self._now()  # links use the system clock
             channel.note_received(size, chunks, received_at + ahead, valid_at + ahead if valid_at else 0.0)
 
     def hurry(self) -> None:

@@ -163,7 +163,7 @@ class Node(ReadOnly):
         self._host.input_interval = input_interval
         sender_choice.follow_conflicts(self._host, self.links, channel)
         self._heartbeat = HeartbeatSender(local, type, autopilot, interval=interval or DEFAULT_INTERVAL)
-        #: The services of every node: it receives status texts, and answers PING and TIMESYNC.
+        #: The services of every node: they receive status texts, and answer PING and TIMESYNC.
         self._common_services = (StatustextReceiver(local), PingServer(local), TimesyncServer(local))
         self._version = version
         self._keys = Keys(engine, signing, timestamps, link_keys(self.links))
@@ -239,7 +239,7 @@ class Node(ReadOnly):
         if driver is None:
             return
         driver.stop_receiving()
-        async with AsyncExitStack() as steps:  # they run from the last one to the first
+        async with AsyncExitStack() as steps:  # the last step runs first
             steps.callback(self._host.event_dispatch.end)
             steps.callback(self._host.packet_dispatch.end)
             for link in reversed(self.links):
@@ -373,7 +373,7 @@ class Node(ReadOnly):
                         found := [info for info in self.components.values() if info.alive and predicate(info)]
                     ):
                         await anext(events)
-                        events.drain()  # one look at all components suffices for all events so far
+                        events.drain()  # check all components once for all events so far
             except (TimeoutError, StopAsyncIteration):
                 raise self._wait_error(description, "none", timeout) from None
         return self.component(*found[0].address)

@@ -10,7 +10,7 @@ from mavstack.wire import Packet
 if TYPE_CHECKING:
     from mavstack._core import HasCoreDialect
 
-#: Seconds for which own heartbeats are kept, and their number.
+#: Seconds for which the node's sent heartbeats are kept, and maximum number of them.
 ECHO_TIMEOUT = 10.0
 MAX_HEARTBEATS = 256
 

@@ -27,27 +27,27 @@ from math import inf
 from mavstack.dialects import common
 from mavstack.services import Priority
 
-#: How far each priority may overdraw the bucket, in seconds of bandwidth.
+#: By how much each priority may overdraw the token bucket, in seconds of bandwidth.
 MAX_OVERDRAFT = {Priority.CONTROL: inf, Priority.STREAM: 0.15, Priority.BULK: 0.0}
 #: Share of the bandwidth that streams get while bulk messages wait.
 STREAM_SHARE = 0.15
-#: Seconds for which bulk messages count as waiting after they were refused.
+#: Seconds after a refusal for which bulk messages count as waiting.
 BULK_WAIT_TIMEOUT = 0.5
-#: Size of the bucket in seconds of bandwidth: the longest burst after silence.
+#: Size of the bucket in seconds of bandwidth: the longest burst after a pause.
 MAX_BURST = 0.05
 #: Minimum size of the bucket in bytes: one packet.
 MIN_DEPTH = 300.0
-#: First estimate of the bandwidth in bytes per second: that of a radio with factory settings.
+#: First estimate of the bandwidth in bytes per second: a radio with factory settings.
 DEFAULT_ESTIMATE = 5760.0
 MIN_ESTIMATE = 200.0
 MAX_ESTIMATE = 1e6
-#: Seconds between two reports that change the estimate: radios send one or two per second.
+#: Minimum seconds between two RADIO_STATUS that change the estimate: radios send one or two per second.
 MIN_STATUS_INTERVAL = 0.1
-#: Seconds without a report after which an estimate is discarded.
+#: Seconds without RADIO_STATUS after which an estimate is discarded.
 ESTIMATE_TIMEOUT = 10.0
-#: The estimate rises only if this share of it was used.
+#: Minimum used share of the estimated bandwidth for the estimate to rise.
 MIN_USED_SHARE = 0.6
-#: The largest burst of bulk packets where only `bulk_rate` limits them.
+#: The largest burst of bulk packets on a channel that only `bulk_rate` limits, in packets.
 MAX_BULK_BURST = 100.0
 
 _RADIO_COMPONENTS = frozenset({common.MavComponent.TELEMETRY_RADIO, common.MavComponent.UDP_BRIDGE})

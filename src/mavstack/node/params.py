@@ -58,13 +58,13 @@ if TYPE_CHECKING:
     from mavstack.services.parameters import Parameter, Snapshot, Value
     from mavstack.services.version import AutopilotVersion
 
-#: Seconds to wait for a component's capabilities before its parameter encoding follows from its heartbeat.
+#: Seconds to wait for a component's capabilities; then its heartbeat determines its parameter encoding.
 CAPABILITIES_TIMEOUT = 3.0
 _ARDUPILOT: Final = common.MavAutopilot.ARDUPILOTMEGA
 _NO_SUCH_PARAMETER: Final = common.MavParamError.DOES_NOT_EXIST
-#: Param 1 of PREFLIGHT_STORAGE.
+#: Value of param 1 of MAV_CMD_PREFLIGHT_STORAGE.
 _SAVE_PARAMETERS: Final = 1
-#: The metadata files in the user's cache folder.
+#: The cached metadata files in the user's cache directory.
 USER_CACHE = MetadataCache()
 
 
@@ -73,7 +73,7 @@ class Params(ReadOnly):
 
     def __init__(self, clients: ComponentClients) -> None:
         self._clients = clients
-        #: The component's version; None: not requested, or it does not answer such requests.
+        #: The component's version; None: not requested yet, or the component did not answer the request.
         self._version: AutopilotVersion | None = None
         self._version_requested = False
         self._metadata = NO_METADATA

@@ -34,7 +34,7 @@ class Recording(ReadOnly):
         self._recorder = recorder
         self._flush_handle: asyncio.Handle | None = None
         self._error: LogError | None = None
-        # Streams that were written to channels; each write is a number of complete packets.
+        # Parses sent bytes; each write to a channel consists of complete packets.
         self._parser = Parser(host.engine.dialect)
         self._steps = ExitStack()
         self._steps.callback(host.packet_dispatch.add((), Address(0, 0), self._on_packet).close)

@@ -22,15 +22,15 @@ if TYPE_CHECKING:
 
 Channel = TypeVar("Channel")
 
-#: Seconds of silence after which another channel that receives the address becomes the preferred one.
+#: Seconds without a packet on the preferred channel after which another channel replaces it.
 SILENCE_TIMEOUT = 2.5
-#: Addresses in the table, and how many are removed at once when it is full.
+#: Maximum number of addresses in the table, and number of addresses that are removed when it is full.
 MAX_ADDRESSES = 4096
 REMOVED_AT_ONCE = 512
-#: Channels of an address that is not among the `MAX_WIDE` ones that exceeded this number last.
+#: Maximum number of channels of an address; the last `MAX_WIDE` addresses that exceeded it may have more.
 MAX_CHANNELS = 4
 MAX_WIDE = 64
-#: Minimum time for which an address with more than one packet counts as present, in seconds.
+#: Minimum seconds between the first and the last packet of an address that is not removed first.
 MIN_HEARD_DURATION = 1.0
 
 
@@ -40,7 +40,7 @@ class _Route(Generic[Channel]):
     def __init__(self, channel: Channel, now: float) -> None:
         self.preferred = channel
         self.heard: dict[Channel, float] = {channel: now}
-        #: The channels on which a signed packet of the address was verified.
+        #: The channels on which a signed packet of the address has been verified.
         self.verified: set[Channel] = set()
         self.began_at = now
 
@@ -96,7 +96,7 @@ class Routes(Generic[Channel]):
         self._systems: dict[int, dict[Address, _Route[Channel]]] = {}
         self._verified: set[tuple[int, int]] = set()
         self._wide: dict[tuple[int, int], None] = {}
-        #: Called with an address before it is learned on another channel, or verified there at first.
+        #: Called before an address gets a further channel, or is verified on a channel for the first time.
         self.before_change: Callable[[tuple[int, int]], None] = lambda address: None
         #: Called before addresses are removed because the table is full.
         self.before_removal: Callable[[], None] = lambda: None
@@ -106,7 +106,7 @@ class Routes(Generic[Channel]):
 
         System 0 is the broadcast address and is not recorded.
         """
-        # An address equals a plain tuple, which is created in half the time.
+        # `heard` is a plain tuple: it equals the Address of the same ids, and is created in half the time.
         route: _Route[Channel] | None = self._routes.get(heard)  # type: ignore[call-overload]
         if route is not None:
             if channel not in route.heard or (verified and channel not in route.verified):

@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from mavstack.node.clients import ComponentClients
     from mavstack.node.host import NodeHost
 
-#: Chunks of output that are queued while the program does not read.
+#: Maximum number of chunks of output that are queued until the program reads them.
 OUTPUT_QUEUE: Final = 100_000
-#: Seconds between two requests for the bytes of a port.
+#: Seconds between two requests for the received bytes of a port.
 DEFAULT_POLL: Final = 0.05
 MAX_BAUD_RATE: Final = 10_000_000
 

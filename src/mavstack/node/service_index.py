@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
     from mavstack.services import Service
 
-Key: TypeAlias = tuple[int, int]  # message id, system (0: any)
+Key: TypeAlias = tuple[int, int]  # message id, system (0: all)
 
-#: Cached lookups; the cache is bounded because ids and systems can be forged.
+#: Maximum number of cached lookups: without a bound, forged ids could fill the memory.
 MAX_CACHED = 4096
 
 
@@ -27,7 +27,7 @@ class ServiceIndex:
         self._known: dict[Service, frozenset[int]] = {}
         self._by_key: dict[Key, list[Service]] = {}
         self._cache: dict[Key, tuple[Service, ...]] = {}
-        #: Called with message ids and a system (0: any) whose services changed.
+        #: Called after a change of services: message ids, and their system (0: all).
         self.on_change: Callable[[frozenset[int], int], None] = lambda ids, system: None
 
     def update(self, service: Service) -> None:

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from mavstack.services import Service
 
-#: Outdated entries of the heap that are kept before the heap is rebuilt.
+#: Maximum number of outdated entries in the heap; then the heap is rebuilt.
 MAX_OUTDATED_TIMERS = 1000
 
 

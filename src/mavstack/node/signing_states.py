@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from mavstack.security.timestamps import LastRun, StreamId
     from mavstack.wire import Signing
 
-#: Messages accepted unsigned: radios send them themselves and have no key.
+#: Messages that are accepted unsigned: radios send RADIO_STATUS themselves and have no key.
 UNSIGNED = tuple(message_ids(common.RadioStatus))
-#: Seconds by which a packet may arrive after a newer one of its stream: two channels may carry one stream.
+#: Seconds by which a packet may arrive after a newer packet of its stream, which two channels may transmit.
 REORDER_SLACK = 1.0
-#: Number of keys whose streams are kept; the key that was used last is forgotten last.
+#: Maximum number of keys whose streams are kept; the least recently used key is dropped first.
 MAX_KEYS = 16
 
 

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from mavstack.services import Address, Client, Operation
     from mavstack.services.heartbeat import ComponentInfo
 
-#: Seconds after the last sign of life of a component, and after the beginning of the operation.
+#: Minimum seconds without a packet of the component, and after the beginning of the operation.
 SILENCE_TIMEOUT: Final = 10.0
 GRACE_TIME: Final = 1.5
-#: Seconds between two checks at least.
+#: Minimum seconds between two checks.
 MIN_INTERVAL: Final = 0.1
 
 
@@ -79,7 +79,7 @@ class SilenceTimer:
             return
         if info is not None and not info.alive and now >= self._due():
             self._client.time_out(self._operation, now, f"it fell silent {now - info.last_seen:.0f} s ago")
-            self._begun_at = now  # a procedure may try something else
+            self._begun_at = now  # a procedure may continue with another request
             self._on_expired()
         if not self._operation.done:
             self._set()

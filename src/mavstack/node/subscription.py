@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 Item = TypeVar("Item")
 
-#: Items that the queue of a subscription holds.
+#: Maximum number of items in the queue of a subscription.
 DEFAULT_QUEUE = 1000
 
 
@@ -43,7 +43,7 @@ class Subscription(ReadOnly, Generic[Item]):
         self._close = close
         self._max_items = None if keep_all else queue
         self._items: deque[Item] = deque()
-        self._wakeup = asyncio.Event()  # several tasks may wait for it
+        self._wakeup = asyncio.Event()  # an Event, since several tasks may wait for items
 
     @property
     def dropped(self) -> int:

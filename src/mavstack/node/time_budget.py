@@ -9,8 +9,8 @@ from mavstack.services.arguments import check_timeout
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: Timeout of a request after the timeout of the call has passed: the request fails immediately, with its
-#: typed error.
+#: Timeout of a request that begins after the timeout of the call has passed: it fails at once, with the typed
+#: error of the request.
 MIN_REMAINING = 0.001
 
 

@@ -57,7 +57,7 @@ async def selected_camera(vehicle: Vehicle, arguments: Namespace) -> Camera:
 async def known_cameras(vehicle: Vehicle) -> tuple[Camera, ...]:
     """Return all cameras of a vehicle; waits a moment for the first heartbeat of one."""
     if not vehicle.cameras:
-        with suppress(RemoteTimeout):  # a camera that is attached to the autopilot sends none
+        with suppress(RemoteTimeout):  # a camera that is attached to the autopilot sends no heartbeat
             await vehicle.wait_for_camera(timeout=HEARTBEAT_TIMEOUT)
     try:
         return await vehicle.find_cameras()

@@ -19,7 +19,7 @@ Place: TypeAlias = tuple[float, float]  # latitude, longitude in degrees
 #: The dots of a braille character by column and row.
 _DOTS = ((0x01, 0x02, 0x04, 0x40), (0x08, 0x10, 0x20, 0x80))
 _BLANK = 0x2800
-#: Metres that a map shows at least, so that the track of a vehicle that stands still does not fill it.
+#: Minimum extent of a map in metres, so that the track of a vehicle that does not move does not fill the map.
 _MIN_EXTENT = 60.0
 _MARGIN = 1.15
 _ROUND_STEPS = (1, 2, 5)

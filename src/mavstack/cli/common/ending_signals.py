@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 Result = TypeVar("Result")
 
-#: SIGHUP: the terminal of the command was closed; other systems have none.
+#: The signals that end a command. SIGHUP: its terminal was closed; Windows does not have this signal.
 _NAMES: Final = ("SIGTERM", "SIGHUP")
 
 

@@ -10,7 +10,7 @@ from mavstack.errors import LocalProtocolError, MavstackError, RemoteError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-#: The options that raise the limits of the API.
+#: The command-line option that raises each limit of the API, by the name of the argument.
 _OPTIONS: Final[Mapping[str, str]] = MappingProxyType(
     {"max_size": "--max-size", "max_entries": "--max-entries", "timeout": "--action-timeout"}
 )

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
             """The URL that was opened."""
 
 
-#: Of more links only the first and the last are named.
+#: Number of links up to which each is named; of more links only the first and the last are named.
 _MAX_SHOWN: Final = 3
 
 

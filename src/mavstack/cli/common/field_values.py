@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from mavstack.dialects.model import FieldDefinition
     from mavstack.wire import Packet
 
-#: Shown in place of a secret.
+#: The text that is shown in place of a secret value.
 HIDDEN: Final = "(hidden)"
 UNKNOWN: Final = "–"  # noqa: RUF001 (a dash, as in a table)
 

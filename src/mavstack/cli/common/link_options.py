@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 Value = TypeVar("Value")
 
-#: The URL option of each option of the command line.
+#: Command-line options that set the URL option of the same name.
 _URL_OPTIONS: Final = ("signing_key", "id", "mavlink", "heartbeat_rate")
 
 

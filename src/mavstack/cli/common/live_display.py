@@ -38,9 +38,9 @@ __all__ = ["LiveDisplay", "Text"]
 Snapshot = TypeVar("Snapshot")
 
 _REFRESH_INTERVAL = 0.2
-#: The exit code of a command whose terminal vanished, as of one that SIGHUP ended.
+#: The exit code of a command whose terminal was closed, the same as after SIGHUP.
 EXIT_HANGUP: Final = 129
-#: Errors of a write to a terminal that is gone.
+#: Error numbers of a write to a terminal that was closed.
 _GONE: Final = frozenset({errno.EIO, errno.EPIPE, errno.ENXIO, errno.ENODEV, errno.EBADF})
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from logging import Formatter, Handler, LogRecord
 
 ROOT_LOGGER: Final = "mavstack"
-#: Title of the options' group in help texts.
+#: Title of the group of logging options in help texts.
 LOGGING_GROUP: Final = "logging"
 _STDERR_FORMAT: Final = "%(asctime)s.%(msecs)03d %(levelname)s %(name)s: %(message)s"
 _STDERR_TIME: Final = "%H:%M:%S"

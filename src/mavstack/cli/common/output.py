@@ -41,7 +41,7 @@ _SEQUENCES: Final[Mapping[str, str]] = MappingProxyType(
     {**{_MARKS[colour]: f"\x1b[{code}m" for colour, code in _CODES.items()}, _END_MARK: "\x1b[0m"}
 )
 _ERASE: Final = "\r\x1b[K"
-#: Narrower terminals break lines themselves.
+#: Minimum width of the output in columns; a narrower terminal wraps the lines itself.
 MIN_COLUMNS: Final = 40
 DEFAULT_COLUMNS: Final = 80
 _INDENT: Final = "  "
@@ -117,7 +117,7 @@ def wrapped(text: str, columns: int, indent: str = "") -> list[str]:
 def _columns_of(stream: TextIO) -> int:
     try:
         return max(os.get_terminal_size(stream.fileno()).columns, MIN_COLUMNS)
-    except (OSError, ValueError):  # a prompt has replaced the stream
+    except (OSError, ValueError):  # the prompt of the shell has replaced the stream
         return max(terminal_width(), MIN_COLUMNS)
 
 
@@ -128,7 +128,7 @@ def terminal_width() -> int:
         return int(chosen)
     try:
         return os.get_terminal_size(sys.stdout.fileno()).columns or DEFAULT_COLUMNS
-    except (AttributeError, OSError, ValueError):  # stdout is closed, or no terminal
+    except (AttributeError, OSError, ValueError):  # stdout is closed, or is not a terminal
         return DEFAULT_COLUMNS
 
 

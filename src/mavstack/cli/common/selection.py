@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 
     from mavstack.vehicle import Connection, Vehicle
 
-#: Seconds to wait for further vehicles after one was found: two heartbeats.
+#: Seconds to wait for further vehicles after the first was found: the time of two heartbeats.
 DISCOVERY_TIME: Final = 2.5
 _MAX_SYSTEM = 255
-#: Names of operations in errors: changes are refused while several vehicles use one id.
+#: Name of the operation of each command in the error that refuses it while several vehicles use one id.
 _OPERATIONS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "param": "changing parameters of",
@@ -85,7 +85,8 @@ async def selected_vehicles(connection: Connection, arguments: Namespace) -> Gro
     group = await _selected(connection, arguments)
     if getattr(arguments, "changes", False):
         operation = _OPERATIONS.get(arguments.command)
-        # Actions of vehicles are refused by the API before they do anything, with the name of the action.
+        # The API itself refuses the actions of `mav vehicle` before they have an effect, and names the
+        # action.
         with suppress(SystemIdConflictError) if arguments.command == "vehicle" else nullcontext():
             for vehicle in group:
                 await connection.check_sender(vehicle.system, operation or "acting on")

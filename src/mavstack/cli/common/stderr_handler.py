@@ -11,7 +11,7 @@ from mavstack.cli.common.output import echo
 if TYPE_CHECKING:
     from logging import LogRecord
 
-#: Newest lines that are kept while lines are held back.
+#: Number of lines that are kept while the output is held back; the oldest ones are dropped.
 MAX_HELD_LINES: Final = 1000
 
 

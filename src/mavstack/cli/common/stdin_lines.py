@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
 _MAX_CHUNK: Final = 4096
-#: The interval at which a process in the background looks whether it is in the foreground, in seconds.
+#: Seconds between two checks of a background process whether it is in the foreground now.
 _FOREGROUND_INTERVAL: Final = 0.2
 
 
@@ -39,7 +39,7 @@ async def stdin_lines() -> AsyncIterator[str]:
     def read() -> None:
         if sys.platform != "win32":
             signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTTIN})
-        with suppress(RuntimeError):  # the loop is closed
+        with suppress(RuntimeError):  # the event loop is closed
             while True:
                 data = _read(descriptor)
                 loop.call_soon_threadsafe(chunks.put_nowait, data)
@@ -79,5 +79,5 @@ def _is_in_background(descriptor: int) -> bool:
         return False
     try:
         return os.tcgetpgrp(descriptor) != os.getpgrp()
-    except OSError:  # no terminal, or not the one of this session
+    except OSError:  # stdin is not a terminal, or is the terminal of another session
         return False

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from types import TracebackType
 
-#: Seconds before the first line, and between lines.
+#: Seconds before the first progress line, and between two progress lines.
 SHOW_DELAY: Final = 0.5
 _SHOW_INTERVAL: Final = 0.2
 _MAX_TIME_LEFT: Final = 360_000.0

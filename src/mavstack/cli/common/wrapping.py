@@ -17,9 +17,9 @@ from mavstack.cli.common.output import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-#: The width of a table in a pipe, where programs read it.
+#: The width of a table that is written to a pipe: programs read it, so no line is wrapped.
 UNLIMITED: Final = 1 << 20
-#: Columns that the last column of a table needs to be wrapped.
+#: Minimum width of the last column of a table in characters; a narrower one is not wrapped.
 _MIN_LAST_COLUMN: Final = 20
 
 

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
     from mavstack.cli.completion.command_words import CommandWords
 
-#: The script, a text for `str.format`.
+#: The file with the script, a template for `str.format`.
 _FILE: Final = "mav.bash"
 
 

@@ -27,7 +27,7 @@ examples:
 For the current bash or zsh only: eval "$(mav completion bash)"
 """
 
-#: The scripts by shell.
+#: The function that makes the script of each shell.
 SHELLS: Final[Mapping[str, Callable[[Sequence[CommandWords]], str]]] = MappingProxyType(
     {"bash": bash.script, "zsh": zsh.script, "fish": fish.script}
 )

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from argparse import Action
     from collections.abc import Iterator
 
-#: Names of arguments in help texts that stand for files or directories on this machine.
+#: Argument names (as in help texts) whose values are files or directories on this machine.
 _FILES: Final = frozenset(
     {"FILE", "FILE.xml", "OFFICIAL.xml", "NAME|FILE.xml", "FILE|NAME", "URL|FILE", "FOLDER", "DIR", "LOCAL"}
     | {"IN", "OUT", "OLD", "NEW"}

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from mavstack.logs.export import LogExporter
 
-#: The profile of MCAP whose topics are those of the bridge to ROS 2.
+#: The MCAP profile with the same topics as the bridge to ROS 2.
 ROS2: Final = "ros2"
 _KILLED: Final = "a process was killed, perhaps for its memory; try --jobs 1"
 
@@ -55,7 +55,7 @@ class ConvertedLogs:
         self._path = Path(path)
         try:
             data = self._path.read_bytes() if self._path.exists() else b""
-            # A run that was killed may have left a part of its last line.
+            # A conversion that was killed may have left an incomplete last line.
             complete = data[: data.rfind(b"\n") + 1]
             self._known = {tuple(json.loads(line)) for line in complete.decode().splitlines()}
             if len(complete) < len(data):
@@ -110,7 +110,7 @@ def run_jobs(jobs: Sequence[Job], arguments: Namespace) -> Iterator[Outcome]:
 
 def _in_processes(jobs: Sequence[Job], arguments: Namespace) -> Iterator[Outcome]:
     workers = min(arguments.jobs or os.cpu_count() or 1, len(jobs))
-    # A forked process would inherit the threads of pyarrow in an undefined state.
+    # Processes are spawned: a forked process would inherit the threads of pyarrow in an undefined state.
     with (
         TransferProgress(f"converting {len(jobs)} logs", in_bytes=False) as progress,
         ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool,
@@ -155,7 +155,7 @@ def convert_log(job: Job, arguments: Namespace) -> Outcome:
 
 
 def _convert(job: Job, arguments: Namespace, progress: Callable[[int, int], None] | None) -> Outcome:
-    # Read when pyarrow is imported: its usual pool keeps tens of megabytes for each thread.
+    # pyarrow reads this variable when it is imported: its default pool keeps tens of megabytes per thread.
     os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")
     options = ExportOptions(scaled=arguments.scaled, enums=arguments.enums, raw_text=arguments.raw_text)
     names = [name.strip() for name in arguments.only.split(",")] if arguments.only else ()

@@ -33,7 +33,7 @@ def add_actions(actions: Actions) -> None:
     parser = actions.add("diff", "parameters and missions that differ between logs", diff)
     add_log_options(parser, several=True)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    # Not `system`: the rows of a ground station hold the missions that it uploaded.
+    # The attribute is not named `system`: the rows of a ground station hold the missions that it uploaded.
     parser.add_argument(
         "--system",
         dest="vehicle",

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from mavstack.cli.common.actions import Actions
 
-#: Rows of a result that are shown on a terminal.
+#: Maximum number of rows of a result that are shown on a terminal.
 _MAX_SHOWN = 200
 
 

@@ -53,7 +53,7 @@ class LocalCopies(ExitStack):
 
     def __init__(self) -> None:
         super().__init__()
-        #: URL of each copy by its path.
+        #: The URL from which each copy was made, by the path of the copy.
         self.names: dict[str, str] = {}
 
     def path_of(self, url: str) -> str:

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 
 _USUAL_TOPICS: Final = ("attitude", "altitude")
-#: Bytes at the beginning of a file by which an earlier report is recognised.
+#: Number of bytes at the beginning of a file in which an earlier report is recognised.
 _HEAD: Final = 1024
 
 
@@ -131,7 +131,7 @@ def _may_be_replaced(path: Path, source: str) -> bool:
             head = file.read(_HEAD)
     except FileNotFoundError:
         return True
-    except OSError:  # writing raises an error with the reason
+    except OSError:  # writing the file then raises an error with the reason
         return True
     names = (f"<title>{escape(source)}</title>", f'"file": {json.dumps(source)},')
     is_of_source = not source or any(name.encode() in head for name in names)

@@ -35,7 +35,7 @@ With --out udpout://127.0.0.1:14550 another terminal or a ground station can wat
 
 #: System id of the ground station that flies the missions.
 _OWN_SYSTEM: Final = 254
-#: Simulated seconds before a summary.
+#: Simulated seconds until a summary is printed.
 _SUMMARY_DURATION: Final = 60.0
 _SWARM_DURATION: Final = 330.0
 
@@ -100,7 +100,7 @@ async def _demo(arguments: Namespace) -> int:
         announce_exposure("demo", [await runner.connect(url, vehicles) for url in urls])
         async with (
             nullcontext() if drone is None else bridged(runner, drone, network),
-            # The station beside it has the default ids; answers go to the sender of the request.
+            # Not the default ids: the user's ground station has them, and answers go to the requester's ids.
             Node(network.link(), dialect=dialect, system=_OWN_SYSTEM) as ground,
             background_tasks(
                 _observe(ground, fleet),

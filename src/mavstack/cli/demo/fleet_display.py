@@ -20,7 +20,7 @@ _MIN_MAP_ROWS, _MAX_TEXTS = 4, 6
 _WIDE = 100
 #: Seconds without a HEARTBEAT after which a vehicle is shown as silent.
 _MAX_SILENCE = 3.0
-#: Percent of the battery below which its bar is yellow and red.
+#: Battery percentages below which the bar is yellow, and red.
 _LOW, _CRITICAL = 30, 15
 _BAR_WIDTH = 8
 

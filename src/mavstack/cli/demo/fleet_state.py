@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from mavstack.dialects import Dialect
     from mavstack.wire import Packet
 
-#: Places of a track that are kept, and metres between them.
+#: Maximum number of positions in a track, and minimum distance of two positions in metres.
 MAX_TRACK = 400
 _MIN_TRACK_STEP = 2.0
 _MAX_TEXTS = 100
-#: Firmwares by the beginning of `flight_custom_version`, which vehicles behind a bridge of MSP have.
+#: Firmware by the first bytes of `flight_custom_version`, which the MSP bridge sets.
 _FIRMWARES = {b"BTFL": "Betaflight", b"INAV": "iNav"}
 _UNKNOWN_PERCENT = -1
 
@@ -40,7 +40,8 @@ class FleetVehicle:
     battery: int | None = None
     item: int | None = None
     items: int | None = None
-    #: Names of modes by their numbers, and of the firmware, for a vehicle whose HEARTBEAT has neither.
+    #: Mode names by mode number, and name of the firmware, if the HEARTBEAT of the vehicle does not define
+    #: them.
     mode_names: dict[int, str] = field(default_factory=dict)
     firmware: str = ""
     track: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=MAX_TRACK))

@@ -35,7 +35,7 @@ class Flight:
 
     type: VehicleType
     firmware: Firmware
-    #: Home of the vehicle in metres north and east of the demo's home.
+    #: Home of the vehicle: metres north and east of the demo's home.
     place: tuple[float, float]
     #: Centre of the polygon in metres north and east of the vehicle's home; radius and height in metres.
     centre: tuple[float, float]
@@ -80,7 +80,7 @@ def flight_plan(flight: Flight, home: Home) -> Plan:
         north, east = middle_north + flight.radius * sin(angle), middle_east + flight.radius * cos(angle)
         latitude, longitude, _ = frame.to_global(north, east, 0.0)
         items.append(_item(_CMD.NAV_WAYPOINT, latitude, longitude, flight.height))
-    if flight.firmware is Firmware.ARDUPILOT:  # its item 0 is home
+    if flight.firmware is Firmware.ARDUPILOT:  # item 0 of ArduPilot's missions is the home position
         items.insert(0, _item(_CMD.NAV_WAYPOINT, home.latitude, home.longitude, 0.0))
         first += 1
     items.append(MissionItem(_CMD.DO_JUMP, first, _UNLIMITED_JUMPS, frame=common.MavFrame.MISSION))
@@ -111,7 +111,7 @@ async def _fly_repeatedly(ground: Node, flight: Flight, vehicle: SimulatedVehicl
             await _start(remote, flight)
             await end_of_flight(remote)
         except MavstackError:
-            await asyncio.sleep(_RETRY_DELAY)  # not ready yet; its status texts say why
+            await asyncio.sleep(_RETRY_DELAY)  # the vehicle is not ready to fly yet; its status texts say why
         vehicle.faults.inject("battery 100")
         await asyncio.sleep(_RETRY_DELAY)
 

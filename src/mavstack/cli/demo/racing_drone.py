@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 _PLACE: Final = (-30.0, 60.0)
 _RADIUS, _ALTITUDE, _CORNERS = 35.0, 15.0, 3
 _LOW, _MIDDLE, _RAISED, _HIGH = 1000, 1500, 1600, 1900
-#: Seconds between two frames of the transmitter; the times at which it arms and switches the mission on.
+#: Seconds between two frames of the RC transmitter, and times (s) at which it arms and starts the mission.
 _INTERVAL: Final = 0.1
 _ARMING_TIME, _MISSION_TIME = 3.0, 4.0
 _LOW_BATTERY: Final = 0.2

@@ -23,17 +23,17 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.vehicle import Connection, Group
 
-#: The number of copters, of both firmwares in turn.
+#: The number of copters, which run PX4 and ArduPilot in turn.
 COUNT: Final = 6
 #: System id of the program that flies the swarm.
 _OWN_SYSTEM: Final = 253
 _SPACING: Final = 10.0
 _HEIGHT: Final = 15.0
 _RADIUS: Final = 15.0
-#: Seconds of the circle of the show, of the climb before it and of the descent behind it.
+#: Seconds of the circle that the show flies, of the climb before it and of the descent after it.
 _CIRCLE: Final = 60.0
 _CLIMB: Final = 14.0
-#: Curves of the circle.
+#: Number of Bézier curves that form the circle.
 _ARCS: Final = 8
 
 
@@ -106,7 +106,7 @@ def _circling(begin: float, index: int) -> ShowVehicle:
     curves = [Curve(0.0, _CLIMB, (ground, ground, top, top))]
     for arc in range(_ARCS):
         start, end = begin + arc * step, begin + (arc + 1) * step
-        # The first arc begins at rest, and the last one ends so.
+        # The first arc begins at rest, and the last one ends at rest.
         points = (
             (*_on_circle(start, 0.0), _HEIGHT),
             (*_on_circle(start, reach if arc else 0.0), _HEIGHT),

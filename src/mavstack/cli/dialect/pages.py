@@ -103,7 +103,7 @@ def plain(value: object) -> object:
 
 
 def _is_empty(found: object) -> bool:
-    # Not 0: it is an id, a value, an offset or a limit.
+    # 0 is not empty: it may be an id, a value, an offset or a limit.
     return found is None or found is False or found in ("", [])
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from mavstack.links import Link
 
 _TIMEOUT: Final = 2.0
-#: Distribution, its purpose, the extra that installs it; one without an extra is required.
+#: Distribution, its purpose, and the extra that installs it; a distribution without an extra is required.
 _LIBRARIES: Final = (
     ("numpy", "tables of logs", ""),
     ("rich", "live pictures", "cli"),

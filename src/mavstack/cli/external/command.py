@@ -38,9 +38,9 @@ examples:
 """
 
 _CHECK: Final = "check"
-#: Seconds between two looks at the use by the estimator.
+#: Seconds between two checks whether the estimator uses the messages.
 _CHECK_INTERVAL: Final = 2.0
-#: The longest line: 72 sectors with all digits are below it.
+#: Maximum length of an input line; a line with 72 sectors and all digits is shorter.
 _MAX_LINE: Final = 16_384
 _AXES: Final = tuple(str(frame) for frame in Frame)
 _PARTS: Final = frozenset({"position", "yaw"})
@@ -145,7 +145,7 @@ class _Feed:
             async for line in lines:
                 self._send(line)
             if KINDS[self._kind].is_pose and self._sent:
-                await self._look()  # before the rate falls
+                await self._look()  # check before the measured rate falls, because nothing more is sent
         finally:
             watch.cancel()
             await asyncio.gather(watch, return_exceptions=True)

@@ -124,7 +124,7 @@ async def _flash(arguments: Namespace) -> int:
     ports = arguments.ports or [_only_board()]
     if has_modem_manager():
         echo("mav firmware: ModemManager is installed, and may disturb the bootloader", error=True)
-    if len(ports) > 1:  # all are checked before the first is erased
+    if len(ports) > 1:  # all boards are checked before the first one is erased
         for port in ports:
             await flash_firmware(firmware, port, FlashOptions(dry_run=True, radio_board=arguments.board))
     for port in ports:

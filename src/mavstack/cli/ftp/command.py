@@ -257,7 +257,7 @@ async def _tree(ftp: LimitedFtp, top: RemotePath, target: Path) -> list[tuple[Re
         else:
             jobs.append((found, place))
     ftp.check_sizes((found.entry for found, _ in jobs), top.path)
-    for place in directories:  # made only when the whole tree is known and not too large
+    for place in directories:  # directories are created once the whole tree is known and not too large
         place.mkdir(parents=True, exist_ok=True)
     return jobs
 

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
     from mavstack.cli.ftp.limited import LimitedFtp
 
-#: Sizes of the first and the largest piece in bytes.
+#: Sizes of the first and of the largest piece of a download, in bytes.
 MIN_PIECE, MAX_PIECE = 1 << 16, 1 << 23
-#: Seconds; a piece that arrives faster is followed by one twice as large.
+#: Seconds; after a piece that arrives in less time, the next piece is twice as large.
 _SHORT_TIME = 5.0
 _BLOCK = 1 << 20
 

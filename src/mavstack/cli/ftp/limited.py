@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mavstack.services.ftp import Entry
     from mavstack.vehicle import Vehicle
 
-#: Bytes by which a file that is being written may exceed twice its listed size.
+#: Bytes by which the download of a growing file may exceed twice its listed size.
 MAX_GROWTH = 1 << 20
 
 
@@ -59,7 +59,7 @@ class LimitedFtp:
         self._ftp = vehicle.ftp
         self._max_size: int | None = getattr(arguments, "max_size", None)
         self._budget = TimeBudget(getattr(arguments, "action_timeout", None), vehicle.connection.now)
-        #: The largest number of files and directories of a listing and of a tree.
+        #: The largest number of files and directories in a listing, and in a directory tree.
         self.max_entries: int = getattr(arguments, "max_entries", MAX_ENTRIES)
 
     def remaining_time(self) -> float | None:

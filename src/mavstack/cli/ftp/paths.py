@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from mavstack.cli.ftp.limited import LimitedFtp
 
-#: Depth of a directory tree; only a directory that contains itself is deeper.
+#: Maximum depth of a directory tree; only a directory that contains itself is deeper.
 MAX_DEPTH = 32
 _WILD = frozenset("*?[")
 _FORBIDDEN = frozenset('/\\:*?"<>|')

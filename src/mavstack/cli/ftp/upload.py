@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Vehicle
 
 PART_SUFFIX: Final = ".part"
-#: Seconds to remove a part, after which the command ends without.
+#: Seconds to remove an incomplete file (`.part`); then the command ends without removing it.
 REMOVE_TIMEOUT: Final = 3.0
 
 
@@ -75,7 +75,8 @@ class Upload:
             names = {entry.name for entry in await self._ftp.list(self._directory or "/")}
             if self._name not in names:
                 raise
-            return self._part_name not in names  # the file was renamed, and the answer was lost
+            # true: the file was renamed, but the acknowledgement was lost
+            return self._part_name not in names
         return True
 
     async def _replace(self) -> None:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from mavstack.codegen.form import GenerationForm, Outcome
 
-#: Entries that are lines of text: label, and the text of an empty line.
+#: Text entries of the form: label, and the hint that an empty entry shows.
 _LINES = {
     "dialect": ("Dialect or definition file", "common, or the path of an XML file"),
     "folder": ("Folder", "where the library is written"),

@@ -227,7 +227,7 @@ def _move(arguments: Namespace, do: Callable[[Gimbal], Awaitable[str]]) -> int:
         try:
             await gimbal.take_control(force=arguments.take)
         except CommandDenied:
-            pass  # a manager without control accepts setpoints of every component
+            pass  # a manager that denies the command has no control, and accepts setpoints of every component
         except RemoteDenied as error:
             raise CommandError(f"{error.answer.partition(';')[0]}; add --take to take it over") from None
         _report(vehicle, gimbal, await do(gimbal), arguments)

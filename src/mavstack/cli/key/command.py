@@ -91,7 +91,8 @@ def _add_json(parser: ArgumentParser) -> None:
 
 def _add_vehicle(parser: ArgumentParser, *, rotates: bool = False) -> None:
     """Declare the link to the vehicle, which is always named: a key goes nowhere by default."""
-    parser.set_defaults(changes=True)  # for the selection of the vehicle
+    # the selection of the vehicle refuses changes during a system id conflict
+    parser.set_defaults(changes=True)
     parser.add_argument("url", nargs=1, metavar="URL", help="link to the vehicle")
     parser.add_argument(
         "--action-timeout",
@@ -116,7 +117,7 @@ def new(arguments: Namespace) -> int:
     """Run `mav key new`."""
     if arguments.sealed:
         return sealed.new(arguments)
-    key_path(arguments.name)  # an invalid name is refused before anything is asked
+    key_path(arguments.name)  # refuse an invalid name before a passphrase is asked for
     key = SigningKey.from_passphrase(read_passphrase()) if arguments.passphrase else SigningKey.generate()
     path = store_key(arguments.name, key, keyring=arguments.keyring or uses_keyring())
     facts = {"name": arguments.name, "fingerprint": key.fingerprint, "path": str(path)}

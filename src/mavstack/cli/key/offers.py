@@ -65,7 +65,8 @@ def accept(arguments: Namespace) -> int:
     """Run `mav key accept`."""
     from mavstack.security.identity_store import MAX_FILE_SIZE, accept_once, load_identity, load_public
 
-    if find_stored(arguments.name) is not None:  # before the offer is used up
+    if find_stored(arguments.name) is not None:
+        # check this before the offer is accepted: an offer can be accepted only once
         raise CommandError(f"there is a signing key {arguments.name!r} already")
     try:
         data = read_file_bounded(Path(arguments.offer), MAX_FILE_SIZE)

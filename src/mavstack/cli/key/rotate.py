@@ -28,9 +28,9 @@ from mavstack.services.signing_setup.key_change import signed_with
 if TYPE_CHECKING:
     from mavstack.vehicle import Connection, Vehicle
 
-#: Seconds to wait for packets that show the key of a vehicle: three heartbeats.
+#: Seconds to wait for packets that show the key of a vehicle: the time of three heartbeats.
 _PACKET_TIMEOUT: Final = 3.5
-#: Packets of a vehicle that are tried: a damaged one shows no key.
+#: Number of packets of a vehicle that are checked: a damaged packet shows no key.
 _MAX_PACKETS: Final = 20
 #: Only the key of a packet matters here, not its age: a vehicle may have no clock.
 _NO_CLOCK: Final = 0.0

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from mavstack.vehicle import Vehicle
 
-#: Seconds to wait for a packet of the vehicle: three heartbeats.
+#: Seconds to wait for a packet of the vehicle: the time of three heartbeats.
 _PACKET_TIMEOUT: Final = 3.0
 
 

@@ -34,7 +34,7 @@ class LogLocation(NamedTuple):
 
 ARDUPILOT_LOGS: Final = LogLocation("/APM/LOGS", ".BIN")
 PX4_LOGS: Final = LogLocation("/fs/microsd/log", ".ulg")
-#: Start times before the year 2000 come from a clock that was not set.
+#: Unix time of the year 2000: an earlier start time comes from a clock that was not set.
 _MIN_TIME: Final = 946_684_800
 
 

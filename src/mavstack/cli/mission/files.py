@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 #: The path that stands for standard input and output.
 STANDARD = "-"
-#: Format of standard output.
+#: The format of a plan that is written to standard output.
 DEFAULT_FORMAT = "waypoints"
 
 

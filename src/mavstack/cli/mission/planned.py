@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Connection, Vehicle
 
     SelectVehicles = Callable[[Connection, Namespace], Awaitable[Collection[Vehicle]]]
-    #: Plans for vehicles; None: one that is not known.
+    #: Makes the plans for vehicles; None stands for a vehicle that is not known.
     MakePlan = Callable[[Sequence[Vehicle | None]], "Planned"]
 
 

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 COLUMNS = 64
 ROWS = 18
-#: Points on each leg of the path, which make it a line.
+#: Points on each leg of the path: enough for a continuous line.
 _POINTS_PER_LEG = 48
-#: Points on each side of the fence, which leave it dotted.
+#: Points on each side of the fence: few, for a dotted line.
 _POINTS_PER_SIDE = 3
 _MAX_LEGS = 2000
 _MAX_NUMBERS = 25

@@ -35,9 +35,9 @@ if TYPE_CHECKING:
 
 #: The order in which plans are uploaded and cleared.
 ORDER: Final = (PlanType.FENCE, PlanType.RALLY, PlanType.MISSION)
-#: Seconds to wait for a requested message that a vehicle need not have.
+#: Seconds to wait for a requested message that not all vehicles support.
 OPTIONAL_MESSAGE_TIMEOUT: Final = 2.0
-#: Tolerances of a comparison, since vehicles store numbers in steps: degrees, metres, relative.
+#: Tolerances of a comparison in degrees, in metres and relative, since vehicles round the numbers.
 PLACE_STEP: Final = 2e-7
 ALTITUDE_STEP: Final = 0.01
 RELATIVE_STEP: Final = 1e-5

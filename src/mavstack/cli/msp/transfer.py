@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from mavstack.bridges.msp.flight_controller import FlightController
 
-#: Bytes of a file with settings; a dump has less than 100,000.
+#: Maximum size of a file with settings in bytes; a dump has less than 100,000.
 MAX_FILE: Final = 4 << 20
 
 

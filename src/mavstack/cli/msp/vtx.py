@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from mavstack.bridges.msp.flight_controller import FlightController
 
-#: The option and the setting of each value.
+#: The flight controller's parameter for each option of the video transmitter.
 SETTINGS = {
     "band": "BF_VTX_BAND",
     "channel": "BF_VTX_CHANNEL",

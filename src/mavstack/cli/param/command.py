@@ -190,7 +190,7 @@ def watch(arguments: Namespace) -> int:
                 changed = change.previous is not None or change.parameter.name not in known
                 if changed and matches_any(change.parameter.name, arguments.patterns):
                     _show_change(vehicle, change.previous, change.parameter, arguments)
-        return 1  # the connection was closed
+        return 1  # the changes ended because the connection was closed
 
     async def until_time_is_up(vehicle: Vehicle) -> int:
         try:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from mavstack.files.parameters import AnyParameter, Comparison
     from mavstack.vehicle import Vehicle
 
-#: The name of a parameter, and the parameter on either side.
+#: The name of a parameter, and the parameter on the left and on the right side of the comparison.
 Row: TypeAlias = "tuple[str, AnyParameter | None, AnyParameter | None]"
 
 _NONE = "-"

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mavstack.services.parameters import MetadataTable, Parameter, ParameterMetadata
     from mavstack.vehicle import Vehicle
 
-#: Seconds for the download of metadata before a parameter is set without it.
+#: Seconds to download the metadata; then the parameter is set without the check against the metadata.
 CHECK_TIMEOUT: Final = 30.0
 _LOGGER: Final = logging.getLogger("mavstack.cli")
 _INDENT: Final = "    "

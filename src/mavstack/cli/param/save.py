@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Vehicle
 
 _STACKS = {common.MavAutopilot.ARDUPILOTMEGA: "ArduPilot", common.MavAutopilot.PX4: "PX4 Pro"}
-#: Stands for the system id in the name of a file.
+#: The placeholder of the system id in the name of a file.
 _SYSTEM = "{system}"
 #: Seconds to wait for the version, which is written at the head of the file.
 _VERSION_TIMEOUT = 3.0

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from mavstack.links.events import LinkEvent
 
 _SIK, _SBD = "sik", "sbd"
-#: Seconds between two looks at the gateway of a simulated modem.
+#: Seconds between two checks of the gateway of a simulated satellite modem.
 _GATEWAY_INTERVAL: Final = 0.2
 
 

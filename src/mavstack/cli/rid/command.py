@@ -28,7 +28,7 @@ examples:
   mav rid send --operator 47.3977,8.5456 --serial 1596F3A0B1C2D3E4 --for 60
 """
 
-#: Seconds for which messages are awaited: each of them comes once a second.
+#: Seconds for which messages are received: each kind is sent once a second.
 _LISTENING: Final = 4.0
 
 

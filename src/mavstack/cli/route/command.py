@@ -77,7 +77,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Run `mav route`."""
     words = arguments.words
-    # A router starts without the modules of the other uses.
+    # The modules of the other actions are imported only for them, so that a router starts quickly.
     if words[:1] == ["ctl"]:
         from mavstack.cli.route.control import control
 

@@ -26,7 +26,7 @@ _STYLES: Final = {
     "ended": "red",
 }
 _NAME_WIDTH: Final = 20
-#: Alerts that are shown.
+#: Maximum number of alerts that are shown.
 MAX_ALERTS: Final = 3
 #: Seconds without a packet after which a route is shown in grey.
 _STALE: Final = 5.0
@@ -111,7 +111,7 @@ def render(picture: Picture, width: int, height: int) -> list[Text]:
     lines = [_title(picture, width), _head()]
     alerts = list(_alerts(picture.snapshot.alerts))
     available = max(height - len(lines) - min(len(routes), height // 3) - len(alerts) - 3, 1)
-    shown = endpoints[: max(available // 2, 1)]  # two lines each
+    shown = endpoints[: max(available // 2, 1)]  # each endpoint takes two lines
     for endpoint in shown:
         lines += _endpoint(endpoint, picture.rates.get(endpoint.name, Rates()))
     if len(endpoints) > len(shown):

@@ -15,7 +15,7 @@ from mavstack.wire import Parser
 if TYPE_CHECKING:
     from argparse import Namespace
 
-#: Bytes that are read at once.
+#: Number of bytes of the log that are read at a time.
 _CHUNK = 1 << 20
 
 

@@ -59,7 +59,7 @@ async def run_router(
         reload = file.try_to_reload if file is not None else None
         with calling_on_signals(
             _callbacks(end, reload, tasks)
-        ):  # before anything is printed: who reads it may end the router
+        ):  # set the handlers before the first output: the reader of the output may end the router
             _show(router, arguments, tasks, stack)
             with suppress(asyncio.CancelledError):  # Ctrl-C: asyncio cancels the main task
                 await end.wait()

@@ -35,7 +35,7 @@ examples:
   mav rtk serial:///dev/ttyACM0?baud=115200 --fixed 47.3977418,8.5455938,535.2
 """
 
-#: Seconds between two looks at the fix of the vehicle.
+#: Seconds between two checks of the GNSS fix of the vehicle.
 _INTERVAL: Final = 0.5
 
 
@@ -188,7 +188,7 @@ def _position(text: str) -> FixedPosition:
 
 
 def _numbers(text: str, count: int) -> list[float]:
-    numbers = [float(word) for word in text.split(",")]  # ValueError is wrong usage to argparse
+    numbers = [float(word) for word in text.split(",")]  # argparse reports a ValueError as wrong usage
     if len(numbers) != count:
         raise ValueError(text)
     return numbers

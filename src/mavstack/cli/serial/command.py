@@ -175,7 +175,8 @@ class _Relay:
     def _forward(self, port: SerialPort, data: bytes) -> None:
         try:
             port.write(data)
-        except InvalidArgumentError:  # the link to the vehicle is slower than the program
+        except InvalidArgumentError:
+            # the queue is full: the link to the vehicle is slower than the local program
             self.lost += len(data)
         else:
             self.received += len(data)

@@ -29,11 +29,11 @@ if TYPE_CHECKING:
     from mavstack.cli.shell.session import Completer, Session
     from mavstack.services.parameters import Value
 
-#: Seconds to wait for a directory listing of the vehicle, and seconds to keep it.
+#: Seconds to wait for a directory listing of the vehicle, and seconds for which the listing is cached.
 LISTING_TIMEOUT: Final = 2.0
 CACHE_DURATION: Final = 15.0
 MAX_CANDIDATES: Final = 500
-#: Key of the cache, beside the directories, that says that the metadata of parameters was requested.
+#: A key of the cache that is not a directory: the metadata of parameters was requested already.
 _METADATA_REQUESTED: Final = "\0metadata"
 
 

@@ -54,7 +54,7 @@ async def alias(session: Session, words: list[str]) -> None:
             session.print(*(align_columns(rows) if rows else ["there are no aliases"]))
         case ["add", name, *meaning] if meaning:
             text = " ".join(meaning)
-            split_commands(text)  # raises if it is not a valid line
+            split_commands(text)  # raises if the text is not a valid command line
             if not name.isidentifier() or name.lower() == "alias":
                 raise UsageError(f"{name!r} cannot be an alias")
             session.aliases[name] = text

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 _MAX_SYSTEM: Final = 255
 _READY_TIMEOUT: Final = 60.0
-#: Seconds to wait for a message that was not received yet.
+#: Seconds to wait for a message that has not been received yet.
 _MESSAGE_TIMEOUT: Final = 5.0
 
 
@@ -135,7 +135,7 @@ async def link(session: Session, words: list[str]) -> None:
 async def vehicle(session: Session, words: list[str]) -> None:
     """Run `vehicle 2`, which selects a vehicle, or `vehicle`, which lists them."""
     expect_words(words, 0, 1, "vehicle [SYSTEM]")
-    waiting = session.wait_for_vehicle is not None  # in a script that has not used a vehicle yet
+    waiting = session.wait_for_vehicle is not None  # true in a script that has not used a vehicle yet
     if words:
         system = parse_integer(words[0], "a system id", _MAX_SYSTEM)
         if waiting:

@@ -22,7 +22,7 @@ def on_interrupt(act: Callable[[], object]) -> Iterator[None]:
 
     try:
         loop.add_signal_handler(signal.SIGINT, act)
-    except (NotImplementedError, RuntimeError, ValueError):  # Windows
+    except (NotImplementedError, RuntimeError, ValueError):  # Windows, or not the main thread
         try:
             signal.signal(signal.SIGINT, schedule_act)
         except ValueError:  # only the main thread receives signals

@@ -50,9 +50,9 @@ class Notifications:
         self._events = session.connection.events(StatusText, LinkDown, *_EVENTS)
         self._task: asyncio.Task[None] | None = None
         self._listeners: dict[int, EventListener] = {}
-        #: The components whose events are printed.
+        #: The components whose events are decoded and printed.
         self._decoded: set[Address] = set()
-        #: The number of events that were printed as status texts before, by component.
+        #: The number of events that were printed already, as status texts, by component.
         self._printed: Counter[Address] = Counter()
 
     def line(self, event: object) -> tuple[str, str] | None:

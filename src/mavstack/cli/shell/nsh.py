@@ -28,7 +28,7 @@ FIRST_ANSWER_TIMEOUT: Final = 6.0
 PROMPT: Final = "nsh> "
 INTERRUPT: Final = b"\x03"
 NO_ANSWER: Final = "no shell answered; only PX4 has one"
-#: Name of the history.
+#: Name of the input history of this shell.
 HISTORY: Final = "nsh"
 ESCAPES: Final = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
 
@@ -87,7 +87,7 @@ async def run_session(session: Session, shell: RemoteShell) -> None:
     """
     output, opened = ShellOutput(), asyncio.Event()
     output.sent("")
-    shell.write_line("")  # a shell that is in use already prints its prompt again
+    shell.write_line("")  # a shell that is already in use answers an empty line with its prompt
 
     async def show() -> None:
         async for text in shell:
@@ -112,7 +112,7 @@ async def _read_lines(session: Session, shell: RemoteShell, output: ShellOutput)
         while True:
             try:
                 line = await lines()
-            except KeyboardInterrupt:  # the key, read from a terminal in raw mode
+            except KeyboardInterrupt:  # Ctrl-C as a key of a terminal in raw mode, not as a signal
                 shell.write(INTERRUPT)
                 continue
             output.sent(line)

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from mavstack.cli.shell.session import Session
 
-#: Seconds between updates of the prompt.
+#: Seconds between two updates of the prompt.
 _REFRESH_INTERVAL: Final = 0.5
 _STYLE: Final = Style.from_dict(
     {"system": "bold", "mode": "ansicyan", "armed": "bold ansired", "silent": "ansiyellow", "end": ""}

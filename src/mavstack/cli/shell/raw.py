@@ -24,10 +24,10 @@ if TYPE_CHECKING:
 _MAX_COMMAND: Final = 0xFFFF
 _CHANNELS: Final = range(1, 19)
 _MAX_PULSE: Final = 3000
-#: Scale of integer positions on the wire: per degree, and per metre.
+#: Scale of integer positions in messages: units per degree, and units per metre.
 _PER_DEGREE: Final = 1e7
 _PER_METRE: Final = 1e4
-#: Seconds to wait for more characters of an answer after the last.
+#: Seconds without further characters after which an answer is complete.
 QUIET_TIMEOUT: Final = 4.0
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mavstack.cli.shell.session import Session
     from mavstack.vehicle import Vehicle
 
-#: Nesting depth of aliases and scripts.
+#: Maximum nesting depth of aliases and scripts.
 MAX_DEPTH: Final = 20
 
 
@@ -43,7 +43,8 @@ async def run_words(session: Session, words: list[str]) -> None:
         return
     command = session.commands.get(name.lower())
     if command is None or command.needs_vehicle:
-        await session.require_vehicle()  # also for the name of a mode, which the vehicle knows
+        # also for an unknown command: it may be the name of a mode, which the vehicle knows
+        await session.require_vehicle()
     if command is not None:
         await command.run(session, rest)
     elif name.lower() in known_modes(session) and not rest:

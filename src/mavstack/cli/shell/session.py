@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Connection, Vehicle
 
     Run: TypeAlias = Callable[["Session", list[str]], Awaitable[None]]
-    #: Returns the candidates for a word, from the session, the words before it and its typed beginning.
+    #: Returns the completions of a word, from the session, the words before it and the typed part of the
+    #: word.
     Completer: TypeAlias = Callable[["Session", Sequence[str], str], Awaitable[Iterable[str]]]
 
 
@@ -65,16 +66,16 @@ class Session:
         self.ask: Callable[[str], Awaitable[str]] | None = None
         #: The input line of the user; None if the shell is not interactive.
         self.reader: LineReader | None = None
-        #: Waits for the vehicle of a script before the first command that needs one; None: it is there.
+        #: Waits for the script's vehicle before the first command that needs it; None: the vehicle was found.
         self.wait_for_vehicle: Callable[[], Awaitable[None]] | None = None
-        #: Commands by each of their names.
+        #: Commands by name; a command may have several names.
         self.commands = commands
         self.settings = Settings()
-        #: Lines of commands by the names that the user gave them.
+        #: Command lines by the alias that the user defined.
         self.aliases: dict[str, str] = {}
         #: True after the command `exit`.
         self.exiting = False
-        #: Nesting depth of scripts and aliases.
+        #: Current nesting depth of scripts and aliases.
         self.depth = 0
         self.forwarding = Forwarding(connection)
         self.overrides = Overrides()

@@ -18,7 +18,7 @@ class Settings:
 
     #: True if commands that fly wait until the vehicle has finished.
     wait: bool = True
-    #: Timeout of commands that fly, in seconds; 0 sets none.
+    #: Timeout of commands that fly, in seconds; 0: no timeout.
     timeout: float = 0.0
     #: Status texts of lower severity are not shown.
     severity: common.MavSeverity = common.MavSeverity.DEBUG

@@ -16,6 +16,6 @@ def history_file(name: str = "shell") -> Path | None:
         path = state_directory() / f"{name}_history"
         path.parent.mkdir(parents=True, exist_ok=True)
         path.touch(mode=0o600)
-    except (OSError, RuntimeError):  # RuntimeError: there is no home directory
+    except (OSError, RuntimeError):  # RuntimeError: the home directory is unknown
         return None
     return path

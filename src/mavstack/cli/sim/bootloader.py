@@ -13,10 +13,10 @@ from mavstack.cli.common.output import echo, echo_json
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
 
-#: Where uploaders find the board.
+#: The port on which upload programs find the simulated board.
 DEFAULT_OUT: Final = "pty:///tmp/ttyBL"
 _FIRMWARES: Final = ("px4", "ardupilot")
-#: The ROM of an STM32 chip, for stm32flash and programs like it.
+#: The simulation of the ROM bootloader of an STM32 chip, for stm32flash and similar programs.
 _ROM: Final = "stm32"
 _MAX_BOARD: Final = 0xFFFF
 

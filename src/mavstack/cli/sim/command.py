@@ -190,7 +190,7 @@ async def _simulate(arguments: Namespace) -> int:
     from mavstack.sim.simulation import SITE_BITS, Simulation
 
     controllers = controller_firmwares(arguments)
-    site = randbits(SITE_BITS)  # not from the seed: each run is another fleet
+    site = randbits(SITE_BITS)  # not derived from the seed: each run simulates a different fleet
     simulation = Simulation(seed=arguments.seed, start=_start_time(), storage=arguments.storage, site=site)
     for each in arguments.obstacle:
         simulation.add_obstacle(each, home=arguments.home)

@@ -11,10 +11,10 @@ if TYPE_CHECKING:
     from argparse import Namespace
     from collections.abc import Sequence
 
-#: Where a client of Betaflight's own simulator connects.
+#: The address at which clients of Betaflight's own simulator (SITL) connect.
 DEFAULT_OUT: Final = "msp+tcpin://127.0.0.1:5761"
 PREFIX: Final = "msp+"
-#: Options that only vehicles with MAVLink have.
+#: Options that apply only to vehicles that speak MAVLink.
 _ONLY_MAVLINK: Final = ("camera", "gimbal", "rangefinder", "obstacle", "radio", "signing_key", "mavlink")
 
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from argparse import ArgumentParser
     from collections.abc import AsyncIterator, Iterable
 
-#: The port of the first camera.
+#: The default port of the first camera's video.
 DEFAULT_PORT: Final = 8554
 _MAX_PORT: Final = 65535
 

@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle_types import Home
     from mavstack.simulators.simulator import Simulator
 
-#: Metres between the starts of two instances.
+#: Metres between the start positions of two instances.
 SPACING: Final = 5.0
-#: Real seconds without a step after which the reason is shown.
+#: Seconds of real time without a simulation step after which the reason is printed.
 STUCK: Final = 5.0
 _READY: Final = {
     "px4": "ready: PX4 connects to TCP port {port}",

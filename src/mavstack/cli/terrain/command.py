@@ -124,5 +124,5 @@ def _text(state: TerrainState) -> str:
     tiles = f"{state.loaded} tiles loaded, {state.pending} pending"
     if state.terrain_height is None or state.current_height is None:
         return f"the vehicle lacks the terrain there; {tiles}"
-    above = round(state.current_height, 1) + 0.0  # not -0.0
+    above = round(state.current_height, 1) + 0.0  # adding 0.0 turns -0.0 into 0.0
     return f"terrain {state.terrain_height:.1f} m above the sea, vehicle {above:.1f} m above it; {tiles}"

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     Ask = Callable[[str], Awaitable[str]]
 
-#: Seconds before `--yes` confirms a step.
+#: Seconds after which `--yes` confirms a step.
 DEFAULT_PAUSE: Final = 5.0
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mavstack.services.events import DecodedEvent
     from mavstack.vehicle import Vehicle
 
-#: Seconds after which a vehicle that announces no events has none; it would do so every three seconds.
+#: Seconds after which a vehicle without an announcement of events has none; the interval is three seconds.
 _ANNOUNCEMENT_TIMEOUT: Final = 8.0
 #: Colours by severity.
 _COLOURS: Final = ("alarm", "alarm", "alarm", "red", "yellow", "cyan")
@@ -59,7 +59,7 @@ def show_events(arguments: Namespace) -> int:
             return 0
         finally:
             hint.cancel()
-        return 1  # the connection was closed
+        return 1  # the events ended because the connection was closed
 
     return run_on_vehicle(arguments, work)
 

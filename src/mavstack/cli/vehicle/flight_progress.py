@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
     from mavstack.vehicle import Vehicle
 
-    #: Returns the metres that remain; None if they are not known.
+    #: Returns the remaining distance in metres; None if it is not known.
     Remaining: TypeAlias = Callable[[Vehicle], float | None]
 
-#: Seconds before the first line; an action that ends earlier prints none.
+#: Seconds before the first progress line; a shorter action prints no progress.
 SHOW_DELAY = 0.5
 SHOW_INTERVAL = 0.25
 

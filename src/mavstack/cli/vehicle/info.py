@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 REQUEST_TIMEOUT: Final = 6.0
 #: Seconds in which the vehicle sends the results of its arming checks.
 CHECK_DURATION: Final = 1.0
-#: Seconds; a message received this recently is not waited for, and any other for this long.
+#: Maximum age of a received message in seconds; if it is older, the next one is awaited for the same time.
 _MAX_AGE: Final = 3.0
 _MESSAGES: Final[tuple[type[Message], ...]] = (
     common.SysStatus,
@@ -33,10 +33,10 @@ _MESSAGES: Final[tuple[type[Message], ...]] = (
     common.GlobalPositionInt,
     common.ExtendedSysState,
 )
-#: Columns before the text of a row.
+#: Width of the indentation and of the label of a row, in characters.
 _INDENT: Final = 13
 _FIXES: Final = ("no receiver", "no fix", "2D fix", "3D fix", "DGPS fix", "RTK float", "RTK fixed")
-#: The features whose names are abbreviations.
+#: Names of features that contain abbreviations.
 _FEATURE_NAMES: Final = {
     "ftp": "FTP",
     "roi": "region of interest",
@@ -192,7 +192,7 @@ def _position_text(facts: dict[str, Any]) -> str:
     parts = [f"{place['latitude']:.7f}, {place['longitude']:.7f}"]
     for key, reference in (("altitude", "above sea"), ("relative_altitude", "above home")):
         if place[key] is not None:
-            parts.append(f"{round(place[key], 1) + 0.0:.1f} m {reference}")  # not -0.0
+            parts.append(f"{round(place[key], 1) + 0.0:.1f} m {reference}")  # adding 0.0 turns -0.0 into 0.0
     if place["heading"] is not None:
         parts.append(f"heading {round(place['heading']) % 360}°")
     if facts["ground_speed"] is not None:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from mavstack.vehicle import Vehicle
 
-#: The actions that stop another one, by the action that is stopped.
+#: For each action, the actions that stop it.
 _STOPS: Final[Mapping[str, tuple[str, ...]]] = {
     "takeoff": ("hold", "land", "rtl"),
     "goto": ("hold", "land", "rtl"),

@@ -44,7 +44,7 @@ def run_on_vehicles(
         outcomes = await group.each(lambda vehicle: _run_in_group(vehicle, arguments, work))
         expected = sum(isinstance(error, MavstackError) for error in outcomes.errors.values())
         if len(outcomes.errors) > expected:
-            outcomes.check()  # raises a defect
+            outcomes.check()  # raise an error that is not a `MavstackError`: a defect of the program
         return 1 if outcomes.errors else 0
 
     return run_on_connection(arguments, run_selected)

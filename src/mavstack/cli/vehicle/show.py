@@ -71,10 +71,10 @@ def health(arguments: Namespace) -> int:
             await vehicle.wait_until_ready(timeout=arguments.wait)
             facts = health_facts(vehicle)
         else:
-            with suppress(SystemIdConflictError):  # a problem among the facts
+            with suppress(SystemIdConflictError):  # the conflict is shown as one of the facts
                 await connection.check_sender(vehicle.system)
             facts = (await gather_facts(vehicle))["health"]
-        # After a wait, readiness that the vehicle does not report follows from its other reports.
+        # After a successful wait the vehicle is ready, even if it does not report its readiness itself.
         ready.append(facts["ready"] if facts["ready"] is not None else bool(arguments.wait))
         if arguments.json:
             echo_json({"system": vehicle.system, **facts})

@@ -159,7 +159,8 @@ def _is_read(sources: Sequence[WatchedSource], arguments: Namespace) -> bool:
             raise UsageError(f"--record records links, and {files[0].text} is a recording")
         if arguments.signing_key is None:
             return True
-        arguments.speed = "max"  # a replay checks each signature against the time of its packet
+        # replay the file: a replay checks each signature against the time of its packet
+        arguments.speed = "max"
     if any(source.path == STDIN for source in files):
         raise UsageError("standard input is read as a file: without links, --key, --speed and --to")
     for source in files:
@@ -178,7 +179,7 @@ def _read_files(sources: Sequence[WatchedSource], arguments: Namespace) -> int:
         read_recording(path, source.observer, show, arguments.seconds)
     if summary:
         print_summary(sources, arguments)
-    # The JSON summary itself shows that there are no packets; in all other cases this is a failure.
+    # A JSON summary with zero packets is not an error; in all other cases a file without packets is one.
     empty = [source for source in sources if not source.observer.totals().packets]
     if empty and not (arguments.once and arguments.json):
         raise LogError(f"{empty[0].title}: it contains no MAVLink packet")

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mavstack.security import SigningKey
     from mavstack.wire import Packet, Signing
 
-#: Seconds within which received bytes count as received together; of a replay, recorded together.
+#: Seconds within which bytes count as received together (in a replay: recorded together).
 JOIN_TIME: Final = 0.001
 
 
@@ -69,7 +69,7 @@ class Follower:
                     now = monotonic()
                     for event in join_chunks(events):
                         self._event(event, now)
-                    if self._shown:  # once per batch of events, not once per packet
+                    if self._shown:  # flush once per batch of events, not once per packet
                         self._shown = False
                         sys.stdout.flush()
                     await self._after_batch()
@@ -83,7 +83,8 @@ class Follower:
             before = self.observer.received
             packets = self.observer.receive(event.channel.name, event.data, now, time=event.time)
             if self.observer.received > before:
-                event.channel.last_valid = event.time  # the link keeps this peer if many others send
+                # when the link is full, it keeps peers that sent a valid packet
+                event.channel.last_valid = event.time
             self._print(packets, event.time)
         elif isinstance(event, ChannelOpened):
             self.note = ""

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from mavstack.cli.watch.trend import TrendRow, Trends
 
 _MARK_INTERVAL = 1.0
-#: Columns from which the display is wide.
+#: Minimum width of the wide display in characters.
 _WIDE = 100
 _MAX_NAME_WIDTH = 28
 

@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from mavstack.services.events import EventDefinition
     from mavstack.wire import Packet
 
-#: The number of notices that are shown.
+#: Maximum number of notices that are shown.
 MAX_NOTICES: Final = 4
-#: The number of cached files that are read, the newest ones.
+#: Number of cached metadata files that are read: the newest ones.
 _MAX_FILES: Final = 4
 _LEVEL_BITS: Final = 0xF
 

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
             """Draw until cancelled."""
 
 
-#: Seconds between two waits for the disk; a loss of power loses at most the packets in between.
+#: Seconds between two writes to the disk itself; a loss of power loses at most the packets in between.
 SYNC_INTERVAL: Final = 1.0
 
 

@@ -117,14 +117,14 @@ class Observer:
         self.selection = selection or Selection()
         #: Called with all received packets, selected or not, and their Unix time (0: not known).
         self.tap: Callable[[Sequence[Packet], float], None] = lambda packets, time: None
-        #: Packets that were received and passed on.
+        #: Number of packets that were passed to `tap`.
         self.received = 0
         self.traffic = Traffic()
         self.notices = Notices()
         self.channels: dict[str, Parser] = {}
         self.first_recorded: float | None = None
         self.last_recorded: float | None = None
-        #: True if a packet was recorded after the end of the duration to read.
+        #: True if the recording continues after the duration that is read.
         self.beyond_duration = False
         self._closed = Totals()
 

@@ -39,7 +39,7 @@ def clock_text(time: float | None) -> str:
     """Return the local time of day; dashes if a time is not known or beyond the calendar."""
     try:
         return f"{datetime.fromtimestamp(time).astimezone():%H:%M:%S.%f}"[:-3] if time else _NO_CLOCK
-    except (ValueError, OverflowError, OSError):  # a damaged or forged recording
+    except (ValueError, OverflowError, OSError):  # the time is out of range in a damaged or forged recording
         return _NO_CLOCK
 
 

@@ -34,7 +34,8 @@ class Relay:
         if given := self.link.settings.given:
             shown = self.link.url.redacted
             raise LinkURLError(f"{shown}: packets are replayed unchanged; remove the option {given[0]}")
-        #: Packets that every peer got, and packets that at least one peer had no room for.
+        #: Packets that all peers got, and packets that were dropped for at least one peer, whose queue was
+        #: full.
         self.sent = 0
         self.dropped = 0
         self._has_peer = asyncio.Event()

@@ -103,9 +103,9 @@ class Snapshot:
     messages: list[MessageRow]
     texts: list[str]
     note: str = ""
-    #: Packets that the key of the link did not sign.
+    #: Packets that were refused because they are not signed with the key of the link.
     refused: int = 0
-    #: Several links or files are shown together; `channels` has one entry for each.
+    #: True if several links or files are shown together; `channels` then has one entry for each.
     several: bool = False
     trends: Sequence[TrendRow] = ()
     #: The running recording and replay, in words; empty: none.

@@ -26,9 +26,9 @@ Key: TypeAlias = tuple[int, int, int]
 
 MAX_STREAMS = 20_000
 _MARKS = 6
-#: Twice as many as are shown, since PX4 sends an event and a status text for one notice.
+#: Number of kept packets: twice the shown notices, since PX4 sends an event and a status text per notice.
 _NOTICES = 2 * MAX_NOTICES
-#: STATUSTEXT and EVENT.
+#: Ids of STATUSTEXT and EVENT.
 _WITH_NOTICES = frozenset({253, 410})
 
 
@@ -73,7 +73,7 @@ class Stream(Meter):
     __slots__ = ("packet",)
 
     def __init__(self, now: float, packet: Packet) -> None:
-        # The first packet ends no interval, so the rate is counted from it.
+        # The rate is counted from the first packet on: the first interval ends with the second packet.
         super().__init__(now, 1, len(packet))
         self.packet = packet
 
@@ -84,9 +84,9 @@ class Traffic:
     def __init__(self) -> None:
         self.streams: dict[Key, Stream] = {}
         self.total: Meter | None = None
-        #: Packets of streams beyond MAX_STREAMS.
+        #: Packets that belong to no stream, because MAX_STREAMS is reached.
         self.untracked = 0
-        #: The last STATUSTEXT and EVENT packets for people.
+        #: The last STATUSTEXT packets, and the last EVENT packets that are not only for programs.
         self.notices: deque[Packet] = deque(maxlen=_NOTICES)
 
     def add(self, packets: Sequence[Packet], now: float) -> None:

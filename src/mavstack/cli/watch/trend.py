@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from mavstack.dialects import Dialect
     from mavstack.dialects.model import FieldDefinition
 
-#: Seconds between two samples, and their number: two minutes.
+#: Seconds between two samples, and number of samples: together two minutes.
 SAMPLE_INTERVAL: Final = 0.5
 MAX_SAMPLES: Final = 240
 #: Seconds after its last packet for which a value is shown.

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from mavstack.links import Link
     from mavstack.wire import Packet
 
-#: Stands for the system id of a vehicle in the URL.
+#: The placeholder of a vehicle's system id in the URL.
 SYSTEM: Final = "{system}"
 
 
@@ -42,7 +42,7 @@ class VehicleRelays:
 
     def __init__(self, url: str, vehicles: Callable[[], Iterable[int]]) -> None:
         self._stack = AsyncExitStack()
-        #: Output of each vehicle by system id; empty: all packets go to `_common`.
+        #: The output of each vehicle, by system id; empty if all packets are sent to `_common`.
         self._by_system: dict[int, Relay] = {}
         self._common: Relay | None = None
         if SYSTEM in url:
@@ -51,7 +51,7 @@ class VehicleRelays:
                 raise UsageError(f"--to contains {SYSTEM}, but the recording has no vehicle")
         else:
             self._common = Relay(url)
-        #: Packets of systems that have no link.
+        #: Packets of systems without an output.
         self.omitted = 0
 
     @property

@@ -94,7 +94,7 @@ def run(arguments: Namespace) -> int:
 
 
 async def _serve(arguments: Namespace) -> int:
-    with no_collection():  # it would take a sixth of the time of these imports, and delay packets later
+    with no_collection():  # garbage collection would take a sixth of the import time, and later delay packets
         from mavstack.http.server import Certificate, serving
         from mavstack.maps.folder import default_folder
         from mavstack.server.app import make_app, make_early_answers
@@ -197,5 +197,5 @@ def _announce(arguments: Namespace, port: int, *, secure: bool) -> None:
 def _open_browser(url: str) -> None:
     import webbrowser
 
-    # A browser in the terminal would take over; the thread ends when the browser has been started.
+    # A browser inside the terminal would block the event loop, so it is started in a thread.
     asyncio.get_running_loop().run_in_executor(None, webbrowser.open, url)

@@ -95,5 +95,5 @@ def _time_text(time: float) -> str:
     """Return a Unix time in UTC; empty if it is not known or beyond the calendar."""
     try:
         return f"{datetime.fromtimestamp(time, UTC):%Y-%m-%d %H:%M:%S.%f}Z" if time else ""
-    except (ValueError, OverflowError, OSError):  # a damaged or forged recording
+    except (ValueError, OverflowError, OSError):  # the time is out of range in a damaged or forged recording
         return ""

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mavstack.cli.watch.inspector.model import Inspector
     from mavstack.cli.watch.inspector.packet_store import StoredPacket
 
-#: The views of the selected message with their keys.
+#: The views of the selected message; each text begins with the key that shows the view.
 VIEWS: Final = {"fields": "1 Fields", "comparison": "2 Compare", "packets": "3 Packets"}
 
 

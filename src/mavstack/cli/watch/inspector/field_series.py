@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from mavstack.cli.watch.inspector.field_table import FieldName
     from mavstack.cli.watch.inspector.packet_store import PacketStore, StreamKey
 
-#: Points of a series that are kept.
+#: Maximum number of points of a series.
 MAX_POINTS: Final = 30_000
 
 

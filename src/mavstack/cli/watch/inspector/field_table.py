@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 #: Arrays up to this length have a row for each element.
 MAX_ELEMENT_ROWS: Final = 12
-#: Packets whose values the course of a field shows.
+#: Number of packets in a field's course, the small chart of its last values.
 COURSE_LENGTH: Final = 24
 
 
@@ -47,7 +47,7 @@ class FieldRow:
     name: FieldName
     text: str
     raw: str = ""
-    #: True if the packet before had another value.
+    #: True if the previous packet had another value.
     changed: bool = False
     #: Values of the last packets in the displayed unit; empty if the field is not a number.
     course: Sequence[float | None] = ()

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from mavstack.cli.watch.snapshot import MessageRow
     from mavstack.wire import Packet
 
-#: Widths of a list from which more columns are shown.
+#: Minimum width at which each list shows additional columns.
 _WIDE_MESSAGES: Final = 52
 _WIDE_SOURCES: Final = 52
 _WIDE_FIELDS: Final = 70
@@ -31,17 +31,17 @@ _MIN_COURSE: Final = 8
 _MAX_COURSE: Final = 24
 _MIN_COMPARED_WIDTH: Final = 13
 _MAX_COMPARED_WIDTH: Final = 22
-#: Width of the number of sources that do not fit.
+#: Width of the text with the number of sources for which there is no room.
 _MORE_WIDTH: Final = 5
-#: Bytes of a packet before its payload, by version, and those behind it.
+#: Bytes of a packet before its payload, by MAVLink version, and bytes after its payload.
 _HEAD_SIZES: Final = MappingProxyType({1: 6, 2: 10})
 _CHECKSUM_SIZE: Final = 2
 _SIGNATURE_SIZE: Final = 13
-#: Columns of the number of the first byte of a line.
+#: Width of the offset at the beginning of a line of the hex dump.
 _OFFSET_WIDTH: Final = 5
 
 
-# the line at the top
+# The line at the top
 
 
 def status_line(inspector: Inspector, width: int) -> Text:

@@ -35,10 +35,10 @@ if TYPE_CHECKING:
     from mavstack.cli.watch.trend import FieldPatterns
     from mavstack.wire import Packet
 
-#: Seconds that a plot shows; `next_span` takes them in turn.
+#: Time spans of a plot in seconds; `next_span` switches to the next one.
 SPANS: Final = (30.0, 60.0, 300.0, 10.0)
 SORTS: Final = ("name", "rate", "count")
-#: Packets that the list of raw packets shows.
+#: Maximum number of packets in the list of raw packets.
 MAX_LISTED: Final = 500
 _MARK_INTERVAL: Final = 1.0
 
@@ -71,13 +71,13 @@ class Inspector:
     ) -> None:
         self.sort = sort
         self.span = SPANS[0]
-        #: Shows the messages of this source only; None: of all.
+        #: The source whose messages are shown; None: the messages of all sources.
         self.scope: SourceRow | None = None
-        #: Part of a name, or pattern with wildcards, which the listed messages match.
+        #: The filter of the listed messages: a part of the name, or a pattern with wildcards.
         self.search = ""
-        #: The message whose fields are shown; None: none yet.
+        #: The message whose fields are shown; None before the first message.
         self.selected: StreamKey | None = None
-        #: True if the packets of all messages are listed, not those of the selected one.
+        #: True if the packets of all messages are listed; False: only the packets of the selected message.
         self.lists_all_packets = False
         #: True if all links have ended.
         self.has_ended = False
@@ -89,7 +89,7 @@ class Inspector:
         self._marked: float | None = None
         self._picture: Picture | None = None
 
-    # feeding
+    # Received packets
 
     def receive(self, label: str, packets: Sequence[Packet], time: float, now: float) -> None:
         """Take packets of a link.
@@ -116,7 +116,7 @@ class Inspector:
         if self.selected is None and self.messages:
             self.select(_key(self.messages[0]))
 
-    # the picture
+    # The displayed state
 
     @property
     def picture(self) -> Picture:

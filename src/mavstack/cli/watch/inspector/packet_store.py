@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from mavstack.wire import Packet
 
-#: Packets of all streams that are kept, some 30 MB.
+#: Maximum number of packets that are kept of all streams together; they take about 30 MB.
 MAX_PACKETS: Final = 100_000
 
 

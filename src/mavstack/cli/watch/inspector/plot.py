@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from mavstack.cli.watch.inspector.field_series import Point
 
-#: Colours of the series, told apart by people with any colour vision.
+#: Colours of the series, which people with any colour vision can distinguish.
 COLOURS: Final = (
     "bright_yellow",
     "bright_cyan",
@@ -28,7 +28,7 @@ COLOURS: Final = (
     "bright_blue",
     "bright_red",
 )
-#: Seconds without a point that are a gap, and the number of mean intervals that are one.
+#: Minimum length of a gap without points: in seconds, and as a multiple of the mean interval of the points.
 _MIN_GAP: Final = 2.0
 _GAP_INTERVALS: Final = 5
 #: Width of the longest label, such as -1.235e-05, and of the axis.

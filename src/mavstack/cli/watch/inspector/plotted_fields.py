@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from mavstack.cli.watch.trend import FieldPatterns
     from mavstack.wire import Packet
 
-#: Fields that can be plotted together: one for each colour.
+#: Maximum number of fields in the plot: one for each colour.
 MAX_PLOTTED: Final = len(COLOURS)
 
 

@@ -135,7 +135,8 @@ class RowList(ScrollView, Generic[Row], can_focus=True):
         if index >= len(self.rows):
             return Strip.blank(width, self.rich_style)
         line = self._line(self.rows[index], width)
-        if index == self.cursor:  # in one colour, which can be read on that of the cursor
+        if index == self.cursor:
+            # a row under the cursor has only one text colour, which is readable on the cursor's background
             return self._strip(Text(line.plain), width, self.get_component_rich_style("rows--cursor"))
         return self._strip(line, width, self.rich_style)
 

@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     from mavstack.cli.watch.trend import FieldPatterns
     from mavstack.wire import Packet
 
-#: Signals that close the window. Textual would take the cancellation by asyncio's SIGINT as an orderly end.
+#: Signals that close the window. asyncio's own SIGINT handler cancels the task, which Textual takes for a
+#: normal end.
 _ENDING_SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
 
 
@@ -44,7 +45,7 @@ async def inspect_sources(
         LinkError: A link cannot be opened.
         LogError: The recording cannot be written.
     """
-    if not all(stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):  # textual draws on stderr
+    if not all(stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):  # Textual writes to stderr
         raise UsageError("--tui needs a terminal; in a pipe use --once, --json or no option")
     observation = Observation(sources, arguments)
     inspector = Inspector(sources, arguments.sort, patterns, lambda: observation.activity)
@@ -78,7 +79,7 @@ async def _follow(observation: Observation, window: InspectorWindow, duration: f
 def _closed_by_signals(window: InspectorWindow) -> Iterator[None]:
     """Close the window on SIGINT and SIGTERM, so that the terminal is left as it was."""
     loop = asyncio.get_running_loop()
-    with suppress(NotImplementedError):  # Windows
+    with suppress(NotImplementedError):  # Windows has no signal handlers in event loops
         for number in _ENDING_SIGNALS:
             loop.add_signal_handler(number, window.exit, 128 + number)
     try:

@@ -22,7 +22,7 @@ class SourceRow:
     counts: SourceCounts
     #: Packets per second; None: not known.
     rate: float | None = None
-    #: Bytes that are not part of a packet; None for a component.
+    #: Received bytes that are not part of a valid packet; None for a component.
     bad_bytes: int | None = None
     #: State and type of a component, or the problem of a link.
     detail: str = ""

@@ -29,12 +29,12 @@ if TYPE_CHECKING:
     from mavstack.cli.watch.inspector.source_rows import SourceRow
     from mavstack.cli.watch.snapshot import MessageRow
 
-#: Seconds between two pictures.
+#: Seconds between two updates of the window.
 REDRAW_INTERVAL: Final = 0.25
-#: Height of the terminal from which several notices are shown.
+#: Minimum height of the terminal for more than one notice.
 _TALL: Final = 36
 _MIN_SOURCES_HEIGHT: Final = 5
-#: Width of the heading of the column of sources.
+#: Minimum width of the column of sources: the width of its heading.
 _MIN_SOURCE_WIDTH: Final = 7
 
 
@@ -73,12 +73,12 @@ class InspectorWindow(App[int]):
         Binding("q", "quit", "Quit"),
         Binding("ctrl+c,ctrl+q", "quit", "Quit", show=False, priority=True),
         Binding("escape", "back", "Back", show=False),
-        # Escape and a digit that arrive together, as over a slow connection, are Alt and the digit. Textual
-        # takes them for the sign that some keyboards have there.
+        # Over a slow connection, Escape and a digit may arrive together, which means Alt and the digit.
+        # Textual reports some of these as the character that Alt and the digit produce on some keyboards.
         Binding("1,alt+1", "view('fields')", "Fields", show=False),
         Binding("2,alt+2", "view('comparison')", "Compare", show=False),
         Binding("3,alt+3", "view('packets')", "Packets", show=False),
-        # The panel of keys leaves bindings of the system out.
+        # `system=True` hides a binding from the help panel of keys.
         Binding("inverted_exclamation_mark", "view('fields')", show=False, system=True),
         Binding("trade_mark_sign", "view('comparison')", show=False, system=True),
         Binding("pound_sign", "view('packets')", show=False, system=True),
@@ -268,7 +268,8 @@ class InspectorWindow(App[int]):
         except MavstackError as error:
             self._report(error)
         self.show()
-        self.call_after_refresh(self.show)  # the plot has its size only then
+        # show again after the layout: only then the size of the plot is known
+        self.call_after_refresh(self.show)
 
     def action_export(self) -> None:
         """Ask for the file that the selected message is written to."""
