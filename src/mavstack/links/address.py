@@ -8,7 +8,7 @@ from typing import Any, Final, TypeAlias
 
 Address: TypeAlias = tuple[Any, ...]
 
-#: The first byte of 127.0.0.0/8, and ::1.
+#: The first byte of the IPv4 loopback network 127.0.0.0/8, and the IPv6 loopback address ::1.
 _LOOPBACK_NETWORK: Final = 127
 _LOOPBACK_6: Final = bytes(15) + b"\1"
 
@@ -18,7 +18,8 @@ async def resolve(
 ) -> list[tuple[socket.AddressFamily, Address]]:
     """Resolve a host name to all its addresses; raises `socket.gaierror` if it has none."""
     try:
-        # An IP address needs no thread; bytes need no table of international names.
+        # A numeric address is resolved without a thread. As bytes, the host needs no import of the IDNA
+        # codec.
         resolved = socket.getaddrinfo(host.encode("ascii"), port, type=kind, flags=socket.AI_NUMERICHOST)
     except (socket.gaierror, UnicodeEncodeError):
         resolved = await asyncio.get_running_loop().getaddrinfo(host, port, type=kind)
@@ -49,7 +50,7 @@ def is_loopback(host: str) -> bool:
     """Return true for an IP address that only this machine reaches; false for all other texts."""
     try:
         packed = packed_ip((host,))
-    except (OSError, ValueError):  # not an address
+    except (OSError, ValueError):  # `host` is not an IP address
         return False
     return packed == _LOOPBACK_6 if len(packed) > 4 else packed[0] == _LOOPBACK_NETWORK
 

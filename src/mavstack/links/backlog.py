@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING, TypeAlias
 if TYPE_CHECKING:
     from mavstack.links.address import Address
 
-#: Number of datagrams that a full backlog has.
+#: Number of datagrams from which a backlog is full.
 DEFAULT_LIMIT = 4096
-#: Number of waiting datagrams of one message id up to which the id is rare.
+#: Maximum number of waiting datagrams with a message id that counts as rare.
 MAX_RARE = 16
-#: A full backlog has room for new senders until they have this part of it.
+#: A full backlog accepts datagrams of new senders up to 1/NEW_SHARE of its limit.
 NEW_SHARE = 8
 _MAGIC_V1, _MAGIC_V2 = 0xFE, 0xFD
 
@@ -42,7 +42,7 @@ class Backlog:
         self._limit = limit
         self._queues: dict[Address, _Queue] = {}
         self._count = 0
-        self._new_count = 0  # of new senders
+        self._new_count = 0  # waiting datagrams of new senders
 
     def __len__(self) -> int:
         return self._count

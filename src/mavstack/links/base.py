@@ -61,13 +61,14 @@ class Link(ABC):
         settings: The options of the URL for the node.
     """
 
-    logged = True  # false for a wrapper, whose inner link logs
-    #: True if the reader parses the bytes of a channel as a stream: datagrams of one sender that wait
-    #: together may then become one event, which costs much less.
+    logged = True  # False for a link that wraps another one, which writes the log
+    #: True if the reader parses the bytes of a channel as a stream. Waiting datagrams of one sender may then
+    #: become one event, which costs much less than several.
     joins_datagrams = False
-    #: Returns whether the first bytes of a new peer are signed: a full link prefers it. None: unknown.
+    #: Returns whether the first bytes of a new peer are validly signed: a full link prefers such a peer.
+    #: None: signatures cannot be checked.
     authenticates: Callable[[bytes], bool] | None = None
-    #: Sets what the peers have proved, before a full link chooses those that it keeps; None: not needed.
+    #: Updates the proofs of the peers before a full link chooses which peers it keeps; None: no update.
     before_choice: Callable[[], None] | None = None
 
     def __init__(self, url: LinkURL, options: Options) -> None:
@@ -77,7 +78,7 @@ class Link(ABC):
         self._send_queue = options.size("send_queue", DEFAULT_SEND_QUEUE)
         self.pace = options.size("pace", 0)
         self.half_duplex = options.flag("half_duplex", default=False)
-        #: The options of the URL for the MAVLink layer, which the node of the link applies.
+        #: The options of the URL that concern MAVLink, which the node of the link applies.
         self.settings = LinkSettings.from_options(options)
         self._tasks: set[asyncio.Task[None]] = set()
         self._opened = False
@@ -224,11 +225,13 @@ class Link(ABC):
     def _task_done(self, task: asyncio.Task[None]) -> None:
         self._tasks.discard(task)
         if not task.cancelled() and (error := task.exception()):
-            self.inbox.end(error)  # the iteration raises it, so that a bug is not silent
+            # the iteration over the inbox raises the error, so that a defect is noticed
+            self.inbox.end(error)
 
     async def _finish_tasks(self, timeout: float) -> None:  # noqa: ASYNC109 (how long tasks may still send)
         if self._tasks:
-            await asyncio.sleep(0)  # a task that never started cannot release its resources
+            # let new tasks start: a task that never started cannot release its resources
+            await asyncio.sleep(0)
         if self._tasks and timeout:
             await asyncio.wait(self._tasks, timeout=timeout)
         for task in self._tasks:

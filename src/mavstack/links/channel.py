@@ -68,7 +68,8 @@ class Request:
 
     path: str
     query: Mapping[str, str]
-    headers: Mapping[str, str] = field(repr=False)  # they may have tokens and cookies
+    # not in the representation: headers may contain tokens and cookies
+    headers: Mapping[str, str] = field(repr=False)
     subprotocol: str = ""
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 #: Options that name a key, by its name or by the path of its file.
 KEY_OPTIONS: Final = frozenset({"signing_key", "ticket_key", "shared_key", "private_key", "peer"})
-#: `gateway` names a server that this machine would ask.
+#: Options with a file name, and `gateway`, a server that this machine would connect to.
 _FILE_OPTIONS: Final = frozenset({"account", "ca", "cert", "gateway", "key", "roles"})
 
 

@@ -84,7 +84,7 @@ class ConnectionLink(Link):
         reason = "link closed"
         try:
             reason = await connection.receive_all(self.inbox)
-            if connection.closed:  # by this side: bytes written before are still sent
+            if connection.closed:  # closed by this side: bytes that were written before are still sent
                 await connection.wait_closed()
         finally:
             connection.close(reason)

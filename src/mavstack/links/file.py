@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from mavstack.links.url import LinkURL
 
 CHUNK = 1 << 17
-MAX_CHUNK_SPAN = 0.005  # seconds within which packets are joined to one chunk
+MAX_CHUNK_SPAN = 0.005  # seconds within which recorded packets are joined to one chunk
 MAX_SILENCE = 60.0  # seconds to which longer pauses of a recording are shortened
 
 

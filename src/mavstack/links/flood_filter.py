@@ -22,16 +22,16 @@ if TYPE_CHECKING:
 
 #: Seconds between two adjustments.
 ADJUST_INTERVAL: Final = 0.1
-#: The part of datagrams that passes at first, its bound, its reduction while the queue cannot be emptied, and
-#: its growth once it can: in large steps down, since each costs the other senders an interval.
+#: The share of a sender's datagrams that pass: at first, at least, and its factors while the queue cannot be
+#: emptied, and once it can. It falls in large steps, since each step costs the other senders an interval.
 FIRST_PART, MIN_PART, PART_REDUCTION, PART_GROWTH = 0.125, 1 / 8192, 0.25, 1.1
-#: Senders in the filter; a sender with fewer datagrams in an interval is never in it.
+#: Maximum number of filtered senders, and minimum number of datagrams in an interval of a filtered sender.
 MAX_SENDERS, MIN_DATAGRAMS = 256, 5
 
 _SO_ATTACH_FILTER, _SO_DETACH_FILTER = 26, 27
 _LOAD_HALF, _LOAD_WORD, _JUMP, _JUMP_IF_EQUAL, _JUMP_IF_GREATER, _RETURN = 0x28, 0x20, 0x05, 0x15, 0x25, 0x06
 _SOURCE_PORT, _NETWORK_HEADER, _RANDOM = 0, -0x100000, -0x1000 + 56
-_SOURCE_OFFSET_4, _SOURCE_OFFSET_6 = 12, 20  # of IPv6 the last four bytes
+_SOURCE_OFFSET_4, _SOURCE_OFFSET_6 = 12, 20  # IPv6: the last four bytes of the address
 _ACCEPT = 0xFFFF_FFFF
 
 
@@ -85,7 +85,7 @@ class FloodFilter:
                 _attach(self._socket, _program(self._senders, self._part))
             else:
                 self._socket.setsockopt(socket.SOL_SOCKET, _SO_DETACH_FILTER, 0)
-        except OSError:  # not permitted: the senders are not filtered
+        except OSError:  # the process may not set filters: the senders are not filtered
             self._senders.clear()
 
 
@@ -96,7 +96,7 @@ def _program(senders: Iterable[Address], part: float) -> bytes:
     code: list[tuple[int, int, int, int]] = []
     for entry in entries:
         code += entry
-        code.append((_JUMP, 0, 0, length - len(code)))  # past the entries, to the random choice
+        code.append((_JUMP, 0, 0, length - len(code)))  # jump over the other entries, to the random choice
     code += [
         (_RETURN, 0, 0, _ACCEPT),
         (_LOAD_WORD, 0, 0, _RANDOM & _ACCEPT),
@@ -124,7 +124,7 @@ def _match(address: Address) -> list[tuple[int, int, int, int]]:
 def _attach(sock: socket.socket, program: bytes) -> None:
     if sys.platform != "linux":
         raise OSError("the system has no such filter")
-    import ctypes  # here, since the import is slow, and only floods need it
+    import ctypes  # a slow import, which only floods need
 
     code = ctypes.create_string_buffer(program, len(program))
     header = struct.pack("HL", len(program) // 8, ctypes.addressof(code))

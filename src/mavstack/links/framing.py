@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mavstack.links.channel import Data
 
 PREFIX: Final = 4
-#: A longer frame is taken for a peer that sends a plain stream: MAVLink begins with 0xFD or 0xFE.
+#: Maximum size of a frame. A plain MAVLink stream, which begins with 0xFD or 0xFE, appears as a longer frame.
 MAX_FRAME: Final = 1 << 20
 
 

@@ -133,7 +133,7 @@ class ImpairedLink(Link):
     async def open_transport(self) -> None:
         """Open the transport of the link."""
         await self._inner.open()
-        for channel in self._inner.channels:  # channels that are open from the start
+        for channel in self._inner.channels:  # also report the channels that are open from the start
             self._wrap(channel)
         self.spawn(self._follow())
 

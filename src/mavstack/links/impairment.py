@@ -127,7 +127,7 @@ class Flow:
         self.stats = FlowStats()
         self._model = impairment
         self._random = Random(f"{impairment.seed}/{name}")
-        self._idle_from = -math.inf  # time at which the transmitter has sent its whole queue
+        self._idle_from = -math.inf  # the time at which the transmitter has sent its whole queue
         self._last_due = -math.inf
         self._order = count()
         self._in_transit: list[tuple[float, int, bytes]] = []

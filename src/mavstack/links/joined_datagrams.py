@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from mavstack.links.address import Address
     from mavstack.links.backlog import Datagram
 
-#: Maximum number of joined bytes: an event may exceed the receive queue by no more.
+#: Maximum number of joined bytes, by which an event may exceed the receive queue.
 MAX_JOINED: Final = 1 << 16
 
 _SENDER_AND_TIME: Final = itemgetter(1, 2)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from mavstack.links.udp import UdpLink
     from mavstack.links.udp_channel import UdpChannel
 
-#: Seconds for which the link reads the socket itself after the program did not keep up.
+#: Minimum seconds for which the link reads the socket itself after the program was too slow.
 CALM_TIME: Final = 0.5
 
 

@@ -17,9 +17,9 @@ from mavstack.wire import Parser
 if TYPE_CHECKING:
     from mavstack.wire import Packet
 
-#: Bytes that a peer that answered nothing may get for each byte that it sent.
+#: Bytes that may be sent to a peer for each byte that it sent, until it has answered.
 AMPLIFICATION: Final = 3
-#: Messages without a target that answer one.
+#: Messages without a target field that count as an answer.
 ANSWERS: Final = frozenset({"PARAM_VALUE", "COMMAND_ACK", "TIMESYNC", "AUTOPILOT_VERSION"})
 
 
@@ -29,11 +29,11 @@ class Probation:
     __slots__ = ("_allowance", "_for_others", "_parser", "_systems", "is_over")
 
     def __init__(self) -> None:
-        #: Bytes that may be sent now, and those of them that may be streams and broadcast requests.
+        #: Bytes that may be sent now: all, and the part of them for streams and broadcast requests.
         self._allowance = self._for_others = 0
         self._parser = Parser(common)
         self._systems: set[int] = set()
-        #: The peer answered: there is no limit any more.
+        #: True after the first answer of the peer: the limit has ended.
         self.is_over = False
 
     def received(self, data: bytes) -> None:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from mavstack.links.options import Options
     from mavstack.links.url import LinkURL
 
-#: The folder of pseudo terminals: a link to one that a killed program left there is replaced.
+#: The directory of pseudo terminals: a link into it that a killed program left behind is replaced.
 _TERMINALS = "/dev/pts/"
 
 
@@ -36,7 +36,8 @@ def claim_terminal(descriptor: int) -> None:
     Args:
         descriptor: The descriptor of the terminal; the mark ends when it is closed.
     """
-    # Not a lock: programs that open the terminal take those for themselves, as pyserial and stm32flash do.
+    # The mark is the sticky bit, not a lock: programs that open the terminal lock it themselves (pyserial,
+    # stm32flash).
     with suppress(OSError):
         os.fchmod(descriptor, stat.S_IMODE(os.fstat(descriptor).st_mode) | stat.S_ISVTX)
 
@@ -94,7 +95,8 @@ class PseudoTerminalLink(ConnectionLink):
             reason = "pseudo terminals exist only on Linux, macOS and other POSIX systems"
             raise LinkError(f"cannot open {self.url.redacted}: {reason}") from error
         try:
-            # The terminal stays open here, so that it keeps its settings between two programs.
+            # This link keeps the terminal open, so that the settings survive between two programs that use
+            # it.
             self._descriptors = master, terminal = os.openpty()
             tty.setraw(terminal)
             claim_terminal(terminal)

@@ -32,13 +32,13 @@ if TYPE_CHECKING:
 
 #: System and component id of SiK radios: the characters "3" and "D".
 RADIO_ADDRESS: Final = (ord("3"), ord("D"))
-#: Bytes per second of both directions together: 57,600 baud.
+#: Bandwidth of both directions together in bytes per second: 57,600 baud.
 BANDWIDTH: Final = 5760.0
-#: Bytes in the buffer between a program and the air.
+#: Size in bytes of a radio's buffer for packets that wait for transmission.
 BUFFER: Final = 1850
-#: Seconds of a packet through two radios beside its transmission: they take turns in time slots.
+#: Delay of a packet in seconds in addition to its transmission time: the radios take turns in time slots.
 LATENCY: Final = 0.02
-#: Signal and noise of a good link, in the unit of the radio's chip: dBm = value / 1.9 - 127.
+#: Signal and noise of a good link in the radio's unit: dBm = value / 1.9 - 127.
 _RSSI, _NOISE = 180, 50
 _HEARTBEAT = common.Heartbeat.definition.id
 _MAX_COUNT = 0xFFFF
@@ -70,7 +70,7 @@ class RadioFlow(Flow):
         super().__init__(impairment, name)
         self._air = air
         self._buffer_size = impairment.queue
-        self._buffered: list[tuple[float, int]] = []  # (time at which it has left, size)
+        self._buffered: list[tuple[float, int]] = []  # (time at which the packet is transmitted, size)
 
     def free_percent(self, now: float) -> int:
         """Return the free share of the buffer in percent."""

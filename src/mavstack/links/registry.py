@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mavstack.links.base import Link
     from mavstack.links.scheme import LinkScheme
 
-#: The values of the option `radio`, the default first.
+#: The values of the URL option `radio`; the first is the default.
 RADIOS: Final = ("none", "sik")
 
 Backend: TypeAlias = "Callable[[LinkURL, Options], Link]"
@@ -45,7 +45,7 @@ def open_link(url: str | LinkURL, **options: object) -> Link:
     """
     parsed = (resolve_url(url) if isinstance(url, str) else url).with_options(**options)
     reader = Options(parsed)
-    is_sealed = parsed.scheme.startswith(SEALED)  # a sealed link passes the impairment to the link inside
+    is_sealed = parsed.scheme.startswith(SEALED)  # a sealed link applies the impairment to its inner link
     link = _backend(parsed.scheme)(parsed, reader) if is_sealed else impaired_link(parsed, reader)
     reader.refuse_unknown()
     return link

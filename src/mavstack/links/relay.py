@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from mavstack.links.options import Options
     from mavstack.links.url import LinkURL
 
-#: Guests that a host knows at most: a relay that invents more of them fills no memory.
+#: Maximum number of guests of a host: a relay that invents guests must not fill the memory.
 MAX_GUESTS = 64
 
 
@@ -129,7 +129,8 @@ class _RelayHost(Link):
                 self._add(guest, socket)
             case Notice(Change.LEFT, guest) if guest in self._guests:
                 self._guests[guest].close("the guest left")
-            case GuestDatagram(guest, data):  # a notice may have been dropped
+            case GuestDatagram(guest, data):
+                # adds an unknown guest: the notice of its arrival may have been dropped
                 channel = self._add(guest, socket)
                 channel.last_received = time
                 self.inbox.deliver(channel, data, time)

@@ -12,11 +12,11 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import Final, NamedTuple
 
-#: The subprotocol of relays; the ticket is the next one that a client offers.
+#: The WebSocket subprotocol of relays; a client offers its ticket as the next subprotocol.
 RELAY_PROTOCOL: Final = "mavstack.relay.1"
-#: Bytes of the largest datagram.
+#: Maximum size of a datagram in bytes.
 MAX_DATAGRAM: Final = 16_384
-#: Bytes of the largest message.
+#: Maximum size of a WebSocket message in bytes.
 MAX_MESSAGE: Final = MAX_DATAGRAM + 4
 _NOTICE_SIZE: Final = 9
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from mavstack.links.options import Options
     from mavstack.links.url import LinkURL
 
-#: Timeouts of requests from and to the gateway in seconds; limits of modems and of waiting requests.
+#: Timeouts of requests from and to the gateway in seconds; maximum numbers of modems and waiting requests.
 HOOK_TIMEOUT: Final = 5.0
 SEND_TIMEOUT: Final = 20.0
 MAX_MODEMS: Final = 64
@@ -129,7 +129,8 @@ class RockblockLink(Link):
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         transport = cast("asyncio.Transport", writer.transport)
-        self._handshakes.begin(transport)  # the hook is open to strangers, whose number is bounded
+        # limit the connections of strangers: everyone can connect to the hook
+        self._handshakes.begin(transport)
         status = HTTPStatus.BAD_REQUEST
         try:
             async with asyncio.timeout(HOOK_TIMEOUT):

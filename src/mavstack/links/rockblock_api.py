@@ -14,7 +14,7 @@ from urllib.parse import parse_qsl, urlencode
 
 from mavstack.links.sbd_modem import MAX_SENT
 
-#: The gateway of the maker.
+#: The gateway of the manufacturer of RockBLOCK modems.
 GATEWAY: Final = "https://rockblock.rock7.com/rockblock/MT"
 MAX_BODY: Final = 16_384
 _MAX_IMEI: Final = 20

@@ -34,7 +34,7 @@ class SbdChannel(Channel):
 
     def __init__(self, port: Channel, inbox: Inbox, modem: SbdModem) -> None:
         super().__init__(f"sbd {port.peer}", port.peer, inbox.remove_channel)
-        #: The modem, with its statistics.
+        #: The modem; it counts messages and credits.
         self.modem = modem
         self._port, self._inbox = port, inbox
         self._loop = asyncio.get_running_loop()

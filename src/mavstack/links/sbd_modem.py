@@ -16,20 +16,20 @@ from dataclasses import dataclass
 from enum import Enum, auto
 from typing import Final
 
-#: The largest messages to the gateway and from it, in bytes.
+#: Maximum size of a message to the gateway, and from it, in bytes.
 MAX_SENT: Final = 340
 MAX_RECEIVED: Final = 270
-#: Messages that wait for a session.
+#: Maximum number of messages that wait for a session.
 MAX_WAITING: Final = 8
-#: Bytes that cost one credit of a RockBLOCK.
+#: Number of bytes that cost one credit of a RockBLOCK.
 CREDIT_SIZE: Final = 50
-#: Seconds until a command is taken for lost, and a session.
+#: Timeout of a command in seconds, and of a session.
 COMMAND_TIMEOUT: Final = 5.0
 SESSION_TIMEOUT: Final = 90.0
-#: Seconds after the first failed session, and at most.
+#: Seconds until the first repetition of a failed session, and maximum seconds until a further one.
 FIRST_RETRY: Final = 10.0
 MAX_RETRY: Final = 300.0
-#: Results of a session up to this one mean that the message was sent.
+#: Largest result of a session which means that the message was sent.
 _MAX_SENT_STATUS: Final = 4
 _MAX_LINE: Final = 400
 _SETUP: Final = ("ATE0", "AT&K0", "AT+SBDMTA=1", "AT+SBDD2")
@@ -39,11 +39,11 @@ _RESULT: Final = re.compile(r"\+SBDIX: *(\d+), *(\d+), *(\d+), *(\d+), *(\d+), *
 class _Step(Enum):
     SETUP = auto()
     IDLE = auto()
-    WRITE = auto()  # AT+SBDWB was sent, READY is due
-    DATA = auto()  # the message was sent, its status is due
-    WRITTEN = auto()  # the modem has the message, OK is due
+    WRITE = auto()  # AT+SBDWB was sent, READY is expected
+    DATA = auto()  # the message was sent, the result is expected
+    WRITTEN = auto()  # the modem has the message, OK is expected
     SESSION = auto()
-    ENDED = auto()  # the session ended, OK is due
+    ENDED = auto()  # the session ended, OK is expected
     READ = auto()
     CLEAR = auto()
 
@@ -95,7 +95,7 @@ class SbdModem:
         self._must_check = self._has_message = False
         self._command(self._setup[0])
 
-    # The program's side
+    # Interface to the program
 
     def send(self, packet: bytes, now: float) -> bool:
         """Queue a packet; False if it, or an older one, was dropped."""
@@ -141,7 +141,7 @@ class SbdModem:
             self._must_check = True
         self._begin_if_due(now)
 
-    # The modem's side
+    # Interface to the modem
 
     def receive(self, data: bytes, now: float) -> None:
         """Process bytes of the modem."""
@@ -172,7 +172,7 @@ class SbdModem:
         if len(self._input) < 2:
             return None
         size = int.from_bytes(self._input[:2], "big")
-        if size > MAX_RECEIVED:  # an echo or a line of text: no message has so many bytes
+        if size > MAX_RECEIVED:  # an echo or a line of text instead: messages are not that long
             self._input.clear()
             return b""
         if len(self._input) < size + 4:

@@ -27,7 +27,7 @@ class AddressKind(Enum):
     DEVICE = "device"  #: A serial port, whose baud rate may follow its name.
     PATH = "path"  #: A file or a socket of the file system.
     ANY = "address"  #: Text that only the backend understands; it may be empty.
-    NAME = "name"  #: A name that means something to this program only.
+    NAME = "name"  #: A name that only this program knows.
 
 
 _NETWORK: Final = frozenset({AddressKind.HOST, AddressKind.WEB})

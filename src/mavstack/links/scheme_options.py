@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-#: Options of links that bound their peers.
+#: Options of links with a limited number of peers.
 PEERS: Final[Mapping[str, str]] = MappingProxyType(
     {"max_peers": "peers at the same time; a new one replaces the idlest that sent no valid packet"}
 )
@@ -19,7 +19,7 @@ ROLES: Final[Mapping[str, str]] = MappingProxyType(
         "roles": "file with a line for each client: its role and its identity; others observe",
     }
 )
-#: Options of links that connect again.
+#: Options of links that reconnect.
 RECONNECTION: Final[Mapping[str, str]] = MappingProxyType(
     {
         "reconnect": "connect again after the connection is lost",
@@ -40,7 +40,7 @@ CERTIFICATES: Final[Mapping[str, str]] = MappingProxyType(
         "key": "file with the private key of `cert`",
     }
 )
-#: Options of the client's end of TLS.
+#: Options of the client side of TLS.
 VERIFICATION: Final[Mapping[str, str]] = MappingProxyType(
     {**CERTIFICATES, "insecure": "do not verify the server's certificate (tests only)"}
 )

@@ -63,7 +63,7 @@ def _plugin_scheme(entry: EntryPoint, loaded: Any) -> LinkScheme:  # noqa: ANN40
     return loaded
 
 
-#: All schemes.
+#: All URL schemes of links.
 SCHEMES: Final[Registry[LinkScheme]] = Registry(
     "scheme", ENTRY_POINTS, objects=builtin_schemes, convert=_plugin_scheme
 )

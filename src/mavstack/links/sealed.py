@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from mavstack.links.options import Options
     from mavstack.links.scheme import LinkScheme
 
-#: Seconds between two looks at the timers of all tunnels.
+#: Seconds between two checks of the timers of all tunnels.
 TICK: Final = 0.1
 #: Attempts without an answer after which a warning is logged.
 WARN_ATTEMPTS: Final = 5
@@ -51,7 +51,8 @@ MAX_CHUNK: Final = 60_000
 CIPHERS: Final = ("chacha20", "aes256")
 #: Bytes of a shared key.
 SECRET_SIZE: Final = 32
-#: Bytes of a joined datagram: whole on the Internet, short on radios, where a damaged byte loses all of it.
+#: Maximum size of a datagram with joined packets: on the Internet, over streams, and over radios, where one
+#: damaged byte costs the whole datagram.
 _DATAGRAM_MTU: Final = 1200
 _STREAM_MTU: Final = 8192
 _DEVICE_MTU: Final = 320
@@ -150,8 +151,9 @@ class SealedLink(Link):
         carrier = SCHEMES.get(url.scheme.removeprefix(SEALED))
         inner_url = LinkURL(carrier.name, url.host, url.port, url.path, url.options)
         self._inner = impaired_link(inner_url, options) if inner is None else inner
-        self._inner.trust_senders()  # the handshake proves the address of a peer before packets are sent
-        #: Bytes of a joined datagram.
+        # trust them: the handshake verifies a peer's address before packets are sent to it
+        self._inner.trust_senders()
+        #: Maximum size of a datagram with joined packets, in bytes.
         self.mtu = max(options.size("mtu", _default_mtu(carrier)), OVERHEAD + 1)
         self._config = _read_config(url, options)
         only_answers = carrier.listens if answers is None else answers

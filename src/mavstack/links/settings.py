@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
     from mavstack.links.options import Options
 
-#: The MAVLink version of sent packets; "auto": that of the peer (see `mavstack.node.channel_state`).
+#: The MAVLink version of sent packets; "auto": the version of the peer (see `mavstack.node.channel_state`).
 Version: TypeAlias = Literal[1, 2, "auto"]
 
 VERSIONS: Final[Mapping[str, Version]] = MappingProxyType({"1": 1, "2": 2, "auto": "auto"})
 MAX_ID: Final = 255
-#: Heartbeats per second; more would be a load for a telemetry radio.
+#: Maximum heartbeat rate in hertz: a higher one would be a load for a telemetry radio.
 MAX_HEARTBEAT_RATE: Final = 50.0
 ADDRESS_FORMAT: Final = f"SYSTEM or SYSTEM/COMPONENT, each 1 to {MAX_ID}"
 RATE_FORMAT: Final = f"a rate from 0 (none) to {MAX_HEARTBEAT_RATE:g} Hz"

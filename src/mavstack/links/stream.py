@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from mavstack.links.inbox import Inbox
 
 MAX_READ = 1 << 16
-#: Unsent bytes of a TCP connection in the system (`send_at_once`).
+#: Maximum number of unsent bytes in the kernel for a TCP connection (`send_at_once`).
 MAX_UNSENT = 16 << 10
 
 
@@ -84,7 +84,7 @@ class StreamChannel(ConnectionChannel):
         self._reader, self._writer = streams
         self._send_queue = send_queue
         self._read_transport: asyncio.BaseTransport = self._writer.transport
-        self._is_behind = True  # the reader may hold received bytes
+        self._is_behind = True  # True while the reader may hold received bytes
         self._writer.transport.set_write_buffer_limits(high=send_queue // 2)
 
     async def receive_all(self, inbox: Inbox) -> str:

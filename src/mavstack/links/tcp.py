@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from mavstack.links.url import LinkURL
 
 
-#: Connections that wait to be accepted.
+#: Maximum number of connections that wait to be accepted.
 BACKLOG = 100
 
 
@@ -130,7 +130,7 @@ class TcpClient(ClientLink):
             try:
                 async with asyncio.timeout(self.timeout):
                     await asyncio.get_running_loop().sock_connect(sock, address)
-            except OSError as error:  # a timeout too
+            except OSError as error:  # also a timeout
                 sock.close()
                 failure = error
             except BaseException:

@@ -53,9 +53,9 @@ DEFAULT_SOCKET_BUFFER = 4 << 20
 MAX_DIRECT = 64  # datagrams handled per wake-up of the event loop; if more wait, the backlog is used
 MAX_BATCH = 1024  # maximum number of datagrams read into the backlog at a time
 BACKLOG_TIME = 0.004  # seconds for which the backlog is handled until the kernel's queue is emptied again
-CLOCK_INTERVAL = 8  # datagrams handled between two looks at the clock
+CLOCK_INTERVAL = 8  # datagrams handled between two readings of the clock
 MAX_DATAGRAM = 1 << 16
-_SO_RCVBUFFORCE = 33  # Linux
+_SO_RCVBUFFORCE = 33  # number of the socket option on Linux
 _SO_MEMINFO = 55  # Linux; its ninth number counts the datagrams dropped because the socket buffer was full
 
 
@@ -161,7 +161,7 @@ class UdpLink(Link):
             with suppress(OSError):  # some systems raise for a size above their limit
                 sock.setsockopt(socket.SOL_SOCKET, option, self._buffer)
         if sys.platform == "linux":
-            with suppress(OSError):  # not permitted
+            with suppress(OSError):  # the process may not exceed the system's limit
                 sock.setsockopt(socket.SOL_SOCKET, _SO_RCVBUFFORCE, self._buffer)
         return sock
 
@@ -174,7 +174,7 @@ class UdpLink(Link):
             self._transport, _ = await loop.create_datagram_endpoint(lambda: _Protocol(self), sock=sock)
 
     def _readable(self, sock: socket.socket) -> None:
-        if self._backlog:  # its next part is due in this round of the event loop
+        if self._backlog:  # a callback for the next part of the backlog is scheduled already
             self._fill_backlog(sock)
             return
         emptied = self._read_joined(sock) if self.joins_datagrams else self._read_singly(sock)
@@ -192,7 +192,7 @@ class UdpLink(Link):
                 data, address = receive(MAX_DATAGRAM)
             except (BlockingIOError, InterruptedError):
                 return True
-            except OSError:  # an ICMP error about a datagram sent earlier
+            except OSError:  # reports an ICMP error about a datagram that was sent earlier
                 continue
             datagram(data, address, time())
         return False
@@ -224,7 +224,7 @@ class UdpLink(Link):
             except (BlockingIOError, InterruptedError):
                 emptied = True
                 break
-            except OSError:  # as above
+            except OSError:  # reports an ICMP error, as in `_read_singly`
                 continue
             senders.append(address)
             if not add((data, address, now), known=self._knows(address)):

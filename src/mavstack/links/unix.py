@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mavstack.links.url import LinkURL
 
 
-#: Connections that wait to be accepted.
+#: Maximum number of connections that wait to be accepted.
 BACKLOG = 100
 
 

@@ -26,14 +26,14 @@ if TYPE_CHECKING:
 
 (_SERIAL,) = serial.SCHEMES
 (_FILE,) = file.SCHEMES
-#: The scheme of the example for a text without one.
+#: The scheme in the example that an error shows for a URL without a scheme.
 _USUAL: Final = udp.SCHEMES[0]
 _RECORDINGS = (".tlog", ".rlog", ".raw")
 
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9_+.-]+):(//)?(.*)", re.DOTALL)
 _HOST_PORT = re.compile(r"(?:\[([^\[\]]*)\]|([^:/\[\]\s]*))(?::([^:/]*))?")
 _DEVICE_BAUD = re.compile(r"(.*?)(?:,(\d+)|:(\d{4,}))", re.DOTALL)
-_DRIVE = re.compile(r"/[A-Za-z]:[/\\]")  # file:///C:/logs/flight.tlog
+_DRIVE = re.compile(r"/[A-Za-z]:[/\\]")  # such as in file:///C:/logs/flight.tlog
 _BARE_SERIAL = re.compile(r"/dev/.+|COM\d+([:,]\d+)?|\\\\\.\\COM\d+([:,]\d+)?", re.IGNORECASE | re.DOTALL)
 
 
@@ -79,7 +79,8 @@ class LinkURL:
         return replace(self, options={**self.options, **texts})
 
 
-_PATH_SAFE = "/:\\,.~@+=&[]"  # brackets: other schemes may carry the address of a host
+# brackets, since the path of other schemes may contain the IPv6 address of a host
+_PATH_SAFE = "/:\\,.~@+=&[]"
 _SECRET_OPTION = re.compile(
     r"([?&][^=&]*(?:pass|secret|ticket|token|key|header\.)[^=&]*=)[^&]+", re.IGNORECASE
 )

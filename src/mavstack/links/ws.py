@@ -112,7 +112,7 @@ class _Opening(ServerConnection):
     """A connection to a server that is counted until its handshakes are done."""
 
     handshakes: Handshakes
-    #: The role of the client's credentials.
+    #: The role that the client's credentials allow.
     role = Role.ADMINISTER
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
@@ -132,7 +132,7 @@ class WsServer(ServerLink):
         self._handshakes = Handshakes()
         self._origin = options.text("origin")
         self._subprotocols = _words(options, "subprotocol")
-        #: Decides on the clients.
+        #: Admits or refuses clients.
         self.gate = WsGate(url, options)
         self._roles = RoleGate(url, options)
         self._context: ssl.SSLContext | None = server_context(url, options) if url.scheme == "wssin" else None

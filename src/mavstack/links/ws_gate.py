@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     from mavstack.links.options import Options
     from mavstack.links.url import LinkURL
 
-#: The roles of the scopes.
+#: The role of each ticket scope.
 SCOPES: Final = MappingProxyType(
     {MAVLINK_SCOPE: Role.ADMINISTER} | {f"{MAVLINK_SCOPE}.{role.word}": role for role in Role}
 )
-#: The refusals of clients that showed a valid ticket.
+#: Refusals of clients with a valid ticket.
 _NOT_ALLOWED = frozenset({TicketRefusal.WRONG_SCOPE, TicketRefusal.TOO_MANY})
 
 
@@ -49,9 +49,9 @@ class WsGate:
         self._token = options.text("token")
         api_key = ticket_key(url, options)
         self._tickets = TicketVerifier(api_key, SCOPES) if api_key else None
-        #: The program's own decision: returns None to accept a client, or the reason to refuse it.
+        #: The program's own check: returns None to accept a client, or the reason to refuse it.
         self.accept: Callable[[Request], str | None] | None = None
-        #: Refused clients by reason; those that `accept` refused have one reason in common.
+        #: Number of refused clients by reason; all clients that `accept` refused count under one reason.
         self.refusals: Counter[str] = Counter()
 
     @property

@@ -76,14 +76,12 @@ class Engine:
         self.key_channels = KeyChannels(self.routes, self.channels, self.senders)
         #: Called with the name of a channel that was closed.
         self.on_channel_closed: Callable[[str], None] = lambda name: None
-        #: Called with a signed packet of a verified address on a channel without a key; may set the channel's
-        #: key.
+        #: Called with a signed packet of a verified address on a channel without a key; may set its key.
         self.adopt_key: Callable[[ChannelState, Packet, float], bool] = lambda channel, packet, now: False
         #: The channel of the packet that is handled now; None if no packet is handled.
         self.arrived_on: ChannelState | None = None
         self._heartbeats = OwnHeartbeats(dialect)
-        #: Returns whether a packet with the local address is this node's heartbeat, returned by a loop of
-        #: links.
+        #: Returns whether a packet is a heartbeat of this node that a loop of links returned.
         self.is_echo = self._heartbeats.is_echo
         self.signing_states = SigningStates()
         self._closed_clock = 0

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 #: Messages that are accepted unsigned: radios send RADIO_STATUS themselves and have no key.
 UNSIGNED = tuple(message_ids(common.RadioStatus))
-#: Seconds by which a packet may arrive after a newer packet of its stream, which two channels may transmit.
+#: Seconds by which a packet may arrive after a newer one of its stream, which may use two channels.
 REORDER_SLACK = 1.0
 #: Maximum number of keys whose streams are kept; the least recently used key is dropped first.
 MAX_KEYS = 16

@@ -48,19 +48,19 @@ COOKIE: Final = "mavstack_session"
 _COOKIE: Final = re.compile(rf"(?:^|;\s*){COOKIE}=\"?([^;\"\s]*)")
 #: Seconds after which a session that is not used ends.
 SESSION_LIFETIME: Final = 12 * 3600.0
-#: Sessions of each role; a further one ends the one that was used longest ago.
+#: Maximum number of sessions of each role; a further one ends the least recently used one.
 MAX_SESSIONS: Final = 1024
-#: Wrong passwords from one address within `FAILURE_WINDOW` seconds, after which it has to wait.
+#: Wrong passwords within `FAILURE_WINDOW` seconds after which an address is blocked for a time.
 MAX_FAILURES: Final = 5
 FAILURE_WINDOW: Final = 60.0
 MAX_FAILING_ADDRESSES: Final = 4096
 MIN_PASSWORD: Final = 8
-#: Bits of an IPv6 address that name a network.
+#: Length of the IPv6 prefix of a network: all its addresses count as one machine.
 _MACHINE_PREFIX: Final = 64
-#: Bytes of the nonce of a ticket: the mark of its session, and random ones.
+#: Sizes of the two parts of a ticket's nonce, in bytes: the mark of its session, and random bytes.
 _MARK_SIZE: Final = 8
 _RANDOM_SIZE: Final = 8
-#: Values of `Sec-Fetch-Site`, by which browsers say where a request comes from.
+#: Values of the header `Sec-Fetch-Site` of requests that pages of other origins cause.
 _OTHER_SITES: Final = ("cross-site", "same-site")
 
 
@@ -86,7 +86,7 @@ class Client(NamedTuple):
 class _Session:
     role: Role
     used_at: float
-    #: The first bytes of the nonces of its tickets; the token itself would be a secret in them.
+    #: The first bytes of the nonces of the session's tickets, which must not contain the secret token.
     mark: bytes = field(default_factory=lambda: secrets.token_bytes(_MARK_SIZE))
     #: Called when the session ends.
     listeners: set[Callable[[], None]] = field(default_factory=set)
@@ -118,12 +118,12 @@ class Access:
     ) -> None:
         self._passwords = dict(passwords or {})
         self._local = local
-        #: Origins of further pages, as browsers write them.
+        #: Further allowed origins of pages, in the form of the header `Origin`.
         self.origins = frozenset(origin.rstrip("/").lower() for origin in origins)
         self._now = now
         self._sessions: dict[str, _Session] = {}
         self._failures: dict[str, list[float]] = {}
-        # Sessions get tickets that are signed with a key of this process; they open WebSockets, no sessions.
+        # Tickets of sessions are signed with a key of this process. They open a WebSocket, not a session.
         self._own_key = secrets.token_hex(32)
         keys = [self._own_key, *filter(None, [ticket_key])]
         self._verifiers = [TicketVerifier(key, SCOPES) for key in keys]
@@ -312,7 +312,7 @@ class Access:
         raise RefusedError(401, refusals[-1])
 
     def _begin(self, role: Role, now: float) -> Client:
-        # Sessions of lower roles must not end those of higher ones.
+        # The limit is per role, so that sessions of lower roles do not end sessions of higher ones.
         of_role = [token for token, session in self._sessions.items() if session.role is role]
         if len(of_role) >= MAX_SESSIONS:
             self.log_out(min(of_role, key=lambda token: self._sessions[token].used_at))

@@ -97,5 +97,5 @@ class ApiRoute(Route[BodyT, QueryT]):
     writes: bool = False
 
 
-#: A route of any models.
+#: A route with any types of body and query.
 AnyRoute: TypeAlias = ApiRoute[Any, Any]

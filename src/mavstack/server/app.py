@@ -70,23 +70,23 @@ if TYPE_CHECKING:
     from mavstack.server.api_route import AnyRoute
     from mavstack.server.station import Station
 
-#: The pages, as the build makes them from `web/`.
+#: The built pages, from the sources in `web/`.
 STATIC: Final = Path(__file__).parent / "static"
 NOT_BUILT: Final = (
     "The pages of the ground station are not built: run `make station` in the source tree, with Node. "
     "The API works without them; /openapi.json describes it.\n"
 )
-#: The pages load scripts from the station alone; map tiles and videos may come from other servers.
+#: Content security policy of the pages: scripts only from the station; map tiles and videos from any server.
 POLICY: Final = (
     "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' data: blob: https: http:; media-src 'self' blob: https: http:; "
     "connect-src 'self' ws: wss: https: http:; worker-src 'self'; frame-ancestors 'none'; "
     "object-src 'none'; base-uri 'none'; form-action 'self'"
 )
-#: The worker of a dashboard's script may run the text of the script, and request nothing from anywhere. It
-#: has no origin, so that neither the storage of the pages nor the devices that they may use are there.
+#: Content security policy of the worker that runs the script of a dashboard: the script can request nothing.
+#: The sandbox has no origin, so the script has no access to the storage and the devices of the pages.
 SCRIPT_POLICY: Final = "default-src 'none'; script-src 'unsafe-eval'; sandbox allow-scripts"
-#: The folder of the files with that policy, as `web/vite.config.ts` names it.
+#: The folder of the files that are sent with `SCRIPT_POLICY`; `web/vite.config.ts` has the same name.
 SCRIPT_FOLDER: Final = "/sandbox"
 _HEADERS: Final = {
     b"content-security-policy": POLICY.encode(),
@@ -96,7 +96,7 @@ _HEADERS: Final = {
     b"cross-origin-opener-policy": b"same-origin",
 }
 
-#: All routes of the API that are checked and described by their table; the first ones are found first.
+#: All API routes that are checked and described by this table; the first matching route is used.
 ROUTES: Final[tuple[AnyRoute, ...]] = (
     *vehicles.ROUTES,
     *conflicts.ROUTES,
@@ -166,7 +166,7 @@ def make_app(
         *_page_routes(access, static),
     ]
     app = Starlette(routes=routes, exception_handlers={HTTPException: _unknown_route})
-    if access.origins:  # without it a browser hides the answers from their pages
+    if access.origins:  # otherwise a browser hides the answers from pages of these origins
         app.add_middleware(
             CORSMiddleware,
             allow_origins=sorted(access.origins),
@@ -221,7 +221,7 @@ def _guarded(handler: Callable[[Request], Awaitable[Response]]) -> Callable[[Req
             return await handler(request)
         except (RefusedError, MavstackError) as error:
             return problem_response(error)
-        except ClientDisconnect:  # in the middle of its request: no client reads the answer
+        except ClientDisconnect:  # the client left during its request, so nobody reads the answer
             return Response(status_code=400)
 
     return guarded

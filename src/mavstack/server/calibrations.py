@@ -68,7 +68,7 @@ class Calibrations:
         try:
             await asyncio.wait([task])
         finally:
-            task.cancel()  # if this request was cancelled
+            task.cancel()  # has an effect only if this request was cancelled
             await asyncio.gather(task, return_exceptions=True)
             self._remove(vehicle.system, running)
         if task.cancelled():
@@ -88,7 +88,7 @@ class Calibrations:
         running = self._running[vehicle.system]
         running.task.cancel()
         await asyncio.wait([running.task])
-        # A client that starts the next one right after the answer is not told that this one runs.
+        # Remove it before the answer, so that the client can start the next calibration right away.
         self._remove(vehicle.system, running)
 
     def _remove(self, system: int, running: _Running) -> None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from mavstack.server.access import Client
 
-#: WebSockets and streams of all clients, of those that observe together, and of one session.
+#: Maximum number of WebSockets and streams: of all clients, of all observing clients, and of one session.
 MAX_STREAMS: Final = 256
 MAX_OBSERVED_STREAMS: Final = 96
 MAX_STREAMS_PER_SESSION: Final = 16

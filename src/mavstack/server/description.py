@@ -9,7 +9,7 @@ from msgspec import Meta, Struct
 from mavstack.http.openapi import Api
 
 _TEXT: Final[dict[str, Any]] = {"type": "string"}
-#: The parts of paths, with values by which the examples work on a simulated copter.
+#: The parameters of paths; with their example values, requests work on a simulated copter.
 _PATH_PARTS: Final[dict[str, dict[str, Any]]] = {
     "system": {
         "description": "The system id of a vehicle.",

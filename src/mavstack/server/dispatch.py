@@ -47,7 +47,7 @@ def endpoint_of(
             return await _answer(route, station, access, request)
         except (RefusedError, MavstackError) as error:
             return problem_response(error)
-        except ClientDisconnect:  # in the middle of its request: no client reads the answer
+        except ClientDisconnect:  # the client left during its request, so nobody reads the answer
             return Response(status_code=400)
         except Exception as error:
             logger.exception("%s %s failed", route.method, route.path)
@@ -125,7 +125,7 @@ async def _read_body(route: AnyRoute, request: Request) -> tuple[Fields | None, 
 
 def _start_task(route: AnyRoute, call: Call[Any, Any]) -> Response:
     if "system" in call.request.path_params:
-        _ = call.vehicle  # an unknown vehicle is refused at once
+        _ = call.vehicle  # raises the refusal of an unknown vehicle before the task starts
 
     async def work(task: Task) -> Response:
         with _giving_way(route, call):

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from mavstack.server.station import Station
 
 SUBPROTOCOL: Final = "mavstack.json.1"
-#: Characters that wait for a client.
+#: Maximum number of characters in the send queue of a client.
 MAX_QUEUE: Final = 2 << 20
 MAX_NAMES: Final = 512
 Names: TypeAlias = Annotated[

@@ -25,7 +25,7 @@ def to_json(value: object) -> Any:  # noqa: ANN401 (JSON has values of many type
         None, a bool, a number, a text, a list or a dictionary.
     """
     kind = type(value)
-    if kind is float:  # most values are floats and integers
+    if kind is float:  # check floats and integers first: most values are of these types
         return value if isfinite(value) else None  # type: ignore[arg-type]
     return value if kind is int or kind is str else _other_json(value)
 

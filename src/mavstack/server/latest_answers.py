@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mavstack.server.station import Station
 
 _PATH: Final = re.compile(r"/api/vehicles/([1-9][0-9]{0,2})/messages/([A-Za-z0-9_]{1,60})")
-#: Names of messages whose ids are kept.
+#: Maximum number of message names whose ids are cached.
 _MAX_NAMES: Final = 1024
 
 

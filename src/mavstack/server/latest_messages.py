@@ -9,11 +9,11 @@ if TYPE_CHECKING:
 
     from mavstack.wire import Packet
 
-#: Messages that are kept, of all components together; beyond it the ones received longest ago are dropped.
+#: Maximum number of messages of all components together; the oldest received ones are dropped.
 MAX_MESSAGES: Final = 8192
-#: Weight of the newest interval in the average interval.
+#: Weight of the newest interval in the moving average of the intervals.
 _WEIGHT: Final = 0.2
-#: A message that is this many intervals late has no rate any more.
+#: Number of average intervals without a new packet after which a message has no rate.
 _MISSED_INTERVALS: Final = 5.0
 
 
@@ -48,7 +48,7 @@ class LatestMessages:
 
     def __init__(self) -> None:
         self._latest: dict[tuple[int, int, int], LatestMessage] = {}
-        #: The message received last of each system and id, of any component.
+        #: The latest message of each system and message id, of any component.
         self._newest: dict[tuple[int, int], LatestMessage] = {}
 
     def store(self, packet: Packet, time: float) -> None:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import asyncio
 from typing import Final
 
-#: Sends of clients that observe in one turn of the event loop.
+#: Maximum number of sends to observing clients per turn of the event loop.
 WIDTH: Final = 4
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Connection
     from mavstack.wire import Packet
 
-#: Shortest and longest time in seconds between batches, and the time that each client adds.
+#: Minimum and maximum seconds between batches, and seconds that each client adds.
 MIN_INTERVAL: Final = 0.001
 MAX_INTERVAL: Final = 0.02
 CLIENT_INTERVAL: Final = 0.001
@@ -67,7 +67,7 @@ class PacketHub:
         self._listener: Listener | None = None
         self._pending: list[tuple[Packet, float]] = []
         self._timer: asyncio.TimerHandle | None = None
-        #: The time of the event loop of the last batch.
+        #: The time of the last batch, by the clock of the event loop.
         self._flushed_at = 0.0
 
     def open(self) -> None:

@@ -39,7 +39,7 @@ from mavstack.maps.failures import MapError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-#: The status of each kind of error; the first match counts.
+#: The HTTP status of each class of errors; the first matching class is used.
 STATUSES: Final[Sequence[tuple[type[Exception], HTTPStatus]]] = (
     (RemoteDenied, HTTPStatus.CONFLICT),
     (SystemIdConflictError, HTTPStatus.CONFLICT),

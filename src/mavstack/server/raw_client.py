@@ -28,14 +28,14 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 SUBPROTOCOL: Final = "mavstack.raw.1"
-#: Bytes that wait for a client.
+#: Maximum number of bytes in the send queue of a client.
 MAX_QUEUE: Final = 1 << 20
-#: Bytes of a client that are handled at once, and per second: other clients have their turn meanwhile.
+#: Bytes of a client that are handled at a time, and per second, so that other clients are served too.
 SLICE: Final = 4096
 RATES: Final[Mapping[Role, float]] = MappingProxyType(
     {Role.OBSERVE: 16_000.0, Role.OPERATE: 500_000.0, Role.ADMINISTER: 10_000_000.0}
 )
-#: The number of message ids.
+#: The number of possible message ids (24 bits).
 _IDS: Final = 1 << 24
 
 
@@ -49,7 +49,7 @@ class RawClient:
         self._role = role
         self._websocket = websocket
         self._rules = SenderRules(station.connection, role)
-        # One parser decides where packets begin: a second one could find others in the allowed bytes.
+        # Only one parser looks for packets: a second one could find other packets in the allowed bytes.
         self._packets: Callable[[bytes], Iterable[Packet]] = (
             Parser(station.connection.dialect).feed if role is Role.ADMINISTER else RoleFilter(role).packets
         )

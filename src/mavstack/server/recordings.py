@@ -20,12 +20,12 @@ if TYPE_CHECKING:
     from mavstack.node.recording import Recording
     from mavstack.vehicle import Connection
 
-#: The names that files may have: no folders, nothing hidden.
+#: Pattern of allowed file names: without folders, and not hidden.
 NAME_PATTERN: Final = r"[A-Za-z0-9_][A-Za-z0-9 _.+-]{0,126}"
 #: The suffixes of the files that are listed and read.
 SUFFIXES: Final = frozenset({".tlog", ".pcap", ".pcapng", ".bin", ".ulg", ".log", ".bbl", ".bfl"})
 MAX_LISTED: Final = 10_000
-#: Recordings that run at a time: each one writes every packet, into an open file.
+#: Maximum number of simultaneous recordings: each one writes every packet to an open file.
 MAX_RUNNING: Final = 16
 
 

@@ -8,7 +8,7 @@ from msgspec import Meta
 
 from mavstack.http.request_fields import Fields
 
-#: Characters of a text in a request, unless its field allows more.
+#: Maximum length of a text in a request in characters, unless its field allows more.
 MAX_TEXT: Final = 4096
 
 Text: TypeAlias = Annotated[str, Meta(max_length=MAX_TEXT)]

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 _HEARTBEAT: Final = next(iter(message_ids(common.Heartbeat)))
-#: Messages that `roles` allows to clients that observe, and the station does not.
+#: Messages of observing clients that `roles` allows, but the station refuses.
 _NOT_OBSERVED: Final = message_ids(
     common.Heartbeat,
     common.MissionRequestList,

@@ -36,7 +36,7 @@ async def ending_with_session(access: Access, token: str) -> AsyncIterator[None]
 
     def watch() -> None:
         nonlocal timer
-        if left := access.seconds_left(token):  # else it has called `listener`
+        if left := access.seconds_left(token):  # 0: the session ended, and `access` has called the listener
             timer = loop.call_later(left, watch)
 
     try:
@@ -45,7 +45,7 @@ async def ending_with_session(access: Access, token: str) -> AsyncIterator[None]
                 watch()
                 yield
     except TimeoutError:
-        if not limit.expired():  # of the block itself
+        if not limit.expired():  # the error comes from the `with` block itself
             raise
     finally:
         if timer is not None:

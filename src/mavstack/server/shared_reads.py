@@ -19,12 +19,12 @@ from mavstack.http.bodies import RefusedError
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator
 
-#: Seconds for which clients that observe get the last result.
+#: Seconds for which observing clients get the last result without a new read.
 FRESH: Final = 5.0
-#: Reads of all clients that observe which begin per second, and after a pause.
+#: Maximum number of reads for all observing clients per second, and at once after a pause.
 MAX_RATE: Final = 1.0
 MAX_BURST: Final = 8.0
-#: Results that are kept.
+#: Maximum number of results that are kept.
 MAX_RESULTS: Final = 64
 
 T = TypeVar("T")

@@ -74,7 +74,7 @@ class Sources:
     """
 
     def __init__(self, connection: Connection, *, network_only: bool = False) -> None:
-        #: The rows of the sources that do not speak MAVLink.
+        #: The rows of all sources that are not MAVLink links.
         self.rows = RowHub()
         self._connection = connection
         self._network_only = network_only
@@ -161,7 +161,7 @@ class Sources:
         if name in names:
             raise RefusedError(409, f"there is a source of rows named {name} already")
         source = RowSource(number, RowReader(url, name, self.rows))
-        self._sources[number] = source  # its name is taken while it opens
+        self._sources[number] = source  # register it before it opens, so that its name is reserved
         try:
             await source.reader.open()
         except BaseException:

@@ -64,7 +64,7 @@ TELEMETRY_RATES: Final[Mapping[type[Message], float]] = MappingProxyType(
         common.Vibration: 1.0,
     }
 )
-#: The messages of ArduPilot that user interfaces show too, in hertz; PX4 sends its wind by itself.
+#: Rates of further messages of ArduPilot for user interfaces, in hertz; PX4 sends its wind unasked.
 ARDUPILOT_RATES: Final[Mapping[type[Message], float]] = MappingProxyType(
     {common.FenceStatus: 1.0, ardupilotmega.Wind: 1.0}
 )
@@ -107,13 +107,13 @@ class Station:
         self.swarm = StationSwarm(self.connection)
         self.tasks = Tasks()
         self.generator = GeneratorRunner()
-        #: The requests of all clients that observe.
+        #: Limits the requests of all observing clients together.
         self.observers = ObserverRequests()
         self.observer_lane = ObserverLane()
-        #: The answers to clients that observe.
+        #: Limits the answers to observing clients per turn of the event loop.
         self.answer_lane = ObserverLane(width=1)
         self.reads = SharedReads(self.connection.now)
-        #: The WebSockets and streams of all clients.
+        #: Counts the WebSockets and streams of all clients.
         self.shares = ClientShares()
         self.router = router
         self._video: VideoGateway | None = None
@@ -145,7 +145,7 @@ class Station:
 
     async def open(self) -> Self:
         """Open the connection, and request telemetry from the vehicles that it finds."""
-        async with AsyncExitStack() as steps:  # they run from the last one to the first
+        async with AsyncExitStack() as steps:  # the last step runs first
             await steps.enter_async_context(self.connection)
             steps.callback(self.packets.close)
             self.packets.open()

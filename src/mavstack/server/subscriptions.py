@@ -10,9 +10,9 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 MAX_RATE: Final = 1000.0
-#: Messages of components whose next time is kept, for clients with a rate.
+#: Maximum number of messages with a stored next send time, for clients that limit the rate.
 MAX_TIMES: Final = 8192
-#: Stands for all message ids.
+#: The id that means all message ids.
 ALL: Final = -1
 
 
@@ -62,7 +62,7 @@ class Subscriptions:
 
     def _is_due(self, key: tuple[int, int, int], time: float, interval: float) -> bool:
         due = self._next_times.get(key, time)
-        if time < due - interval * 0.05:  # the interval of the sender varies a little
+        if time < due - interval * 0.05:  # a tolerance of 5 %, since the interval of the sender varies
             return False
         if len(self._next_times) >= MAX_TIMES:
             self._next_times.clear()

@@ -36,11 +36,11 @@ class StationSwarm:
         self._connection = connection
         self._swarm: Swarm | None = None
         self._vehicles: tuple[Vehicle, ...] = ()
-        #: The leader of the last call.
+        #: The leader in the last call.
         self._led: Vehicle | None = None
         self._action: str | None = None
         self._flight: asyncio.Task[Any] | None = None
-        #: The reason for which the last call ended without its result; None: it has its result.
+        #: The reason why the last call ended without a result; None if it has a result.
         self._reason: str | None = None
         self._smallest = math.inf
 

@@ -22,18 +22,18 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable
     from typing import TypeAlias
 
-    #: The work of a task, which reports its progress to the task.
+    #: The coroutine function that a task runs; it reports its progress to the task.
     Work: TypeAlias = Callable[["Task"], Awaitable[Any]]
 
 logger = logging.getLogger("mavstack.server")
 
 MAX_RUNNING: Final = 64
-#: Running tasks with which clients that observe start no more, so that they keep no pilot from acting.
+#: Number of running tasks from which observing clients cannot start more, so that pilots still can.
 MAX_OBSERVED: Final = 32
 MAX_ENDED: Final = 32
-#: Bytes of the results of all ended tasks, such as downloaded logs.
+#: Maximum size of the results of all ended tasks in bytes, such as downloaded logs.
 MAX_RESULTS: Final = 256 << 20
-#: Reports of progress per second to each follower.
+#: Minimum seconds between two progress reports to a follower.
 REPORT_INTERVAL: Final = 0.1
 
 
@@ -51,16 +51,16 @@ class Task:
 
     def __init__(self, number: str, name: str, owner: str) -> None:
         self.id = number
-        #: The request, such as `GET /api/vehicles/1/parameters`.
+        #: The method and path of the request, such as `GET /api/vehicles/1/parameters`.
         self.name = name
         #: The session that started the task; empty without sessions.
         self.owner = owner
         self.state = TaskState.RUNNING
         self.done = 0
         self.total = 0
-        #: The step at which the work is, as JSON; None if the work has no steps.
+        #: The current step of the work, as JSON; None if the work has no steps.
         self.step: Any = None
-        #: The value that the request would have been answered with.
+        #: The value of the answer, as for a request without a task.
         self.result: Any = None
         self.error: Exception | None = None
         self._changed = asyncio.Event()

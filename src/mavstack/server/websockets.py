@@ -49,7 +49,7 @@ def websocket_endpoint(station: Station, access: Access) -> Callable[[WebSocket]
         except RefusedError as error:
             await _deny(websocket, error)
             return
-        # The client may leave at any time, and the station may be closed.
+        # Both exceptions are normal: the client may leave, and the station may be closed, at any time.
         with place, suppress(WebSocketDisconnect, InvalidStateError):
             await websocket.accept(chosen)
             client = _client(station, websocket, chosen, role)
@@ -108,7 +108,7 @@ async def _serve(
 ) -> None:
     """Send and receive until the client leaves; `used` is called for each message of the client."""
     sender = asyncio.get_running_loop().create_task(client.send())
-    # A client whose messages cannot be sent any more has left; `receive` then ends too.
+    # If a send fails, the client has left, and `receive` ends too: the error needs no report.
     sender.add_done_callback(lambda task: None if task.cancelled() else task.exception())
     try:
         with _joined(station, client):

@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from mavstack.server.sources import Sources
 
 _log = logging.getLogger("mavstack.server")
-#: Worlds at once, and lines about each that are kept.
+#: Maximum number of simultaneous worlds, and of log lines that are kept for each.
 MAX_WORLDS: Final = 16
 MAX_LINES: Final = 200
-#: Kinds of physics whose models are files.
+#: Kinds of physics that read a model from a file.
 _FILES: Final = frozenset({"mujoco", "log"})
 
 

@@ -85,8 +85,7 @@ async def selected_vehicles(connection: Connection, arguments: Namespace) -> Gro
     group = await _selected(connection, arguments)
     if getattr(arguments, "changes", False):
         operation = _OPERATIONS.get(arguments.command)
-        # The API itself refuses the actions of `mav vehicle` before they have an effect, and names the
-        # action.
+        # The API itself refuses the actions of `mav vehicle`, before they have an effect.
         with suppress(SystemIdConflictError) if arguments.command == "vehicle" else nullcontext():
             for vehicle in group:
                 await connection.check_sender(vehicle.system, operation or "acting on")

@@ -23,8 +23,7 @@ if TYPE_CHECKING:
 
 DEFAULT_OUT: Final = "tcpin://127.0.0.1:5770"
 _PORT: Final = re.compile(r"(UART|SOFTSERIAL|VCP)(\d{0,2})")
-#: Identifier of the first port of each kind, in Betaflight from API 1.47 on; below, in older firmware and
-#: iNav.
+#: Identifier of the first port of each kind: Betaflight from API 1.47 on; then older firmware and iNav.
 _FIRST_PORTS: Final = {"UART": 51, "SOFTSERIAL": 30, "VCP": 20}
 _FIRST_OLD_PORTS: Final = {"UART": 0, "SOFTSERIAL": 30, "VCP": 20}
 _NEW_PORTS: Final = (1, 47)

@@ -26,8 +26,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Connection, Vehicle
 
     Run: TypeAlias = Callable[["Session", list[str]], Awaitable[None]]
-    #: Returns the completions of a word, from the session, the words before it and the typed part of the
-    #: word.
+    #: Returns the completions of a word, from the session, the words before it and its typed part.
     Completer: TypeAlias = Callable[["Session", Sequence[str], str], Awaitable[Iterable[str]]]
 
 

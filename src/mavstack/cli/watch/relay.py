@@ -34,8 +34,7 @@ class Relay:
         if given := self.link.settings.given:
             shown = self.link.url.redacted
             raise LinkURLError(f"{shown}: packets are replayed unchanged; remove the option {given[0]}")
-        #: Packets that all peers got, and packets that were dropped for at least one peer, whose queue was
-        #: full.
+        #: Packets sent to all peers, and packets dropped for at least one peer, whose queue was full.
         self.sent = 0
         self.dropped = 0
         self._has_peer = asyncio.Event()

@@ -11,10 +11,10 @@ from mavstack.links.schemes import serial, tcp, udp
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-#: The prefix of the schemes of sealed links, in front of the scheme of the link that they use.
+#: The prefix of the schemes of sealed links; the scheme of the inner link follows it.
 SEALED: Final = "sealed+"
 
-#: Options of the keys and of the joining of packets, which links through a relay have too.
+#: Options of the keys and of joined packets, which relay links share.
 SEAL_OPTIONS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "cipher": "the cipher, equal at both ends",

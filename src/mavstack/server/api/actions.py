@@ -254,7 +254,7 @@ class SetCurrentItem(Action):
         await vehicle.mission.set_current(**asdict(self))
 
 
-#: Each action by the end of its path.
+#: The action at the end of each path.
 ACTIONS: Final[dict[str, type[Action]]] = {
     "arm": Arm,
     "disarm": Disarm,
@@ -277,7 +277,7 @@ ACTIONS: Final[dict[str, type[Action]]] = {
     "mission/pause": PauseMission,
     "mission/current": SetCurrentItem,
 }
-#: Actions beyond a flight.
+#: Actions that need the role `administer`, as they are not part of a flight.
 _ADMINISTRATIVE: Final = frozenset({Reboot})
 
 

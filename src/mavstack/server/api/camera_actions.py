@@ -19,7 +19,7 @@ Share = Annotated[
 ]
 Stream = Annotated[int, Meta(description="The number of the stream.", ge=0, le=255)]
 Seconds = Annotated[float, Meta(description="Seconds between two images.", gt=0, le=86400, examples=[2])]
-#: The kinds of values of a zoom and of a focus, by their words.
+#: The type of a zoom value, and of a focus value, by its name in the API.
 ZOOMS: Final = {
     "range": common.CameraZoomType.RANGE,
     "step": common.CameraZoomType.STEP,
@@ -216,7 +216,7 @@ class ResetSettings(CameraAction):
         return None
 
 
-#: Each action by the end of its path.
+#: The action at the end of each path.
 ACTIONS: Final[dict[str, type[CameraAction]]] = {
     "photo": TakePhoto,
     "photos/start": StartPhotos,

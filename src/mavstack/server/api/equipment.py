@@ -142,7 +142,7 @@ class PointAhead(Action):
         await vehicle.roi.clear(timeout=self.timeout)
 
 
-#: Each action by the end of its path.
+#: The action at the end of each path.
 ACTIONS: Final[dict[str, type[Action]]] = {
     "motor-test": RunMotor,
     "servo": SetServo,

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from mavstack.server.api_route import PlainCall
 
 _PATH: Final = "/api/vehicles/{system}/external"
-#: A target to follow is part of a flight; the others tell a vehicle where it is or what is around it.
+#: Kinds that need only the role `operate`: a target to follow is part of a flight. The other kinds give the
+#: vehicle's position, or the surroundings.
 _OPERATED: Final = frozenset({"follow-target"})
 _PARTS: Final = frozenset({"position", "yaw"})
 _MAX_NUMBERS: Final = 72
@@ -24,7 +25,7 @@ _Values: TypeAlias = dict[
 ]
 _POSE: Final = {"position": [1.0, 2.0, 3.0], "orientation": [1.0, 0.0, 0.0, 0.0], "frame": "ENU"}
 _PLACE: Final = {"latitude": 47.3977, "longitude": 8.5456, "altitude": 488.0}
-#: The example of each kind.
+#: An example of each kind for the description of the API.
 _EXAMPLES: Final = {
     "odometry": _POSE,
     "vision": _POSE,

@@ -20,11 +20,11 @@ from mavstack.server.request_types import MAX_TEXT, Text
 if TYPE_CHECKING:
     from mavstack.server.generator.runner import Generated
 
-#: Bytes of an uploaded definition file.
+#: Maximum size of an uploaded definition file in bytes.
 MAX_DEFINITION: Final = 4 << 20
 _FOLDER: Final = "mavlink"
 _DEFINITION: Final = "custom.xml"
-#: A name without a folder, and none of a hidden file.
+#: The name of a file: without a folder, and not hidden.
 _FILE_NAME: Final = r"^[A-Za-z0-9_][A-Za-z0-9_ .-]{0,99}\.xml$(?!\n)"
 
 
@@ -85,7 +85,7 @@ async def _run(call: Call[Any, Any], *, archive: bool) -> Generated:
     """Run the generator for a request."""
     query: Form = call.query
     dialect = query.dialect
-    if not call.data and dialect not in official_names():  # a path would name a file of the server
+    if not call.data and dialect not in official_names():  # refuse paths: they would name files of the server
         raise RefusedError(400, f"there is no official dialect {dialect[:60]!r}")
     options = {"only": query.only, "exclude": query.exclude, "package": query.package}
     chosen = [word.strip() for word in query.languages.split(",") if word.strip()]

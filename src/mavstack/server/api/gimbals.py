@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 _GIMBALS: Final = "/api/vehicles/{system}/gimbals"
 _GIMBAL: Final = f"{_GIMBALS}/{{gimbal}}"
-#: The device id, behind the component id of a manager other than the autopilot.
+#: The id of a gimbal: its device id, preceded by the component id of a manager other than the autopilot.
 _ID: Final = re.compile(r"(?:(\d{1,3})-)?(\d{1,3})")
 MAX_ID: Final = 255
 Rate = Annotated[float | None, Meta(description="Degrees per second; null: the gimbal's own.")]
@@ -61,7 +61,7 @@ async def _find(vehicle: Vehicle) -> tuple[Gimbal, ...]:
         try:
             await gimbal.get_status()
         except MavstackError:
-            continue  # a manager without control reports none
+            continue  # a manager without control does not report a status
     return gimbals
 
 
@@ -182,7 +182,7 @@ class KeepNothingInView(GimbalAction):
         await gimbal.clear_roi(timeout=self.timeout)
 
 
-#: Each action by the end of its path.
+#: The action at the end of each path.
 ACTIONS: Final[dict[str, type[GimbalAction]]] = {
     "point": PointGimbal,
     "turn": TurnGimbal,

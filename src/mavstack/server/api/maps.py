@@ -20,7 +20,7 @@ from mavstack.server.api.action_route import summary_of
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.request_types import Latitude, Longitude, Text
 
-#: Seconds for which a browser keeps a tile.
+#: How long a browser caches a tile, in seconds (`max-age`).
 KEEPING: Final = "private, max-age=3600"
 _MEDIA_TYPES: Final = (
     (b"\x89PNG", "image/png"),
@@ -123,7 +123,7 @@ async def _tile(call: PlainCall) -> Response:
         raise RefusedError(404, f"zoom level {tile.zoom} has no tile {tile.x}, {tile.y}")
     data = await asyncio.to_thread(call.station.maps.tile, call.path("name"), tile)
     headers = {"Cache-Control": KEEPING}
-    if data is None:  # not an error: maps have edges
+    if data is None:  # a place outside of the map is not an error
         return Response(status_code=204, headers=headers)
     if data.startswith(_GZIP):
         headers["Content-Encoding"] = "gzip"

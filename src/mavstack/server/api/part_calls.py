@@ -33,7 +33,7 @@ class CallPart(Fields):
 
 
 async def _list(call: PlainCall) -> list[dict[str, Any]]:
-    component = type(call.vehicle.component)  # refuses the id of an unknown vehicle
+    component = type(call.vehicle.component)  # raises the refusal if the vehicle is unknown
     return [
         {
             "part": each.part.name,

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle.mission import VehiclePlan
 
 KINDS: Final = {"mission": PlanType.MISSION, "fence": PlanType.FENCE, "rally": PlanType.RALLY}
-#: Bytes of a file that takes long to read.
+#: Size in bytes from which a file is read in a thread, because it takes long.
 LARGE_FILE: Final = 1 << 16
 _MISSION_ITEM_INT: Final = 73
 _ITEM: Final = {

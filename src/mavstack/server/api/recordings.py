@@ -21,13 +21,13 @@ from mavstack.server.request_types import MAX_TEXT
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-#: Bytes that are read at a time.
+#: Number of bytes that are read at a time.
 CHUNK_SIZE: Final = 1 << 18
-#: The largest log that a client sends to have it replayed.
+#: The largest log that a client may send for a replay, in bytes.
 MAX_REPLAY: Final = 1 << 28
 _BYTES: Final = "application/octet-stream"
 
-#: A report is a separate page: it loads nothing, and has no access to the station.
+#: The content security policy of a report: the page loads nothing, and has no access to the station.
 REPORT_POLICY: Final = (
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; "
     "sandbox allow-scripts"

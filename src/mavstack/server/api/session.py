@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from mavstack.server.access import Access, Client
 
-#: Seconds for the body of the one request that needs no session.
+#: Seconds to receive the body of a log-in, the only request with a body that needs no session.
 LOG_IN_TIMEOUT: Final = 20.0
 
 
@@ -87,7 +87,8 @@ class Sessions:
             max_age=int(SESSION_LIFETIME),
             httponly=True,
             samesite="strict",
-            secure=self._secure or request.url.scheme == "https",  # of a proxy
+            # the scheme is https behind a proxy with TLS
+            secure=self._secure or request.url.scheme == "https",
         )
 
     def _values(self, client: Client) -> dict[str, Any]:

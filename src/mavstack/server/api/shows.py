@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
 #: Largest file in bytes.
 MAX_BYTES: Final = 16 << 20
-#: Most places that the check samples, and most places and times of the answer.
+#: Maximum number of positions that the check samples, and of positions and times in the answer.
 MAX_CHECKED, MAX_PLACES, MAX_TIMES = 3_000_000, 60_000, 1200
-#: Places a second of the answer if it stays within these limits.
+#: Positions per second in the answer, unless the limits require fewer.
 _PREVIEW_RATE: Final = 5.0
 
 
@@ -85,7 +85,7 @@ def _tracks(show: Show) -> list[dict[str, Any]]:
     limit = min(MAX_TIMES, MAX_PLACES // len(show.vehicles))
     count = max(2, min(ceil(show.duration * _PREVIEW_RATE) + 1, limit))
     times = np.linspace(0.0, show.duration, count)
-    # x ahead, y to the left, z up become forward, right, up.
+    # Convert the axes forward, left, up of a show to forward, right, up.
     turned = (1.0, -1.0, 1.0)
     return [
         {

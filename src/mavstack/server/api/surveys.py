@@ -39,7 +39,7 @@ _Corners: TypeAlias = Annotated[list[_Place], Meta(max_length=MAX_CORNERS)]
 _Part: TypeAlias = Annotated[float, Meta(ge=0, lt=1)]
 _AboveZero: TypeAlias = Annotated[float, Meta(gt=0)]
 _View: TypeAlias = Annotated[float, Meta(gt=0, lt=180)]
-#: Corners of the example: a field of 200 by 100 metres.
+#: Corners of the field in the example, 200 by 100 metres.
 _OUTLINE: Final = [[47.3970, 8.5450], [47.3970, 8.5463], [47.3988, 8.5463], [47.3988, 8.5450]]
 
 

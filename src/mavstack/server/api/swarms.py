@@ -28,7 +28,7 @@ _Shape = Literal[
     "line", "column", "wedge", "echelon", "diamond", "grid", "circle", "sphere", "text", "points"
 ]
 _AboveZero = Annotated[float, Meta(gt=0)]
-#: Maximum number of vehicles of a preview.
+#: Maximum number of vehicles in a preview.
 _MAX_SLOTS: Final = 255
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from mavstack.services.heartbeat import ComponentInfo
     from mavstack.vehicle import Vehicle
 
-#: The telemetry of a vehicle by the names of `Vehicle`'s properties.
+#: Telemetry in the answer about a vehicle: names of properties of `Vehicle`.
 TELEMETRY: Final = (
     "position",
     "local_position",
@@ -38,7 +38,7 @@ TELEMETRY: Final = (
     "vtol_state",
     "system_status",
 )
-#: Status texts in an answer, the newest ones.
+#: Maximum number of status texts in an answer; the newest ones are sent.
 MAX_TEXTS: Final = 100
 _SYSTEM: Final = "/api/vehicles/{system}"
 

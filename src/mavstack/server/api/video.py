@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from typing import Final
 
 _SDP = "application/sdp"
-#: Bytes of the largest offer.
+#: Maximum size of a WebRTC offer in bytes.
 MAX_OFFER: Final = 1 << 16
 
 
@@ -50,7 +50,7 @@ async def _watch(call: Call[None, WatchQuery]) -> Response:
 
 
 async def _leave(call: PlainCall) -> dict[str, int]:
-    # The closed connection of a viewer may have ended it already.
+    # No error for an unknown viewer: its connection may have been closed before.
     await call.station.video().leave(call.path("viewer"))
     return {"viewers": call.station.video_viewers}
 

@@ -21,9 +21,9 @@ from mavstack.server.generator.work import ARCHIVE
 if TYPE_CHECKING:
     from mavstack.server.generator.work import Work
 
-#: Forms that are carried out or wait.
+#: Maximum number of forms that are executed or wait.
 MAX_FORMS: Final = 4
-#: Seconds for one form.
+#: Timeout of one form in seconds.
 TIMEOUT: Final = 40.0
 _COMMAND: Final = ("-m", "mavstack.server.generator.work")
 

@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import Any, Final
 from zipfile import ZIP_DEFLATED, ZipFile
 
-#: Bytes of memory, seconds of processor time, and bytes of each file of the process.
+#: Limits of the process: memory in bytes, processor time in seconds, and size of each file in bytes.
 MAX_MEMORY: Final = 1 << 30
 MAX_SECONDS: Final = 30
 MAX_FILE: Final = 64 << 20
-#: The process yields the processor to the station, which has vehicles.
+#: A high nice value: the process must not delay the station, which serves vehicles.
 _NICENESS: Final = 10
-#: The file of the result in the folder.
+#: The name of the result in the working folder.
 ARCHIVE: Final = "library.zip"
 
 
@@ -132,7 +132,7 @@ def _limit() -> None:
         (resource.RLIMIT_FSIZE, MAX_FILE),
     )
     for name, value in limits:
-        with suppress(ValueError, OSError):  # a lower limit is set already
+        with suppress(ValueError, OSError):  # the system sets a lower limit already
             resource.setrlimit(name, (value, value))
 
 

@@ -77,7 +77,7 @@ _SUMS: Final[Mapping[str, tuple[int, Callable[[bytes], int]]]] = MappingProxyTyp
         "fletcher8": (2, _fletcher8),
     }
 )
-#: The number of bytes and the function of each kind.
+#: Length in bytes, and function, of each kind of checksum.
 CHECKSUMS: Final[Mapping[str, tuple[int, Callable[[bytes], int]]]] = MappingProxyType(
     {**_SUMS, **{name: (crc.width // 8, crc.of) for name, crc in _CRCS.items()}}
 )

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mavstack.server.rows.hub import RowHub
 
 SUBPROTOCOL: Final = "mavstack.rows.1"
-#: Characters that wait for a client.
+#: Maximum number of characters in the send queue of a client.
 MAX_QUEUE: Final = 1 << 20
 
 

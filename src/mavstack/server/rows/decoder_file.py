@@ -11,7 +11,7 @@ from mavstack.server.rows.frame_decoder import FILE_TYPE, FrameDecoder, parse_de
 if TYPE_CHECKING:
     from pathlib import Path
 
-#: Bytes of a file.
+#: Maximum size of a decoder file in bytes.
 MAX_FILE: Final = 2_000_000
 _DASHBOARD: Final = "mavstack-dashboard"
 _PROJECT: Final = "mavstack-project"

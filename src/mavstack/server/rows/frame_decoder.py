@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 FILE_TYPE: Final = "mavstack-decoder"
 FILE_VERSION: Final = 1
-#: The message of frames that no template reads, and the one of a decoder that names none.
+#: Message name of frames that match no declared message, and of a declared message without a name.
 FRAME_MESSAGE: Final = "FRAME"
 DEFAULT_MESSAGE: Final = "ROW"
 MAX_MESSAGES: Final = 64

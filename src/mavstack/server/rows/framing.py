@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Final, Protocol
 if TYPE_CHECKING:
     from mavstack.server.rows.frame_decoder import Checksum, Framing
 
-#: Bytes of a frame in a stream, and of a datagram.
+#: Maximum size in bytes of a frame in a stream, and of a datagram.
 MAX_FRAME: Final = 4096
 MAX_DATAGRAM: Final = 65_535
-#: Bytes that may be checked without a result, and bytes that are checked again for each byte of the stream.
+#: Limits of searches for a frame: bytes that may be checked in vain, and bytes that each byte of the stream
+#: adds to this credit.
 _CREDIT: Final = 4 * MAX_FRAME
 _EARNED: Final = 4
 
@@ -90,7 +91,7 @@ class SizedFramer:
         self.refused = 0
         self._framing, self._checksum = framing, checksum
         self._pending = b""
-        #: The first byte of `_pending` that is not taken.
+        #: The index of the first byte of `_pending` that was not handled yet.
         self._at = 0
         self._credit = _CREDIT
 
@@ -118,7 +119,7 @@ class SizedFramer:
         """Advance to the next marker; return whether there is one."""
         marker, end = self._framing.marker, len(self._pending)
         found = self._pending.find(marker, self._at)
-        if found < 0:  # the last bytes may begin a marker
+        if found < 0:  # keep the last bytes: they may be the beginning of a marker
             self._advance(max(end - len(marker) + 1 - self._at, 0))
             return False
         self._advance(found - self._at)
@@ -161,6 +162,6 @@ def decode_cobs(data: bytes) -> bytes | None:
             return None
         found += block
         at += code
-        if code < 0xFF and at < len(data):  # a full block has no zero after it
+        if code < 0xFF and at < len(data):  # COBS: a block of maximum length stands for no zero byte after it
             found.append(0)
     return bytes(found)

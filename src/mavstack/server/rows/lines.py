@@ -20,7 +20,7 @@ class LineAssembler:
     def __init__(self) -> None:
         self._pending = bytearray()
         self._skipping = False
-        #: Lines that were too long.
+        #: Number of lines that were dropped because they were too long.
         self.dropped = 0
 
     def feed(self, data: bytes) -> list[str]:

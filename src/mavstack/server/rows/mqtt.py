@@ -25,7 +25,7 @@ _OPTIONS: Final = MappingProxyType(
         "ca": "file with the authority of the broker's certificate",
     }
 )
-#: The schemes of the links that carry rows, by their names in `csv+NAME` and `frames+NAME`.
+#: The schemes of MQTT links that carry rows, by the name after `csv+` or `frames+`.
 SCHEMES: Final = MappingProxyType(
     {
         name: LinkScheme(

@@ -33,9 +33,9 @@ class RowReader:
         self.url = url
         self.name = name
         self.link = _open(url) if link is None else link
-        #: Lines and frames that became rows.
+        #: Number of lines and frames that were read as rows.
         self.received = 0
-        #: Those that fit no template, and those that were too long or damaged.
+        #: Number of lines and frames that match no template, are too long, or are damaged.
         self.refused = 0
         self._hub = hub
         self._readers: dict[Channel, LineReader | FrameReader] = {}
@@ -91,7 +91,7 @@ class RowReader:
 
     def _take(self, reader: LineReader | FrameReader, data: bytes, time: float) -> None:
         if self.url.templates and self.url.link.scheme in MQTT:
-            data += b"\n"  # each message is a line
+            data += b"\n"  # each MQTT message is one line
         before = reader.refused
         for row in reader.feed(data):
             self.received += 1

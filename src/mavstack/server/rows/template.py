@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from mavstack.server.rows.frame_fields import Value
 
-#: The message of a template without a constant at its beginning.
+#: The message name of a template that does not begin with a constant.
 DEFAULT_MESSAGE: Final = "ROW"
 MAX_COLUMNS: Final = 128
 _SEPARATORS: Final = (",", ";", "\t", " ")
@@ -142,7 +142,7 @@ def _parse_column(text: str, word: str) -> Column | None:
 
 
 def _split(text: str, separator: str) -> list[str]:
-    # Columns that are aligned with spaces have several between them.
+    # Columns that are aligned with spaces are separated by several spaces.
     words = re.split(" +", text) if separator == " " else text.split(separator)
     return [word.strip() for word in words]
 

@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     from mavstack.server.rows.frame_decoder import FrameDecoder
     from mavstack.server.rows.template import RowTemplate
 
-#: The links that carry each.
+#: The scheme of the link that carries the rows, by the second part of a row URL's scheme.
 _CARRIERS: Final[Mapping[str, str]] = MappingProxyType(
     {"tcp": "tcpout", "tcpin": "tcpin", "udp": "udpin", "serial": "serial", **{name: name for name in MQTT}}
 )
-#: The schemes, and the link that carries each.
+#: The schemes of row URLs, each with the scheme of the link that carries the rows.
 SCHEMES: Final[Mapping[str, str]] = MappingProxyType(
     {f"{kind}+{name}": link for kind in ("csv", "frames") for name, link in _CARRIERS.items()}
 )
@@ -81,7 +81,7 @@ def parse_row_url(text: str, decoder: Mapping[str, Any] | None = None) -> RowUrl
     """
     scheme, _, rest = text.strip().partition("://")
     carrier = SCHEMES[scheme.lower()]
-    if carrier in MQTT:  # a + is the wildcard of a topic, not a space
+    if carrier in MQTT:  # in an MQTT topic, + is a wildcard, not a space
         rest = rest.replace("+", "%2B")
     url = parse_url(f"{carrier}://{rest}", MQTT)
     options = dict(url.options)

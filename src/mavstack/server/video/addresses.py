@@ -17,7 +17,7 @@ _RTSP: Final = frozenset({"rtsp", "rtsps"})
 _RTP: Final = frozenset({"rtp", "udp"})
 _HOST: Final = re.compile(r"[A-Za-z0-9._-]{1,253}|\[[0-9A-Fa-f:.]{2,45}\]")
 _REST: Final = re.compile(r"[A-Za-z0-9._~%!$&'()*+,;=:@/?-]*")
-#: The usual dynamic payload type of H.264 and H.265.
+#: The most common RTP payload type of H.264 and H.265.
 _PAYLOAD_TYPE: Final = 96
 
 

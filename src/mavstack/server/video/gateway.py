@@ -27,10 +27,10 @@ if TYPE_CHECKING:
 
     from mavstack.server.video.addresses import CameraAddress
 
-#: Viewers, and cameras, at the same time.
+#: Maximum number of simultaneous viewers, and of cameras.
 MAX_VIEWERS: Final = 16
 MAX_CAMERAS: Final = 8
-#: Seconds in which a browser must connect after its request.
+#: Seconds in which a browser must establish its connection after the request.
 CONNECT_TIMEOUT: Final = 20.0
 _ENDED: Final = frozenset({"failed", "closed"})
 
@@ -152,7 +152,7 @@ class VideoGateway:
                 await self.leave(name)
 
         peer.addTrack(source.subscribe())
-        if source.codec:  # before the offer is read, which chooses the codec
+        if source.codec:  # set before `setRemoteDescription`, which chooses the codec from the offer
             peer.getTransceivers()[0].setCodecPreferences(_codecs(source.codec))
         try:
             await peer.setRemoteDescription(RTCSessionDescription(offer, "offer"))

@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 
     from mavstack.server.video.addresses import CameraAddress
 
-#: Seconds until a camera must answer.
+#: Timeout of the connection to a camera in seconds.
 OPEN_TIMEOUT: Final = 10
-#: Options of the library for streams whose delay matters.
+#: Options of FFmpeg for streams with a low delay.
 _OPTIONS: Final = {
     "fflags": "nobuffer",
     "flags": "low_delay",

@@ -30,8 +30,7 @@ if TYPE_CHECKING:
     from mavstack.cli.watch.trend import FieldPatterns
     from mavstack.wire import Packet
 
-#: Signals that close the window. asyncio's own SIGINT handler cancels the task, which Textual takes for a
-#: normal end.
+#: Signals that close the window. asyncio's SIGINT handler cancels the task: a normal end for Textual.
 _ENDING_SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
 
 
