@@ -129,7 +129,7 @@ class RockblockLink(Link):
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         transport = cast("asyncio.Transport", writer.transport)
-        # limit the connections of strangers: everyone can connect to the hook
+        # limit the connections of strangers: any host can connect to the hook
         self._handshakes.begin(transport)
         status = HTTPStatus.BAD_REQUEST
         try:

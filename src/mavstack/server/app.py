@@ -221,7 +221,7 @@ def _guarded(handler: Callable[[Request], Awaitable[Response]]) -> Callable[[Req
             return await handler(request)
         except (RefusedError, MavstackError) as error:
             return problem_response(error)
-        except ClientDisconnect:  # the client left during its request, so nobody reads the answer
+        except ClientDisconnect:  # the client left during its request, so no client reads the answer
             return Response(status_code=400)
 
     return guarded

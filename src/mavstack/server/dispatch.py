@@ -47,7 +47,7 @@ def endpoint_of(
             return await _answer(route, station, access, request)
         except (RefusedError, MavstackError) as error:
             return problem_response(error)
-        except ClientDisconnect:  # the client left during its request, so nobody reads the answer
+        except ClientDisconnect:  # the client left during its request, so no client reads the answer
             return Response(status_code=400)
         except Exception as error:
             logger.exception("%s %s failed", route.method, route.path)
