@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 #: Maximum size in bytes of a frame in a stream, and of a datagram.
 MAX_FRAME: Final = 4096
 MAX_DATAGRAM: Final = 65_535
-#: Limits of searches for a frame: bytes that may be checked without a result, and bytes that each byte of the stream
-#: adds to this credit.
+#: Limits of searches for a frame: bytes that may be checked without a result, and bytes that each byte of the
+#: stream adds to this credit.
 _CREDIT: Final = 4 * MAX_FRAME
 _EARNED: Final = 4
 
