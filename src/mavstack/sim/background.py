@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 Result = TypeVar("Result")
 
-#: The long idle time serves scripts that send one packet and then only listen.
+#: The long idle timeout keeps the link to a script that sends one packet and then only listens.
 LINK = "udpin://127.0.0.1:0?idle=600"
 
 

@@ -23,7 +23,7 @@ _SUB_ID_MASK: Final = 0xFFFFFF
 _FNV_OFFSET, _FNV_PRIME, _FNV_MASK = 0x811C9DC5, 0x01000193, 0xFFFFFFFF
 _CRITICAL, _ERROR, _INFO = LogLevel.CRITICAL, LogLevel.ERROR, LogLevel.INFO
 
-#: The numbers of `arm_disarm_reason_t`, by their words in status texts.
+#: Values of `arm_disarm_reason_t`, by the reason's text in status texts.
 REASONS: Final[Mapping[str, int]] = MappingProxyType(
     {
         "internal command": 3,
@@ -34,9 +34,9 @@ REASONS: Final[Mapping[str, int]] = MappingProxyType(
         "failsafe": 14,
     }
 )
-#: The number of `navigation_mode_t` for a mode that it does not have.
+#: Value for a mode that `navigation_mode_t` does not have.
 UNKNOWN_MODE: Final = 255
-#: The numbers of `navigation_mode_t`, by main and sub mode.
+#: Values of `navigation_mode_t`, by main mode and sub mode.
 MODE_NUMBERS: Final[Mapping[tuple[int, int], int]] = MappingProxyType(
     {
         (1, 0): 0,

@@ -74,7 +74,7 @@ class Faults:
 
     def __init__(self, vehicle: FaultTarget) -> None:
         self._vehicle = vehicle
-        #: The active faults by subject ("gps", "gps spoof", "motor 1"), as they were injected.
+        #: Texts of the active faults, by subject ("gps", "gps spoof", "motor 1").
         self.active: dict[str, str] = {}
 
     def inject(self, text: str) -> None:
@@ -110,7 +110,7 @@ class Fault:
         if kind not in _KINDS:
             raise FaultError(f"unknown fault {text!r}; faults are: {', '.join(_KINDS)}")
         fault = cls(kind, tuple(words))
-        _KINDS[kind](fault.words)  # raises FaultError for wrong words
+        _KINDS[kind](fault.words)  # raises FaultError for invalid words
         return fault
 
     @property
@@ -224,8 +224,8 @@ def _timed(number: int, line: str) -> TimedFault:
         raise FaultError(f"line {number}: {error}") from None
 
 
-# Kinds of faults: each parses its words into a function that injects the fault and returns whether
-# it is active.
+# Kinds of faults. Each parser returns a function that injects the fault, and returns whether the fault is
+# then active.
 
 
 def _gps(words: Sequence[str]) -> Callable[[FaultTarget], bool]:

@@ -50,9 +50,9 @@ class Fleet:
     rangefinders: Sequence[Rangefinder] = ()
     terrain: TerrainSource = TerrainSource.FLAT
     remote_id: bool = False
-    #: The version of ArduPilot; None for the newest.
+    #: The version of ArduPilot; None for the newest supported version.
     version: FirmwareVersion | None = None
-    #: Firmwares of vehicles that speak MSP, for `add_flight_controllers_to`.
+    #: Firmware of each vehicle that speaks MSP; `add_flight_controllers_to` adds these vehicles.
     controllers: Sequence[ControllerFirmware] = ()
 
     def add_to(self, simulation: Simulation) -> list[SimulatedVehicle]:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 _KIND, _ORIENTATION = common.MavDistanceSensor, common.MavSensorOrientation
 
-#: Names of orientations, as `mav sim` takes them.
+#: Orientations by the names that `mav sim` accepts.
 ORIENTATIONS: Final[Mapping[str, common.MavSensorOrientation]] = MappingProxyType(
     {
         "downward": _ORIENTATION.PITCH_270,
@@ -35,11 +35,11 @@ ORIENTATIONS: Final[Mapping[str, common.MavSensorOrientation]] = MappingProxyTyp
         "left": _ORIENTATION.YAW_270,
     }
 )
-#: Names of kinds.
+#: Kinds of rangefinders by name.
 KINDS: Final[Mapping[str, common.MavDistanceSensor]] = MappingProxyType(
     {"laser": _KIND.LASER, "sonar": _KIND.ULTRASOUND, "infrared": _KIND.INFRARED, "radar": _KIND.RADAR}
 )
-#: Usual ranges of each kind in metres.
+#: Default minimum and maximum range of each kind, in metres.
 _RANGES: Final = MappingProxyType(
     {
         _KIND.LASER: (0.2, 40.0),
@@ -50,10 +50,10 @@ _RANGES: Final = MappingProxyType(
 )
 #: Horizontal orientations are numbered in steps of 45 degrees from forward.
 _HORIZONTAL: Final = 8
-#: Sectors of a proximity sensor, the number that OBSTACLE_DISTANCE holds, and their width in degrees.
+#: Number of sectors of a proximity sensor, as many as OBSTACLE_DISTANCE has, and their width in degrees.
 SECTORS: Final = 72
 SECTOR_WIDTH: Final = 5
-#: Range of a proximity sensor in metres.
+#: Minimum and maximum range of a proximity sensor, in metres.
 PROXIMITY_RANGE: Final = (0.2, 40.0)
 MAX_RANGEFINDERS: Final = 6
 _MAX_RANGE: Final = 650.0

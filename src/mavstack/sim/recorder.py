@@ -19,12 +19,13 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.sim.vehicle_types import Home
 
-#: Time from disarming to the end of a log, in seconds.
+#: Seconds from disarming until the log ends.
 LOG_TAIL = 1.0
 
-#: Values of SDLOG_MODE with logs from boot, and with logs that continue after disarming.
+#: Values of SDLOG_MODE: logs begin at boot, and logs continue after disarming.
 _FROM_BOOT, _AFTER_DISARMING = (1, 2), (2, 4)
-#: ArduPilot's ModeReason by a word of the reason, and its LogErrorSubsystem by a word of a failsafe's name.
+#: ArduPilot's ModeReason by a word of the reason's text, and LogErrorSubsystem by a word of the failsafe's
+#: name.
 _REASONS = {
     "command": 2,
     "radio": 3,
@@ -127,7 +128,7 @@ class Recorder:
         self._sequence, self._reached = self._vehicle.mission.current, -1
         self._failsafes = frozenset()
 
-    # Content
+    # Content of a log
 
     def _parameter_changed(self, name: str, value: Value) -> None:
         self._logs.parameter(self._time_us, name, value, self._vehicle.parameters.table[name].default)
@@ -150,7 +151,7 @@ class Recorder:
         self._sequence = sequence
         if (
             sequence < len(items) and self._vehicle.autopilot.armed
-        ):  # while disarmed the mission is only reset
+        ):  # a disarmed vehicle does not fly the item
             self._logs.command(time_us, items[sequence], sequence, len(items))
 
     def _notice_failsafes(self, time_us: int) -> None:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 INTERVAL: Final = 1.0
 OPERATOR_TIMEOUT: Final = 5.0
-#: Seconds after which ArduPilot misses the operator or the status of the module.
+#: Seconds without messages of the operator or the module after which ArduPilot reports a pre-arm problem.
 ARDUPILOT_TIMEOUT: Final = 3.0
 _UNKNOWN_DIRECTION, _UNKNOWN_ALTITUDE = 36_100, -1000.0
 

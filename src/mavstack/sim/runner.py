@@ -41,15 +41,15 @@ _LOG = logging.getLogger("mavstack.sim")
 
 #: Prefix of the URLs of links that carry MSP.
 MSP_PREFIX = "msp+"
-#: Maximum backlog in seconds; simulated time beyond it is dropped, as after the machine slept.
+#: Maximum backlog in seconds; more simulated time is dropped, for example after the computer was suspended.
 MAX_LAG = 0.5
-#: Maximum number of steps between two turns of the links, so that received packets do not wait so long
-#: that timeouts of the vehicle expire.
+#: Maximum number of steps before the links are served again; with more steps, received packets would wait
+#: until timeouts of the vehicle expire.
 MAX_STEPS_PER_TURN = 5
 #: Maximum number of events of a link that are handled in one turn of the event loop.
 EVENTS_PER_TURN = 32
-#: Packets of logs and files per second to each peer, as simulators of the firmwares send; slower receivers
-#: would lose most of a faster stream.
+#: Packets of logs and files per second to each peer, as the firmwares' own simulators send; slow receivers
+#: would lose most packets of a faster stream.
 BULK_RATE = 1000.0
 
 
@@ -57,7 +57,7 @@ class LinkedVehicle(Protocol):
     """A vehicle that can be connected to links; its ports are its own affair."""
 
     address: Address
-    #: The vehicle speaks MSP instead of MAVLink.
+    #: True if the vehicle speaks MSP instead of MAVLink.
     speaks_msp: bool
 
     def open_port(
@@ -88,7 +88,8 @@ class _ChannelPorts:
     channel: Channel
     pace: int  # bytes per second of the link; 0 if unknown
     ports: dict[LinkedVehicle, Any]
-    parser: Parser | None  # finds the addressee of a packet; None for a single vehicle
+    # Parses packets to find the addressed vehicle; None if the link has only one vehicle.
+    parser: Parser | None
 
 
 class Runner:
@@ -224,7 +225,7 @@ class Runner:
 
     async def _run_by_clock(self, end: float) -> None:
         loop, simulation = asyncio.get_running_loop(), self.simulation
-        last, due = loop.time(), 0.0  # `due`: simulated seconds that the clock is ahead
+        last, due = loop.time(), 0.0  # `due`: seconds by which simulated time is behind the clock
         while simulation.now < end and not isinf(self.speed):
             before, now = last, loop.time()
             last = now
@@ -255,7 +256,7 @@ class Runner:
                 try:
                     channel.write(data)
                 except LinkClosedError:
-                    continue  # ChannelClosed follows
+                    continue  # a ChannelClosed event follows
 
     async def _read(self, link: Link, vehicles: Sequence[LinkedVehicle]) -> None:
         try:
@@ -265,7 +266,7 @@ class Runner:
                         self._take(link, vehicles, event)
                     for vehicle in vehicles:
                         self._flush(vehicle)
-                    await asyncio.sleep(0)  # a flood must not stop the simulation
+                    await asyncio.sleep(0)  # a flood of packets must not block the simulation
         except LinkError as error:
             _LOG.warning("link %s down: %s", link.url.redacted, error)
             if self._on_link_down is not None:

@@ -30,7 +30,7 @@ class ScenarioTimeout(MavstackError, TimeoutError):  # noqa: N818 (as the other 
 #: Default altitudes of a takeoff, in metres: for vehicles that hover and for wings.
 DEFAULT_ALTITUDE = 10.0
 DEFAULT_WING_ALTITUDE = 50.0
-#: Share of the altitude at which a takeoff counts as complete.
+#: Share of the requested altitude from which a takeoff counts as complete.
 _REACHED = 0.9
 _GROUND_STATION = Address(255, common.MavComponent.MISSIONPLANNER)
 

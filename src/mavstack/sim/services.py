@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle import SimulatedVehicle
 
 
-#: Interval of repeated requests for an item of a plan, in seconds.
+#: Seconds after which a vehicle repeats its request for an item of a plan.
 _REQUEST_INTERVALS = {Firmware.ARDUPILOT: 1.0, Firmware.PX4: 0.25}
 
 

@@ -60,7 +60,8 @@ class SigningKeys:
             return
         self.key, self._was_set_up = event.key, True
         others = [port for port in self._vehicle.ports if port.key != event.key]
-        applied = self._vehicle.engine.routes.heard_on(event.peer)  # by the engine itself
+        # Channels on which the engine itself has already applied the key.
+        applied = self._vehicle.engine.routes.heard_on(event.peer)
         for port in others:
             port.key = event.key
             if port.state not in applied:

@@ -47,14 +47,15 @@ _LOG = logging.getLogger("mavstack.sim")
 
 #: Default rate of steps, in hertz.
 RATE = 50.0
-#: Default Unix time of the start, constant so that runs are equal.
+#: Default Unix time of the start; constant, so that runs give equal results.
 EPOCH = 1_767_225_600.0
 MAX_SYSTEMS = 255
-#: Bits of the number of a simulation in the unique ids of its vehicles.
+#: Number of bits that the number of a simulation has in the unique ids of its vehicles.
 SITE_BITS = 40
-#: Values of RNGFND_TYPE and PRX_TYPE: a simulated rangefinder, a proximity sensor that speaks MAVLink.
+#: Value of RNGFND1_TYPE for a simulated rangefinder, and value of PRX1_TYPE for a proximity sensor that
+#: speaks MAVLink.
 _SIMULATED, _OVER_MAVLINK = 100, 2
-#: Tolerance of comparisons, above the resolution of Unix times in floats (0.25 µs).
+#: Tolerance in seconds when times are compared; Unix times in floats have a resolution of 0.25 µs.
 ROUNDING = 1e-6
 
 
@@ -82,7 +83,7 @@ class Simulation:
         self.world = World(seed=seed, rate=rate)
         self.seed = seed
         self.site = site
-        #: The folder of the vehicles' files and logs; None keeps them in memory.
+        #: The folder of the vehicles' files and logs; None to keep them in memory.
         self.storage = storage
         self.vehicles: list[SimulatedVehicle] = []
         #: Vehicles that speak MSP instead of MAVLink.

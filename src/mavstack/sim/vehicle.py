@@ -50,7 +50,7 @@ AnyEvent = TypeVar("AnyEvent", bound="Event")
 
 _LOG = logging.getLogger("mavstack.sim")
 
-#: Silence of a rebooting vehicle, in seconds.
+#: Seconds for which a rebooting vehicle sends nothing.
 REBOOT_SILENCE = 1.0
 MAX_SYSTEM_ID = 255
 
@@ -74,7 +74,7 @@ class SimulatedVehicle:
         serial: The unique id of the board, eight bytes.
     """
 
-    #: The vehicle speaks MAVLink.
+    #: This vehicle speaks MAVLink.
     speaks_msp = False
 
     def __init__(
@@ -98,7 +98,8 @@ class SimulatedVehicle:
     ) -> None:
         self.body, self.vehicle_type, self.firmware, self.address = body, vehicle_type, firmware, address
         self.profile = profile
-        #: The number of the board that is simulated with its bootloader; None: the firmware is a program.
+        #: The id of the simulated board, which has a bootloader; None if the firmware runs as a program on a
+        #: computer.
         self.board_id: int | None = None
         self.rangefinders: Sequence[Rangefinder] = tuple(rangefinders)
         self.proximity, self.terrain, self.serial = proximity, terrain, serial
@@ -107,7 +108,8 @@ class SimulatedVehicle:
         self.plans = PlanStore()
         self.now = self.booted_at = now
         self.boots = 0
-        #: Called with the vehicle, "text", "mode", "armed", "camera" or "signing", and a description.
+        #: Callbacks that get the vehicle, a kind ("text", "mode", "armed", "camera" or "signing") and a
+        #: description.
         self.listeners: list[Callable[[SimulatedVehicle, str, str], None]] = []
         self.ports: list[Port] = []
         self.storage: Storage = Storage(self, folder=folder)
@@ -116,7 +118,7 @@ class SimulatedVehicle:
         self.signing_keys = SigningKeys(self)
         #: True while the links are cut in both directions.
         self.cut_off = False
-        #: Data sent before a reboot or a cut.
+        #: Data that was sent before a reboot or a cut of the links, for the next `data_to_send`.
         self._final_data: list[tuple[Port, bytes]] = []
         self._dialect = Dialect.load("all")
         self._silent_until = now
@@ -130,7 +132,8 @@ class SimulatedVehicle:
         self.booted_at = self.now
         self._reactions: dict[type, list[Callable[[Any], None]]] = defaultdict(list)
         self._to_send: list[tuple[Port, bytes]] = []
-        self._tick_due = self.now + self.address.system % 5 * TICK / 5  # spreads the load of a fleet
+        # Spread the ticks of many vehicles over time.
+        self._tick_due = self.now + self.address.system % 5 * TICK / 5
         self.services = Services(self, self._dialect, self.signing_keys)
         self.engine = self.services.engine
         self.modes, self.commands = self.services.modes, self.services.commands
@@ -216,7 +219,7 @@ class SimulatedVehicle:
         self._to_send = []
         return sent
 
-    # Time
+    # Periodic update and reboot
 
     def step(self, now: float) -> None:
         """Advance to the simulated Unix time `now`."""
@@ -256,7 +259,8 @@ class SimulatedVehicle:
         """Restart the autopilot: motors off, a short silence, and the system id of the parameters."""
         self.flush_pending()
         self.body.stop()
-        if 0 < self.parameters.system <= MAX_SYSTEM_ID:  # two vehicles may have equal ids, as real ones may
+        # Equal ids of two vehicles are allowed, as with real vehicles.
+        if 0 < self.parameters.system <= MAX_SYSTEM_ID:
             self.address = self.address._replace(system=self.parameters.system)
         _LOG.info("vehicle %d reboots", self.address.system)
         self._boot()
@@ -295,7 +299,7 @@ class SimulatedVehicle:
             self._final_data += self._to_send
         self._to_send = []
 
-    # For the parts of the vehicle
+    # Interface for the components of the vehicle
 
     def add_listener(self, listener: Callable[[SimulatedVehicle, str, str], None]) -> None:
         """Call `listener(vehicle, kind, text)` on each event; adding it again has no effect."""

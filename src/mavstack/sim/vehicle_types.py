@@ -72,9 +72,9 @@ class ControllerFirmware(StrEnum):
 class TerrainSource(StrEnum):
     """Where a vehicle has the heights of the terrain from."""
 
-    #: It knows the ground of the simulation, which is flat.
+    #: The vehicle knows the terrain of the simulation, which is flat.
     FLAT = "flat"
-    #: It asks ground stations (ArduPilot).
+    #: The vehicle requests the terrain from ground stations (ArduPilot).
     REQUEST = "request"
 
 
@@ -106,5 +106,5 @@ class Home(NamedTuple):
         return home
 
 
-#: The default home: a field near Zurich.
+#: The default home position: a field near Zurich.
 DEFAULT_HOME = Home(47.3977418, 8.5455939, 488.0, 0.0)

@@ -33,14 +33,14 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-#: Pictures per second, and the clock of RTP.
+#: Pictures per second, and the clock rate of RTP in hertz.
 RATE: Final = 20
 _CLOCK: Final = 90_000
 _PAYLOAD_TYPE: Final = 96
-#: Players at the same time, and bytes of a request.
+#: Maximum number of players at the same time, and maximum bytes of a request.
 MAX_PLAYERS: Final = 8
 _MAX_REQUEST: Final = 8192
-#: Bytes that may wait for a player; beyond it pictures are left out.
+#: Maximum bytes that wait for a player; while there are more, pictures are skipped.
 _MAX_BACKLOG: Final = 1 << 19
 _REQUEST: Final = re.compile(r"(?P<method>[A-Z_]{3,20}) (?P<url>\S{1,512}) RTSP/1\.0\r\n")
 _SEQUENCE: Final = re.compile(r"^CSeq: *(\d{1,9})\r$", re.MULTILINE | re.IGNORECASE)

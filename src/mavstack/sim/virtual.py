@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-#: Maximum wait for sockets while there is no timer, in real seconds.
+#: Maximum seconds of real time to wait for sockets while there is no timer.
 _SOCKET_TIMEOUT = 10.0
 
 

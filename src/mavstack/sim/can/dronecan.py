@@ -115,7 +115,8 @@ class DroneCanNode:
 
     def _status(self, now: float) -> bytes:
         uptime = max(int(now - self.started), 0) & 0xFFFFFFFF
-        return uptime.to_bytes(4, "little") + bytes(3)  # healthy, operational, no code of the vendor
+        # Health OK, mode operational, no vendor-specific status.
+        return uptime.to_bytes(4, "little") + bytes(3)
 
     def _info(self, now: float) -> bytes:
         major, minor = self.version

@@ -22,14 +22,15 @@ if TYPE_CHECKING:
 LIFT_AT_ZERO = 0.2
 LIFT_SLOPE = 4.6
 STALL_ANGLE = 0.24
-#: The lift coefficient at the stall, and the angle in radians from there to a fully stalled wing.
+#: The lift coefficient at the stall, and the increase of the angle of attack, in radians, until the wing is
+#: fully stalled.
 MAX_LIFT = LIFT_AT_ZERO + LIFT_SLOPE * STALL_ANGLE
 STALL_WIDTH = 0.12
 DRAG_AT_ZERO = 0.04
 INDUCED_DRAG = 0.066
 PLATE_LIFT, PLATE_DRAG = 1.0, 1.3
 SIDE_SLOPE = 0.6
-#: Rates in 1/s at which the nose follows the airflow at full dynamic pressure.
+#: Rates in 1/s at which the airflow turns the nose, sideways and down in a stall, at full dynamic pressure.
 WEATHERCOCK = 2.0
 NOSE_DROP = 2.5
 
@@ -73,7 +74,7 @@ def _apply_air_moments(state: StateArray, attack: Array, stalled: Array, slip: A
     trim = (GRAVITY / np.maximum(state.wing * 324.0, 1e-3) - LIFT_AT_ZERO) * (1 / LIFT_SLOPE)
     state.rate_disturbance[0] = 0.0
     state.rate_disturbance[1] = (1.0 - authority) * NOSE_DROP * (trim - attack) * flow
-    # on the ground the wheels keep the heading against the wind
+    # no turn on the ground, where the wheels keep the heading
     state.rate_disturbance[2] = WEATHERCOCK * slip * flow * (state.on_ground == 0.0)
 
 

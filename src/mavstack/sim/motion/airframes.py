@@ -22,7 +22,7 @@ from mavstack.sim.vehicle_types import VehicleType
 class Airframe:
     """Performance limits, force coefficients, control gains and battery of a vehicle type."""
 
-    # limits that an autopilot's parameters may set
+    # limits that parameters of the autopilot may change
     speed: float
     climb: float
     sink: float
@@ -33,10 +33,10 @@ class Airframe:
     airspeed_cruise: float = 0.0
     airspeed_min: float = 0.0
     airspeed_max: float = 0.0
-    # maxima that no demand exceeds
+    # maximum speeds, which no demand can exceed
     top_speed: float = 20.0
     top_climb: float = 8.0
-    # forces: drag in air, lifting motors at full thrust, driving motor at full thrust and standstill
+    # forces: drag in air; lifting motors at full thrust; driving motor at full thrust and standstill
     drag_linear: float = 0.0
     drag_quadratic: float = 0.0
     lift: float = 0.0
@@ -45,7 +45,7 @@ class Airframe:
     drive_speed: float = 1.0
     drive_lag: float = 0.2
     wing: float = 0.0
-    # loops
+    # control loops
     position_gain: float = 1.0
     velocity_gain: float = 2.0
     integral_gain: float = 0.5
@@ -56,7 +56,7 @@ class Airframe:
     yaw_rate: float = 2.0
     rate_lag: float = 0.05
     angular_acceleration: float = 60.0
-    # surroundings: lowest and highest position (metres down), friction and pitch at rest
+    # environment: lowest and highest position (metres down), friction on the ground, pitch at rest
     floor: float = 0.0
     ceiling: float = -1e6
     friction: float = 6.0
@@ -68,7 +68,7 @@ class Airframe:
     cells: float = 4.0
     capacity: float = 5200.0
     resistance: float = 0.025
-    # motors that can fail
+    # number of motors that can fail
     motors: int = 4
 
 
@@ -221,7 +221,7 @@ AIRFRAMES: dict[VehicleType, Airframe] = {
     ),
 }
 
-#: The minimum and maximum of each limit, so that no parameter value makes a control loop unstable.
+#: Minimum and maximum of each limit: values outside of them could make a control loop unstable.
 LIMIT_RANGES: dict[str, tuple[float, float]] = {
     "speed": (0.1, 60.0),
     "climb": (0.1, 20.0),

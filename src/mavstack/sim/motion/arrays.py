@@ -25,9 +25,9 @@ Quad = Annotated[Array, 4]
 class Rows:
     """Views of the rows of `data`, by name."""
 
-    #: The first row and the number of rows of each name.
+    #: By name of a view: its first row, and its number of rows.
     ROWS: ClassVar[dict[str, tuple[int, int]]] = {}
-    #: Number of rows.
+    #: The total number of rows.
     ROW_COUNT: ClassVar[int] = 0
 
     def __init_subclass__(cls) -> None:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from mavstack.sim.motion.state import StateArray
 
 MIN_COSINE = 0.05
-#: Gain of the heading, as a share of the gain of roll and pitch.
+#: Gain of the heading loop, as a share of the gain of the roll and pitch loops.
 YAW_SHARE = 0.4
 #: Maximum body rate in rad/s, even with failed motors.
 MAX_RATE = 12.0

@@ -22,7 +22,7 @@ CELL_VOLTAGE = np.array([2.8, 3.2, 3.4, 3.55, 3.65, 3.74, 3.85, 4.0, 4.08, 4.2])
 NOMINAL_CELL_VOLTAGE = 3.8
 GRAVITY = 9.80665
 AMBIENT = 25.0
-#: State of charge below which motors lose thrust, down to zero.
+#: State of charge below which the motors lose thrust; at zero they have none.
 LAST_CHARGE = 0.01
 
 

@@ -48,9 +48,11 @@ class Body(BodyReader):
         self._heading: float | None = None
         self._has_requested_speed = (False, False, False, False)
         self._failed_motors: set[int] = set()
-        #: Changes each demanded velocity (m/s north, east, down) before it is flown; None: no change.
+        #: A function that changes each demanded velocity (m/s north, east, down) before it is used; None: no
+        #: function.
         self.velocity_filter: Callable[[float, float, float], tuple[float, float, float]] | None = None
-        #: Faults of the body's own GPS receiver: failed, and metres of the spoofed offset.
+        #: Faults of the body's own GPS receiver: whether it failed, and the offset of spoofing in metres
+        #: north and east.
         self._gps_failed, self._gps_offset = False, (0.0, 0.0)
 
     # --- limits
@@ -286,7 +288,7 @@ class Body(BodyReader):
                 self._heading = self.estimate.yaw
                 state.yaw_demand[self.column] = self._heading
 
-    # --- faults, and operations that only a simulation has
+    # --- faults, and other operations without an equivalent on a real vehicle
 
     def _fault(self, name: str, *values: float) -> None:
         """Write the rows of a fault."""
@@ -334,7 +336,7 @@ class Body(BodyReader):
         north, east, _ = self.frame.to_local(report.gps_latitude, report.gps_longitude, 0.0)
         offset = self._offset_from_truth(north, east)
         self._fault("spoof", *offset, 0.0)
-        if was_lost:  # the first position is taken at once, later ones are approached
+        if was_lost:  # use the first position at once; the estimate approaches later positions gradually
             self._world.state.position_error[:2, self.column] = offset
 
     use_gps = aiding.use_gps

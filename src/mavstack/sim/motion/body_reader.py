@@ -50,7 +50,7 @@ class BodyReader:
         self.home = home
         self.number = number
         self.frame = LocalFrame(home.latitude, home.longitude, home.altitude)
-        #: The body's column in the state array; the world changes it when bodies are added.
+        #: The body's column in the state array; it changes when bodies are added to the world.
         self.column = 0
         #: The ground and the obstacles around the body.
         self.surroundings = Surroundings()

@@ -12,7 +12,8 @@ from typing import Final, NamedTuple
 
 #: Positions further than this many metres from the origin are clipped.
 MAX_DISTANCE = 1e6
-#: Minimum length in metres of a line that has a direction, and of a horizontal line that has a heading.
+#: Minimum length of a line in metres, so that its direction can be computed; and its minimum horizontal
+#: length, so that its heading can be used.
 MIN_LINE = 0.01
 MIN_HEADING_LINE = 3.0
 
@@ -47,7 +48,7 @@ class Demand(NamedTuple):
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
     direction: tuple[float, float, float] = (0.0, 0.0, 0.0)
     length: float = 0.0
-    #: Horizontal speed, climb rate, sink rate and airspeed; None for the body's limits.
+    #: Horizontal speed, climb rate, sink rate and airspeed in m/s; None to use the body's limits.
     speeds: tuple[float, float, float, float] | None = None
     radius: float = 0.0
     yaw: tuple[float, float] = (YawMode.RATE, 0.0)

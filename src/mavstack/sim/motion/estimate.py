@@ -22,18 +22,18 @@ from mavstack.sim.motion.state import StateArray
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-#: Time constants in seconds: position following the GPS, heading following the compass.
+#: Time constants in seconds with which the position estimate follows the GPS, and the heading the compass.
 POSITION_LAG, HEADING_LAG = 1.5, 2.0
-#: Time constant in seconds of an estimate from outside.
+#: Time constant in seconds with which the estimate follows an external estimate.
 AID_LAG = 0.2
 #: Standard deviations: GPS position horizontal and vertical, velocity, roll and pitch, yaw, barometer.
 GPS_DEVIATION, GPS_HEIGHT_DEVIATION, VELOCITY_DEVIATION = 0.35, 0.7, 0.04
 TILT_DEVIATION, YAW_DEVIATION, BARO_DEVIATION = 0.003, 0.01, 0.12
 #: Seconds of dead reckoning after which velocity and position are no longer reported as good.
 VELOCITY_TIMEOUT, POSITION_TIMEOUT = 10.0, 5.0
-#: The errors at which a test ratio is 1: position, height, velocity and heading.
+#: Errors of position, height, velocity (m, m/s) and heading (rad) at which the test ratio is 1.
 POSITION_GATE, HEIGHT_GATE, VELOCITY_GATE, HEADING_GATE = 5.0, 10.0, 2.0, 0.5
-#: Acceleration bias that dead reckoning integrates, in m/s2.
+#: Acceleration error in m/s2 that dead reckoning integrates.
 DRIFT_BIAS = 0.05
 _DEVIATIONS = np.array([TILT_DEVIATION, TILT_DEVIATION, YAW_DEVIATION])[:, None]
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from mavstack.sim.motion.readings import Motion
     from mavstack.sim.motion.world import World
 
-#: Metres above the ground below which a body that does not rise rests on it.
+#: A body that does not rise and is less than this many metres above the ground rests on it.
 TOUCH: float = 0.1
 
 

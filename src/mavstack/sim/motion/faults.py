@@ -12,11 +12,12 @@ from typing import NamedTuple
 from mavstack.sim.motion.airframes import AIRFRAMES
 from mavstack.sim.vehicle_types import VehicleType
 
-#: Share of the full lift that a quad keeps, by the number of failed motors.
+#: Share of the full lift that remains, by the number of failed motors of a quad.
 LIFT_LEFT = (1.0, 0.42, 0.15, 0.0, 0.0)
-#: Rates in rad/s at which a quad with one failed motor spins and leans.
+#: Spin rate and lean rate in rad/s of a quad with one failed motor.
 SPIN, LEAN = 8.0, 0.6
-#: Roll and pitch direction to each motor's corner, and the direction in which its failure spins the body.
+#: By motor: the direction of roll and of pitch towards its corner, and the direction in which its failure
+#: spins the body.
 MOTOR_POSITIONS = {1: (1.0, -1.0, -1.0), 2: (-1.0, 1.0, -1.0), 3: (-1.0, -1.0, 1.0), 4: (1.0, 1.0, 1.0)}
 PUSHER = 5
 

@@ -19,9 +19,9 @@ from mavstack.sim.motion.demands import Mode
 if TYPE_CHECKING:
     from mavstack.sim.motion.state import StateArray
 
-#: Factor of the friction with brakes on, or with motors stopped.
+#: The friction is multiplied by this factor while the brakes are on or the motors are stopped.
 BRAKE_FACTOR = 8.0
-#: Share of the attitude error that is removed in one step on the ground.
+#: Share of the roll and pitch error that the undercarriage removes in one step on the ground.
 LEVELING_SHARE = 0.2
 
 

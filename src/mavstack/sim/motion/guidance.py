@@ -18,9 +18,9 @@ from mavstack.sim.motion.demands import Mode
 if TYPE_CHECKING:
     from mavstack.sim.motion.state import StateArray
 
-#: Share of the allowed acceleration used to plan braking and circling; the rest is for errors.
+#: Share of the maximum acceleration that is planned for braking and circling; the rest corrects errors.
 PLANNED_SHARE = 0.6
-#: Distance in metres from which the planned speed no longer grows.
+#: Distances are limited to this many metres when the speed is planned.
 MAX_DISTANCE = 1e5
 
 
@@ -97,7 +97,7 @@ def _circle_velocity(state: StateArray) -> Array:
         state.speeds[0],
     )
     inward = np.copysign(closing, error)
-    # tangentially only as fast as the circle can be held, and slower while the circle is still far away
+    # The speed along the circle is limited by the centripetal acceleration, and is lower far from the circle.
     tangential = np.minimum(state.speeds[0], np.sqrt(deceleration * radius)) / (1.0 + np.abs(error) * 0.2)
     tangential = np.copysign(tangential, state.radius)
     setpoint = _correction(-from_centre, state, deceleration)

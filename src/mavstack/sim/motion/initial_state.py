@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mavstack.sim.motion.arrays import Array
     from mavstack.sim.vehicle_types import Home
 
-#: Fields of an airframe that are rows of the same name.
+#: Fields of an airframe that are copied to the rows with the same names.
 _COPIED_NAMES = """
     speed climb sink tilt turn_rate loiter_radius airspeed_cruise airspeed_min airspeed_max cells
     capacity drag_linear drag_quadratic lift drive drive_speed wing position_gain velocity_gain

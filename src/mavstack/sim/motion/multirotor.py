@@ -19,11 +19,11 @@ from mavstack.sim.motion.demands import Mode
 if TYPE_CHECKING:
     from mavstack.sim.motion.state import StateArray
 
-#: Share of the full thrust that the velocity loop may use; the rest is for the attitude.
+#: Share of the full thrust that the velocity loop may use; the rest is kept for attitude control.
 MAX_LIFT_SHARE = 0.95
-#: Minimum upward acceleration in m/s2, which bounds how fast the velocity loop lets the body fall.
+#: Minimum upward acceleration in m/s2 that the velocity loop demands; it limits how fast the body falls.
 MIN_UPWARD = 2.0
-#: Maximum of the integral part, in m/s2.
+#: Maximum of the velocity loop's integral term, in m/s2.
 MAX_INTEGRAL = 4.0
 
 

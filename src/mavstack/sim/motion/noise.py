@@ -18,14 +18,15 @@ import numpy as np
 if TYPE_CHECKING:
     from mavstack.sim.motion.arrays import Array
 
-#: Entries of the table: 45 minutes at 50 Hz; a power of two, so that a mask wraps an index.
+#: Number of entries of the noise table: 45 minutes at 50 Hz. A power of two, because indices wrap by a bit
+#: mask.
 TABLE = 1 << 17
 
 #: Time constants in seconds of the slow noises, in the order of the rows of `StateArray.slow_noise`:
 #: gusts, GPS position, estimated velocity, estimated attitude, barometer.
 TIME_CONSTANTS = (3.0, 3.0, 2.0, 40.0, 40.0, 60.0, 3.0, 3.0, 3.0, 8.0, 8.0, 20.0, 60.0)
 SLOW_NOISES = len(TIME_CONSTANTS)
-#: Number of the sensors' white noises, in the order in which `sensors` uses them.
+#: Number of white noises for the sensors, in the order in which `sensors` uses them.
 WHITES = 15
 
 

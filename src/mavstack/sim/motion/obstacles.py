@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 Point: TypeAlias = tuple[float, float, float]
 
-#: Rays that are steeper or flatter than this do not meet a wall or the ground.
+#: A ray whose horizontal (or vertical) part is not larger than this is parallel to walls (or to the ground),
+#: and does not meet them.
 _PARALLEL: Final = 1e-9
 _FAR: Final = 1e5
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-#: GPS_FIX_TYPE of a receiver without and with a position.
+#: GPS_FIX_TYPE without a position, and with a position.
 NO_FIX, FIX_3D = 1, 3
-#: Dilution of precision per metre of position error.
+#: Dilution of precision for each metre of expected position error.
 DILUTION = 0.78
-#: Error of an unknown position, in metres.
+#: Reported error of an unknown position, in metres.
 UNKNOWN_ERROR = 99.99
 
 

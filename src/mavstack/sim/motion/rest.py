@@ -13,7 +13,7 @@ import numpy as np
 if TYPE_CHECKING:
     from mavstack.sim.motion.state import StateArray
 
-#: Below these a body counts as still: m/s, radians, rad/s, and thrust in m/s2 or as a share.
+#: Thresholds below which a body is still: m/s, radians, rad/s, and thrust (m/s2, or a share of full thrust).
 STILL_SPEED, STILL_ANGLE, STILL_RATE, STILL_THRUST = 1e-3, 0.005, 0.05, 1e-3
 
 

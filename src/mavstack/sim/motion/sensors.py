@@ -27,19 +27,20 @@ if TYPE_CHECKING:
 
 GYRO_DEVIATION, ACCELERATION_DEVIATION, MAGNETIC_DEVIATION = 0.003, 0.05, 0.002
 PRESSURE_DEVIATION, DISTANCE_DEVIATION, HEADING_DEVIATION = 0.015, 0.02, 0.01
-#: Full scale of an accelerometer, in m/s2.
+#: Maximum reading of an accelerometer, in m/s2.
 FULL_SCALE = 16 * GRAVITY
 #: Range of the downward rangefinder in metres.
 MIN_RANGE, MAX_RANGE = 0.15, 40.0
-#: Standard atmosphere: sea level hPa, kelvin, lapse in K/m, exponent; and density in kg/m3.
+#: Standard atmosphere: pressure (hPa) and temperature (K) at sea level, lapse rate (K/m), exponent of the
+#: pressure formula; density in kg/m3.
 SEA_LEVEL, KELVIN, LAPSE, EXPONENT, DENSITY = 1013.25, 288.15, 0.0065, 5.2559, 1.225
 #: Water pressure in hPa per metre of depth.
 WATER = 98.0
-#: Magnetic field of the dipole at the equator, in gauss.
+#: Magnetic field at the equator of the Earth's dipole, in gauss.
 EQUATOR_FIELD = 0.31
-#: GPS_FIX_TYPE, satellites, and expected horizontal and vertical errors in metres.
+#: A normal fix: GPS_FIX_TYPE, number of satellites, expected horizontal and vertical error in metres.
 GOOD_FIX = (FIX_3D, 14, 0.8, 1.3)
-#: The same with corrections, by GPS_FIX_TYPE: RTK float and RTK fixed.
+#: Fixes with corrections, with the same fields as `GOOD_FIX`, by GPS_FIX_TYPE: RTK float and RTK fixed.
 CORRECTED_FIXES = {5: (5, 18, 0.15, 0.25), 6: (6, 20, 0.014, 0.02)}
 #: The share of the receiver's error that corrections remove, by GPS_FIX_TYPE.
 PRECISION = {5: 0.8, 6: 0.98}

@@ -20,13 +20,13 @@ SlowNoises = Annotated[Array, SLOW_NOISES]
 class StateArray(Rows):
     """Every row."""
 
-    # --- readable by `Body`: true motion, in the order of `Motion`
+    # --- rows that `Body` may read: true motion, in the order of `Motion`
     position: Vector
     velocity: Vector
     acceleration: Vector
     attitude: Vector
     rates: Vector
-    # the estimate; accelerations and rates are known exactly
+    # estimates; accelerations and rates have no estimate, because the true values are used
     position_estimate: Vector
     velocity_estimate: Vector
     attitude_estimate: Vector
@@ -34,7 +34,7 @@ class StateArray(Rows):
     drift_velocity: Vector
     yaw_error: Scalar
     gps_lost_time: Scalar
-    # surroundings and actuators
+    # environment and actuators
     airspeed: Scalar
     air: Vector
     on_ground: Scalar
@@ -50,17 +50,19 @@ class StateArray(Rows):
     consumed: Scalar
     remaining: Scalar
     temperature: Scalar
-    # what the loops ask for: Euler angles, the rate of the yaw angle, and body rates
+    # setpoints of the control loops: Euler angles, the rate of the yaw angle, and body rates
     roll_setpoint: Scalar
     pitch_setpoint: Scalar
     yaw_rate_setpoint: Scalar
     rate_setpoint: Vector
     # last report of the GPS receiver: position and velocity
     gps: Gps
-    # GPS_FIX_TYPE of a receiver with corrections, or 0; and the share of its error that they remove
+    # corrections: GPS_FIX_TYPE of a receiver with corrections (else 0), and the share of the error that they
+    # remove
     gps_fix: Scalar
     gps_precision: Scalar
-    # position, height and heading from outside: used or not, and their errors; and whether GPS is not used
+    # external estimates: whether position, height and heading are used, and their errors; whether GPS is
+    # unused
     aid_position: Scalar
     aid_height: Scalar
     aid_heading: Scalar
@@ -91,7 +93,7 @@ class StateArray(Rows):
     cells: Scalar
     capacity: Scalar
 
-    # --- internal to the step
+    # --- intermediate values of a step, which `Body` does not read
     gps_pending: Gps
     gps_phase: Scalar
     slow_noise: SlowNoises
@@ -155,5 +157,5 @@ class StateArray(Rows):
     resistance: Scalar
 
 
-#: Number of rows, from the first, that readers may see.
+#: Number of rows that `Body` may read: all rows before the intermediate values.
 PUBLISHED = StateArray.ROWS["gps_pending"][0]

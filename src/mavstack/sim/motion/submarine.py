@@ -19,9 +19,9 @@ from mavstack.sim.motion.multirotor import AttitudeCommand, acceleration_setpoin
 if TYPE_CHECKING:
     from mavstack.sim.motion.state import StateArray
 
-#: Drag of the hull per mass: proportional to speed (1/s) and to its square (1/m).
+#: Drag of the hull divided by the mass: coefficients of the speed (1/s) and of its square (1/m).
 DRAG, DRAG_SQUARED = 0.15, 0.42
-#: Buoyancy in m/s2.
+#: Upward acceleration by buoyancy, in m/s2.
 BUOYANCY = 0.06
 #: Maximum roll and pitch of attitude demands, in radians.
 MAX_LEAN = 0.8

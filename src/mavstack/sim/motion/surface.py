@@ -18,14 +18,15 @@ from mavstack.sim.motion.demands import Mode, YawMode
 if TYPE_CHECKING:
     from mavstack.sim.motion.state import StateArray
 
-#: Two speeds in m/s. Divided by the position gain (1/s, lower for a hull) they are distances in metres. At
-#: the first one from the end of its line, a vehicle has arrived; at the second one, a drifting one returns.
+#: Two speeds in m/s; divided by the position gain (1/s) they give distances in metres. A vehicle closer than
+#: the first distance to the end of its line has arrived; a vehicle that drifts farther than the second
+#: distance returns.
 ARRIVAL_SPEED, RETURN_SPEED = 0.28, 0.8
 STANDSTILL = 0.02
 SPEED_GAIN = 1.5
 #: Throttle from which a motor counts as saturated.
 SATURATED = 0.95
-#: Sideways drag in 1/s: wheels and hull.
+#: Sideways drag in 1/s of wheels and of a hull.
 WHEEL_DRAG, HULL_DRAG = 12.0, 1.0
 
 
@@ -59,7 +60,8 @@ def _throttle(state: StateArray, speed: Array, step: float) -> Array:
     np.copyto(command, now, where=~guided)
     error = command - now
     moving = guided & (command > STANDSTILL)
-    # a saturated motor, or one that still accelerates, gives no information about drag and slope
+    # do not integrate while the motor is saturated or accelerates: the error then does not show drag and
+    # slope
     correction = (
         error * (0.4 * step) * ((np.abs(change) < maximum) & (np.abs(state.drive_thrust) < SATURATED))
     )

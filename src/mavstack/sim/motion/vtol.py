@@ -20,16 +20,18 @@ from mavstack.sim.motion.multirotor import AttitudeCommand
 if TYPE_CHECKING:
     from mavstack.sim.motion.state import StateArray
 
-#: Airspeed from which the wing carries weight, and factor on the minimum airspeed at which it carries all.
+#: Airspeed in m/s from which the wing carries a part of the weight; times the second factor, the minimum
+#: airspeed is the airspeed at which the wing carries all of it.
 MIN_LIFT_AIRSPEED = 5.0
 AIRSPEED_MARGIN = 1.05
-#: Share of the minimum airspeed below which lifting motors help a wing-borne body.
+#: Below this share of the minimum airspeed the lifting motors help in forward flight.
 ASSIST_SHARE = 0.85
 TRANSITION_TIME = 1.5
 LEVEL_PITCH = 0.05
-#: Pitch (rad) allowed while braking, per m/s2 that the wing lifts less than the weight.
+#: Additional pitch (rad) that is allowed while braking, for each m/s2 of lift that the wing lacks.
 PITCH_PER_LIFT = 0.05
-#: Heading error (rad) up to which the pusher starts, and the transition from which it runs regardless.
+#: The pusher starts if the heading error (rad) is below the first value; once the transition has reached the
+#: second value, the pusher runs with any heading error.
 MAX_HEADING_ERROR, COMMITTED_SHARE = 0.4, 0.3
 
 

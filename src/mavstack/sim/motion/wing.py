@@ -22,18 +22,20 @@ from mavstack.sim.motion.multirotor import AttitudeCommand
 if TYPE_CHECKING:
     from mavstack.sim.motion.state import StateArray
 
-#: Seconds of flight in which a line is joined, and gain of the course error (1/s).
+#: Seconds of flight in which a wing joins a line, and gain of the course error (1/s).
 JOIN_TIME = 3.0
 COURSE_GAIN = 0.9
 HEIGHT_GAIN = 0.4
 MAX_CLIMB_ANGLE = 0.45
-#: A line with a smaller horizontal part has no course: the present heading is kept.
+#: If the horizontal part of a line's unit vector is below this, the line has no course and the wing keeps its
+#: heading.
 MIN_HORIZONTAL = 0.02
-#: Climb angle allowed AIRSPEED_MARGIN m/s below the minimum airspeed, and its increase for each m/s more.
+#: Maximum climb angle (rad) at an airspeed of the minimum less AIRSPEED_MARGIN, and its increase for each m/s
+#: of airspeed above that.
 GLIDE_ANGLE = -0.14
 ANGLE_PER_SPEED = 0.2
 AIRSPEED_MARGIN = 1.0
-#: Share of the maximum lift that a turn may use; MIN_BANK is always allowed.
+#: Share of the maximum lift that a turn may use; a bank up to MIN_BANK (rad) is always allowed.
 MAX_LIFT_SHARE, MIN_BANK = 0.9, 0.2
 
 
@@ -68,7 +70,7 @@ def _path_targets(state: StateArray, ground_speed: Array) -> tuple[Array, Array,
     """Return course, lateral acceleration feed-forward, climb rate and airspeed."""
     position, target, along = state.position_estimate, state.target, state.line_direction
     _, max_climb, max_sink, speed = state.speeds
-    # a line
+    # the values for a line
     off = position - state.start
     done = clip(dot(off, along), 0.0, state.line_length)
     flat = np.maximum(horizontal_length(along), 1e-6)

@@ -77,7 +77,7 @@ class World:
         self.step_length = 1.0 / rate
         self.tick = 0
         self.bodies: list[Body] = []
-        #: Motions of bodies that other programs compute.
+        #: Bodies whose motion other programs compute.
         self.external: list[ExternalMotion] = []
         self._obstacles: list[tuple[Obstacle, LocalFrame]] = []
         self._noise = Noise(seed, self.step_length)
@@ -131,7 +131,7 @@ class World:
     def _bind(self, data: Array) -> None:
         """Create the views of the slices of all types and laws."""
         self.state = StateArray(np.ascontiguousarray(data))
-        #: All bodies stand still, so that only a demand, a wind or a new position moves them.
+        #: True while all bodies are at rest, so that only a demand, wind or a new position can move them.
         self._at_rest = False
         counts = [
             sum(1 for body in self.bodies if body.vehicle_type is vehicle_type) for vehicle_type in ORDER

@@ -34,14 +34,14 @@ if TYPE_CHECKING:
 
     Handler = Callable[[bytes, MspPort], bytes]
 
-#: Boxes in one reply of MSP_BOXNAMES.
+#: Number of boxes in one reply of MSP_BOXNAMES.
 PAGE: Final = 32
-#: Bit of MSP_SELECT_SETTING that selects a rate profile.
+#: Bit of MSP_SELECT_SETTING: the number is that of a rate profile.
 RATE_PROFILE: Final = 0x80
 _PROTOCOL: Final = 0
-#: The first API of Betaflight with the version as text.
+#: The first API version of Betaflight that reports the firmware version as text.
 _VERSION_TEXT_API: Final = (1, 47)
-#: Bytes of a mode range with its index, without logic and link.
+#: Bytes of a mode range and its index, without the optional logic and link.
 _RANGE_SIZE: Final = 5
 MAX_NAME_LENGTH: Final = 16
 #: Value of MSP_REBOOT that restarts the firmware; others start a boot loader, which is not simulated.

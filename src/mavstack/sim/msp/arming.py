@@ -14,14 +14,14 @@ from mavstack.msp.messages.arming import FIRST_INAV_REASON, ArmingDisableFlag, I
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-#: The bit of ARM_SWITCH in Betaflight 4.5, the last one.
+#: The bit of ARM_SWITCH, which is the last bit in Betaflight 4.5.
 _ARM_SWITCH_BIT: Final = 25
 _SWITCH: Final = "ARM_SWITCH"
-#: Reasons of Betaflight 4.5 by their bits.
+#: Bit numbers of the reasons that forbid arming in Betaflight 4.5.
 BETAFLIGHT_REASONS: Final[Mapping[str, int]] = {
     str(flag.name): flag.bit_length() - 1 for flag in ArmingDisableFlag if flag < 1 << _ARM_SWITCH_BIT
 } | {_SWITCH: _ARM_SWITCH_BIT}
-#: Reasons of iNav by their bits.
+#: Bit numbers of the reasons that forbid arming in iNav.
 INAV_REASONS: Final[Mapping[str, int]] = {
     str(flag.name): flag.bit_length() - 1 for flag in InavArmingFlag if flag >= FIRST_INAV_REASON
 }
@@ -39,7 +39,7 @@ class Arming:
         self._bits, self._on_change = bits, on_change
         self.armed = False
         self.was_ever_armed = False
-        #: The present reasons, most important first.
+        #: The reasons that forbid arming now, in the order of their bits.
         self.reasons: tuple[str, ...] = ()
         self._latched = False
 

@@ -27,14 +27,14 @@ if TYPE_CHECKING:
     from mavstack.sim.msp.port import MspPort
     from mavstack.sim.msp.settings import SettingFacts
 
-#: Seconds after a boot in which it does not arm.
+#: Seconds after boot in which the vehicle cannot arm.
 BOOT_GRACE_TIME: Final = 5.0
-#: Degrees of roll and pitch up to which it arms.
+#: Maximum roll and pitch for arming, in degrees.
 SMALL_ANGLE: Final = 25.0
-#: Seconds with a signal until the pilot has control again.
+#: Seconds for which the signal must be present until the pilot has control again.
 RECOVERY_TIME: Final = 1.0
 _LANDING: Final = LandingSpeeds(2.0, 1.0, 3.0)
-#: Boxes that are a state of the flight, and not only of a switch.
+#: Boxes that are reported as active by the state of the flight, not by their switch.
 _FLIGHT_BOXES: Final = frozenset(("ARM", "GPS RESCUE", "FAILSAFE"))
 
 

@@ -39,7 +39,7 @@ SENSORS: Final = (
     | SensorFlag.GPS
     | SensorFlag.GYRO
 )
-#: Names, letters and frequencies in MHz of the bands of the video transmitter.
+#: Bands of the video transmitter: name, letter and frequencies in MHz.
 VTX_BANDS: Final = (
     ("BOSCAM_A", "A", (5865, 5845, 5825, 5805, 5785, 5765, 5745, 5725)),
     ("BOSCAM_B", "B", (5733, 5752, 5771, 5790, 5809, 5828, 5847, 5866)),
@@ -47,11 +47,11 @@ VTX_BANDS: Final = (
     ("FATSHARK", "F", (5740, 5760, 5780, 5800, 5820, 5840, 5860, 5880)),
     ("RACEBAND", "R", (5658, 5695, 5732, 5769, 5806, 5843, 5880, 5917)),
 )
-#: Values and labels of the power levels of the video transmitter.
+#: Power levels of the video transmitter: value and label.
 VTX_POWERS: Final = ((14, "25"), (20, "100"), (26, "400"), (29, "800"))
 #: Texts of MSP2_GET_TEXT: pilot, craft, PID profile, rate profile, build key, release.
 PILOT_NAME, CRAFT_NAME, PID_PROFILE_NAME, RATE_PROFILE_NAME, BUILD_KEY, RELEASE_NAME = range(1, 7)
-#: The lowest number in MSP_SET_VTX_CONFIG that is a frequency, and no band and channel.
+#: Numbers from this one in MSP_SET_VTX_CONFIG are frequencies; lower numbers combine band and channel.
 _FREQUENCIES: Final = 64
 _CYCLE_TIME: Final = 125e-6
 _LOAD: Final = 8
@@ -91,7 +91,8 @@ class BetaflightAnswers:
             BUILD_KEY: "",
             RELEASE_NAME: "4.5.2",
         }
-        #: Seconds to add to the time of the simulation for the clock that a peer has set; None before.
+        #: Seconds to add to the simulation time for the clock that a peer has set; None if no peer has set
+        #: it.
         self._clock: float | None = None
 
     def producers(self) -> list[tuple[int, Callable[[System], MspMessage]]]:
@@ -231,7 +232,7 @@ class BetaflightAnswers:
             settings.put(dataclasses.replace(present, timers=_with_item(present.timers, index, value)))
         else:
             _, value = struct.unpack_from("<BH", payload)
-            if payload[3:4] == b"\0":  # screen 0: the value shows or hides a statistic
+            if payload[3:4] == b"\0":  # screen 0 means that the value shows or hides a statistic
                 changed = dataclasses.replace(
                     present, statistics=_with_item(present.statistics, address, value)
                 )
@@ -243,7 +244,8 @@ class BetaflightAnswers:
         settings, written = self._system.settings, SetVtxConfig.decode(payload, self._system.info)
         settings.update(VtxConfig, written)
         band, channel = written.band, written.channel
-        if band is None and written.combined < _FREQUENCIES:  # the older way: one number for both
+        # The older format has one number for band and channel.
+        if band is None and written.combined < _FREQUENCIES:
             band, channel = written.combined // 8 + 1, written.combined % 8 + 1
         if band and 1 <= band <= len(VTX_BANDS) and channel and 1 <= channel <= 8:
             frequency = VTX_BANDS[band - 1][2][channel - 1]

@@ -17,7 +17,8 @@ from mavstack.msp.messages.sensors import SonarAltitude
 from mavstack.msp.messages.status import Debug
 from mavstack.msp.messages.vtx import VtxConfig, VtxType
 
-#: Number of items of the on-screen display, the position that hides an item, and the items that are shown.
+#: On-screen display: number of items, the position value of a hidden item, and the positions of the visible
+#: items.
 OSD_ITEM_COUNT: Final = 69
 _HIDDEN: Final = 341
 _OSD_POSITIONS: Final = (2433, 2401, 2369, 2337)

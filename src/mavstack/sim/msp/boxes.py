@@ -16,9 +16,9 @@ from mavstack.sim.msp.receiver import AUX, CHANNELS
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-#: Steps of a mode range: 25 microseconds each, from 900.
+#: A mode range is in steps of 25 microseconds, counted from 900 microseconds.
 STEP, FIRST_STEP, LAST_STEP = 25, 900, 48
-#: Number of mode ranges of both firmwares, by name of the variant.
+#: Number of mode ranges, by the firmware's variant name.
 RANGE_COUNTS: Final = {"BTFL": 20, "INAV": 40}
 
 

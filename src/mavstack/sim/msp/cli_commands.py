@@ -216,7 +216,7 @@ class CliCommands:
             return f"NO MATCHES FOR '{text}'\n"
         return "".join(f"{name} - {about}\n" for name, about in found.items())
 
-    # --- the end
+    # --- save and exit
 
     def _save(self, _: str) -> str:
         try:

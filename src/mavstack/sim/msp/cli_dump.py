@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from mavstack.sim.msp.cli_settings import CliSetting
     from mavstack.sim.msp.system import System
 
-#: The parts that each scope has; an empty scope has the selected profiles too.
+#: The parts of a dump, by scope; an empty scope means the master settings and the selected profiles.
 _SCOPES: Final = {
     "": ("master", "profile", "rates"),
     "all": ("master", "profiles", "restore"),

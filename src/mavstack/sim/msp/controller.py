@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 _LOG = logging.getLogger("mavstack.sim")
 
-#: Silence of a rebooting controller, in seconds.
+#: Seconds for which a rebooting controller sends nothing.
 REBOOT_SILENCE: Final = 1.0
 EEPROM_FILE: Final = "eeprom.msp"
 
@@ -55,7 +55,7 @@ class SimulatedFlightController:
         boots: Number of boots.
     """
 
-    #: The vehicle speaks MSP instead of MAVLink.
+    #: This vehicle speaks MSP instead of MAVLink.
     speaks_msp = True
 
     def __init__(
@@ -73,7 +73,8 @@ class SimulatedFlightController:
         self.boots = 0
         self.faults = Faults(self)
         self.cut_off = False
-        #: Called with the vehicle, "text", "mode", "armed", "mission" or "beeper", and a description.
+        #: Callbacks that get the vehicle, a kind ("text", "mode", "armed", "mission" or "beeper") and a
+        #: description.
         self.listeners: list[Callable[[SimulatedFlightController, str, str], None]] = []
         self.ports: list[MspPort] = []
         self._folder = folder
@@ -142,7 +143,7 @@ class SimulatedFlightController:
         sent = [(port, data) for port in self.ports if (data := port.take_output())]
         return [] if self.cut_off else sent
 
-    # --- the host of the ports
+    # --- interface for the ports
 
     @property
     def cli_commands(self) -> Mapping[str, Callable[[str], str]]:
@@ -157,7 +158,7 @@ class SimulatedFlightController:
         """Return the payload of the reply to a request; None refuses it."""
         return self.system.answer(frame.command, frame.payload, port)
 
-    # --- time
+    # --- periodic update and restart
 
     def step(self, now: float) -> None:
         """Advance to the simulated Unix time `now`."""

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from mavstack.sim.msp.system import System
 
 
-#: Metres from home within which the vehicle lands where it is.
+#: Distance from home in metres within which the vehicle lands at its present position.
 LANDING_RADIUS: Final = 5.0
 _LANDING_ALTITUDE: Final = 5.0
 _ASCEND, _DESCEND = 7.5, 1.5

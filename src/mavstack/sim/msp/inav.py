@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 #: Maximum roll and pitch for arming, in degrees.
 SMALL_ANGLE: Final = 25.0
-#: Boxes that are a state of the flight, and not only of a switch.
+#: Boxes that are reported as active by the state of the flight, not by their switch.
 _FLIGHT_BOXES: Final = frozenset(("ARM", "FAILSAFE", *NAVIGATION_BOXES))
 
 

@@ -23,15 +23,15 @@ if TYPE_CHECKING:
     from mavstack.sim.msp.system import System
 
 
-#: Numbers of waypoints: the target of the vehicle, and its position; writing the latter sets the target.
+#: Special waypoint numbers: the vehicle's target, and its position. Writing the second one sets the target.
 TARGET, GUIDED = 254, 255
-#: Boxes that navigate, the most important first.
+#: Boxes that navigate, by descending priority.
 NAVIGATION_BOXES: Final = ("NAV RTH", "NAV WP", "NAV CRUISE", "NAV COURSE HOLD", "NAV POSHOLD", "NAV ALTHOLD")
 _NEEDS_POSITION: Final = frozenset(NAVIGATION_BOXES) - {"NAV ALTHOLD"}
-#: Throttle deflection around the middle that holds the altitude.
+#: The altitude is held while the throttle differs from its middle by less than this (full range: -1 to 1).
 _THROTTLE_DEADBAND: Final = 0.1
 _HOVER_SECONDS: Final = 3.0
-#: Microseconds around the middle of a stick that move nothing.
+#: Stick movements of up to this many microseconds from the middle are ignored.
 _DEADBAND: Final = 5
 _UNLIMITED: Final = -1
 
@@ -45,10 +45,11 @@ class InavNavigation:
         self.mode, self.state, self.error = NavMode.NONE, NavState.NONE, NavError.NONE
         #: Number of the waypoint that is flown, from 1; 0 for none.
         self.active_waypoint = 0
-        #: The position that a ground station wants, in metres north, east and down; None without one.
+        #: The position that a ground station has set as target, in metres north, east and down; None if there
+        #: is none.
         self.guided: tuple[float, float, float] | None = None
 
-    # --- choice
+    # --- selection of the navigation box
 
     def choose(self) -> str:
         """Return the box that navigates now; an empty text if the sticks fly."""
@@ -148,7 +149,8 @@ class InavNavigation:
         self._enter(NavMode.NONE, NavState.NONE)
         limit = radians(self._controller.number("max_angle_inclination_rll") / 10)
         controller = self._controller
-        while True:  # a lean becomes a velocity, so that the throttle alone changes the altitude
+        # The stick sets a velocity instead of a lean, so that only the throttle changes the altitude.
+        while True:
             sticks = self._sticks()
             speed = 9.81 * limit
             self._fly_velocity(sticks.pitch * speed, sticks.roll * speed, sticks.yaw)
@@ -338,7 +340,7 @@ class InavNavigation:
         frame = self._body.frame
         if waypoint.latitude or waypoint.longitude:
             north, east, _ = frame.to_local(waypoint.latitude, waypoint.longitude, 0.0)
-        else:  # a waypoint without position is here
+        else:  # a waypoint without coordinates is at the present position
             north, east = self._body.estimate[:2]
         if waypoint.parameter_3 & ABOVE_SEA:
             return north, east, frame.altitude - waypoint.altitude

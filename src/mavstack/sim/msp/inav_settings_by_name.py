@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from mavstack.sim.msp.port import MspPort
     from mavstack.sim.msp.system import System
 
-#: Types of settings in MSP2_COMMON_SETTING_INFO: number, sign, bytes.
+#: Types of settings in MSP2_COMMON_SETTING_INFO: type number, whether signed, number of bytes.
 _TYPES: Final = {(False, 1): 0, (True, 1): 1, (False, 2): 2, (True, 2): 3, (False, 4): 4, (True, 4): 4}
 _STRING_TYPE: Final = 6
 _MODE_DIRECT, _MODE_LOOKUP = 0, 1 << 6

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mavstack.sim.motion import Body
     from mavstack.sim.msp.receiver import Sticks
 
-#: Deflection of a stick beyond which horizon mode becomes acro mode.
+#: Deflection of a stick (0 to 1) beyond which horizon mode behaves as acro mode.
 HORIZON_SHARE: Final = 0.75
 #: The thrust at which the motors idle in the air.
 IDLE_THRUST: Final = 0.05

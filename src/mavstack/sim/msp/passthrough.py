@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from mavstack.sim.msp.port import MspPort
     from mavstack.sim.msp.system import System
 
-#: Modes of MSP_SET_PASSTHROUGH: a serial port by its identifier, by its function; others mean ESCs.
+#: Modes of MSP_SET_PASSTHROUGH: select a serial port by identifier, or by function; other values select ESCs.
 SERIAL_ID, SERIAL_FUNCTION = 0xFD, 0xFE
-#: The identifier of UART 2, and the function GPS.
+#: The serial port identifier of UART 2, and the serial port function GPS.
 GPS_PORT, GPS_FUNCTION = 1, 2
 _INTERVAL: Final = 0.2
 _KNOTS: Final = 1.943844

@@ -16,9 +16,9 @@ from mavstack.sim.msp.command_line import CommandLine
 if TYPE_CHECKING:
     from mavstack.sim.msp.controller import SimulatedFlightController
 
-#: Seconds from `#` to the command line interface.
+#: Seconds after a received `#` until the command line interface opens.
 CLI_GUARD: Final = 0.1
-#: Bytes that a peer may leave unread; what does not fit is dropped, as a serial port does.
+#: Maximum bytes of output that a peer has not read; as on a serial port, further output is dropped.
 MAX_PENDING: Final = 1 << 18
 _HASH: Final = b"#"
 

@@ -10,7 +10,7 @@ from typing import Final
 
 #: Values of `rates_type` in MSP_RC_TUNING of Betaflight.
 BETAFLIGHT_RATES, ACTUAL_RATES = 0, 3
-#: No curve exceeds this rate, in degrees per second.
+#: Maximum rate of every curve, in degrees per second.
 MAX_RATE: Final = 1998.0
 _RC_RATE_KNEE: Final = 2.0
 _RC_RATE_STEEP: Final = 14.54

@@ -13,16 +13,16 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-#: Number of channels that a controller keeps.
+#: Number of channels that a controller stores.
 CHANNELS: Final = 18
 #: Seconds without a frame after which the signal is lost.
 SIGNAL_TIMEOUT: Final = 0.3
-#: Microseconds: the middle and the lowest value of a channel, and the range that is a valid pulse.
+#: Microseconds: the middle and the lowest value of a channel, and the limits of a valid pulse.
 MIDDLE, LOW = 1500, 1000
 MIN_PULSE, MAX_PULSE = 885, 2115
-#: Indices of the channels in the firmware's order.
+#: Indices of the channels in the order of the firmware.
 ROLL, PITCH, YAW, THROTTLE, AUX = 0, 1, 2, 3, 4
-#: The throttle without signal, in microseconds.
+#: The throttle when the signal is lost, in microseconds.
 LOST_THROTTLE = 885
 _LETTERS: Final = "AERT12345678"
 _HALF_RANGE = 500.0
@@ -42,9 +42,9 @@ class Receiver:
 
     def __init__(self) -> None:
         self.channels = [MIDDLE] * THROTTLE + [LOST_THROTTLE] + [LOW] * (CHANNELS - AUX)
-        #: For each of the first eight channels of the firmware, the place in received frames.
+        #: For each of the first eight channels of the firmware: the index of the channel in received frames.
         self.channel_map: tuple[int, ...] = map_of("AETR1234")
-        #: The transmitter is switched on; a fault switches it off.
+        #: True while the transmitter is switched on; a fault can switch it off.
         self.is_on = True
         self._last_frame = -SIGNAL_TIMEOUT
         self._count = 0
@@ -102,7 +102,7 @@ def letters_of(channel_map: Sequence[int]) -> str:
     """Return the letters of a channel map."""
     letters = [""] * len(channel_map)
     for letter, place in zip(_LETTERS, channel_map, strict=False):
-        if place < len(letters):  # a peer may have written another one
+        if place < len(letters):  # a peer may have written an invalid index
             letters[place] = letter
     return "".join(letters)
 

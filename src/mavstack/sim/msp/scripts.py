@@ -15,11 +15,11 @@ if TYPE_CHECKING:
 
     from mavstack.sim.motion import Body
 
-#: Seconds between two ticks.
+#: Seconds between two ticks of a script.
 TICK: Final = 0.1
-#: Metres from an altitude within which it counts as reached.
+#: Altitude error in metres below which an altitude counts as reached.
 ALTITUDE_TOLERANCE: Final = 0.7
-#: Metres below the ground to which a landing descends, until the ground stops it.
+#: The target of a landing is this many metres below the ground, so that the vehicle descends until touchdown.
 _BELOW_GROUND: Final = 50.0
 
 

@@ -31,7 +31,7 @@ MessageT = TypeVar("MessageT", bound="MspMessage")
 
 #: Number of PID profiles and of rate profiles.
 PROFILES: Final = 4
-#: Commands of frames in the EEPROM that are not messages of a profile.
+#: Commands of EEPROM frames that hold named settings, the selected profiles, mode ranges and waypoints.
 _NAMED, _SELECTED, _RANGE, _WAYPOINT = 0xFF00, 0xFF01, 35, 118
 
 

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 #: Seconds of the calibration of each sensor.
 CALIBRATION_TIMES: Final = {"gyro": 1.0, "accelerometer": 1.0, "compass": 30.0}
-#: Pulse width of motors that stand still, in microseconds.
+#: Pulse width of a stopped motor, in microseconds.
 STOPPED: Final = 1000
 _MOTORS: Final = 4
 
@@ -53,7 +53,7 @@ class System(ABC):
 
     #: True for iNav.
     is_inav: ClassVar[bool]
-    #: The reasons that forbid arming, by their bits.
+    #: The bit numbers of the reasons that forbid arming.
     reasons: ClassVar[Mapping[str, int]]
     #: The boxes of the firmware.
     boxes: ClassVar[BoxTable]
@@ -70,7 +70,7 @@ class System(ABC):
         self.home: tuple[float, float] | None = None
         self.motor_test = [STOPPED] * _MOTORS
         self.in_cli = False
-        #: Ports whose peer has forbidden arming by MSP_SET_ARMING_DISABLED.
+        #: Ports whose peer has disabled arming by MSP_SET_ARMING_DISABLED.
         self.arming_disabled_by: set[MspPort] = set()
         self._calibrations = {"gyro": self.now + CALIBRATION_TIMES["gyro"]}
         self._ground = self.body.estimate.down
@@ -78,7 +78,7 @@ class System(ABC):
         self.mode = self.mode_name()
         self.handlers = self.make_handlers()
 
-    # --- of each firmware
+    # --- implemented by each firmware
 
     @classmethod
     @abstractmethod
@@ -170,7 +170,7 @@ class System(ABC):
         self.settings.put(RxMap(positions[:count]))
         self.configure()
 
-    # --- time
+    # --- periodic update
 
     def step(self, now: float) -> None:
         """Advance to a time."""
@@ -243,7 +243,7 @@ class System(ABC):
         """Return the payload of a message."""
         return message.encode(self.info)
 
-    # --- handlers that both firmwares use
+    # --- handlers of requests that both firmwares support
 
     def producer(self, produce: Callable[[System], MspMessage]) -> Callable[[bytes, MspPort], bytes]:
         """Return a handler that sends the message that a function makes."""

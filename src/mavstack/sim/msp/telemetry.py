@@ -31,11 +31,11 @@ if TYPE_CHECKING:
     from mavstack.msp.messages.base import MspMessage
     from mavstack.sim.msp.system import System
 
-#: Counts of 1 g and of 1 gauss.
+#: Raw accelerometer value at 1 g by firmware, standard gravity in m/s2, and raw compass value at 1 gauss.
 _COUNTS_PER_G: Final = {"BTFL": 2048.0, "INAV": 512.0}
 _GRAVITY: Final = 9.80665
 _COUNTS_PER_GAUSS: Final = 1090.0
-#: Volts of a cell at which the battery warns, and at which it is empty.
+#: Cell voltages at which the battery warns, and at which it is empty.
 WARNING_VOLTAGE, EMPTY_VOLTAGE = 3.5, 3.3
 #: Revolutions per minute of a motor at full thrust.
 _FULL_RPM: Final = 25_000.0
@@ -221,7 +221,7 @@ def rc(controller: System) -> Rc:
     return Rc(tuple(receiver.channels[: receiver.count]))
 
 
-#: Producers of both firmwares; those of one alone are in its module.
+#: Messages of both firmwares, with the functions that make them; messages of one firmware are in its module.
 COMMON: Final[Sequence[tuple[type[MspMessage], Callable[[System], MspMessage]]]] = (
     (Attitude, attitude),
     (Altitude, altitude),

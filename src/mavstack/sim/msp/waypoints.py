@@ -17,9 +17,9 @@ from mavstack.msp.messages.navigation import LAST_WAYPOINT_FLAG, WaypointAction,
 MAX_WAYPOINTS: Final = 120
 #: Bit of `parameter_3`: the altitude is above mean sea level, not above home.
 ABOVE_SEA: Final = 1
-#: Actions without a position.
+#: Waypoint actions that need no position.
 WITHOUT_POSITION: Final = frozenset((WaypointAction.RTH, WaypointAction.JUMP, WaypointAction.SET_HEADING))
-#: Actions that iNav does not take.
+#: Waypoint actions that iNav rejects.
 NOT_TAKEN: Final = frozenset((WaypointAction.NONE, WaypointAction.POSHOLD_UNLIMITED))
 
 

@@ -35,7 +35,8 @@ if TYPE_CHECKING:
     from mavstack.sim.parameters.tables import Row
     from mavstack.sim.vehicle_types import VehicleType
 
-#: The folder in which MAVLink FTP serves the files. A real PX4 has them there; a real ArduPilot has none.
+#: The folder in which MAVLink FTP serves the metadata files. A real PX4 serves them there; a real ArduPilot
+#: has no such files.
 FOLDERS: Final[Mapping[Firmware, str]] = MappingProxyType(
     {Firmware.PX4: "etc/extras", Firmware.ARDUPILOT: "@ROMFS/metadata"}
 )

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 Default = TypeVar("Default")
 
 _SYSTEM_NAMES = {Firmware.ARDUPILOT: "SYSID_THISMAV", Firmware.PX4: "MAV_SYS_ID"}
-#: Seconds after the last change when a firmware saves its parameters by itself.
+#: Seconds after the last change until the firmware saves changed parameters automatically.
 AUTOSAVE_DELAYS = {Firmware.ARDUPILOT: 0.0, Firmware.PX4: 2.0}
 _ENCODINGS = {Firmware.ARDUPILOT: Encoding.C_CAST, Firmware.PX4: Encoding.BYTEWISE}
 
@@ -53,7 +53,7 @@ class Parameters:
             self.table.add(definition)
         self.encoding = _ENCODINGS[firmware]
         self._autosave_delay = AUTOSAVE_DELAYS[firmware]
-        #: The saved values of parameters that changed since.
+        #: By name: the saved value of each parameter that changed after it was saved.
         self._saved: dict[str, Value] = {}
         self._save_due: float | None = None
         self._now = 0.0
@@ -151,7 +151,7 @@ class Parameters:
         self._changes(event.parameter.name, event.previous)
         self._notify(event.parameter.name)
 
-    # Server
+    # Parameter protocol
 
     def new_server(self, local: Address, touch: Callable[[Service], None] | None = None) -> ParameterServer:
         """Return the server of a new boot, and remove the callbacks of the previous boot.

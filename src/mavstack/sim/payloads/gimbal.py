@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.payload import Gimbal
     from mavstack.sim.vehicle import SimulatedVehicle
 
-#: Degrees per second.
+#: Maximum rate of the gimbal, in degrees per second.
 MAX_RATE = 90.0
 
 

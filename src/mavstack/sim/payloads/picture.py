@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 WIDTH: Final = 640
 HEIGHT: Final = 360
 TIME_BITS: Final = 48
-#: Height of the row of blocks in pixels.
+#: Height in pixels of the row of blocks that encodes data in the picture.
 BLOCK_HEIGHT: Final = 16
-#: The half of the vertical field of view, in degrees.
+#: Half of the vertical field of view, in degrees.
 _HALF_VIEW: Final = 25.0
 _SKY: Final = (70, 130, 200)
 _GROUND: Final = (110, 85, 50)

@@ -77,7 +77,8 @@ class ArmAuthorization:
             case ArmRefusal(temporarily=True):
                 yield "Arm auth: Temporarily rejected", _CRITICAL
             case ArmRefusal(reason=_REASON.NONE):
-                return  # the authoriser reports to the ground station itself
+                # The authoriser itself reports the reason to the ground station.
+                return
             case ArmRefusal(reason=_REASON.INVALID_WAYPOINT, detail=waypoint):
                 yield f"Arm auth: Denied, waypoint {waypoint} have a invalid value", _CRITICAL
             case ArmRefusal(reason=reason):

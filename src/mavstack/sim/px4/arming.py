@@ -30,12 +30,12 @@ Check: TypeAlias = "Callable[[SimulatedAutopilot], Iterator[str]]"
 DISARMING_DENIED: Final = "Disarming denied: not landed"
 _CRITICAL = common.MavSeverity.CRITICAL
 ARMING_DENIED: Final = "Arming denied: Resolve system health failures first"
-_FIX_3D: Final = 3  # GPS_FIX_TYPE_3D_FIX
+_FIX_3D: Final = 3  # the value of GPS_FIX_TYPE_3D_FIX
 _GATE: Final = 1.0
 _IN_AIRPLANE_MODE: Final = 0.5
-#: COM_ARM_ODID.
+#: Value of COM_ARM_ODID: arming is denied without a Remote ID.
 _DENY_WITHOUT_ID = 2
-#: COM_ARM_WO_GPS.
+#: Value of COM_ARM_WO_GPS: arming is denied without GPS.
 _DENY = 0
 
 
@@ -193,7 +193,7 @@ class PreflightReporter:
         self._state.healthy = not found
 
 
-#: Problems of the mode, reported only when arming is denied.
+#: Problems with the present mode; they are reported only when arming is denied.
 _MODE_PROBLEMS: Final = frozenset(
     {
         "Preflight Fail: Mode not suitable for arming",

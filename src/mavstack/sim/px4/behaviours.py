@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.maneuvers import Point
     from mavstack.sim.px4.state import OrbitRequest, Px4State
 
-#: Attitude of a gliding wing in radians: a gentle bank keeps it in place.
+#: Bank and pitch of a gliding wing in radians; the bank makes the wing circle instead of flying away.
 _BANK, _NOSE_DOWN = 0.26, -0.05
 
 

@@ -28,15 +28,16 @@ _RESULT: Final = common.MavResult
 #: The sides in the order in which PX4 names them.
 SIDES: Final = ("back", "front", "left", "right", "up", "down")
 _WINGED: Final = (VehicleType.PLANE, VehicleType.VTOL)
-#: Seconds per 10 % of a calibration without poses.
+#: Seconds per 10 % of a calibration that does not need different orientations of the vehicle.
 _STEP_TIME: Final = 0.2
-#: Seconds in which the person turns the vehicle, and in which one side is measured.
+#: Seconds in which the user turns the vehicle to the next side, and in which one side is measured.
 _TURN_TIME, _MEASURING_TIME = 1.0, 0.8
-#: Seconds of rotation for each side, as PX4 announces them.
+#: Seconds of rotation for each side that PX4 announces in its status text.
 _ROTATION_TIME: Final = 7
-#: Seconds until the person blows, or connects the battery; and until the ESCs are calibrated.
+#: Seconds until the user blows into the pitot tube or connects the battery, and until the ESCs are
+#: calibrated.
 _HAND_TIME, _ESC_TIME = 2.0, 3.0
-#: Seconds after the end of a calibration in which another one is refused.
+#: Seconds after the end of a calibration in which a new calibration is refused.
 _CLEANUP_TIME: Final = 0.8
 
 

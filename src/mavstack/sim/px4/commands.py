@@ -43,7 +43,7 @@ _CMD, _RESULT = common.MavCmd, common.MavResult
 _CRITICAL = common.MavSeverity.CRITICAL
 _FLAGS: Final = common.MavModeFlag
 _FORCE: Final = 21196
-#: Component id that receives the reason of a refused mode.
+#: Only requests from this component id get a status text with the reason of a refused mode.
 _PLANNER: Final = common.MavComponent.MISSIONPLANNER
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.wire import Packet
 
-#: Silence after which the vehicle's own receiver counts again, in seconds.
+#: Seconds without a message after which the vehicle uses its own receiver again.
 GPS_TIMEOUT: Final = 2.0
 
 

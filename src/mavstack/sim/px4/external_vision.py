@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.external_vision import ExternalEstimate
     from mavstack.sim.vehicle import SimulatedVehicle
 
-#: The longest time between two estimates, in seconds.
+#: Maximum seconds between two estimates; after that, external estimates are no longer used.
 TIMEOUT: Final = 0.2
 _HORIZONTAL, _VERTICAL, _VELOCITY, _YAW = 1, 2, 4, 8
 _GPS_CONTROL: Final = "EKF2_GPS_CTRL"
-#: Senders whose clocks are followed at the same time.
+#: Maximum number of senders whose clocks are synchronized.
 _MAX_CLOCKS: Final = 4
 
 
@@ -53,7 +53,8 @@ def register_external_vision(vehicle: SimulatedVehicle) -> None:
     clocks, parameters, body = VisionClocks(vehicle), vehicle.parameters, vehicle.body
 
     def use_gps(control: Value) -> None:
-        # A submarine keeps its position although its parameters leave out GPS: it has no other source.
+        # A submarine always uses GPS, even if EKF2_GPS_CTRL disables it, because the simulation has no other
+        # position source under water.
         body.use_gps(bool(int(control) & 1) or vehicle.vehicle_type is VehicleType.SUB)
 
     def accepts(message: Message, estimate: ExternalEstimate, source: Address) -> bool:

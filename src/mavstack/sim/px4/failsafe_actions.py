@@ -49,9 +49,9 @@ class ActionRequest:
     cause: str = ""
     end: ActionEnd = ActionEnd.CONDITION_CLEARS
     delayed: bool = True
-    #: True if a pilot may take over by a mode change.
+    #: True if the pilot may take control by a mode change.
     takeover: bool = True
-    #: True while the condition fails.
+    #: True while the condition that triggers the failsafe is present.
     failing: bool = True
 
 
@@ -69,7 +69,7 @@ ACTION_NAMES: Final[Mapping[Action, str]] = MappingProxyType(
         Action.TERMINATE: "terminate",
     }
 )
-#: Status texts of a warning without an action.
+#: Status texts of failsafes that warn without another action.
 WARNINGS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "Low battery level": "Low battery level, return advised",
@@ -77,7 +77,7 @@ WARNINGS: Final[Mapping[str, str]] = MappingProxyType(
         "Emergency battery level": "Emergency battery level, land immediately",
     }
 )
-#: Actions that need a pilot, in order of preference, and automatic ones.
+#: Actions in which the pilot flies, in order of preference, and automatic actions.
 MANUAL_ACTIONS: Final = (Action.POSITION, Action.ALTITUDE, Action.STABILIZED)
 AUTOMATIC_ACTIONS: Final = (Action.HOLD, Action.RETURN, Action.LAND, Action.DESCEND)
 MODES: Final[Mapping[Action, int]] = MappingProxyType(
@@ -98,7 +98,7 @@ _LINK_ACTIONS: Final = MappingProxyType(
 _MOTOR_ACTIONS: Final = MappingProxyType(
     {1: Action.HOLD, 2: Action.LAND, 3: Action.RETURN, 4: Action.TERMINATE}
 )
-#: COM_LOW_BAT_ACT at critical and at emergency level.
+#: Actions by the value of COM_LOW_BAT_ACT, at the critical and at the emergency level.
 _BATTERY_ACTIONS: Final = (
     MappingProxyType({1: Action.RETURN, 2: Action.LAND, 3: Action.RETURN, 4: Action.RETURN}),
     MappingProxyType({1: Action.RETURN, 2: Action.LAND, 3: Action.LAND, 4: Action.TERMINATE}),

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 _INFO: Final = common.MavSeverity.INFO
-#: COM_RC_IN_MODE: manual control disabled.
+#: Value of COM_RC_IN_MODE that disables manual control.
 _MANUAL_CONTROL_DISABLED: Final = 4
 #: Bits of COM_RCL_EXCEPT and COM_DLL_EXCEPT.
 _MISSION, _AUTOMATIC, _OFFBOARD = 1, 2, 4
@@ -43,7 +43,7 @@ _EXCEPTIONS: Final = {
         _AUTOMATIC,
     ),
 }
-#: Seconds between two checks of the ground station link.
+#: Interval in seconds at which the link to the ground station is checked.
 _LINK_CHECK_INTERVAL: Final = 0.5
 
 

@@ -31,14 +31,14 @@ if TYPE_CHECKING:
 
 _CRITICAL, _WARNING = common.MavSeverity.CRITICAL, common.MavSeverity.WARNING
 _EMERGENCY: Final = common.MavSeverity.EMERGENCY
-#: Actions without a delay.
+#: Actions that are taken without the delay of COM_FAIL_ACT_T.
 _NEVER_DELAYED: Final = frozenset({Action.NONE, Action.WARN, Action.HOLD, Action.DISARM, Action.TERMINATE})
-#: Seconds up to which COM_FAIL_ACT_T means no delay.
+#: A value of COM_FAIL_ACT_T up to this, in seconds, means no delay.
 _NO_DELAY: Final = 0.1
 _DISENGAGED: Final = frozenset({Action.DESCEND, Action.ALTITUDE, Action.STABILIZED})
 _SEVERITIES: Final = {"Low battery level": _WARNING, "Emergency battery level": _EMERGENCY}
 
-#: Reason of the mode change when setpoints are lost.
+#: The reason of the mode change after setpoints are lost.
 SETPOINTS_LOST: Final = "offboard failsafe"
 _OFFBOARD_TERMINATE, _OFFBOARD_DISARM = 6, 7
 _OFFBOARD_ACTIONS: Final = MappingProxyType(
@@ -53,14 +53,14 @@ class Px4Failsafes:
     def __init__(self, autopilot: SimulatedAutopilot) -> None:
         self._autopilot = autopilot
         self._checks = FailsafeChecks(autopilot)
-        #: Requested actions by condition.
+        #: The requested action of each active condition, by name.
         self._requests: dict[str, ActionRequest] = {}
-        #: The mode that the user chose, and the mode that is flown.
+        #: The mode that the user selected, and the mode that is flown, which a failsafe may have changed.
         self._intended = self._actual = autopilot.mode.number
         self._action = Action.NONE
         self._taken_over = self._was_armed = False
         self._hold_until = autopilot.now
-        #: Cause of the newest request of this update; None if there is none.
+        #: Name of the condition that was added last in this update; None if no condition was added.
         self._new_cause: str | None = None
         autopilot.watches.append(self)
 
@@ -129,7 +129,7 @@ class Px4Failsafes:
         if self._action > Action.HOLD or self._taken_over or not self._checks.can_run(modes.HOLD):
             self._hold_until = self._autopilot.now
 
-    # Selection
+    # Selection of the action
 
     def _select(self, now: float, *, chosen: bool) -> tuple[Action, Action, str]:
         """Return the action now, the action after the delay, and the cause."""
@@ -157,7 +157,7 @@ class Px4Failsafes:
         on_its_way = self._intended in (modes.LAND, modes.RETURN)
         return on_its_way and self._checks.can_run(self._intended)
 
-    # Execution
+    # Execution of the action
 
     def _perform(self, action: Action) -> None:
         """Execute an action."""
@@ -214,7 +214,7 @@ class Px4Failsafes:
         else:
             before += ": switching to " + ACTION_NAMES[action]
         self._send_statustext(before)
-        if action is not Action.TERMINATE:  # the profile reports every termination
+        if action is not Action.TERMINATE:  # the profile sends a status text for every termination
             self._send_statustext("Failsafe activated")
 
     def _send_statustext(self, text: str, severity: int = _CRITICAL) -> None:
@@ -222,7 +222,7 @@ class Px4Failsafes:
         self._autopilot.vehicle.send_statustext(text, severity)
 
 
-#: Names of the flags that are conditions of a failsafe.
+#: Names in `SimulatedAutopilot.failsafes` that are conditions of failsafes.
 _CONDITIONS: Final = frozenset(
     {"manual control", "ground station", "battery 1", "battery 2", "battery 3", "motor", "mode"}
 )

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 _CMD, _RESULT = common.MavCmd, common.MavResult
 _UNIT, _TYPE = common.FailureUnit, common.FailureType
 
-#: Names of units and types in the shell.
+#: Failure units by their names in the `failure` command of the shell; `TYPES` has the failure types.
 UNITS: Final[Mapping[str, int]] = MappingProxyType(
     {
         "mag": _UNIT.SENSOR_MAG,

@@ -26,7 +26,8 @@ _MIN_TIMEOUT = 0.1
 class Px4FlightParameters(FlightParameters):
     """Flight parameters of all types."""
 
-    #: The land detector disarms, because it knows whether there was a flight.
+    #: Seconds: the autopilot never disarms by these delays; the land detector does, because it knows whether
+    #: the vehicle has flown.
     disarm_delay = land_disarm_delay = inf
     setpoint_frames = frozenset({_F.LOCAL_NED, _F.BODY_NED})
     thrust_is_climb = False

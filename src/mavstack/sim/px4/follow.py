@@ -33,22 +33,22 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.wire import Packet
 
-#: Seconds after which the target's last message no longer counts.
+#: Seconds after which the target's last message is no longer used.
 TARGET_TIMEOUT: Final = 3.0
-#: Minimum speed of the target in m/s at which its velocity gives the course.
+#: Speed of the target in m/s above which its velocity defines its course.
 _MOVES_ABOVE: Final = 0.1
-#: Metres of height error above which the vehicle does not move over ground.
+#: Height error in metres above which the vehicle only climbs or descends.
 _HEIGHT_ACCEPTANCE: Final = 3.0
-#: Metres above home below which the vehicle only climbs, and its speed in m/s then.
+#: Below this height above home, in metres, the vehicle only climbs, at the given speed in m/s.
 _SAFETY_HEIGHT: Final = 1.0
 _SAFETY_CLIMB: Final = 0.2
 _MIN_HEIGHT: Final = 8.0
 _MIN_DISTANCE: Final = 1.0
-#: FLW_TGT_ALT_M: the height is above the target.
+#: Value of FLW_TGT_ALT_M: the height is above the target.
 _ABOVE_TARGET: Final = 2
-#: Seconds in which the course follows the target's, for each unit of FLW_TGT_RS.
+#: Time constant in seconds, for each unit of FLW_TGT_RS, with which the vehicle follows a turn of the target.
 _RESPONSE_TIME: Final = 3.0
-#: m/s for each metre of error (MPC_XY_P, MPC_Z_P).
+#: Gain of the position error in 1/s, close to the defaults of MPC_XY_P and MPC_Z_P.
 _GAIN: Final = 0.95
 
 

@@ -12,11 +12,11 @@ if TYPE_CHECKING:
 
 VERSION: Final = FirmwareVersion(1, 16, 0)
 OPERATING_SYSTEM: Final = FirmwareVersion(6, 6, 0)
-#: An invented commit, because this is not a build of PX4.
+#: An invented commit hash, because this is not a build of PX4.
 GIT_HASH: Final = "4d61767374616b00"
 HARDWARE: Final = "MAVSTACK_SIM"
 _BOARD: Final = 1
-#: USB ids of a board that is not simulated as a program.
+#: USB ids that a vehicle with a simulated board (`board_id`) reports.
 _USB_VENDOR, _USB_PRODUCT = 0x26AC, 0x0032
 
 _CAPABILITY = common.MavProtocolCapability

@@ -17,7 +17,7 @@ class LogStreaming:
     def __init__(self, vehicle: SimulatedVehicle) -> None:
         self._vehicle = vehicle
         self._logs = vehicle.storage.logs
-        self._logs.streams.clear()  # those from before a reboot
+        self._logs.streams.clear()  # streams do not continue after a reboot
         self._writer: LogWriter | None = None
         self.sender = vehicle.engine.add(LogStreamSender(vehicle.address))
         self.sender.answer_commands(vehicle.commands, vehicle.engine.touch)

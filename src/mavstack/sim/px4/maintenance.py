@@ -18,7 +18,7 @@ _GRAB, _RELEASE = common.GripperActions.GRAB, common.GripperActions.RELEASE
 _LOAD, _SAVE, _RESET_CONFIGURATION, _RESET_SENSORS, _RESET_ALL = range(5)
 _MAX_MOTORS, _MAX_SERVOS = 12, 8
 _MAX_TEST_TIME: Final = 3.0
-#: First servo of DO_SET_ACTUATOR, and number of servos.
+#: Number of the first servo of DO_SET_ACTUATOR, and number of servos.
 _FIRST_ACTUATOR, _ACTUATORS = 9, 6
 _CENTRE_PULSE, _PULSE_RANGE = 1500, 500
 _GRIPPER_TIME: Final = 1.0

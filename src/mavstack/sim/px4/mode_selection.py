@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle import SimulatedVehicle
 
 _FLAGS = common.MavModeFlag
-#: Main modes with sub modes.
+#: Main modes that have sub modes.
 AUTO: Final = 4
 _POSCTL: Final = 3
 _SLOW: Final = 2

@@ -43,7 +43,7 @@ BehaviourFactory: TypeAlias = "Callable[[SimulatedAutopilot], Behaviour]"
 _STANDARD, _PROPERTY, _FLAGS = common.MavStandardMode, common.MavModeProperty, common.MavModeFlag
 _T = VehicleType
 
-#: `custom_mode` values.
+#: The `custom_mode` of each mode.
 MANUAL: Final = px4_custom_mode(1)
 ALTITUDE: Final = px4_custom_mode(2)
 POSITION: Final = px4_custom_mode(3)
@@ -62,10 +62,10 @@ OFFBOARD: Final = px4_custom_mode(6)
 STABILIZED: Final = px4_custom_mode(7)
 TERMINATION: Final = px4_custom_mode(10)
 
-#: Modes that DO_SET_MODE does not enter: own commands or failsafes enter them.
+#: Modes that DO_SET_MODE cannot enter, because other commands or failsafes enter them.
 NOT_SELECTABLE: Final = frozenset({ORBIT, VTOL_TAKEOFF, DESCEND, TERMINATION})
 
-#: Modes that DO_SET_STANDARD_MODE enters; a wing orbits in Hold.
+#: Modes that DO_SET_STANDARD_MODE enters, by standard mode; wings use Hold for the orbit mode.
 STANDARD_MODES: Final[Mapping[int, int]] = MappingProxyType(
     {
         _STANDARD.SAFE_RECOVERY: RETURN,
@@ -89,7 +89,7 @@ STANDARD_MODES_OF_WINGS: Final[Mapping[int, int]] = MappingProxyType(
     }
 )
 
-#: MAV_MODE_FLAG bits by active controllers.
+#: MAV_MODE_FLAG bits, by the controllers that are active in a mode.
 _AUTOMATIC: Final = _FLAGS.AUTO_ENABLED | _FLAGS.GUIDED_ENABLED | _FLAGS.STABILIZE_ENABLED
 _MANUAL_STABILIZED: Final = _FLAGS.MANUAL_INPUT_ENABLED | _FLAGS.STABILIZE_ENABLED
 _MANUAL_RAW: Final = _FLAGS.MANUAL_INPUT_ENABLED
@@ -118,7 +118,7 @@ class _Row:
     then: int | None = None
 
 
-#: In the order of the firmware's own numbers, as in its list.
+#: All modes, in the order of the firmware's mode numbers, which is the order of AVAILABLE_MODES.
 _TABLE: Final = (
     _Row(MANUAL, "Manual", Manual, _MANUAL_RAW, manual_control=True, needs_position=False),
     _Row(

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.maneuvers import Point
     from mavstack.sim.vehicle import SimulatedVehicle
 
-#: Seconds above a point until the next step, and the age of a report that counts as new.
+#: Seconds that the vehicle hovers before the next step, and maximum age in seconds of a new report.
 _SETTLING: Final = 2.0
 _NEW: Final = 0.5
 

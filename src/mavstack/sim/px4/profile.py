@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.firmware_profile import Mode
     from mavstack.sim.vehicle import SimulatedVehicle
 
-#: PX4's names of the shared autopilot's reasons of disarming.
+#: PX4's texts for the reasons of disarming that the autopilot base class uses.
 _REASONS = {"commanded": BY_COMMAND, "landed": BY_LANDING, "mission end": BY_LANDING}
 
 
@@ -53,7 +53,7 @@ class Px4Profile(FirmwareProfile):
     initial = hold = guided = modes.HOLD
     mission = modes.MISSION
     return_to_launch = modes.RETURN
-    #: PX4's simulations have no transmitter and fly without.
+    #: False, because PX4's simulators have no transmitter and permit flights without one.
     transmitter = False
     refusal = ""
 
@@ -129,7 +129,8 @@ class Px4Profile(FirmwareProfile):
     def armed(self, autopilot: SimulatedAutopilot) -> None:
         """Report by whom the vehicle was armed."""
         autopilot.vehicle.send_statustext(f"Armed by {self.state.arming_reason}")
-        self.state.has_flown = False  # the vehicle may be armed again before the next periodic check
+        # The periodic check also clears this flag, but may not run between two armings.
+        self.state.has_flown = False
         self.state.arming_reason = BY_COMMAND
 
     def disarmed(self, autopilot: SimulatedAutopilot) -> None:
@@ -162,7 +163,7 @@ class Px4Profile(FirmwareProfile):
         """Store the mode to restore after disarming: one that allows arming and is no take-off."""
         number = event.mode.custom_mode
         if number == vehicle.modes.intended.custom_mode:
-            vehicle.autopilot.failsafes.discard("offboard")  # the user took over
+            vehicle.autopilot.failsafes.discard("offboard")  # the user selected another mode
         mode = vehicle.autopilot.find_mode(number)
         takes_off = number in (modes.TAKEOFF, modes.VTOL_TAKEOFF)
         if mode is not None and mode.may_arm and not takes_off:

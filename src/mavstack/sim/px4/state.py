@@ -61,11 +61,11 @@ class Px4State:
     mode_after_disarming: int = 0
     arming_reason: str = BY_COMMAND
     disarming_reason: str | None = None
-    #: True if no problem prevents arming.
+    #: True if there is no problem that prevents arming.
     healthy: bool = False
-    #: Name of the running calibration; "" if none.
+    #: Name of the running calibration; empty if none is running.
     calibrating: str = ""
-    #: True once a client has cancelled it.
+    #: True after a client has cancelled the running calibration.
     calibration_cancelled: bool = False
 
     def reset(self, mode: int) -> None:

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
     from mavstack.sim.autopilot.traffic import Contact
 
-#: Seconds after which a conflict is reported again.
+#: Seconds after which a conflict that persists is reported again.
 REMINDER: Final = 60.0
-#: Metres beyond the vehicle up to which the course of an aircraft is followed.
+#: The course of an aircraft is predicted up to this many metres beyond the vehicle.
 _BEYOND: Final = 1000.0
 _ACTIONS: Final = {
     2: (modes.RETURN, ", returning home"), 3: (modes.LAND, ", landing"),

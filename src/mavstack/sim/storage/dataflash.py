@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from mavstack.sim.storage.packing import Rounding, Scalar
     from mavstack.sim.storage.sample import FlightSample, LogStart
 
-#: Microseconds between slow records.
+#: Interval of slow records, in microseconds.
 SLOW_INTERVAL_US = 200_000
 #: Values of ArduPilot's LogEvent.
 EVENT_ARMED, EVENT_DISARMED, EVENT_LANDED, EVENT_NOT_LANDED, EVENT_SET_HOME = 10, 11, 18, 28, 25
 _GPS_EPOCH, _LEAP_SECONDS, _WEEK_MS = 315_964_800, 18, 604_800_000
 _CHANNELS = 14
 _EKF3 = 3
-#: Solution status flags of XKF4, with and without a position.
+#: Solution status flags of XKF4 with a position, and without a position.
 _SOLUTION, _WITHOUT_POSITION = 0x33F, 0x0A7
 _FAST = ("ATT", "POS", "IMU", "XKF1")
 _SLOW = ("GPS", "GPA", "BARO", "BAT", "MAG", "RCIN", "RCOU", "XKF4")
@@ -61,7 +61,7 @@ class DataflashWriter:
         self._last_us = time_us
         self._write_start(time_us)
 
-    # Records in flight
+    # Records during the log
 
     def write(self, sample: FlightSample) -> None:
         """Write a sample."""

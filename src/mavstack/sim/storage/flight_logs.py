@@ -31,13 +31,13 @@ if TYPE_CHECKING:
 #: Maximum bytes of all logs of a vehicle: about half an hour at ten samples per second.
 DEFAULT_LOG_CAPACITY = 8 << 20
 MIN_LOG_CAPACITY = 512 << 10
-#: Bytes that are buffered before they are written to the file.
+#: Number of bytes that are buffered before they are written to the file.
 FLUSH_SIZE = 4096
-#: Bytes per read.
+#: Number of bytes in one read of a file.
 READ_SIZE = 16384
 #: Maximum number of logs.
 MAX_LOGS = 500
-#: Unix time at the end of the year 9999.
+#: Maximum Unix time, the end of the year 9999.
 MAX_TIME = 253_402_300_799
 _EMPTY_CACHE = (-1, 0, b"")
 
@@ -96,7 +96,8 @@ class FlightLogs(ABC):
         #: True if the last write to the store failed.
         self.failed = False
         self.writer: LogWriter | None = None
-        #: Writers of streams, which get the same records as the log; their owner empties them.
+        #: Writers of log streams. They get the same records as the log; the component that added one empties
+        #: its buffer.
         self.streams: list[LogWriter] = []
         self._store = store
         self._start = start
@@ -104,7 +105,8 @@ class FlightLogs(ABC):
         self._path = ""
         self._size = self._time_us = 0
         self._times: dict[str, int] = {}
-        #: Log, offset and content of the last read block; clients download logs in pieces of 90 bytes.
+        #: The last block that was read: log number, offset and content. Clients download logs in pieces of 90
+        #: bytes.
         self._read_cache = _EMPTY_CACHE
 
     # Writing
@@ -205,7 +207,7 @@ class FlightLogs(ABC):
         for writer in self._writers():
             writer.home(time_us, latitude, longitude, altitude)
 
-    # As a LogStore
+    # Implementation of LogStore
 
     def logs(self) -> Sequence[LogEntry]:
         self._flush()
@@ -233,7 +235,7 @@ class FlightLogs(ABC):
         if was_writing:
             self.begin(self._time_us)
 
-    # Differences between firmwares
+    # Implemented by the logs of each firmware
 
     @abstractmethod
     def _new_path(self, time: int) -> str:
@@ -259,7 +261,7 @@ class FlightLogs(ABC):
     def _clear_index(self) -> None:
         """Discard the index after all logs were erased."""
 
-    # The file
+    # Access to the file
 
     def _writers(self) -> list[LogWriter]:
         """Return the writers of the open log and of the streams."""

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 #: The value of a field.
 Scalar: TypeAlias = float | bytes
-#: Rounds to an integer: `round`, or `safe_round` where that may fail.
+#: Rounds a number to an integer: `round`, or `safe_round` for values that may be infinite or NaN.
 Rounding: TypeAlias = "Callable[[float], int]"
 #: Reads the values of a block from a sample.
 Values: TypeAlias = "Callable[[FlightSample, Rounding], tuple[Scalar, ...]]"
@@ -100,7 +100,7 @@ def _fit(value: Scalar, bounds: tuple[float, float] | None) -> Scalar:
 
 def safe_round(value: float) -> int:
     """Return the nearest integer; 0 for NaN."""
-    if value != value:  # not a number
+    if value != value:  # NaN
         return 0
     return round(min(max(value, -_MAX_MAGNITUDE), _MAX_MAGNITUDE))
 

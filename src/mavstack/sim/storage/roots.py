@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from mavstack.services.mission import Plan
     from mavstack.services.parameters import Parameter, ParameterTable
 
-#: Bytes of a store in memory, logs and uploads together.
+#: Capacity in bytes of a store in memory, for logs and uploads together.
 MEMORY_CAPACITY = 32 << 20
-#: Bytes, and files and directories, of a store in a folder.
+#: Capacity of a store in a folder: bytes, and number of files and directories.
 FOLDER_CAPACITY, MAX_FOLDER_ENTRIES = 256 << 20, 4096
 
 _ARDUPILOT_DIRECTORIES = ("/APM/LOGS", "/APM/scripts", "/APM/TERRAIN")

@@ -78,7 +78,7 @@ class LogStart:
     """Facts at the start of a log; `boot` is the Unix time in seconds of `time_us` 0."""
 
     boot: float = 0.0
-    #: Banner of the firmware: "ArduCopter V4.6.0 (1f2e3d4c)".
+    #: Version text of the firmware, such as "ArduCopter V4.6.0 (1f2e3d4c)".
     firmware: str = ""
     version: tuple[int, int, int] = (0, 0, 0)
     git_hash: str = "00000000"

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from mavstack.sim.storage.packing import Rounding, Scalar
     from mavstack.sim.storage.sample import FlightSample, LogStart
 
-#: Microseconds between slow records, and between status records.
+#: Intervals of slow records and of status records, in microseconds.
 SLOW_INTERVAL_US, STATUS_INTERVAL_US = 200_000, 1_000_000
 MAGIC = b"ULog\x01\x12\x35"
 SYNC = b"\x2f\x73\x13\x20\x25\x0c\xbb\x12"
@@ -112,7 +112,7 @@ class UlogWriter:
         if start.home is not None:
             self.home(time_us, *start.home)
 
-    # Records in flight
+    # Records during the log
 
     def write(self, sample: FlightSample) -> None:
         """Write a sample."""

@@ -63,7 +63,7 @@ class Topic:
             else:
                 constant += field.constant_bytes
         self.codes = codes + _piece(pieces, constant)
-        #: Constant bytes of a record in order; None for each variable value.
+        #: The parts of a record in order: constant bytes, or None for a variable value.
         self.pieces: tuple[bytes | None, ...] = tuple(pieces)
 
     @property

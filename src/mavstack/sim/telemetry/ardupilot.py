@@ -79,7 +79,7 @@ TYPES_SENDING: dict[MessageType, frozenset[VehicleType]] = {
     dialect.WaterDepth: frozenset({VehicleType.BOAT}),
     dialect.WinchStatus: frozenset({VehicleType.COPTER}),
 }
-#: Rate in hertz of a group without a parameter: as ground stations request it.
+#: Rate in hertz of a group that has no parameter, equal to the rate that ground stations usually request.
 DEFAULT_RATE = 4.0
 _PREFIXES = ("SR0_", "MAV1_")
 

@@ -32,7 +32,8 @@ _ONLY_POSITION = int(
 )
 _NO_POSITION = int(_MASK.X_IGNORE | _MASK.Y_IGNORE | _MASK.Z_IGNORE)
 _CHANNELS_USED = 16
-#: Number of motors with ESC telemetry; pulse at idle, and rpm per microsecond above it.
+#: Number of motors with ESC telemetry by vehicle type; idle pulse in microseconds, and rpm for each
+#: microsecond above it.
 _MOTORS = {VehicleType.COPTER: 4, VehicleType.VTOL: 4}
 _IDLE_PULSE, _RPM_PER_MICROSECOND = 1000, 14.0
 

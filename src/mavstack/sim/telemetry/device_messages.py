@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 _FLAG: Final = common.MavGeneratorStatusFlag
 #: Speeds at idle and at full throttle, in revolutions per minute.
 _IDLE, _FULL = 1800.0, 6500.0
-#: Fuel at idle and at full throttle, in cubic centimetres per minute; temperatures, degrees Celsius.
+#: Fuel flow at idle and at full throttle in cm3/min. Temperatures in degrees Celsius: engine off, engine
+#: idle, and increase from idle to full throttle.
 _IDLE_FLOW, _FULL_FLOW = 3.0, 30.0
 _COLD, _WARM, _HOT = 20.0, 90.0, 60.0
 _GENERATOR_POWER: Final = 1200.0

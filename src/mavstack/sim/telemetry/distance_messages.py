@@ -20,11 +20,12 @@ if TYPE_CHECKING:
 
 _CENTIMETRES: Final = 100.0
 _DOWNWARD: Final = common.MavSensorOrientation.PITCH_270
-#: Quality in percent of a distance in range, and of none.
+#: Signal quality in percent if the distance is in range, and if it is out of range.
 _GOOD, _NOTHING = 100, 1
-#: COVARIANCE of a sensor that does not know it.
+#: Value of `covariance` in DISTANCE_SENSOR if the variance is not known.
 _UNKNOWN: Final = 255
-#: Volts per metre of an analogue sensor, and the excess in metres of a distance out of range.
+#: Volts per metre of an analogue sensor; an out-of-range distance is reported as the maximum plus this many
+#: metres.
 _VOLTS_PER_METRE, _EXCESS = 0.1, 0.01
 
 

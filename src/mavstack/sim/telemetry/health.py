@@ -30,7 +30,7 @@ _ON_EVERY_VEHICLE = _IMU | _COMPASS | _BAROMETER | _GPS | _MOTORS | _LOGGING | _
 _FIX_3D = 3
 #: Test ratio above which the compass is unhealthy.
 _GATE = 1.0
-#: A failsafe whose name begins with this makes the battery unhealthy.
+#: The battery is unhealthy while a failsafe is active whose name begins with this word.
 _BATTERY_FAILSAFE = "battery"
 
 

@@ -27,12 +27,12 @@ if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest
     from mavstack.sim.vehicle import SimulatedVehicle
 
-#: Seconds between two messages.
+#: Interval of HIGH_LATENCY2 in seconds, by firmware.
 INTERVALS: Final = {Firmware.ARDUPILOT: 5.0, Firmware.PX4: 1 / 0.015}
-#: The parameter of each firmware, and its value for a link of high latency.
+#: By firmware: the parameter that configures a link, and its value for a high-latency link.
 _PARAMETERS: Final = {Firmware.ARDUPILOT: ("SERIAL1_PROTOCOL", 43), Firmware.PX4: ("MAV_0_MODE", 6)}
 _RESULT, _FLAG = common.MavResult, common.HlFailureFlag
-#: Seconds between two statuses of a PX4 vehicle that reports no change.
+#: Interval in seconds at which PX4 checks whether the ground station is lost.
 _STATUS_INTERVAL: Final = 0.5
 _UNKNOWN_CUSTOM: Final = -128
 _LOW_BATTERY: Final = 0.15
@@ -48,7 +48,7 @@ class HighLatency:
         self._is_on = False
         self._status_due = 0.0
         name, value = _PARAMETERS[vehicle.firmware]
-        #: True if the vehicle's link is one of high latency.
+        #: True if the vehicle has a high-latency link.
         self.is_used = int(vehicle.parameters.get(name, 0)) == value
         vehicle.messages.provide(common.HighLatency2, self.message)
         vehicle.commands.support(common.MavCmd.CONTROL_HIGH_LATENCY, self._control)

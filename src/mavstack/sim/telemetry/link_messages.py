@@ -19,7 +19,7 @@ _SECONDS_AN_HOUR = 3600.0
 _FLIGHT = common.UtmFlightState
 _ALL_VALID = 0x7F
 _NO_ID = bytes(20)
-#: Unknown time of arrival.
+#: The value for an unknown time of arrival.
 _NEVER = -1
 
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from mavstack.sim.telemetry.view import VehicleView
 
 _EKF = ardupilotmega.EkfStatusFlags
-#: Flags that both firmwares share, as plain integers, because they are combined for each message.
+#: Estimator flags that both firmwares set; plain integers, because they are combined for each message.
 _ATTITUDE = int(_EKF.ATTITUDE)
 _VELOCITY = int(_EKF.VELOCITY_HORIZ | _EKF.VELOCITY_VERT)
 _HEIGHT = int(_EKF.POS_VERT_ABS | _EKF.POS_VERT_AGL)
@@ -38,7 +38,7 @@ _UNINITIALIZED = int(_EKF.UNINITIALIZED)
 _GLITCH = int(common.EstimatorStatusFlags.GPS_GLITCH)
 #: Airspeed in m/s below which the flow angles are reported as zero.
 _MIN_AIRSPEED = 2.0
-#: Errors at a test ratio of 1, in metres and m/s: PX4's default gates.
+#: Errors at which a test ratio is 1, in metres and m/s: the defaults of PX4.
 _POSITION_GATE, _HEIGHT_GATE, _VELOCITY_GATE = 2.0, 2.0, 1.0
 _MILLI_G = 1000.0 / 9.80665
 _UNKNOWN_COVARIANCE = (nan,) * 21

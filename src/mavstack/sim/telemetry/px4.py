@@ -85,7 +85,7 @@ RATES: tuple[tuple[MessageType, float, float, float, float], ...] = (
     (common.Vibration, 0.1, 0.1, 0.5, 0.0),
     (common.WindCov, 0.5, 0.5, 10.0, 0.0),
 )
-#: Messages of the onboard link that a shared link carries too, and their rates in hertz.
+#: Messages of the onboard link that a shared link also sends, and their rates in hertz.
 SHARED_RATES: dict[MessageType, float] = {
     common.HighresImu: 10.0,
     common.Odometry: 10.0,
@@ -93,7 +93,7 @@ SHARED_RATES: dict[MessageType, float] = {
 }
 #: The modes in the order of their columns in `RATES`.
 _COLUMNS = (LinkMode.GROUND, LinkMode.NORMAL, LinkMode.ONBOARD, LinkMode.MINIMAL)
-#: Types that estimate the wind even without drag fusion.
+#: Vehicle types that estimate the wind even without drag fusion.
 _ESTIMATES_WIND = frozenset({VehicleType.PLANE, VehicleType.VTOL})
 _DRAG_FUSION = "EKF2_DRAG_CTRL"
 #: Values of MAV_0_MODE.

@@ -131,7 +131,7 @@ class SensorMessages:
     def _gps_raw(self, time_usec: int) -> Message:
         """Return GPS_RAW_INT with a timestamp in microseconds."""
         readings = self._view.sensors
-        # a client that waits for a fix before arming must not be refused afterwards
+        # ^Report no fix until the autopilot has booted, because it refuses to arm before, even with a fix.
         if not self._view.autopilot.booted:
             return common.GpsRawInt(
                 time_usec,

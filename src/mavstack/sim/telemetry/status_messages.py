@@ -23,15 +23,16 @@ if TYPE_CHECKING:
 _CHARGE = common.MavBatteryChargeState
 _FUNCTION, _TYPE = common.MavBatteryFunction, common.MavBatteryType
 _VTOL, _WINCH = common.MavVtolState, common.MavWinchStatusFlag
-#: Processor load in thousandths.
+#: Processor load in thousandths, while disarmed and while armed.
 _LOAD_IDLE, _LOAD_ARMED = 117, 173
 _SUPPLY_MILLIVOLTS = 5000
 _PROCESSOR_MILLIVOLTS = 3300
 _FREE_BYTES = 131_072
-#: Largest voltage in one cell slot; a larger one continues in the next slot.
+#: Maximum voltage of one entry in BATTERY_STATUS.voltages, in millivolts; the rest continues in the next
+#: entry.
 _MAX_MILLIVOLTS = 65_534
 _NO_CELLS = (UINT16_MAX,) * 9
-#: Maximum time remaining in seconds; beyond it the time is unknown.
+#: A remaining time above this, in seconds, is reported as unknown.
 _MAX_TIME_REMAINING = 86_400.0
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 PROMPT: Final = "nsh> "
 _MAX_LINE: Final = 256
 _ENTER, _BACKSPACES, _INTERRUPT, _ESCAPE = "\r\n", "\b\x7f", "\x03", "\x1b"
-#: Final bytes of an escape sequence.
+#: Codes of the characters that end an escape sequence.
 _SEQUENCE_END: Final = range(0x40, 0x7F)
 
 
@@ -43,7 +43,7 @@ class Console:
     def _on_input(self, event: ShellInput) -> None:
         """Handle input, and send the output."""
         if event.late:
-            return  # later input was executed already
+            return  # input after this part was already executed
         printed = "".join(
             self._handle(character) for character in event.data.decode("ascii", errors="ignore")
         )
