@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from mavstack.dialects.dialect import Dialect
     from mavstack.dialects.model import DialectDefinition, EnumDefinition, MessageDefinition
 
-#: Characters of file names that could end a comment or a text, or are not allowed in paths.
+#: Characters that are replaced in file names: they could end a comment or string, or are not allowed in
+#: paths.
 _UNUSUAL: Final = re.compile(r"[^\w.-]+")
 _XML: Final = re.compile(r"\.xml$", re.IGNORECASE)
 

@@ -81,7 +81,7 @@ def enum_numbers(library: Library) -> dict[str, EnumNumber]:
 def _number(enum: EnumDefinition, types: set[str]) -> EnumNumber:
     values = [entry.value for entry in enum.entries]
     signed = any(value < 0 for value in values) or any(name.startswith("int") for name in types)
-    # The most negative number needs no bit more than the greatest one.
+    # In two's complement, a negative value needs as many bits as its complement.
     needed = [max((value if value >= 0 else ~value for value in values), default=0).bit_length() + signed]
     needed += [8 * TYPE_SIZES[name] + (signed and not name.startswith("int")) for name in types]
     return EnumNumber(signed, next((size for size in (8, 16, 32) if size >= max(needed)), 64))

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from jinja2 import Environment
 
-#: The end of a line that continues in C.
+#: The end of a line that C joins with the next line.
 _CONTINUED: Final = re.compile(r"(?:\\|\?\?/|\s)+$")
 _VARIABLE: Final = re.compile(r"\{\{ ([a-z_]+)((?:\.[a-z_]+)*) \}\}")
 
@@ -165,7 +165,7 @@ def one_line(text: str) -> str:
     return line
 
 
-@lru_cache(maxsize=1024)  # most texts are units
+@lru_cache(maxsize=1024)  # most texts are units, which repeat
 def string_literal(text: str) -> str:
     """Return a string of one line in double quotes, with the escapes that all languages here share."""
     escaped = plain_line(text).replace("\\", "\\\\").replace('"', '\\"')

@@ -8,12 +8,13 @@ from __future__ import annotations
 from math import floor
 from typing import Final, NamedTuple
 
-#: Longest sentence that is accepted; the standard allows 82 characters, receivers send more.
+#: Maximum length of a sentence; the standard allows 82 characters, but receivers send more.
 MAX_SENTENCE: Final = 256
 _KNOTS: Final = 3600 / 1852
 _SECONDS_OF_DAY: Final = 86_400
 
-#: The quality of GGA by GPS_FIX_TYPE: none, GPS, differential, RTK float, RTK fixed, static.
+#: The quality field of GGA by GPS_FIX_TYPE: 0 no fix, 1 GPS, 2 differential, 5 RTK float, 4 RTK fixed, static
+#: or PPP.
 _QUALITY: Final = (0, 0, 1, 1, 2, 5, 4, 4, 4)
 
 
@@ -72,7 +73,7 @@ class NmeaFramer:
 
     def __init__(self) -> None:
         self._buffer = bytearray()
-        #: Lines that are not sentences, or whose checksum is wrong.
+        #: Number of lines that are not sentences, or have a wrong checksum.
         self.bad_lines = 0
 
     def feed(self, data: bytes) -> list[str]:
@@ -108,7 +109,7 @@ def _angle(degrees: float, letters: str, digits: int) -> str:
     """Return degrees and minutes with the letter of their half of the Earth."""
     total = round(
         abs(degrees) * 60e7
-    )  # in 1e-7 minutes, rounded before the division: 60 minutes cannot appear
+    )  # in 1e-7 minutes; rounded before the division, so that 60 minutes cannot appear
     whole, minutes = divmod(total, 600_000_000)
     return f"{whole:0{digits}d}{minutes / 1e7:010.7f},{letters[degrees < 0]}"
 

@@ -27,7 +27,7 @@ _MAX_HEADER: Final = 16_384
 _MAX_TABLE: Final = 4_000_000
 _USER_AGENT: Final = "NTRIP Mavstack/1.0"
 _END_OF_TABLE: Final = b"ENDSOURCETABLE"
-#: Answers that a repetition does not change.
+#: Status codes after which a retry is useless.
 _PERMANENT: Final = frozenset({400, 401, 403, 404, 407})
 
 
@@ -173,7 +173,8 @@ class NtripClient:
         self._table = bytearray()
         #: True once the caster accepted the request; False before.
         self.is_streaming = False
-        #: The streams of the caster, once the source table is complete; None before, or with a stream.
+        #: The streams of the caster once the source table is complete; None before, or if a stream was
+        #: requested.
         self.source_table: list[SourceTableEntry] | None = None
 
     def request(self, gga: bytes = b"") -> bytes:

@@ -11,19 +11,19 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 PREAMBLE: Final = 0xD3
-#: Bytes before and behind the payload, and the longest payload.
+#: Size of the header, of the checksum and of the longest payload, in bytes.
 HEADER_SIZE: Final = 3
 CRC_SIZE: Final = 3
 MAX_PAYLOAD: Final = 1023
-#: Numbers of the position and the description of the reference station, which change rarely.
+#: Message numbers of the position and the description of the reference station, which change rarely.
 STATION_NUMBERS: Final = frozenset({1005, 1006, 1007, 1008, 1013, 1029, 1033, 1230})
-#: Numbers of messages with the position of the reference station.
+#: Message numbers with the position of the reference station.
 POSITION_NUMBERS: Final = frozenset({1005, 1006})
 
 _POLYNOMIAL: Final = 0x1864CFB
 _MASK: Final = 0xFFFFFF
 _FIRST_MSM, _LAST_MSM = 1071, 1137
-#: Number (12 bits), station (12) and epoch (30) of a multiple signal message, rounded up to bytes.
+#: The beginning of a multiple signal message: number (12 bits), station (12) and epoch (30), in whole bytes.
 _EPOCH_BYTES: Final = 7
 _EPOCH_SHIFT: Final = 2
 _EPOCH_MASK: Final = (1 << 30) - 1
@@ -98,7 +98,7 @@ class RtcmFramer:
 
     def __init__(self) -> None:
         self._buffer = bytearray()
-        #: Bytes outside of frames, and false or damaged frames.
+        #: Number of bytes outside of frames, and number of false or damaged frames.
         self.bad_bytes = self.bad_frames = 0
 
     def feed(self, data: bytes) -> list[RtcmFrame]:

@@ -19,7 +19,7 @@ _GEODETIC: Final = 1
 _HEADER: Final = b"\xb5\x62"
 _ENVELOPE: Final = 8
 _MAX_PAYLOAD: Final = 8192
-#: RTCM messages of a base and their intervals in epochs of one second.
+#: RTCM messages that a base sends, and their intervals in epochs of one second.
 _MESSAGES: Final = {1005: 5, 1074: 1, 1084: 1, 1094: 1, 1124: 1, 1230: 5}
 _PORTS: Final = ("USB", "UART1")
 

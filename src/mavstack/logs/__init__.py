@@ -44,7 +44,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:  # noqa: ANN401 (any of the names of packet logs)
-    # A reader is imported when a file of its format is opened.
+    # Import the packet reader only when it is used, because other formats do not need it.
     if name not in {"HEADER_COLUMNS", "PacketLog", "table_dtype"}:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from mavstack.logs import packets

@@ -33,7 +33,7 @@ Method: TypeAlias = Literal["previous", "linear", "nearest"]
 Direction: TypeAlias = Literal["backward", "forward", "nearest"]
 _METHODS: Final = ("previous", "linear", "nearest")
 _DIRECTIONS: Final = ("backward", "forward", "nearest")
-#: Maximum number of rows of a regular time axis: a mistyped rate must not fill the memory.
+#: Maximum number of rows of a regular time axis, so that a mistyped rate does not fill the memory.
 _MAX_ROWS: Final = 1 << 30
 
 
@@ -187,7 +187,7 @@ def _regular_axis(times: Sequence[NDArray[np.float64]], rate: float) -> NDArray[
     count = (last - first) * rate + 1
     if count > _MAX_ROWS:
         raise InvalidArgumentError(f"a rate of {rate:g} Hz gives {count:.3g} rows for {last - first:.0f} s")
-    # The small addition keeps the last row, which a rounded product may miss.
+    # 1e-6 keeps the last row if the product is rounded down.
     axis: NDArray[np.float64] = first + np.arange(int(count + 1e-6)) / rate
     return axis
 
@@ -213,7 +213,7 @@ def _sampled(
     span = times[after] - times[before]
     share = np.divide(axis - times[before], span, out=np.zeros(len(axis)), where=span > 0)
     result = numbers[before] + share * (numbers[after] - numbers[before])
-    # At the time of a row its value counts, even if the next one is NaN.
+    # Exactly at the time of a row, use its value even if the next value is NaN.
     result = np.where(share == 0, numbers[before], result)
     return np.where(found_before & found_after, result, np.nan)
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from mavstack.logs.log import Log
     from mavstack.logs.message_table import MessageTable
 
-#: Fields of a mission item, by the table that holds it; the first one is its number.
+#: Fields of a mission item, by the table that holds it; the first field is the item number.
 _ITEM_FIELDS: Final = {
     "MISSION_ITEM_INT": (
         "seq", "command", "frame", "param1", "param2", "param3", "param4", "x", "y", "z",
@@ -93,7 +93,7 @@ def mission_of(log: Log, system: int | None = None) -> dict[int, tuple[float, ..
     for name, fields in _ITEM_FIELDS.items():
         if name in log and log.schema(name).has_numbers(fields[0]):
             items = _items(_of_vehicle(log[name], vehicle), fields)
-            if items:  # another vehicle may use the other message
+            if items:  # otherwise only another vehicle used this message
                 return items
     return {}
 
@@ -103,7 +103,7 @@ def _of_vehicle(table: MessageTable, system: int | None) -> MessageTable:
     names = table.dtype.names or ()
     if system is not None and {"_system", "target_system"} <= set(names):
         table = table.where((table["_system"] == system) | (table["target_system"] == system))
-    if table.schema.has_numbers("nav_sub_cmd"):  # a step of PX4 on its own, such as the takeoff to a waypoint
+    if table.schema.has_numbers("nav_sub_cmd"):  # PX4 adds steps, such as a takeoff to a waypoint
         table = table.where(np.asarray(table["nav_sub_cmd"]) == 0)
     if table.schema.has_numbers("instance_count") and len(table):
         table = table.where(table["instance_count"] == table["instance_count"][-1])

@@ -30,11 +30,11 @@ Value = TypeVar("Value")
 _ARMED_FLAG: Final = int(common.MavModeFlag.SAFETY_ARMED)
 _HEARTBEAT_FIELDS: Final = ("_system", "_component", "autopilot", "type", "base_mode", "custom_mode")
 _NO_AUTOPILOT: Final = int(common.MavAutopilot.INVALID)
-#: Ids of DataFlash events: the state begins, and it ends.
+#: Ids of the DataFlash events at which the state begins and ends.
 _ARMED_EVENTS: Final = (10, 11)
 _AIRBORNE_EVENTS: Final = (28, 18)
 _ULOG_ARMED: Final = 2
-#: The column of DataFlash tables without a time: boot time of the record before.
+#: Column of DataFlash tables without a time: the boot time of the previous record.
 _NEIGHBOUR_TIME: Final = "_boot_us"
 _LANDED_STATES: Final = (common.MavLandedState.ON_GROUND, common.MavLandedState.UNDEFINED)
 #: Flight modes of PX4 by `nav_state` of its topic vehicle_status.

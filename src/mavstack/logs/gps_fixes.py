@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from mavstack.logs.message_table import MessageTable
     from mavstack.logs.time_base import ClockChoice
 
-#: Tables with fixes: name, columns of latitude and longitude, degrees in one unit of them.
+#: Tables with fixes: name, column of latitude, column of longitude, degrees per unit of these columns.
 _SOURCES: Final = (
     ("GPS_RAW_INT", "lat", "lon", 1e-7),
     ("GPS2_RAW", "lat", "lon", 1e-7),
@@ -29,9 +29,9 @@ _SOURCES: Final = (
     ("sensor_gps", "latitude_deg", "longitude_deg", 1.0),
     ("sensor_gps", "lat", "lon", 1e-7),
 )
-#: Seconds within which all occurrences of a position must lie: the same fix is sent or logged several times.
+#: Maximum seconds between occurrences of the same fix, which may be sent or logged several times.
 _MAX_REPETITION: Final = 2.0
-#: Digits of the comparison: 1e-7 degrees, the unit of GPS_RAW_INT.
+#: Positions are compared in units of 1e-7 degrees, as in GPS_RAW_INT.
 _UNITS_PER_DEGREE: Final = 1e7
 
 

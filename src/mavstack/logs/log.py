@@ -59,7 +59,7 @@ class Log(Mapping[str, MessageTable]):
         self.size = size
         self._tables: dict[str, MessageTable] = {}
 
-    # what a format implements; `log` is the log or a view of it
+    # implemented by each format; `log` is the log itself or a view of it
 
     @property
     @abstractmethod
@@ -142,7 +142,7 @@ class Log(Mapping[str, MessageTable]):
     def prepare_windows(self) -> None:
         """Release memory that only speeds up decoding; learn `counts`, `time_span` and `skipped`."""
 
-    # the mapping
+    # the interface of `Mapping`
 
     def __getitem__(self, name: str) -> MessageTable:
         if name not in self._tables:

@@ -29,12 +29,13 @@ from mavstack.logs.mapped_pages import release
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-#: A lease ends 45 s after another process asked for the file: a larger file might take longer to read.
+#: Maximum size for a lease: it ends 45 s after another process opens the file, and reading a larger file
+#: might take longer.
 _MAX_LEASED_SIZE: Final = 1 << 32
 _READ_SIZE: Final = 1 << 26
-#: Size up to which a copy is in memory.
+#: Maximum size in bytes of a copy that is kept in memory.
 _MAX_MEMORY: Final = 1 << 26
-#: FIFOs without a writer would block; devices of serial ports would become the controlling terminal.
+#: Flags against blocking on a FIFO without a writer, and against a serial port as the controlling terminal.
 _OPEN_FLAGS: Final = (
     os.O_RDONLY
     | getattr(os, "O_BINARY", 0)
@@ -122,7 +123,7 @@ class LogBytes:
         try:
             self.require_intact()
         except LogError:
-            # The mapping has zeros now: the next access maps the file again.
+            # The mapping now contains zeros, so the next access maps the file again.
             self._map = self._guard = None
             self._copy = None if self.size else b""
             raise

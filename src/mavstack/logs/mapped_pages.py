@@ -5,7 +5,7 @@ from __future__ import annotations
 import mmap
 from typing import Final
 
-#: Bytes of a file that are read before their pages are given back.
+#: Bytes of a file that are read before their memory pages are released.
 STEP: Final = 32 << 20
 
 

@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from mavstack.logs.log import Log
     from mavstack.logs.options import HasDialect
 
-#: Bytes in which a packet shows that a file without signature is a log of packets.
+#: Bytes at the beginning of a file without signature in which a packet must be found to read it as a packet
+#: log.
 _PACKET_SEARCH: Final = 1 << 13
 
 

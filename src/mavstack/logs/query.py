@@ -68,7 +68,7 @@ def query_logs(
         tables, sql = _tables_in(logs, sql)
         for alias, name in tables.items():
             connection.register(alias, _rows(logs, name, states_in(sql), scaled=scaled, enums=enums))
-        # A query must not read or write other files, or variables of this program.
+        # A query must not read or write other files, or read variables of this program.
         connection.execute("SET enable_external_access = false")
         connection.execute("SET python_enable_replacements = false")
         try:
@@ -154,7 +154,7 @@ def _with_aliases(sql: str, aliases: Mapping[str, str]) -> str:
     def replaced(found: re.Match[str]) -> str:
         return (found[1] or "") + aliases[found[2] or found[4]]
 
-    # Texts are the pieces with odd numbers.
+    # Pieces with odd indexes are string literals.
     pieces = re.split(f"({_LITERAL.pattern})", sql)
     return "".join(piece if index % 2 else place.sub(replaced, piece) for index, piece in enumerate(pieces))
 

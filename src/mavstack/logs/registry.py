@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mavstack.logs.options import OpenOptions
 
 ENTRY_POINTS: Final = "mavstack.log_formats"
-#: Bytes at the beginning of a file by which its format is recognised.
+#: Number of bytes at the beginning of a file that identify its format.
 MAX_HEAD: Final = 1 << 18
 
 
@@ -44,7 +44,7 @@ class LogFormat:
     open: Callable[[LogBytes, OpenOptions], Log]
 
 
-#: Module and object of each built-in format below `mavstack.logs.formats`.
+#: The module (below `mavstack.logs.formats`) and the object of each built-in format.
 FORMATS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "dataflash": "dataflash:DATAFLASH",

@@ -25,9 +25,9 @@ if TYPE_CHECKING:
     from mavstack.logs.damage import LogDamage
     from mavstack.logs.rescue import Rescue
 
-#: Records of other formats than those of packets.
+#: The word for an intact record, in formats other than packet logs.
 _NOUNS: Final = {"dataflash": "sound record", "ulog": "sound message"}
-#: Reasons why logs of other formats are not repaired.
+#: Reasons why logs of other formats cannot be repaired.
 _OTHER_FORMATS: Final = {
     "pcap": "this is a capture; convert it to a tlog, which holds the packets that it has",
     "dataflash-text": "this is a log as text, whose lines are read one by one",

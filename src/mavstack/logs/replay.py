@@ -39,11 +39,12 @@ if TYPE_CHECKING:
 _PACKET_FORMATS: Final = ("tlog", "raw", "pcap")
 #: Seconds between messages: heartbeat, battery and satellites; attitude; position; speeds.
 _SLOW, _ATTITUDE, _POSITION, _SPEEDS = 1.0, 0.1, 0.2, 0.5
-#: The time of a log that does not know UTC: 2000-01-01, plus its time since boot.
+#: Start of a log without UTC, as Unix seconds: 2000-01-01, to which the time since boot is added.
 _UNKNOWN_DATE: Final = 946_684_800.0
 _TEXT_SIZE: Final = 50
 _MAX_TEXT_PARTS: Final = 6
-#: A signal shows no value at a time that is farther from its samples, in seconds.
+#: Maximum distance in seconds between a time and the nearest sample of a signal; beyond it, the value is
+#: unknown.
 _MAX_GAP: Final = 3.0
 _MICRO: Final = 1_000_000
 _NO_U8, _NO_U16 = 0xFF, 0xFFFF
@@ -114,7 +115,7 @@ class _Flight:
     vehicle: int
     start: float
     end: float
-    #: Added to a time of the log it gives Unix seconds.
+    #: Unix seconds minus the time of the log.
     offset: float
     states: FlightStates
     track: Track | None
@@ -132,7 +133,7 @@ class _Flight:
         start, end = log.time_span or (0.0, 0.0)
         names = vehicle and (vehicle.vehicle_type, vehicle.autopilot)
         kind, firmware = names or ("", "")
-        # Logs of tests and of old versions do not name what writes this format.
+        # Logs of tests and of old versions lack the firmware name; only PX4 writes ULog.
         firmware = firmware or ("PX4" if log.format == "ulog" else "")
         return cls(
             system=(vehicle.system if vehicle else 0) or 1,
@@ -207,7 +208,7 @@ def _heartbeats(flight: _Flight, numbers: dict[str, int]) -> Iterator[_Event]:
                 flight.vehicle, flight.autopilot, flags, numbers.get(mode, 0), state, mavlink_version=3
             ),
         )
-        # Once the vehicle is known by its first heartbeat.
+        # Sent after the first heartbeat, which makes the vehicle known.
         if time == flight.start:
             yield from ((time, each) for each in _mode_list(numbers))
         yield from _status(flight, time)
@@ -289,7 +290,7 @@ def _velocities(track: Track, kept: list[int]) -> list[tuple[float, float, float
         return [(0.0, 0.0, 0.0)] * len(kept)
     times = track.times[kept]
     latitudes, longitudes = track.latitudes[kept], np.unwrap(track.longitudes[kept], period=360.0)
-    # Rows without time between them would give infinite speeds.
+    # Rows with the same time would give infinite speeds.
     north = np.gradient(latitudes * METRES_PER_DEGREE, times)
     east = np.gradient(longitudes * METRES_PER_DEGREE, times) * np.cos(np.radians(latitudes))
     down = -np.gradient(track.altitudes[kept], times)
@@ -323,7 +324,7 @@ def _texts(flight: _Flight) -> Iterator[_Event]:
     for time, text in sorted(known, key=lambda each: each[0]):
         data = text.text.encode()[: _TEXT_SIZE * _MAX_TEXT_PARTS]
         parts = [data[at : at + _TEXT_SIZE] for at in range(0, len(data), _TEXT_SIZE)] or [b""]
-        # A text that fills its last part ends with an empty one.
+        # If the last part is full, an empty part marks the end of the text.
         if len(parts) > 1 and len(parts[-1]) == _TEXT_SIZE:
             parts.append(b"")
         number = number % 0xFFFF + 1
@@ -347,7 +348,7 @@ def _thinned(times: NDArray[np.float64], interval: float) -> list[int]:
     """Return the indexes of times that are an interval apart at least, ascending."""
     if not len(times):
         return []
-    # Times at the interval itself are not exact.
+    # 1e-3, because times at multiples of the interval are not exact.
     slots = np.floor((times - times[0]) / interval + 1e-3).astype(np.int64)
     newest = np.maximum.accumulate(slots)
     first = np.flatnonzero(np.concatenate([[True], newest[1:] > newest[:-1]]))

@@ -18,9 +18,9 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-#: Maximum size in bytes of the memory that waits for its next use.
+#: Maximum size in bytes of the memory that is kept for reuse.
 MAX_WAITING: Final = 512 << 20
-#: Share of a block that may stay unused.
+#: Maximum share of a reused block that may stay unused.
 _MAX_WASTE: Final = 0.25
 _ADVICE_IN_USE: Final[int | None] = getattr(mmap, "MADV_HUGEPAGE", None)
 _ADVICE_WAITING: Final[int | None] = getattr(mmap, "MADV_FREE", None)
@@ -36,7 +36,8 @@ class ReusedMemory:
     def __init__(self, limit: int = MAX_WAITING) -> None:
         self._limit = limit
         self._waiting: list[mmap.mmap] = []
-        # A block may be given back while the same thread takes one: the garbage collector runs at any time.
+        # The garbage collector may return a block while the same thread takes one, so the lock must be
+        # reentrant.
         self._lock = RLock()
 
     @property

@@ -33,19 +33,19 @@ if TYPE_CHECKING:
 
 _LOGGER: Final = logging.getLogger("mavstack.logs")
 _VARIABLE: Final = "MAVSTACK_CACHE"
-#: Size of a log in bytes from which its index is kept: a smaller one is indexed in a third of a second.
+#: Minimum size in bytes of a log whose index is kept; a smaller log is indexed in a third of a second.
 MIN_LOG: Final = 128 << 20
-#: Maximum size of an index, and of all together, in bytes.
+#: Maximum size in bytes of one index, and of all indexes together.
 MAX_INDEX: Final = 256 << 20
 MAX_TOTAL: Final = 1 << 30
-#: Seconds for which a log must not have changed.
+#: Seconds since the last change of a log, before which no index is saved.
 _MIN_AGE: Final = 2.0
-#: Seconds after which a file that was never completed is removed.
+#: Seconds after which an incomplete file is removed.
 _MAX_PART_AGE: Final = 3600.0
 _MAGIC: Final = b"mavstack index 3"
 _DIGEST: Final = 32
-#: Magic, digest, size of the totals, and the checksums of totals and positions. A digest of all would take
-#: longer than reading.
+#: Magic, digest, size of the totals, and the checksums of totals and positions. A digest of these parts would
+#: take longer than reading them.
 _HEAD: Final = Struct(f"<{len(_MAGIC)}s{_DIGEST}sQII")
 _SAMPLE: Final = 1 << 16
 _SUFFIX: Final = ".index"
@@ -132,7 +132,7 @@ def _index_path(log: LogBytes, kind: str) -> Path | None:
     try:
         name = f"{kind} {log.path.resolve()}".encode(errors="surrogateescape")
         folder = cache_directory() / "indexes"
-    except (OSError, RuntimeError):  # there is no home directory
+    except (OSError, RuntimeError):  # no home directory
         return None
     return folder / f"{blake2b(name, digest_size=16).hexdigest()}{_SUFFIX}"
 
@@ -172,7 +172,7 @@ def _read(path: Path, key: bytes, part: Literal["totals", "positions"]) -> bytes
         content = file.read(size) if part == "totals" else file.readall()
     if crc32(content) != checksums[part == "positions"]:
         return None
-    os.utime(path)  # the indexes that are not used are the oldest
+    os.utime(path)  # mark as used: the oldest indexes are removed first
     return content
 
 
@@ -214,6 +214,6 @@ def _remove_oldest(folder: Path, size: int) -> None:
 
 def _is_own(status: os.stat_result) -> bool:
     """Return whether only this user can have written a file or folder."""
-    if not hasattr(os, "geteuid"):  # Windows: the folder is below that of the user
+    if not hasattr(os, "geteuid"):  # Windows: the folder is in the user's profile
         return True
     return status.st_uid == os.geteuid() and not status.st_mode & _FORBIDDEN

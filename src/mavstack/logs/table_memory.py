@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-#: Size in bytes from which a table has its own memory, with large pages.
+#: Minimum size in bytes of a table that gets a separate memory block with large pages.
 _LARGE: Final = 4 << 20
 #: Maximum size of a block in bytes.
 _MAX_BLOCK: Final = 32 << 20
-#: Tables begin at cache lines.
+#: Tables begin at a multiple of the size of a cache line.
 _ALIGNMENT: Final = 64
 _REUSED: Final = ReusedMemory()
 

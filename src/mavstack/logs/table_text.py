@@ -10,9 +10,9 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-#: Rows that are shown from the start.
+#: Number of rows from the beginning that are shown.
 _FIRST: Final = 3
-#: The longest text of a value.
+#: Maximum length of the text of a value.
 _MAX_TEXT: Final = 24
 _DIGITS: Final = 6
 

@@ -73,7 +73,7 @@ def median_offset(
     if not len(utc_us):
         return None
     differences = utc_us.astype(np.int64) - boot_us.astype(np.int64)
-    # Relative to the first record, so that 64-bit floating point keeps every microsecond.
+    # Relative to the first record, so that 64-bit floats keep every microsecond.
     relative = differences - differences[0]
     middle = float(np.median(relative))
     spread = float(np.median(np.abs(relative - middle))) * _DEVIATION_FACTOR

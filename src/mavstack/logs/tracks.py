@@ -141,7 +141,7 @@ def distances(
 
 def _tracks_of(log: Log, source: _Source) -> Iterator[Track]:
     table = log[source.table]
-    # A log of one vehicle may hold several receivers; the first one counts.
+    # A log of one vehicle may hold several receivers; use the first one.
     if "_instance" in (table.dtype.names or ()) and len(table):
         table = table.where(table["_instance"] == table["_instance"].min())
     try:

@@ -18,11 +18,11 @@ from mavstack.errors import InvalidArgumentError
 #: The bytes that open the CLI.
 ENTER: Final = b"#"
 PROMPT: Final = b"\r\n# "
-#: Commands that restart the firmware or leave the CLI, after which no marker is echoed.
+#: Commands that restart the firmware or leave the CLI, so that the firmware echoes no marker after them.
 LEAVING: Final = frozenset({"bl", "bootloader", "defaults", "dfu", "exit", "msc", "save"})
-#: Characters of a line; the buffers of old firmwares are not larger.
+#: Maximum length of a line in characters; the buffers of old firmware are not larger.
 MAX_LINE: Final = 120
-#: Bytes of a reply, which no dump reaches.
+#: Maximum size of a reply in bytes, larger than any dump.
 MAX_REPLY: Final = 4 << 20
 _ERROR: Final = re.compile(r"^#{2,3} ?ERROR.*|^ERR_CMD_NA.*|^Invalid .*", re.IGNORECASE | re.MULTILINE)
 

@@ -25,15 +25,15 @@ from typing import Final
 
 from mavstack.errors import InvalidArgumentError
 
-#: Bytes of the longest payload that is parsed or encoded.
+#: Maximum size in bytes of a payload that is parsed or encoded.
 MAX_PAYLOAD: Final = 4096
-#: Commands of v1; higher ones need v2.
+#: The largest command number of v1; larger numbers need v2.
 MAX_V1_COMMAND: Final = 254
-#: The command of a v1 frame whose payload is a v2 frame, and the size that announces a jumbo frame.
+#: The command of a v1 frame whose payload is a v2 frame; also the size value that marks a jumbo frame.
 V2_OVER_V1_COMMAND = JUMBO_SIZE = 255
-#: Bytes of the header of v2, from the flags to the size.
+#: Size in bytes of the v2 header, from the flags to the size.
 V2_HEADER_SIZE: Final = 5
-#: Flag of v2: the flight controller sends no reply.
+#: Flag of v2 with which the flight controller sends no reply.
 NO_REPLY: Final = 1
 _POLYNOMIAL: Final = 0xD5
 

@@ -29,11 +29,11 @@ from mavstack.msp.frame import (
     xor8,
 )
 
-#: Bytes of text that are kept until `take_text`.
+#: Maximum number of bytes of text that are kept until `take_text` is called.
 MAX_TEXT: Final = 64 << 10
 _START: Final = ord("$")
 _V1: Final = b"$M"
-#: Bytes of `$M<`.
+#: Number of bytes of `$M<`.
 _PREFIX: Final = 3
 
 
@@ -64,12 +64,12 @@ class State(Enum):
 _ANY: Final = range(256)
 _DIRECTIONS: Final = {ord(direction): direction for direction in Direction}
 
-#: Each state of the header: the bytes that it accepts, and the next state for each of them.
+#: For each state of the header: the next state for each byte that is accepted.
 HEADER: Final[dict[State, dict[int, State]]] = {
     State.PROTOCOL: {ord("M"): State.DIRECTION_V1, ord("X"): State.DIRECTION_V2},
     State.DIRECTION_V1: dict.fromkeys(_DIRECTIONS, State.LENGTH_V1),
     State.LENGTH_V1: dict.fromkeys(_ANY, State.COMMAND_V1),
-    State.COMMAND_V1: dict.fromkeys(_ANY, State.PAYLOAD_V1),  # or LENGTH_JUMBO_LOW, by the length
+    State.COMMAND_V1: dict.fromkeys(_ANY, State.PAYLOAD_V1),  # or LENGTH_JUMBO_LOW, depending on the length
     State.LENGTH_JUMBO_LOW: dict.fromkeys(_ANY, State.LENGTH_JUMBO_HIGH),
     State.LENGTH_JUMBO_HIGH: dict.fromkeys(_ANY, State.PAYLOAD_V1),
     State.DIRECTION_V2: dict.fromkeys(_DIRECTIONS, State.FLAGS_V2),
@@ -95,10 +95,10 @@ class FrameParser:
         self.oversized = 0
         self.skipped_bytes = 0
         self._state = State.IDLE
-        self._buffer = bytearray()  # from the `$` of the frame that is being read
-        self._position = 0  # of the next byte in the buffer
-        self._payload = 0  # position of the payload
-        self._size = 0  # of the payload
+        self._buffer = bytearray()  # begins with the `$` of the current frame
+        self._position = 0  # index of the next byte in the buffer
+        self._payload = 0  # index of the payload in the buffer
+        self._size = 0  # size of the payload
         self._text = bytearray()
 
     @property
@@ -212,7 +212,7 @@ class FrameParser:
     def _read_payload(self) -> bool:
         """Read the payload; False if bytes are missing."""
         if len(self._buffer) < self._payload + self._size + 1:
-            return False  # with the checksum, so that nothing is read twice
+            return False  # wait for the checksum too, so that nothing is read twice
         self._position = self._payload + self._size
         self._state = State.CHECKSUM_V1 if self._state is State.PAYLOAD_V1 else State.CHECKSUM_V2
         return True

@@ -34,11 +34,12 @@ if TYPE_CHECKING:
 
 #: Seconds for one reply: a firmware handles its serial ports 100 times a second, and writing takes longer.
 DEFAULT_REPLY_TIMEOUT: Final = 0.5
-#: Further attempts after the first one.
+#: Maximum number of attempts after the first one.
 DEFAULT_RETRIES: Final = 2
-#: Seconds after which a waiting request is sent before those of a higher priority, except control.
+#: Seconds after which a waiting request is sent before requests of higher priority, except control.
 MAX_WAIT: Final = 0.25
-#: Bytes of the payload of a v1 request; a longer one is sent as v2, since firmwares accept no jumbo requests.
+#: Maximum payload size in bytes of a v1 request; a longer one is sent as v2, since firmware accepts no jumbo
+#: requests.
 MAX_V1_REQUEST: Final = 254
 _API_VERSION: Final = 1
 
@@ -140,7 +141,7 @@ class RequestEngine:
         self._waiting: deque[Request] = deque()
         self._current: Request | None = None
         self._sent_at = self._timer = 0.0
-        self._late: set[int] = set()  # commands to which a late reply may come
+        self._late: set[int] = set()  # commands whose reply may still arrive late
         self._barrier: Request | None = None
         self._promoted = False
         self._output = bytearray()
@@ -327,7 +328,8 @@ class RequestEngine:
         if len(self._waiting) == 1:
             self._promoted = False
             return self._waiting[0]
-        first = min(self._waiting, key=lambda request: request.priority)  # the oldest of its priority
+        # `min` returns the oldest request of the highest priority.
+        first = min(self._waiting, key=lambda request: request.priority)
         if first.priority is Priority.CONTROL or self._promoted:
             self._promoted = False
             return first

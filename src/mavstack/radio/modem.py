@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 
 #: Seconds until a radio that restarts takes bytes again.
 BOOT_TIME: Final = 1.5
-#: Seconds for which a report of the signal is awaited; the radio prints one each second.
+#: Seconds to wait for a signal report; the radio prints one each second.
 REPORT_TIMEOUT: Final = 2.0
-#: Seconds until a link that opens has its channel.
+#: Seconds to wait for the channel of a link that opens.
 CHANNEL_TIMEOUT: Final = 5.0
 
 
@@ -232,7 +232,7 @@ def radio_url(text: str, baud: int | None = None) -> str:
         LinkURLError: The URL is malformed.
     """
     url = parse_url(text)
-    if url.scheme == "file":  # a name of a device, such as a symbolic link
+    if url.scheme == "file":  # a device name, such as a symbolic link to a port
         url = replace(url, scheme="serial")
     if baud is not None:
         url = replace(url, options={**url.options, "baud": str(baud)})

@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     from mavstack.radio.modem import SikModem
     from mavstack.radio.replies import StoredParameter
 
-#: Attempts to reach the remote radio after a restart, and seconds between them: radios look for each other.
+#: Attempts to reach the remote radio after a restart, and seconds between them: radios need time to find each
+#: other.
 REUNION_ATTEMPTS, REUNION_PAUSE = 6, 2.0
 _POWER_CYCLE: Final = "switch the remote radio off and on; it has stored the new parameters"
 
@@ -240,10 +241,10 @@ async def _write_local(mine: Change, theirs: Change) -> None:
 
 
 async def _restart_both(mine: Change, theirs: Change) -> None:
-    with suppress(RadioError):  # the remote radio is looked for afterwards
+    with suppress(RadioError):  # the caller looks for the remote radio afterwards
         if theirs.values:
             await theirs.radio.restart()
-            await theirs.radio.restart()  # the first may be lost; a restarting radio receives no second
+            await theirs.radio.restart()  # in case the radio did not receive the first
     try:
         await mine.radio.restart(baud=mine.baud)
     except RadioError as error:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Mapping
 
-#: Bytes of the largest file that is read.
+#: Maximum size in bytes of a file that is read.
 MAX_SIZE: Final = 64 << 10
 _LINE: Final = re.compile(r"(?:S\d{1,3}\s*:\s*)?([A-Za-z][A-Za-z0-9_/&]{0,31})\s*=\s*(\d{1,10})", re.ASCII)
 

@@ -17,7 +17,7 @@ from mavstack.errors import InvalidArgumentError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-#: Values of SERIAL_SPEED, and the baud rates that they stand for.
+#: The baud rates by value of SERIAL_SPEED.
 BAUD_RATES: Final[Mapping[int, int]] = MappingProxyType(
     {
         1: 1200,

@@ -82,7 +82,7 @@ class RadioTerminals:
         name = Path(path)
         try:
             link_terminal(name, self.devices[index])
-        except OSError as error:  # names the terminal
+        except OSError as error:  # show the requested name in the error
             raise OSError(error.errno, error.strerror, str(path)) from None
         self._links.append((name, self.devices[index]))
 
@@ -104,7 +104,7 @@ class RadioTerminals:
             self._descriptors += [
                 master,
                 terminal,
-            ]  # an open terminal keeps its settings between two programs
+            ]  # an open terminal keeps its settings until the next program opens it
             masters.append(master)
         self._driver = PairDriver(self.pair, *(_writer(master) for master in masters))
         for index, master in enumerate(masters):

@@ -19,7 +19,7 @@ from mavstack.links.sbd_modem import CREDIT_SIZE, MAX_RECEIVED, MAX_SENT, checks
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: Seconds of one session.
+#: Default duration of a session in seconds.
 SESSION_TIME: Final = 8.0
 _NO_SIGNAL: Final = 32
 _BARS: Final = 4
@@ -30,10 +30,10 @@ class SimulatedSbdModem:
 
     def __init__(self, session_time: float = SESSION_TIME) -> None:
         self.has_signal = True
-        #: Messages that reached the gateway, and those that wait there.
+        #: Messages that reached the gateway, and messages that wait at the gateway.
         self.sent: list[bytes] = []
         self.mailbox: deque[bytes] = deque()
-        #: Sessions, and the credits that they cost.
+        #: Number of sessions, and number of credits that they cost.
         self.sessions = self.credits = 0
         self._session_time = session_time
         self._echo = self._ring_alert = True

@@ -25,25 +25,25 @@ if TYPE_CHECKING:
 
     from mavstack.radio.replies import RssiReport
 
-#: Seconds of silence before and after +++; the firmware needs one.
+#: Seconds without data before and after +++; the firmware needs one second.
 GUARD_TIME: Final = 1.1
-#: Seconds for which OK may come after the guard time.
+#: Seconds to wait for OK after the guard time.
 ENTER_TIMEOUT: Final = 1.0
 ENTER_ATTEMPTS: Final = 3
-#: Seconds for the reply of this radio, and of the remote one.
+#: Seconds to wait for the reply of this radio, and of the remote radio.
 LOCAL_TIMEOUT, REMOTE_TIMEOUT = 1.0, 2.0
-#: Seconds of silence that end a list.
+#: Seconds without data that end a list: from this radio, and from the remote radio.
 LOCAL_PAUSE, REMOTE_PAUSE = 0.3, 1.0
-#: Seconds in which a command without a reply is echoed.
+#: Seconds to wait for the echo of a command that has no reply.
 SILENT_TIMEOUT: Final = 0.3
-#: Seconds after a carriage return in which the radio loses bytes, because it works on the command.
+#: Seconds after a carriage return in which the radio loses bytes, because it runs the command.
 BUSY_TIME: Final = 0.1
 COMMAND_ATTEMPTS: Final = 3
-#: Characters of a command; a longer one makes the radio leave command mode.
+#: Maximum length of a command in characters; a longer one makes the radio leave command mode.
 MAX_COMMAND: Final = 16
-#: Bytes of a line, and lines of a reply: what exceeds them comes from no radio.
+#: Maximum length of a line in bytes and of a reply in lines; longer data is not from a radio.
 MAX_LINE, MAX_LINES = 512, 200
-#: Reports of the signal that wait for the program; older ones are dropped.
+#: Maximum number of signal reports that wait for the program; the oldest are dropped.
 MAX_REPORTS: Final = 16
 ESCAPE: Final = b"+++"
 
@@ -61,11 +61,11 @@ class Mode(Enum):
     """The state of a session."""
 
     TRANSPARENT = auto()  # the radio passes bytes, or its mode is not known
-    GUARD = auto()  # silence before +++
+    GUARD = auto()  # no bytes are sent before +++
     ESCAPED = auto()  # +++ was sent
     PROBING = auto()  # an empty command asks a radio that may be in command mode already
     READY = auto()
-    WAITING = auto()  # for a reply
+    WAITING = auto()  # waits for a reply
     LEAVING = auto()
 
 
@@ -124,7 +124,7 @@ class AtSession:
 
     def __init__(self, now: float) -> None:
         self.mode = Mode.TRANSPARENT
-        self._quiet_since = now  # no byte was sent to the radio since then
+        self._quiet_since = now  # time since which no byte was sent to the radio
         self._output = bytearray()
         self._line = bytearray()
         self._lines: list[str] = []
@@ -134,7 +134,7 @@ class AtSession:
         self._attempts = 0
         self._deadline: float | None = None
         self._outcome: tuple[str, ...] | RadioError | None = None
-        self._pieces: list[bytes] = []  # to send one after the other
+        self._pieces: list[bytes] = []  # sent one after the other
         self._reports = False  # AT&T=RSSI is on
         self._new_reports: deque[RssiReport] = deque(maxlen=MAX_REPORTS)
 
@@ -214,7 +214,7 @@ class AtSession:
         if (
             command is not None
             and command.reply is Reply.LINES
-            and 0 < len(self._lines) < MAX_LINES  # a radio that passes packets again is never silent
+            and 0 < len(self._lines) < MAX_LINES  # limit: a radio that passes packets again never pauses
             and self._deadline is not None
         ):
             self._deadline = now + command.pause

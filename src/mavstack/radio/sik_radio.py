@@ -215,7 +215,7 @@ class SikRadio:
         if self.remote:
             raise InvalidStateError("the remote radio prints reports on its own serial port: use get_rssi()")
         try:
-            for command in ("&T", "&T=RSSI"):  # the second one alone would turn them off if they were on
+            for command in ("&T", "&T=RSSI"):  # &T=RSSI alone would turn reports off if they are on
                 await self._run_if_known(command)
             while True:
                 for report in await self._modem.wait_for_reports() or [await self.get_rssi()]:
@@ -236,7 +236,7 @@ class SikRadio:
             return parse_number((await self.run(text, Reply.LINE))[-1])
         except RadioError as error:
             if error.refused:
-                return None  # older firmwares lack some questions
+                return None  # older firmware does not have this command
             raise
 
 

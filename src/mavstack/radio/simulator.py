@@ -27,9 +27,9 @@ DEFAULTS: Final = (26, 57, 64, 25, 20, 0, 1, 0, 915000, 928000, 50, 100, 0, 0, 0
 NAMES: Final = tuple(PARAMETERS)
 _SHARED_NUMBERS: Final = tuple(number for number, name in enumerate(NAMES) if name in SHARED)
 _MAX_WINDOW, _MAX_COMMAND, _MAX_REPLY = 131, 16, 252
-#: Seconds of silence around +++; of a command; of a restart; until two radios have found each other.
+#: Seconds: guard time around +++, run of a command, restart, and search until two radios find each other.
 GUARD, WORK, BOOT, SYNC = 1.0, 0.005, 0.5, 1.0
-#: Seconds of a packet over the air.
+#: Seconds that a packet takes over the air.
 AIR_TIME: Final = 0.03
 
 
@@ -54,7 +54,7 @@ class SimulatedRadio:
     reports: bool = False
     updating: bool = False
     boots: int = 0
-    #: Fails the commands for which it returns true: with ERROR, or ATZ without a restart.
+    #: Returns whether a command must fail: with ERROR, or ATZ without a restart.
     fails: Callable[[str], bool] = lambda command: False
 
     def __post_init__(self) -> None:
@@ -218,7 +218,7 @@ class RadioPair:
         self._radios = (self.near, self.far)
         self._due: list[tuple[float, int, Callable[[float], None]]] = []
         self._order = count()
-        #: Set to lose packets: called for each one, true loses it.
+        #: Called for each packet; returns whether the packet is lost.
         self.loses: Callable[[], bool] = lambda: False
 
     def connected(self, now: float) -> bool:

@@ -31,15 +31,15 @@ if TYPE_CHECKING:
     from mavstack.simulators.physics import Physics
     from mavstack.simulators.sensors import SensorSource
 
-#: The first number of a datagram, and the number of outputs.
+#: The number of outputs, by the magic number at the beginning of a datagram.
 _MAGICS: Final = {18458: 16, 29569: 32}
 _HEADER: Final = struct.Struct("<HHI")
-#: The fields of each answer: SITL's scanner accepts no spaces.
+#: The format of each answer, without spaces because SITL's parser accepts none.
 _MOTION: Final = (
     '\n{"timestamp":%.6f,"imu":{"gyro":[%.7g,%.7g,%.7g],"accel_body":[%.7g,%.7g,%.7g]},'
     '"position":[%.9g,%.9g,%.9g],"quaternion":[%.9g,%.9g,%.9g,%.9g],"velocity":[%.9g,%.9g,%.9g]'
 )
-#: The longest step: SITL ignores what is longer.
+#: Maximum step in seconds; SITL ignores longer steps.
 MAX_STEP: Final = 0.1
 
 
@@ -136,7 +136,7 @@ class JsonInterface:
         return self._answer
 
     def _restart(self) -> None:
-        # The time goes back too, by which SITL knows that the body was reset.
+        # Set the time back too: SITL detects the reset by this.
         self.state = self._physics.reset(self._home, self._home.heading).checked()
         self.time, self.steps = 0.0, 0
         self._sensors.reset()

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mavstack.simulators.sensor_model import SensorModels
 
 ARDUPILOT_PORT: Final = 9002
-#: Real seconds without a question after which ArduPilot counts as stopped.
+#: Real seconds without a datagram from ArduPilot after which it counts as stopped.
 SILENCE: Final = 2.0
 
 
@@ -110,7 +110,7 @@ class ArduPilotSimulator(Simulator):
     async def _close(self) -> None:
         if self._transport is not None:
             self._transport.close()
-            await asyncio.sleep(0)  # then its port is free
+            await asyncio.sleep(0)  # until the port is free
 
     def _start(self) -> None:
         self._resumed()

@@ -6,12 +6,13 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-#: Kelvin at 0 degrees Celsius, the fall of the temperature in K/m up to the tropopause (metres).
+#: 0 degrees Celsius in kelvin, the temperature lapse rate in K/m, and the altitude of the tropopause in
+#: metres.
 _ZERO, _LAPSE, _TROPOPAUSE = 273.15, 0.0065, 11_000.0
 #: Gravity, the gas constant of dry air, and the exponent of the pressure that follows from them.
 _GRAVITY, _GAS = 9.80665, 287.05287
 _EXPONENT: Final = _GRAVITY / (_GAS * _LAPSE)
-#: The range of altitudes in metres; beyond it values stay.
+#: The range of altitudes in metres; beyond it, the values at the limit are used.
 _LOWEST, _HIGHEST = -1000.0, 20_000.0
 
 

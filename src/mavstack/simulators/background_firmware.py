@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 Result = TypeVar("Result")
 
-#: Lines of the program's output that are kept.
+#: Maximum number of output lines of the program that are kept.
 MAX_LINES: Final = 10_000
 
 

@@ -40,7 +40,7 @@ _RC: Final = struct.Struct("<d16H")
 _ORDERS: Final = {"betaflight": (1, 2, 3, 0), "gazebo": (0, 1, 2, 3)}
 BRIDGES: Final = ("gazebo", "legacy")
 MOTOR_ORDERS: Final = tuple(_ORDERS)
-#: A position that Betaflight takes for no position.
+#: Coordinate in degrees that Betaflight does not accept as a position.
 _NOWHERE: Final = 999.0
 _HALF: Final = math.sqrt(0.5)
 #: Channels of a transmitter that is on: roll, pitch and yaw centred, throttle low, switches off.
@@ -126,7 +126,7 @@ class BetaflightInterface:
         w, x, y, z = attitude[0], attitude[1], -attitude[2], -attitude[3]
         if not self._is_gazebo:
             return w, x, y, z
-        # Turned by -90 degrees about up, then by 180 degrees about forward on both sides.
+        # Rotated by -90 degrees about up, then by 180 degrees about forward in the world and in the body.
         return _HALF * (w + z), _HALF * (x + y), -_HALF * (y - x), -_HALF * (z - w)
 
     def _velocity(self, state: State) -> tuple[float, float, float]:

@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     from mavstack.simulators.sensor_model import SensorModels
 
 BETAFLIGHT_PORT: Final = 9002
-#: Ports of Betaflight for the state and the transmitter, after the one of the motors.
+#: Offsets of Betaflight's ports for the state and the transmitter from the port for the motors.
 _STATE, _STICKS = 1, 2
-#: Seconds of a step, and steps between two packets of the transmitter (50 Hz).
+#: Length of a step in seconds, and number of steps between two packets of the transmitter (50 Hz).
 STEP: Final = 0.0025
 _STICK_STEPS: Final = 8
-#: Real seconds without motors after which Betaflight counts as stopped.
+#: Real seconds without motor outputs after which Betaflight counts as stopped.
 SILENCE: Final = 2.0
 
 
@@ -121,7 +121,7 @@ class BetaflightSimulator(Simulator):
     async def _close(self) -> None:
         if self._transport is not None:
             self._transport.close()
-            await asyncio.sleep(0)  # then its port is free
+            await asyncio.sleep(0)  # until the port is free
 
     def _start(self) -> None:
         self._begin(self._step)

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
 #: The physics of each kind of vehicle, which is also its default.
 VEHICLES: Final = ("copter", "plane", "vtol", "rover", "boat", "sub")
-#: PX4's model of each vehicle. Some are models of PX4's own simulator, in whose place it connects over TCP.
+#: PX4's model of each vehicle. Some models belong to PX4's internal simulator; instead of it, this simulator
+#: connects over TCP.
 _PX4_MODELS: Final = MappingProxyType(
     {
         "copter": "none_iris",
@@ -31,8 +32,9 @@ _PX4_MODELS: Final = MappingProxyType(
         "boat": "sihsim_rover_ackermann",
     }
 )
-#: PX4's functions of outputs: 101 is the first motor, 201 the first servo. The models have other orders than
-#: `mavstack.simulators.outputs`; the second servo of the plane is its right aileron, the fourth its rudder.
+#: PX4's output functions: 101 is the first motor, 201 the first servo. The order differs between the models
+#: and `mavstack.simulators.outputs`; the second servo of the plane is its right aileron, the fourth its
+#: rudder.
 _PX4_FUNCTIONS: Final = MappingProxyType(
     {"plane": (202, 203, 101, 204, 0, 0, 0, 0, 0), "vtol": (101, 102, 103, 104, 105, 201, 202, 203)}
 )
@@ -58,7 +60,7 @@ _PX4_BODIES: Final[Mapping[str, Mapping[str, float]]] = MappingProxyType(
         "boat": {"RO_MAX_THR_SPEED": 11, "RO_SPEED_LIM": 5},
     }
 )
-#: Parameters of all ArduPilots: steps in a second, of which its default has thrice as many.
+#: Parameters of all ArduPilot vehicles: the steps per second, by default three times as many.
 _RATE: Final = MappingProxyType({"SIM_RATE_HZ": 400})
 #: Parameters without which ArduPilot does not arm or drive its outputs as the bodies expect.
 _ARDUPILOT_PARAMETERS: Final = MappingProxyType(

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 #: Seconds that a program gets to end by itself.
 GRACE: Final = 3.0
 MAX_LINE: Final = 1 << 20
-#: The colours of PX4's messages.
+#: The ANSI colour codes in PX4's messages.
 _COLOUR: Final = re.compile(r"\x1b\[[0-9;]*m")
 
 
@@ -107,7 +107,7 @@ class FirmwareProcess:
         while output is not None:
             try:
                 line = await output.readline()
-            except ValueError:  # a line without an end
+            except ValueError:  # the line is longer than `MAX_LINE`
                 continue
             if not line:
                 return

@@ -39,12 +39,12 @@ if TYPE_CHECKING:
     from mavstack.simulators.simulator import Simulator
 
 FIRMWARES: Final = ("px4", "ardupilot", "betaflight")
-#: Seconds to wait until Betaflight opens its serial ports: a state that comes earlier crashes it.
+#: Seconds to wait until Betaflight opens its serial ports; it crashes if it receives a state earlier.
 BETAFLIGHT_START: Final = 30.0
 _OPENED: Final = "bind port"
 #: TCP port of Betaflight's first serial port, which speaks MSP.
 _BETAFLIGHT_SERIAL: Final = 5761
-#: Where ArduPilot's vehicle is offered, with the number of the instance.
+#: The default URL to which ArduPilot's MAVLink packets are sent; the port depends on the instance.
 _ARDUPILOT_OUT: Final = "udpout://127.0.0.1:{port}"
 _STATION_PORT: Final = 14550
 
@@ -128,7 +128,7 @@ class FirmwareSession:
         self._process: FirmwareProcess | None = None
         self._stack = AsyncExitStack()
         if options.binary is not None:
-            self._command(0)  # a wrong program is refused at once
+            self._command(0)  # raises at once if the program is wrong
 
     @property
     def url(self) -> str:

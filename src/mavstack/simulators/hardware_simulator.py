@@ -28,10 +28,10 @@ if TYPE_CHECKING:
     from mavstack.simulators.sensor_model import SensorModels
 
 FIRMWARES: Final = ("px4", "ardupilot")
-#: Seconds of a step with ArduPilot, and between two heartbeats.
+#: Length of a step with ArduPilot, and time between two heartbeats, in seconds.
 STATE_STEP: Final = 0.02
 _HEARTBEAT: Final = 1.0
-#: Real seconds without outputs after which the status says so.
+#: Real seconds without outputs after which the status reports this.
 SILENCE: Final = 2.0
 
 

@@ -63,7 +63,7 @@ def _geocentric(latitude: float, altitude: float) -> tuple[float, float]:
 
 def _spherical(radius: float, latitude: float, longitude: float, years: float) -> Vector:
     """Return the field in nanotesla north, east, down on a sphere."""
-    sine = max(math.cos(latitude), 1e-9)  # of the colatitude, which must not be zero
+    sine = max(math.cos(latitude), 1e-9)  # sine of the colatitude, which must not be zero
     values, slopes = _legendre(math.sin(latitude), sine)
     north = east = down = 0.0
     for n, m, g_start, h_start, g_change, h_change in _coefficients():

@@ -25,7 +25,8 @@ _LOWEST, _CENTER, _OFF = 1000.0, 1500.0, 0
 #: Half the travel of a thruster, in microseconds.
 _THRUSTER_TRAVEL: Final = 400.0
 _HALF: Final = 500.0
-#: Lifting motors of a VTOL, and the place of aileron, elevator, throttle and rudder in PX4's outputs.
+#: Number of lifting motors of a VTOL, and the indexes of aileron, elevator, throttle and rudder in PX4's
+#: outputs.
 _LIFTERS: Final = 4
 _PX4_VTOL: Final = (5, 6, 4, 7)
 

@@ -96,7 +96,7 @@ def _adapter(module: str, name: str) -> Callable[[str], Physics]:
     return make
 
 
-#: The vehicle of each kind of outputs.
+#: The vehicle type for each kind of outputs.
 _VEHICLES: Final = MappingProxyType(
     {
         Outputs.MOTORS: "copter",
@@ -106,7 +106,7 @@ _VEHICLES: Final = MappingProxyType(
         Outputs.THRUSTERS: "sub",
     }
 )
-#: The kinds of physics by name; any other name with a colon is `module:Class`.
+#: The built-in physics by name; a name with a colon, `module:Class`, selects another class.
 PHYSICS: Final[Mapping[str, PhysicsEntry]] = MappingProxyType(
     {
         "copter": PhysicsEntry(
@@ -183,7 +183,7 @@ def vehicle_of(physics: str | None) -> str:
     entry = PHYSICS.get(kind)
     if entry is None:
         return "copter"
-    return kind if kind == "boat" else _VEHICLES[entry.outputs]  # rovers steer by the same outputs
+    return kind if kind == "boat" else _VEHICLES[entry.outputs]  # a boat has the same outputs as a rover
 
 
 def _load_class(module: str, name: str) -> tuple[Physics, Outputs]:

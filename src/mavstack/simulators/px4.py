@@ -34,7 +34,7 @@ STEP: Final = 4_000
 START: Final = 1_000_000
 #: Steps between two packets of the true state, for PX4's log.
 TRUTH_STEPS: Final = 5
-#: HIL_SENSOR.fields_updated of each sensor: all bits of a sensor, or PX4 ignores it.
+#: Bits of HIL_SENSOR.fields_updated for each sensor; PX4 ignores a sensor unless all its bits are set.
 INERTIAL_BITS, MAGNETIC_BITS, PRESSURE_BITS, AIRSPEED_BITS = 0x3F, 0x1C0, 0x1A00, 0x400
 _CM: Final = 100.0
 _UNKNOWN_COURSE: Final = 65535

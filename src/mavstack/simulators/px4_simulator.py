@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from mavstack.simulators.sensor_model import SensorModels
 
 PX4_PORT: Final = 4560
-#: Seconds to wait for an answer of PX4 before it drives its outputs.
+#: Seconds to wait for an answer of PX4 while it starts and does not drive its outputs yet.
 START_UP_WAIT: Final = 0.02
-#: Seconds to wait for an answer of PX4 with a rover or boat, whose outputs it sends only when it sets them.
+#: Seconds to wait for an answer of PX4 with a rover or boat: PX4 sends their outputs only when it sets them.
 STEERING_WAIT: Final = 0.002
-#: Real seconds without an answer in lockstep after which the log says so.
+#: Real seconds without an answer in lockstep after which a message is logged.
 SILENCE: Final = 5.0
 
 
@@ -80,7 +80,7 @@ class Px4Simulator(Simulator):
         self._server: asyncio.Server | None = None
         self._connection: asyncio.Transport | None = None
         self._port = 0
-        self._waits = False  # a step was sent and not answered
+        self._waits = False  # a step was sent and not answered yet
         self._watch: asyncio.TimerHandle | None = None
         self._start_up: asyncio.TimerHandle | None = None
 

@@ -12,7 +12,7 @@ from mavstack.errors import InvalidArgumentError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: Times of samples are compared with this tolerance in seconds.
+#: Tolerance in seconds for comparing the times of samples.
 _ROUNDING = 1e-7
 
 
@@ -144,7 +144,7 @@ class SensorChannel:
             return False
         rate = self._model.rate
         self._next = self._first + (math.floor((time - self._first + 2 * _ROUNDING) * rate) + 1) / rate
-        if not self._model.delay:  # a delayed sensor has to see all values
+        if not self._model.delay:  # a delayed sensor must record the values of each step
             self.due = self._next - _ROUNDING
         return True
 

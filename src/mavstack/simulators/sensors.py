@@ -27,16 +27,17 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle_types import Home
     from mavstack.simulators.state import State
 
-#: Sensors that a vehicle has only if they are asked for.
+#: Sensors that a vehicle has only on request.
 EQUIPMENT: Final = ("rangefinder", "optical-flow")
-#: The range of the rangefinder in metres, and the least cosine of its tilt.
+#: The range of the rangefinder in metres, and the minimum cosine of its tilt.
 MIN_RANGE, MAX_RANGE, _MIN_COSINE = 0.1, 40.0, 0.5
-#: The battery of a body without one: volts and amperes.
+#: The battery of a body that does not model a battery: volts and amperes.
 BATTERY: Final = (16.2, 1.0)
 _BIASES: Final = ((2.0, 0.0, 0.0), (0.2, 0.0, 0.0))
 _JUMP, _SHAKING, _SAG = 50.0, 50.0, 0.8
-#: Noise of the gyroscope of a vehicle that moves, in shares of its noise at rest: motors and wheels shake it.
-#: Without it PX4 takes a smooth run on the ground for rest, and holds its estimate of the velocity at zero.
+#: Gyroscope noise of a moving vehicle as a multiple of the noise at rest, because motors and wheels shake it.
+#: Without this noise, PX4 detects rest during a smooth run on the ground and holds its velocity estimate at
+#: zero.
 _VIBRATION: Final = 8.0
 
 
@@ -110,7 +111,7 @@ class SensorSource(Protocol):
 
     #: The faults that are present or planned.
     faults: Faults
-    #: The air.
+    #: The model of the atmosphere.
     atmosphere: Atmosphere
 
     def reset(self) -> None:
@@ -266,7 +267,7 @@ class Sensors:
         else:
             self._frozen_position = (place, velocity := velocity or state.velocity)
         walk, noise = self._walk, 0.2 * self._models.position.noise
-        for axis in range(3):  # a slow walk, which is what the error of a position is
+        for axis in range(3):  # the position error is a slow random walk
             walk[axis] = 0.98 * walk[axis] + self._gauss(0.0, noise)
         north, east, down = _sum(place, (walk[0], walk[1], walk[2]))
         if "gps-jumped" in active:

@@ -21,7 +21,7 @@ _FAILSAFE: Final = re.compile(r"fail-?safe|emergency", re.IGNORECASE)
 _CLEARED: Final = re.compile(
     r"\b(clear(ed)?|off|end(ed)?|recover(ed|y)?|cancel(l?ed)?|restored)\b", re.IGNORECASE
 )
-#: Reasons why a vehicle on the ground refuses to arm, such as "PreArm: CrashDump data detected".
+#: Texts that explain why a vehicle on the ground refuses to arm, such as "PreArm: CrashDump data detected".
 _REFUSED: Final = re.compile(r"(pre-?arm|arm|preflight fail|arming denied)\b[^:]*:", re.IGNORECASE)
 _CRASH: Final = re.compile(r"crash|potential thrust loss|engine failure", re.IGNORECASE)
 #: "Mode change to LOITER failed: requires position" (ArduPilot), "Switching to Mission is currently not
@@ -30,15 +30,15 @@ _MODE_FAILED: Final = re.compile(
     r"mode change to .* failed|switching to .* not (possible|available)|\bmode\b.* (rejected|denied)",
     re.IGNORECASE,
 )
-#: Subsystem FLIGHT_MODE of ArduPilot's ERR; the code is the mode that was refused.
+#: Subsystem FLIGHT_MODE in ArduPilot's ERR records; ECode is the mode that was refused.
 _FLIGHT_MODE_SUBSYSTEM: Final = 10
-#: Texts that are findings of other rules than `errors`.
+#: Texts that other rules than `errors` report.
 _OF_OTHER_RULES: Final = (_FAILSAFE, _CRASH, _MODE_FAILED)
 _ERROR_SEVERITY: Final = 3
 _MAX_LISTED: Final = 5
 #: Parameters that the vehicle changes itself.
 _AUTOMATIC: Final = ("STAT_", "BARO", "GND_", "SYS_NUM_RESETS")
-#: Degrees of roll or pitch that a multirotor does not reach unless it falls.
+#: Roll or pitch in degrees that a multirotor exceeds only when it falls.
 _UPSIDE_DOWN: Final = 80.0
 
 
@@ -82,7 +82,7 @@ def mode_failures(flight: Flight) -> Iterator[Finding]:
     for title, time in texts.items():
         report = f"The vehicle stayed in its mode: {title}"
         yield Finding("mode_failures", Severity.WARNING, title, report, _known(time))
-    # The texts give the reason too.
+    # Status texts also give the reason, so ERR records are read only without them.
     if texts or "ERR" not in flight.log or not flight.log.schema("ERR").has_numbers("Subsys", "ECode"):
         return
     rows = flight.log["ERR"]

@@ -211,7 +211,7 @@ class Flight:
 def _in_the_air(altitude: Signal) -> NDArray[np.bool_]:
     """Return whether a vehicle was in the air at each value of its altitude above home."""
     values = altitude.values
-    # Between the two limits the last state beyond one of them lasts.
+    # Between the two limits, the previous state continues.
     decided = np.where(values > _TAKEN_OFF, 1, np.where(values < _LANDED, 0, -1))
     last = np.maximum.accumulate(np.where(decided >= 0, np.arange(len(values)), -1))
     return np.asarray((last >= 0) & (decided[last] == 1))

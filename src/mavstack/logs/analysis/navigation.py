@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 _FIX_3D: Final = 3
 _FEW_SATELLITES: Final = 6
 _POOR_HDOP: Final = 2.0
-#: Metres per second, and metres of noise, that no vehicle of this kind exceeds between two positions.
+#: Maximum speed in m/s, and maximum noise in metres, of two positions in sequence.
 _MAX_SPEED: Final = 100.0
 _POSITION_NOISE: Final = 15.0
 #: Test ratio above which ArduPilot's EKF failsafe acts (FS_EKF_THRESH); at 1 a measurement is rejected.
 _HIGH_RATIO: Final = 0.8
 _REJECTED: Final = 1.0
-#: Seconds for which a ratio must be high; spikes are usual.
+#: Seconds for which a test ratio must be high; short spikes are usual.
 _RATIO_TIME: Final = 1.0
 
 

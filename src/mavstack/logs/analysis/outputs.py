@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     from mavstack.logs.analysis.flight import Flight
     from mavstack.logs.analysis.signals import Signal
 
-#: Microseconds of a pulse from which a motor has no reserve, and of a motor that turns.
+#: Pulse width in microseconds from which a motor has no reserve, and from which it turns.
 _FULL: Final = 1950.0
 _TURNING: Final = 1150.0
 _SATURATED_SHARE: Final = 0.05
-#: Difference of the means that a balanced vehicle does not reach, in microseconds.
+#: Difference of the mean pulse widths in microseconds that a balanced vehicle does not reach.
 _IMBALANCE: Final = 150.0
 _MIN_SAMPLES: Final = 20
 _ROTORS: Final = {"QUADROTOR": 4, "HEXAROTOR": 6, "OCTOROTOR": 8, "TRICOPTER": 3}

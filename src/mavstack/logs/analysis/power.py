@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 
     from mavstack.logs.analysis.flight import Flight
 
-#: Share of the voltage at the beginning that a battery keeps under load.
+#: Share of the initial voltage that a battery keeps under load.
 _USUAL_SAG: Final = 0.80
 _LOW_CHARGE: Final = 20.0
 _EMPTY: Final = 10.0
-#: Volts of a supply of 5 V below which ArduPilot's documentation warns.
+#: Volts of the 5 V supply below which ArduPilot's documentation warns.
 _LOW_BOARD_VOLTAGE: Final = 4.6
 #: Minimum height above home of a flying vehicle, in metres.
 _IN_FLIGHT: Final = 3.0

@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 
     from mavstack.logs.analysis.flight import Flight
 
-#: Seconds between two heartbeats from which ground stations report that the link is lost.
+#: Seconds without a heartbeat after which ground stations report that the link is lost.
 _SILENCE: Final = 5.0
 _LOSS: Final = 0.05
-#: Steps between two sequence numbers that lead back, and their largest share in one count of packets: after
-#: long gaps, and of packets that arrive late.
+#: A step of at least this size between two sequence numbers leads backward: late packets and long gaps cause
+#: a few. A larger share of backward steps means several packet counters.
 _BACKWARD: Final = 128
 _MAX_BACKWARD: Final = 0.2
-#: SiK radios: dBm = value / 1.9 - 127, so that this difference is about 10 dB.
+#: RSSI units of SiK radios per decibel: dBm = value / 1.9 - 127.
 _DECIBELS: Final = 1.9
 _LOW_MARGIN: Final = 10.0
 
@@ -30,7 +30,7 @@ def lost_link(flight: Flight) -> Iterator[Finding]:
     """Look for more than 5 s between two heartbeats of the autopilot while armed."""
     if "HEARTBEAT" not in flight.log:
         return
-    times = flight.states.armed.times - flight.start  # of its heartbeats
+    times = flight.states.armed.times - flight.start  # one for each heartbeat
     gaps = np.diff(times)
     lost = np.flatnonzero(gaps > _SILENCE)
     lost = lost[flight.is_armed(times[lost])]
@@ -78,7 +78,7 @@ def _has_several_counters(flight: Flight) -> bool:
         return False
     times = np.concatenate([rows["_time"] for rows in own])
     numbers = np.concatenate([rows["_sequence"] for rows in own])[np.argsort(times, kind="stable")]
-    steps = np.diff(numbers)  # of unsigned bytes, so they wrap
+    steps = np.diff(numbers)  # the numbers are unsigned bytes, so the differences wrap
     return bool(len(steps)) and float((steps >= _BACKWARD).mean()) > _MAX_BACKWARD
 
 

@@ -309,7 +309,7 @@ def _where(table: MessageTable, rows: NDArray[np.bool_]) -> MessageTable:
 
 def _values(table: MessageTable, source: SignalColumn) -> NDArray[np.float64]:
     schema = table.schema[source.field.partition("[")[0]]
-    # The factors of this module are those of the stored value.
+    # `source.factor` converts the stored value, without the multiplier that `scaled` applies.
     factor = source.factor / schema.multiplier if source.factor else 1.0
     values: NDArray[np.float64] = table.scaled(source.field) * factor
     return np.where(values < source.unknown_from, values, np.nan) if isfinite(source.unknown_from) else values

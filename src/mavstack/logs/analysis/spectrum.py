@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from mavstack.logs.analysis.flight import Flight
 
-#: Tables with accelerations in m/s/s, the fastest first: table, fields, factor.
+#: Tables with accelerations, highest sample rate first: table, fields, factor to m/s/s.
 _SOURCES: Final = (
     ("sensor_accel", ("x", "y", "z"), 1.0),
     ("sensor_combined", ("accelerometer_m_s2[0]", "accelerometer_m_s2[1]", "accelerometer_m_s2[2]"), 1.0),
@@ -27,7 +27,7 @@ _SOURCES: Final = (
     ("HIGHRES_IMU", ("xacc", "yacc", "zacc"), 1.0),
     ("RAW_IMU", ("xacc", "yacc", "zacc"), 9.80665e-3),
 )
-_MIN_RATE: Final = 20.0  # hertz, below which a spectrum shows nothing
+_MIN_RATE: Final = 20.0  # hertz; a lower sample rate gives no useful spectrum
 _WINDOW: Final = 512  # samples
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 #: m/s/s below which ArduPilot's documentation calls vibration acceptable, and above which it calls it bad.
 _ACCEPTABLE: Final = 30.0
 _BAD: Final = 60.0
-#: Clipped samples that are usual on landing.
+#: Number of clipped samples that is usual at a landing.
 _FEW_CLIPS: Final = 30
 
 

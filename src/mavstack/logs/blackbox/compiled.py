@@ -29,8 +29,9 @@ if TYPE_CHECKING:
 
     from mavstack.logs.blackbox.encodings import Reader
 
-    #: Takes the bytes of a flight, a position, the values of the last two main frames and the number of
-    #: iterations that are not logged; returns the values of a frame and the position behind it.
+    #: A function that decodes one frame. It takes the bytes of a flight, the position of the frame, the
+    #: values of the last two main frames and the number of iterations that were not logged since; it returns
+    #: the values of the frame and the position after it.
     Decoder: TypeAlias = Callable[[bytes, int, Sequence[int], Sequence[int], int], tuple[list[int], int]]
 
 _HEAD: Final = "def decode(data, position, previous, before, skipped):"

@@ -19,7 +19,7 @@ Reader: TypeAlias = Callable[[bytes, int, int, list[int]], int]
 SIGNED_VB, UNSIGNED_VB, NEGATIVE_14_BIT = 0, 1, 3
 TAG8_8SVB, TAG2_3S32, TAG8_4S16, NOTHING, TAG2_3SVARIABLE = 6, 7, 8, 9, 10
 
-#: Maximum number of bytes of a VB; a longer one is damaged, and reads as 0.
+#: Maximum number of bytes of a variable-length number (VB); a longer one is damaged and reads as 0.
 _MAX_VB: Final = 5
 _WORD: Final = 0xFFFF_FFFF
 
@@ -51,8 +51,8 @@ def extended(value: int, bits: int) -> int:
     return ((value & ((1 << bits) - 1)) ^ sign) - sign
 
 
-#: The signed numbers of one byte and of two, and the three of 2 bits that a tag of TAG2_3S32 or
-#: TAG2_3SVARIABLE holds itself.
+#: Signed values by the unsigned number of 14 bits that encodes them (zigzag); and the three 2-bit numbers by
+#: the tag byte of TAG2_3S32 or TAG2_3SVARIABLE.
 SIGNED_VALUES: Final = tuple((bits >> 1) ^ -(bits & 1) for bits in range(1 << 14))
 SMALL_TRIPLES: Final = tuple(tuple(extended(byte >> shift, 2) for shift in (4, 2, 0)) for byte in range(64))
 
@@ -121,7 +121,7 @@ def _read_sized(data: bytes, position: int, values: list[int]) -> int:
     return position
 
 
-#: Three signed numbers by 12 bits of four each, and by 14 bits of five, five and four.
+#: Three signed numbers by the 12 bits that encode them (4 bits each), and by 14 bits (5, 5 and 4 bits).
 _FOURS: Final = tuple(tuple(extended(bits >> shift, 4) for shift in (8, 4, 0)) for bits in range(1 << 12))
 _FIVES: Final = tuple(
     (extended(bits >> 9, 5), extended(bits >> 4, 5), extended(bits, 4)) for bits in range(1 << 14)
@@ -209,7 +209,7 @@ def read_tag8_4s16_v1(data: bytes, position: int, _count: int, values: list[int]
     return position
 
 
-#: Readers by the number of the encoding.
+#: Readers by the number of their encoding.
 READERS: Final[Mapping[int, Reader]] = MappingProxyType(
     {
         SIGNED_VB: _read_signed,
@@ -222,5 +222,5 @@ READERS: Final[Mapping[int, Reader]] = MappingProxyType(
         TAG2_3SVARIABLE: _read_tag2_3svariable,
     }
 )
-#: Number of fields that a group of the encoding has; of other encodings any number.
+#: Number of fields in a group, by encoding; other encodings have groups of any size.
 GROUPS: Final[Mapping[int, int]] = MappingProxyType({TAG2_3S32: 3, TAG8_4S16: 4, TAG2_3SVARIABLE: 3})

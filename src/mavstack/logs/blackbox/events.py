@@ -41,7 +41,7 @@ DISARM_REASONS: Final = (
     "GPS_RESCUE",
     "SERIAL_IO",
 )
-#: Sizes in bytes of the content of events of old firmware, whose values are not read.
+#: Sizes in bytes of the contents of events from old firmware, which are skipped.
 _SIZES: Final = {10: 5, 11: 4, 12: 8, 40: 5}
 _GTUNE: Final = 20
 _END_TEXT: Final = b"End of log\0"

@@ -32,7 +32,7 @@ _MODES_4_5_NAMES = """
     BLACKBOXERASE CAMERA1 CAMERA2 CAMERA3 FLIPOVERAFTERCRASH PREARM
     """
 _MODES_4_5: Final = tuple(_MODES_4_5_NAMES.split())
-#: Unit and multiplier of fields that are the same for all settings.
+#: Unit and multiplier of fields that do not depend on the settings.
 _UNITS: Final[Mapping[str, tuple[str, float]]] = MappingProxyType(
     {
         "time": ("us", 1.0),

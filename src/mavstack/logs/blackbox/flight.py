@@ -31,7 +31,7 @@ _MAX_ITERATION_JUMP: Final = 5000
 _WRAP: Final = 1 << 32
 _INTRA, _INTER, _SLOW, _GPS, _HOME, _EVENT = b"IPSGHE"
 _PADDING: Final = b"\x00\xff"
-#: Time of a row before the first main frame, until that is known.
+#: Placeholder for the time of rows before the first main frame.
 UNKNOWN_TIME: Final = -1
 
 
@@ -281,7 +281,7 @@ class _SkippedIterations:
     def __init__(self, header: FlightHeader) -> None:
         self._interval = max(header.number("I interval", 32), 1)
         numerator, _, denominator = header.values.get("P interval", "1/1").partition("/")
-        # A single number N means that each Nth iteration is logged.
+        # A single number N means 1/N: every Nth iteration is logged.
         fraction = (numerator, denominator) if denominator else ("1", numerator)
         valid = all(text.strip().isdecimal() and int(text) for text in fraction)
         self._numerator, self._denominator = (int(fraction[0]), int(fraction[1])) if valid else (1, 1)

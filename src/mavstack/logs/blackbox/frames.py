@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     MAIN_TIME,
     MIN_MOTOR,
 ) = range(12)
-#: Terms of other predictions, by predictor; those of positions come from other frames.
+#: The terms that each of the other predictors adds to a value; position predictors use other frames.
 _ADDED: Final[Mapping[int, tuple[str, ...]]] = MappingProxyType(
     {
         ZERO: (),

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 #: The line with which each flight begins.
 FLIGHT_MARKER: Final = b"H Product:Blackbox flight data recorder"
-#: The letters with which frames begin.
+#: The first byte of a frame, one letter for each frame type.
 MARKERS: Final = frozenset(b"IPGHES")
 _MAX_LINE: Final = 1024
 _FIELD: Final = re.compile(r"Field (?P<frame>[IPGHS]) (?P<kind>name|signed|predictor|encoding)")
@@ -133,7 +133,7 @@ def _frames(values: Mapping[str, str]) -> dict[str, FrameDefinition]:
     for name, value in values.items():
         if found := _FIELD.fullmatch(name):
             lines.setdefault(found["frame"], {})[found["kind"]] = value.split(",") if value else []
-    # The fields of P frames are those of I frames.
+    # P frames have the same field names and signs as I frames.
     if "P" in lines and "I" in lines:
         lines["P"] = {kind: lines["I"].get(kind, []) for kind in ("name", "signed")} | lines["P"]
     definitions = {letter: _definition(kinds) for letter, kinds in lines.items()}
@@ -149,7 +149,7 @@ def _definition(lines: Mapping[str, list[str]]) -> FrameDefinition | None:
         )
     except ValueError:
         return None
-    # Columns that no field may have begin with an underscore.
+    # Names with a leading underscore are reserved for additional columns.
     usable = names and all(name and name[0] != "_" for name in names) and len(set(names)) == len(names)
     if not usable or not len(names) == len(predictors) == len(encodings):
         return None

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 TIME: Final = "time"
 _HEADER: Final = [("_time", "<M8[us]"), ("_instance", "<u2")]
 EVENT_DTYPE: Final = np.dtype([*_HEADER, (TIME, "<i8"), ("event", "u1"), ("value", "<f8"), ("detail", "<f8")])
-#: Arrays whose elements are different things, each with its own column.
+#: Arrays whose elements have different meanings, so each element is a separate column.
 _NO_ARRAYS: Final = ("GPS_coord", "GPS_home")
 _ELEMENT: Final = re.compile(r"(?P<field>.+)\[(?P<index>\d+)\]")
 

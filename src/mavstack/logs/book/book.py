@@ -133,7 +133,7 @@ class FlightBook:
             before = known.pop(name, None)
             try:
                 status = path.stat()
-            except OSError as error:  # removed meanwhile
+            except OSError as error:  # the file was removed in the meantime
                 result.failed[name] = f"cannot open {path}: {error.strerror}"
                 continue
             state = status.st_size, status.st_mtime_ns
@@ -187,7 +187,7 @@ class FlightBook:
             LogError: The file cannot be written.
         """
         try:
-            # Results of earlier queries must not be open on the connection of this one.
+            # A separate cursor, because the results of earlier queries may still be open on the connection.
             with self._connection.cursor() as cursor:
                 rows = cursor.table("flights").order("start, file, vehicle")
                 texts = [] if raw_text else [name for name, kind in COLUMNS.items() if "VARCHAR" in kind]
@@ -252,7 +252,7 @@ class FlightBook:
         except (MavstackError, OSError) as error:
             result.failed[name] = str(error)
             return
-        # As one change: a run that is interrupted must not lose the remarks.
+        # One transaction, so that an interrupted run does not lose the remarks.
         self._connection.begin()
         try:
             self._replace(name, state, rows)

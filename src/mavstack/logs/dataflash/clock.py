@@ -21,18 +21,18 @@ if TYPE_CHECKING:
 
     from mavstack.logs.dataflash.record_type import RecordType
 
-#: A time that is not known.
+#: Marks a time that is not known.
 NO_TIME: Final = np.iinfo(np.int64).min
 GPS_TABLES: Final = ("GPS", "GPS2")
 _GPS_EPOCH_US: Final = 315_964_800_000_000
 _WEEK_US: Final = 604_800_000_000
-#: Weeks up to the year 2172: a larger number is damage.
+#: Maximum GPS week, in the year 2172: a larger number is damaged.
 _MAX_WEEK: Final = 9999
-#: Leap seconds before July 2012, and the GPS times in microseconds from which there is one more.
+#: Leap seconds before July 2012, and the GPS times in microseconds of later leap seconds.
 _FIRST_LEAP_SECONDS: Final = 15
 _LEAP_STEPS_US: Final = np.array([1_025_136_015, 1_119_744_016, 1_167_264_017], np.int64) * 1_000_000
 _FIX_3D: Final = 3
-#: Names of the week and the milliseconds, in new and old logs.
+#: Names of the fields with the GPS week and the milliseconds, in new and old logs.
 _GPS_TIMES: Final = (("GWk", "GMS"), ("Week", "TimeMS"))
 #: Times of a table that are this far beyond those of other tables belong to a damaged record.
 _MAX_AHEAD_US: Final = 86_400_000_000

@@ -158,7 +158,7 @@ class DataFlashLog(ArduPilotLog):
     def _table(self, name: str, rows: NDArray[np.void]) -> MessageTable:
         return MessageTable.of(rows, self._schema_source(name))
 
-    # reading piece by piece
+    # reading window by window
 
     def windows(
         self,

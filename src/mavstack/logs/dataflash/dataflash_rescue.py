@@ -30,7 +30,7 @@ _FMT_FORMAT: Final = "BBnNZ"
 _CHECKED: Final = (_FMT, "FMTU", "UNIT", "MULT")
 #: Position of the character that a record of UNIT and MULT defines.
 _ID: Final = 11
-#: Format characters that can number the instances of a sensor.
+#: Format characters of fields that may number the instances of a sensor.
 _INSTANCES: Final = "bBhHiIqQnN"
 
 
@@ -41,7 +41,7 @@ class DataFlashRescue(Rescue):
         super().__init__(data)
         self._log = DataFlashLog(data)
         self._left_out = 0
-        #: The sound definitions so far, by type number.
+        #: The undamaged format definitions so far, by type number.
         self._types: dict[int, RecordType] = {}
 
     def pieces(self, progress: Callable[[int, int], None]) -> Iterator[bytes]:

@@ -58,7 +58,7 @@ _FILE_BYTES: Final = ("FILE", "Data")
 _RECORD_HEADER: Final = 3
 ROW_HEADER: Final = 12
 HEADER_COLUMNS: Final = (("_time", "<M8[us]", 0), ("_instance", "u1", 8))
-#: The column of types without a time: boot time of the record before, in microseconds.
+#: Column of record types without a time: the boot time of the previous record, in microseconds.
 NEIGHBOUR_TIME: Final = "_boot_us"
 _HEADER_DESCRIPTIONS: Final = {
     "_time": "Time in UTC, from the time since boot and the GPS time",
@@ -67,7 +67,7 @@ _HEADER_DESCRIPTIONS: Final = {
 }
 #: Record types whose TimeMS is not the time since boot.
 _OTHER_CLOCKS: Final = ("ACC", "GYR")
-#: Unit and factor of integers in logs of old firmware, which name no units; later firmware logs floats.
+#: Unit and factor of integer fields in logs of old firmware, which name no units; later firmware logs floats.
 _OLD_UNITS: Final[Mapping[tuple[str, str], tuple[str, float]]] = {
     (name, label): unit
     for name in ("CURR", "CUR2")
@@ -75,7 +75,7 @@ _OLD_UNITS: Final[Mapping[tuple[str, str], tuple[str, float]]] = {
         "Volt": ("V", 1e-2), "Volt2": ("V", 1e-2), "Curr": ("A", 1e-2), "Vcc": ("V", 1e-3),
     }.items()
 }  # fmt: skip
-#: Units that say more than their column needs.
+#: Units with more detail than a column needs, and the unit that replaces them.
 _UNITS: Final = {
     "deglatitude": "deg",
     "deglongitude": "deg",

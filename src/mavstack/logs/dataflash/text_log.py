@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 _FMT: Final = "FMT"
 _FMT_TYPE: Final = RecordType(_FMT, "BBnNZ", "Type,Length,Name,Format,Columns", 1 << 16)
-#: Text lines have no length: this one is larger than any record, so that no field is cut off.
+#: Text lines have no record length; this one exceeds any record, so that no field is cut off.
 _ANY_LENGTH: Final = 1 << 16
 _NOT_A_TIME: Final = np.datetime64("NaT", "us")
 
@@ -113,7 +113,7 @@ class DataFlashTextLog(ArduPilotLog):
     def _define(self, values: tuple[Any, ...], position: int) -> None:
         """Apply an FMT line."""
         number, _, name, characters, labels = values
-        # The mode is a text.
+        # Text logs hold the name of a flight mode (M), so read it as a text (N).
         kind = RecordType.of(name, characters.replace(b"M", b"N"), labels, _ANY_LENGTH)
         if kind.name == _FMT:
             return
@@ -201,7 +201,7 @@ def _parse(kind: RecordType, text: bytes) -> tuple[Any, ...] | None:
     values = [value.strip() for value in text.split(b",", len(columns))[1:]]
     if not columns or len(values) < len(columns) - (columns[-1].character in TEXTS):
         return None
-    # An empty text at the end of a line; a comma after the last number.
+    # Restore an empty text at the end of a line, and remove a comma after the last number.
     values += [b""] * (len(columns) - len(values))
     if columns[-1].character not in TEXTS:
         values[-1] = values[-1].rstrip(b", ")

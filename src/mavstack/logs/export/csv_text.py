@@ -11,7 +11,8 @@ import re
 from importlib import import_module
 from typing import Any, Final
 
-#: The beginnings of formulas, with the wide characters that spreadsheets take too; signs need a second look.
+#: First characters of formulas, with the wide forms that spreadsheets also accept. A text with a leading sign
+#: may also be a number.
 _FORMULA: Final = "^[=@\t\r＝＠＋－+-]"  # noqa: RUF001 (the wide characters)
 _NUMBER: Final = "[+-]?([0-9]+([.][0-9]*)?|[.][0-9]+)([eE][+-]?[0-9]+)?|[+-](inf|nan)"
 _IS_FORMULA: Final = re.compile(_FORMULA)

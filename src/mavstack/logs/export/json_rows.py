@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    #: An array of strings of pyarrow, which has no types.
+    #: A pyarrow array of strings; pyarrow has no type hints.
     Texts = Any
 
-#: Kinds of columns whose values often repeat, and are converted once each.
+#: Kinds of columns with texts, which often repeat: each different text is converted once.
 _TEXT_KINDS: Final = "SU"
 
 

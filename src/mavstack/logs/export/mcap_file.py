@@ -32,11 +32,11 @@ if TYPE_CHECKING:
     from mavstack.logs.schema import FieldSchema, TableSchema
 
 _NANOSECONDS: Final = 1_000_000_000
-#: MCAP counts nanoseconds in 64 bits.
+#: MCAP stores times as nanoseconds in 64 bits.
 _MAX_MICROSECONDS: Final = (2**64 - 1) // 1000
 #: Level of foxglove.Log by MAV_SEVERITY: 5 fatal, 4 error, 3 warning, 2 info, 1 debug.
 _LEVELS: Final = (5, 5, 5, 4, 3, 2, 2, 1)
-#: Types of JSON by the kind of a column's type; the others are integers.
+#: JSON types by NumPy kind; kinds that are not listed are integers.
 _TYPES: Final = {"f": "number", "S": "string", "U": "string", "b": "boolean"}
 _TIME_SCHEMA: Final = {
     "type": "object",

@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _MAGIC: Final = b"\x89MCAP0\r\n"
-#: Bytes of a chunk before compression: a reader decompresses whole chunks.
+#: Size of a chunk in bytes before compression; a reader decompresses whole chunks.
 _CHUNK: Final = 1 << 20
 _MESSAGE: Final = 0x05
 _MESSAGE_INDEX: Final = 0x07
-#: The beginning of the record of a message; its length counts what follows the length.
+#: The beginning of a message record; `length` counts the bytes after itself.
 _HEADER: Final = np.dtype(
     [
         ("opcode", "u1"),

@@ -32,11 +32,12 @@ if TYPE_CHECKING:
 #: System id and name of the table.
 Key = tuple[int, str]
 
-#: Rows of a row group, which readers skip or read as a whole.
+#: Number of rows in a row group, which readers skip or read as a whole.
 _GROUP_ROWS: Final = 1 << 16
-#: Bytes of rows that wait for their row group to be full, of all files together.
+#: Maximum size in bytes of the rows that wait for a full row group, in all files together.
 _MAX_WAITING: Final = 16 << 20
-#: Files that are open at a time; a log with more systems continues the oldest one in another file.
+#: Maximum number of open files; for more systems, the oldest file is completed and later continued in another
+#: file.
 _MAX_OPEN: Final = 256
 _THREADS: Final = 4
 
@@ -64,7 +65,8 @@ class _Part:
         rows = pyarrow.concat_tables(self.waiting)
         self.waiting, self.rows, self.bytes = [], 0, 0
         if self.writer is None:
-            # Values of sensors rarely repeat, and dictionaries of them cost most of the time.
+            # Dictionaries only for texts: sensor values rarely repeat, and building dictionaries takes most
+            # of the time.
             texts = [field.name for field in rows.schema if pyarrow.types.is_string(field.type)]
             self.writer = parquet.ParquetWriter(
                 self.file.temporary,
@@ -108,7 +110,7 @@ class ParquetWriter(TableWriter):
         full = full or self._largest()
         if full:
             self._flush(full)
-            # Gives the system the memory that is free between other blocks, which grows with the file.
+            # Return free memory to the system; otherwise it grows with the size of the file.
             self._pyarrow.default_memory_pool().release_unused()
 
     def finish(self) -> list[Path]:
@@ -131,7 +133,7 @@ class ParquetWriter(TableWriter):
         waiting = sum(part.bytes for part in self._parts.values())
         if waiting <= _MAX_WAITING:
             return []
-        # Each row group takes memory until its file is complete: the small ones go on waiting.
+        # Each row group takes memory until its file is complete, so the small parts keep waiting.
         parts = sorted(self._parts.values(), key=lambda part: part.bytes, reverse=True)
         before = accumulate((part.bytes for part in parts), initial=0)
         return [part for part, less in zip(parts, before, strict=False) if waiting - less > _MAX_WAITING // 2]

@@ -42,7 +42,7 @@ class LogExporter:
     open: Callable[[Log, Path, ExportOptions], ExportWriter]
 
 
-#: Module and object of each built-in format below `mavstack.logs.export`.
+#: The module (below `mavstack.logs.export`) and the object of each built-in format.
 EXPORTERS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "parquet": "parquet:PARQUET",

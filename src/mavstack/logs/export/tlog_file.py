@@ -136,7 +136,7 @@ class StreamClock:
         if boot is not None and self._system in (None, packet.system):
             self._system = packet.system
             if boot + self._offset < self._time:
-                # The vehicle was booted again: its clock restarts, that of the log continues.
+                # After a reboot the vehicle's clock restarts, but the time of the log continues.
                 self._offset = self._time - boot
             self._time = boot + self._offset
         return min(max(self._time, 0), _MAX_TIME)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from mavstack.logs.log import Log
     from mavstack.logs.tracks import Track
 
-#: Digits of degrees, which resolve a centimetre.
+#: Decimals of degrees, which resolve one centimetre.
 _DEGREE_DIGITS: Final = 7
 
 

@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from mavstack.logs.log import Log
     from mavstack.logs.message_table import Arrays, MessageTable
 
-    #: Called with the bytes of the log that were read, and with its size.
+    #: Called with the number of bytes of the log that were read, and with the size of the log.
     Progress: TypeAlias = Callable[[int, int], None] | None
 
-#: Characters of table names that stay as they are in names of files, besides letters, digits and `_.-~`.
+#: Characters of table names that are kept in file names, besides letters, digits and `_.-~`.
 _SAFE: Final = " []:"
 #: Bytes of a log that are decoded at a time; writers hold several copies of their rows.
 _WINDOW: Final = 4 << 20

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mavstack.dialects import Dialect
     from mavstack.dialects.model import FieldDefinition
 
-#: Fields that distinguish instances without a mark in the definitions: each port is eight other channels.
+#: Instance fields that the definitions do not mark: each port has eight other channels.
 _INSTANCES: Final = {"SERVO_OUTPUT_RAW": "port", "RC_CHANNELS_RAW": "port"}
 _HEADER_DESCRIPTIONS: Final = {
     "_time": "Time in UTC at which the packet was recorded",

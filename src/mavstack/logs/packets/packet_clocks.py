@@ -31,9 +31,10 @@ if TYPE_CHECKING:
 _BOOT_FIELDS: Final = (("time_boot_ms", 1000), ("time_usec", 1), ("time_boot_us", 1))
 #: A larger `time_usec` is UTC: 2001-09-09 in microseconds since 1970, or 31 years since boot.
 _MAX_BOOT_US: Final = 10**15
-#: Messages whose time since boot is compared with the receive time, in this order: most vehicles stream them.
+#: Messages that most vehicles stream: their time since boot is compared with the receive time, in this order
+#: of preference.
 _COMPARED: Final = ("ATTITUDE", "GLOBAL_POSITION_INT", "SYSTEM_TIME", "VFR_HUD", "ATTITUDE_QUATERNION")
-#: Microseconds by which a clock goes back at a reboot: more than a late packet.
+#: Minimum step back of a clock in microseconds that means a reboot; late packets cause smaller steps.
 _MIN_RESTART: Final = 5_000_000
 _ALWAYS: Final = np.iinfo(np.int64).min
 

@@ -17,21 +17,21 @@ if TYPE_CHECKING:
     from mavstack.logs.message_table import MessageTable
 
 _AUTOPILOT_INVALID: Final = 8  # MAV_AUTOPILOT of components that are not autopilots
-_BYTEWISE_AUTOPILOT: Final = "PX4"  # where the capabilities do not say it
+_BYTEWISE_AUTOPILOT: Final = "PX4"  # used if the capabilities do not show the encoding
 _BYTEWISE_CAPABILITY: Final = 0x10  # MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE
 _C_CAST_CAPABILITY: Final = 0x20000  # MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_C_CAST
-#: Format of the bits of a value, by MAV_PARAM_TYPE; 9 (REAL32) and 10 (REAL64) stay as they are.
+#: `struct` format of the bits of a value, by MAV_PARAM_TYPE; 9 (REAL32) and 10 (REAL64) are not converted.
 _BIT_FORMATS: Final = {1: "<Bxxx", 2: "<bxxx", 3: "<Hxx", 4: "<hxx", 5: "<I", 6: "<i"}
 #: Names of FIRMWARE_VERSION_TYPE, from the lowest value of each.
 _VERSION_TYPES: Final = ((255, ""), (192, "-rc"), (128, "-beta"), (64, "-alpha"), (0, "-dev"))
-#: Length of the text of STATUSTEXT: a longer text comes in several messages.
+#: Maximum length of the text in one STATUSTEXT; a longer text is split over several messages.
 _TEXT_LENGTH: Final = 50
-#: Texts that firmware of APM until 2015 sends while it starts, with the lowest of its own five severities.
+#: Texts that APM firmware until 2015 sends when it starts, with the lowest of its five severities.
 _STARTS: Final = re.compile(
     r"Initialising APM|GROUND START|\S*Ardu\w+ V[23]\.|(Calibrating )?barometer", re.IGNORECASE
 )
 _LOWEST, _HIGHEST = 1, 5
-#: MAV_SEVERITY by the severities of this firmware: low, medium, high, critical, and questions to the user.
+#: MAV_SEVERITY by the severities of APM firmware: low, medium, high, critical, and questions to the user.
 _OLD_SEVERITIES: Final = {1: 6, 2: 4, 3: 3, 4: 2, 5: 5}
 
 
@@ -95,7 +95,7 @@ def parameters(log: Log) -> tuple[dict[str, float], list[ParameterChange]]:
     initial: dict[str, float] = {}
     latest: dict[str, float] = {}
     changes = []
-    # As bits: a conversion to float could change those of an integer that looks like a NaN.
+    # Read the bits: a conversion to float could change an integer whose bits look like a NaN.
     bits = np.ascontiguousarray(table["param_value"]).view(np.uint32).tolist()
     columns = (table["_time"], table["param_id"].tolist(), bits, table["param_type"].tolist())
     for time, name, raw, kind in zip(*columns, strict=True):
@@ -120,12 +120,12 @@ def texts(log: Log, whole: Log) -> list[LogText]:
         return []
     old = _systems_with_old_severities(whole["STATUSTEXT"])
     found: list[LogText] = []
-    open_texts: dict[tuple[int, int, int], tuple[int, bytes]] = {}  # place in `found` and bytes so far
+    open_texts: dict[tuple[int, int, int], tuple[int, bytes]] = {}  # index in `found`, bytes so far
     for row in table.view(np.ndarray):
         key = (int(row["_system"]), int(row["_component"]), int(row["id"]))
         part, chunk = bytes(row["text"]), int(row["chunk_seq"])
         place, before = open_texts.pop(key, (len(found), b"")) if key[2] and chunk else (len(found), b"")
-        # PX4 marks a text that it also sends as an event by a tab at the end.
+        # PX4 ends a text with a tab if it also sends the text as an event.
         text = (before + part).decode("utf-8", "replace").removesuffix("\t")
         severity = int(row["severity"])
         known = _OLD_SEVERITIES.get(severity, severity) if key[0] in old else severity

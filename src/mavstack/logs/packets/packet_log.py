@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 MAX_EAGER_SIZE: Final = 64 << 20
 #: Bytes that `records` parses at a time.
 _RECORDS_CHUNK: Final = 1 << 20
-#: Bytes in which `prepare_windows` reads the file: each thread indexes a part of at least a mebibyte.
+#: Bytes that `prepare_windows` reads at a time: each thread indexes at least one mebibyte of them.
 _SCAN_WINDOW: Final = 8 << 20
 
 

@@ -29,7 +29,7 @@ def index_windows(data: LogBytes, indexer: WindowIndexer, size: int) -> Iterator
     while True:
         count = min(max(size, 1), data.size - position)
         if left + count > len(buffer):
-            # The bytes left over are fewer than a packet, except in tiny pieces.
+            # The remaining bytes are fewer than a packet, unless the windows are tiny.
             buffer = buffer[:left] + bytearray(count + left)
         view = memoryview(buffer)[: left + count]
         data.read_into(position, view[left:])

@@ -27,7 +27,8 @@ _PCAP_RECORD: Final = struct.Struct("<IIII")
 _IP: Final = struct.Struct(">BBHHHBBH4s4s")
 _UDP: Final = struct.Struct(">HHHH")
 _TIME_SIZE: Final = 8
-#: Bytes of an unsigned packet around its payload, whose length is its second byte.
+#: Magic byte of v2 packets, and bytes of an unsigned packet besides its payload; the second byte is the
+#: payload length.
 _MAGIC_V2: Final = 0xFD
 _OVERHEAD_V1: Final = 8
 _OVERHEAD_V2: Final = 12

@@ -33,11 +33,13 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet, Parser
 
 _MAX_TIME: Final = 2**63 - 1
-#: Microseconds by which packets of several links may arrive out of order; times that jump slow down a replay.
+#: Maximum step back in microseconds that is removed: packets of several links arrive out of order, and steps
+#: in time slow down a replay.
 _MAX_DISORDER: Final = 1_000_000
-#: Messages that are changed or left out, by the ids of official dialects: recorded packet by packet.
+#: Ids of messages with secrets, in the official dialects: their packets are handled one by one, to change or
+#: omit them.
 _APART: Final = tuple(SECRET_IDS)
-#: The path that stands for standard output.
+#: The path that means standard output.
 STDOUT: Final = "-"
 
 
@@ -79,11 +81,11 @@ class Recorder:
         self._check_limits()
         self.packets = self.bytes = self.omitted = 0
         self.files: list[Path] = []
-        #: The bytes of records, and their number, that were not written yet.
+        #: Records that are not written yet: their bytes and their number.
         self._records: list[Records] = []
         self._closing: list[RecordingFile] = []
         self._last_time = 0
-        #: Time of the first packet of the present file, in microseconds since 1970.
+        #: Time of the first packet of the current file, in microseconds since 1970.
         self._began: int | None = None
         self._file = self._next_file()
 

@@ -67,7 +67,7 @@ class RecordingFile:
         try:
             os.fsync(self._file.fileno())
         except (OSError, ValueError):
-            return  # a pipe, or a file that was closed meanwhile
+            return  # a pipe, or a file that is already closed
 
     def close(self) -> None:
         """Close the file. Idempotent."""

@@ -29,11 +29,11 @@ _LEFT, _RIGHT, _TOP, _BOTTOM = 52, 12, 12, 24
 _TITLE: Final = 24
 _MAP_SIZE: Final = 420
 _COLOURS: Final = 6
-#: Class of every other number at an axis, which phones do not show.
+#: CSS classes of the numbers at an axis: every other number is minor, and hidden on phones.
 _MINOR: Final = ("", " minor")
-#: Unit of the axis of a chart over time.
+#: Unit of the time axis of a chart.
 TIME_AXIS: Final = "s"
-#: A value beyond it is that of a damaged record, and drawn at the edge: the range must not overflow.
+#: Maximum value; a larger one is damaged and drawn at the edge, so that the range does not overflow.
 _MAX_VALUE: Final = 1e30
 
 
@@ -302,7 +302,7 @@ def _bands(bands: Sequence[Band], scale: _Scale) -> str:
     pixel = (scale.right - scale.left) / (_WIDTH - _LEFT - _RIGHT)
     for number, band in enumerate(bands):
         if band.end - band.start < pixel:
-            continue  # a flight may have thousands of them
+            continue  # too narrow to see; a flight may have thousands of these
         x, end = scale.x(band.start), scale.x(band.end)
         if end - x < 1:
             continue

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mavstack.logs.log import Log
     from mavstack.logs.report.charts import Chart
 
-#: Text near the beginning of each page, and of the facts beside it.
+#: Text near the beginning of each page, and of the file with its facts.
 MARK: Final = "mavstack flight report"
 _TITLES: Final = {
     "attitude": "Attitude",
@@ -47,10 +47,10 @@ _FACTS: Final = {
     "max_current_a": ("highest current", "A"),
     "used_mah": ("used", "mAh"),
 }
-#: Information of a log that is shown at the head of the page.
+#: Information about a log that is shown at the head of the page.
 _SHOWN: Final = ("vehicle_type", "autopilot", "firmware", "firmware_version", "hardware")
 _MAX_ROWS: Final = 500
-#: Seconds without a message, in multiples of its usual interval, that are a gap.
+#: A pause is a gap if it is longer than this many usual intervals of the message.
 _GAP: Final = 5.0
 
 

@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     from mavstack.logs.log import Log
     from mavstack.logs.report.charts import Chart
 
-#: Points of a chart: twice those of its pixels, so that a part of it has some when it is enlarged.
+#: Points of a chart: two for each pixel, so that an enlarged part still has enough points.
 _CHART_COLUMNS: Final = 2000
 _MAX_EVENTS: Final = 2000
-#: Values of all fields together, and limits of the rows of one table.
+#: Maximum number of values of all fields together, and limits for the rows of one table.
 _MAX_VALUES: Final = 1_500_000
 _MIN_ROWS, _MAX_ROWS = 100, 2000
 

@@ -86,11 +86,11 @@ def flight_facts(flight: Flight) -> dict[str, float]:
         if signal is not None and len(signal):
             facts[key] = float(choose(signal.values))
     if facts.get("max_current_a", 0.0) < 0:
-        # The sensor is not calibrated or not connected.
+        # A negative maximum means that the sensor is not calibrated or not connected.
         del facts["max_current_a"]
     current = read("current")
     if current is not None and len(current) > 1:
-        # A gap in the log is not consumption.
+        # Limit each step to 5 s, so that a gap in the log does not count as consumption.
         steps = np.clip(np.diff(current.times), 0, 5)
         used = float((current.values[:-1] * steps).sum() / 3.6)
         # A sensor that is not connected may measure a negative current.

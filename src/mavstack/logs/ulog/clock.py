@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 #: Topics with UTC, the best one first.
 GPS_TOPICS: Final = ("vehicle_gps_position", "sensor_gps")
 _UTC, _BOOT, _RELATIVE = "time_utc_usec", "timestamp", "timestamp_time_relative"
-#: Times before 2000 and after 2200 are those of a receiver or a clock that is not set.
+#: Range of valid times: a time before 2000 or after 2200 is from a receiver or a clock that is not set.
 _MIN_UTC, _MAX_UTC = 946_684_800_000_000, 7_258_118_400_000_000
 
 

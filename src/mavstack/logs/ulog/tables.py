@@ -11,7 +11,7 @@ from mavstack.logs.schema import FieldSchema, TableSchema
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-#: Name, type and position of the columns before the fields.
+#: Name, type and offset of the columns before the fields.
 HEADER_COLUMNS: Final = (("_time", "<M8[us]", 0), ("_instance", "u1", 8))
 
 _FORMATS: Final = {

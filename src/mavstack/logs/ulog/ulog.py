@@ -42,10 +42,12 @@ if TYPE_CHECKING:
     from mavstack.logs.ulog.entries import Dropout, Entries, LoggedText, Value
     from mavstack.logs.vehicles import LogVehicle
 
-#: Size of a file in bytes from which the positions of its records are not kept until a table is decoded.
+#: Maximum size in bytes of a file whose record positions are kept from the start; for a larger file, they are
+#: kept when a table is decoded.
 _MAX_STORED: Final = 1 << 30
-#: Rows from which a topic is regular, and the number of regular topics, those with the fewest rows, whose
-#: ends are compared with that of all records. An end later by more microseconds is that of another boot.
+#: Minimum number of rows of a regular topic; number of regular topics (those with the fewest rows) whose last
+#: times are compared with the last time of all records; and the difference in microseconds that means another
+#: boot.
 _REGULAR: Final = 50
 _COMPARED: Final = 5
 _MAX_AHEAD_US: Final = 60_000_000

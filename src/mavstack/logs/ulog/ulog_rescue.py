@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 _STEPS: Final = (1 << 20, 1 << 14, 1 << 8, 1)
 _HEADER: Final = 16
 _MESSAGE_HEADER: Final = 3
-#: Where a file has its incompatible flags and the offsets of appended data.
+#: Positions of the incompatible flags and of the offsets of appended data in a file.
 _FLAGS: Final = slice(27, 28)
 _OFFSETS: Final = slice(35, 59)
 _DATA_APPENDED: Final = 1
@@ -83,7 +83,7 @@ def _sound_ranges(before: UlogIndex, level: int) -> Ranges:
     skipped = dict(piece.damage)
     junk = skipped["bad_bytes"] + skipped["truncated_bytes"]
     if _is_sound(piece):
-        # A piece with junk is one message after the junk.
+        # A sound piece with junk consists of the junk and one message after it.
         if not junk:
             yield before.end, piece.end
             return piece

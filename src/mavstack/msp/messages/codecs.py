@@ -41,7 +41,7 @@ class PayloadReader:
         self._payload = payload
         self._offset = 0
         self.firmware = firmware
-        self.values: dict[str, Any] = {}  # the fields that are decoded
+        self.values: dict[str, Any] = {}  # the fields decoded so far
 
     @property
     def remaining(self) -> int:
@@ -67,7 +67,7 @@ class PayloadWriter(bytearray):
     """The bytes of a payload that is being encoded, and the firmware that receives them."""
 
     firmware: FirmwareInfo | None = None
-    message: object = None  # of which the fields are
+    message: object = None  # the message whose fields are encoded
 
 
 class Codec(Protocol):

@@ -218,7 +218,8 @@ class Uid(MspMessage):
         return b"".join(words[at : at + 4][::-1] for at in (0, 4, 8))
 
 
-#: The messages of which `firmware_info` makes a `FirmwareInfo`; only the first three are in every firmware.
+#: The messages from which `firmware_info` makes a `FirmwareInfo`; only the first three exist in every
+#: firmware.
 IDENTIFICATION: Final[tuple[type[MspMessage], ...]] = (
     ApiVersion,
     FcVariant,

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mavstack.msp.settings.definition import Value, WriteBuilder
 
 _TERMS = {"P": "Proportional", "I": "Integral", "D": "Derivative", "F": "Feedforward"}
-#: Gains of Betaflight's controller LEVEL, which mean something else.
+#: Descriptions of the gains of Betaflight's LEVEL controller, which differ from the usual meaning.
 _LEVEL_MEANINGS = {
     "P": "Strength of the mode ANGLE",
     "I": "Strength of levelling in the mode HORIZON",
@@ -29,11 +29,11 @@ _LEVEL_MEANINGS = {
 _CHANNELS_OF_A_BAND = 8
 
 
-# Messages that are written, whose fields differ from those of the message that is read
+# Functions that build a write message whose fields differ from those of the read message
 
 
 def _filter_message(current: TableMessage, field: str, value: object) -> TableMessage:
-    """Return the filters with another one; the gyro's low pass also stands in a byte that it may not fit."""
+    """Return the filters with one changed; the gyro's low pass also has an old field of one byte."""
     changes = {field: value}
     if field == "gyro_lpf1_static_hz":
         changes["gyro_lpf1_static_hz_8"] = min(int(str(value)), 255)
@@ -67,7 +67,7 @@ def _warnings_message(current: TableMessage, field: str, value: int) -> TableMes
     return SetOsdConfig.from_message(current, warnings=value, warnings_low=value & 0xFFFF)
 
 
-#: The function that makes the message that is written, by its name or by the name of a setting.
+#: The functions that build the write message, by its name or by the name of a setting.
 _BUILDERS: Mapping[str, WriteBuilder] = {
     "SetFilterConfig": _filter_message,
     "SetVtxConfig": _vtx_message,
@@ -75,7 +75,7 @@ _BUILDERS: Mapping[str, WriteBuilder] = {
 }
 
 
-# Settings of the file
+# Settings in the data file
 
 
 def _read_settings() -> Iterator[SettingDefinition]:

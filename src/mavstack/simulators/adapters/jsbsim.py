@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle_types import Home
 
 _FEET: Final = 0.3048
-#: The longest step of JSBSim that its models are stable with, in seconds.
+#: The longest step in seconds with which JSBSim's models are stable.
 _MAX_STEP: Final = 1 / 200
-#: Seconds in which the gear settles.
+#: Seconds until the landing gear has settled.
 _SETTLING: Final = 5.0
 #: Throttle below which the brakes are on.
 _BRAKED: Final = 0.15
@@ -118,7 +118,7 @@ def _loaded(model: str) -> Any:  # noqa: ANN401 (jsbsim has no types)
     except ImportError:
         raise MissingExtraError("jsbsim", "simulators") from None
     base: Any = jsbsim.FGJSBBase
-    base().debug_lvl = 0  # it would greet on the terminal
+    base().debug_lvl = 0  # disables the text that JSBSim prints at the start
     fdm: Any = jsbsim.FGFDMExec(None)
     if model not in _models(fdm) or not fdm.load_model(model):
         raise InvalidArgumentError(f"JSBSim has no aircraft {model!r}")

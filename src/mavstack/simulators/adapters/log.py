@@ -46,7 +46,7 @@ def _axes(table: str, name: str, count: int = 3, factor: float = 1.0) -> Columns
     return Columns(table, tuple(f"{name}[{axis}]" for axis in range(count)), factor)
 
 
-#: Where each quantity may be, the best place first.
+#: The columns that may hold each quantity, in order of preference.
 COLUMNS: Final[dict[str, tuple[Columns, ...]]] = {
     "rates": (_axes("sensor_combined", "gyro_rad"), Columns("IMU", ("GyrX", "GyrY", "GyrZ"))),
     "force": (_axes("sensor_combined", "accelerometer_m_s2"), Columns("IMU", ("AccX", "AccY", "AccZ"))),

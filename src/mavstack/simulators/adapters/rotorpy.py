@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mavstack.rotation import Quaternion, Vector
     from mavstack.sim.vehicle_types import Home
 
-#: By motor number: the signs of its forward and left coordinate, and its rotation (up: positive).
+#: For each motor: the signs of its forward and left coordinates, and its direction of rotation about up.
 _PLACES: Final = (((1, -1), -1.0), ((-1, 1), -1.0), ((1, 1), 1.0), ((-1, -1), 1.0))
 
 
@@ -112,7 +112,7 @@ class RotorpyPhysics:
 def _attitude(quaternion: Any) -> Quaternion:  # noqa: ANN401 (of numpy)
     """Return an attitude (x, y, z, w; forward, left, up to east, north, up) as ours."""
     x, y, z, w = quaternion.tolist()
-    # The axes of the world turn by 180 degrees about north-east, those of the body about forward.
+    # Rotate the world axes by 180 degrees about north-east, and the body axes by 180 degrees about forward.
     half = math.sqrt(0.5)
     return half * (w + z), half * (x + y), half * (x - y), half * (w - z)
 

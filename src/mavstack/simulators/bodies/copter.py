@@ -21,18 +21,18 @@ if TYPE_CHECKING:
 MASS: Final = 1.5
 INERTIA: Final = (0.029, 0.029, 0.055)
 FULL_THRUST: Final = 7.5
-#: Torque of a motor by its thrust, in metres.
+#: Torque of a motor per newton of thrust, in metres.
 TORQUE: Final = 0.05
-#: Seconds in which a motor covers 63 % of a change.
+#: Time constant of a motor in seconds, after which 63 % of a change is reached.
 LAG: Final = 0.03
-#: Drag: newtons by m/s, and newton metres by rad/s.
+#: Drag in newtons per m/s, and damping in newton metres per rad/s, by axis.
 DRAG: Final = (0.25, 0.25, 0.4)
 DAMPING: Final = (0.02, 0.02, 0.03)
 _REACH: Final = 0.25 * 0.70710678
-#: Of each motor: forward and right of the centre by an arm, and the direction of its torque.
+#: For each motor: its forward and right coordinates in lengths of the arm, and the direction of its torque.
 MOTORS: Final = ((1.0, 1.0, 1.0), (-1.0, -1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0))
 _VOLTAGE: Final = 16.2
-#: Amperes of a motor at full.
+#: Current of a motor at full throttle, in amperes.
 _CURRENT: Final = 15.0
 
 

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
 MASS: Final = 1.8
 INERTIA: Final = (0.08, 0.09, 0.16)
-#: Newtons of the propeller at rest, and the airspeed at which it pulls no more (m/s).
+#: Static thrust of the propeller in newtons, and the airspeed in m/s at which its thrust is zero.
 FULL_THRUST, TOP_SPEED = 15.0, 35.0
-#: On wheels: rolling resistance and brakes in m/s2, turn rate at full rudder, greatest pitch in radians.
+#: On wheels: rolling resistance and brakes in m/s2, turn rate at full rudder, maximum pitch in radians.
 ROLLING, BRAKES, STEERING, GROUND_PITCH = 0.3, 3.0, 0.8, 0.21
 _LAG: Final = 0.15
 

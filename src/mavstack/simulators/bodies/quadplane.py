@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 
 MASS: Final = 2.4
 INERTIA: Final = (0.12, 0.13, 0.22)
-#: Newtons of a lifting motor at full, its torque by its thrust and its distance from each axis (metres).
+#: Full thrust of a lifting motor in newtons, its torque per newton and its distance from each axis in metres.
 LIFT_THRUST, LIFT_TORQUE, REACH = 12.0, 0.05, 0.3
-#: Newtons of the propeller at rest, and the airspeed at which it pulls no more (m/s).
+#: Static thrust of the propeller in newtons, and the airspeed in m/s at which its thrust is zero.
 FULL_THRUST, TOP_SPEED = 14.0, 32.0
-#: Drag of motors and legs: newtons by m/s; damping in newton metres by rad/s.
+#: Drag of motors and legs in newtons per m/s; damping in newton metres per rad/s.
 DRAG: Final = (0.12, 0.3, 0.5)
 DAMPING: Final = (0.06, 0.06, 0.08)
-#: Seconds in which lifting motors and propeller cover 63 % of a change.
+#: Time constants of lifting motors and propeller in seconds, after which 63 % of a change is reached.
 LIFT_LAG, LAG = 0.04, 0.15
 _SURFACES: Final = 4
 

@@ -19,18 +19,18 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle_types import Home
     from mavstack.simulators.state import State
 
-#: Kilograms with the water that moves with it, moments of inertia.
+#: Mass in kg, including the water that moves with the body; moments of inertia in kg m2.
 MASS: Final = 15.0
 INERTIA: Final = (0.4, 0.4, 0.5)
-#: Newtons of a thruster at full, and of the buoyancy beyond the weight.
+#: Full thrust of a thruster, and the buoyancy minus the weight, in newtons.
 FULL_THRUST, LIFT = 35.0, 1.5
-#: Newtons by m/s and by its square.
+#: Drag in newtons per m/s, and per (m/s)2, by axis.
 DRAG, SQUARE_DRAG = (15.0, 20.0, 30.0), (25.0, 40.0, 60.0)
 DAMPING: Final = (1.5, 1.5, 1.5)
-#: Newton metres that draw it upright, by the sine of its tilt.
+#: Righting torque in newton metres per sine of the tilt.
 UPRIGHT: Final = 6.0
 _LEVER: Final = 0.15
-#: Of each thruster: roll, yaw, down, forward and right by its command.
+#: For each thruster: factors from its command to roll, yaw, down, forward and right.
 _THRUSTERS: Final = (
     (0.0, 1.0, 0.0, -1.0, 1.0),
     (0.0, -1.0, 0.0, -1.0, -1.0),
@@ -76,7 +76,7 @@ class Submarine:
             right + water[1] + weight * up[1],
             down + water[2] + weight * up[2],
         )
-        # up x (buoyancy above the centre): a rolled body is drawn back.
+        # Up x (centre of buoyancy above the centre of mass) gives a torque that rights a rolled body.
         torque = (
             roll + UPRIGHT * up[1] - DAMPING[0] * rates[0],
             -UPRIGHT * up[0] - DAMPING[1] * rates[1],

@@ -15,18 +15,19 @@ if TYPE_CHECKING:
 #: Wing area (m2), span and chord (m).
 AREA, SPAN, CHORD = 0.4, 1.5, 0.27
 DENSITY: Final = 1.225
-#: Lift: at zero, by radian; stall in radians, and what is left of the slope beyond it.
+#: Lift coefficient at zero angle of attack, and per radian; stall angle in radians, and a factor of the
+#: decrease beyond the stall angle.
 LIFT_ZERO, LIFT_SLOPE, STALL, STALLED_SLOPE = 0.25, 4.8, 0.26, 0.9
-#: Drag: of the frame, by the square of the lift.
+#: Drag coefficients: of the frame, and per square of the lift coefficient.
 DRAG_ZERO, DRAG_INDUCED = 0.03, 0.05
 SIDE_SLOPE: Final = -0.5
-#: Pitching moment: at zero, by angle of attack, by rate, by elevator (positive: nose up).
+#: Pitching moment coefficients: at zero, per angle of attack, rate and elevator (positive: nose up).
 PITCH_ZERO, PITCH_SLOPE, PITCH_DAMPING, PITCH_CONTROL = 0.009, -0.6, -12.0, 0.45
-#: Rolling moment: by sideslip, rate, aileron (positive: right wing down).
+#: Rolling moment coefficients: per sideslip, rate and aileron (positive: right wing down).
 ROLL_SLOPE, ROLL_DAMPING, ROLL_CONTROL = -0.05, -0.5, 0.15
-#: Yawing moment: by sideslip, rate, rudder (positive: nose right).
+#: Yawing moment coefficients: per sideslip, rate and rudder (positive: nose right).
 YAW_SLOPE, YAW_DAMPING, YAW_CONTROL = 0.08, -0.12, 0.06
-#: Airspeed below which there is no air flow worth computing.
+#: Airspeed in m/s below which no aerodynamic forces are computed.
 _MIN_SPEED: Final = 0.5
 
 

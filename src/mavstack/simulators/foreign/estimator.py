@@ -16,9 +16,9 @@ from mavstack.simulators.state import GRAVITY
 if TYPE_CHECKING:
     from mavstack.rotation import Quaternion, Vector
 
-#: Gains: tilt in 1/s, heading for each sample, position and velocity for each report.
+#: Gains: tilt in 1/s, heading per sample, position and velocity per report.
 _TILT, _HEADING, _POSITION, _VELOCITY = 0.4, 0.05, 0.3, 0.4
-#: Share of gravity within which the accelerometer levels the attitude.
+#: Maximum deviation of the specific force from gravity, as a share, at which it corrects the tilt.
 _CALM: Final = 0.15
 
 

@@ -40,9 +40,10 @@ if TYPE_CHECKING:
     from mavstack.simulators.foreign.sample import ForeignSample
 
 _log = logging.getLogger("mavstack.simulators")
-#: Steps of the autopilot in a second, and steps that ArduPilot asks for.
+#: Steps of the autopilot per second, and steps per second that are requested over ArduPilot's interface.
 RATE, ASK_RATE = 100.0, 400
-#: Real seconds between two tries to connect; seconds without an answer after which ArduPilot asks again.
+#: Real seconds between two attempts to connect; seconds without an answer after which a request over
+#: ArduPilot's interface is repeated.
 RETRY, RESEND = 0.5, 1.0
 #: The longest step in seconds; a longer one is a pause of the simulator.
 MAX_STEP: Final = 0.25
@@ -231,7 +232,7 @@ class ForeignVehicle:
             self._outputs = self._loops.step(sample, motion.demand, dt)
         else:
             self._outputs = self._loops.stop()
-        await asyncio.sleep(0)  # clients and the simulator take turns
+        await asyncio.sleep(0)  # let clients and the simulator run
 
 
 class _Answers(asyncio.DatagramProtocol):

@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
     from mavstack.rotation import Quaternion, Vector
 
-#: The first number of a datagram by its outputs.
+#: The magic number at the beginning of a datagram, by the number of outputs.
 _MAGICS: Final = {16: 18458, 32: 29569}
 _SPACES: Final = re.compile(rb'"\s*:\s|"\s+:')
 _UNIT_TOLERANCE: Final = 0.05
-#: The greatest number of an answer, in its unit.
+#: Maximum absolute value of a number in an answer, in its unit.
 MAX_NUMBER: Final = 1e9
 
 

@@ -39,7 +39,8 @@ class Loops(Protocol):
 class CopterLoops:
     """Attitude and rates of a quadrotor."""
 
-    #: Gains: rate by angle; torque by rate, by its integral and by its change; and the limits.
+    #: Gains: rate per angle; torque per rate, per integral of the rate and per change of the rate; and the
+    #: limits.
     ANGLE: Final = (4.5, 4.5)
     RATE: Final = (0.08, 0.08, 0.15)
     INTEGRAL: Final = (0.12, 0.12, 0.08)
@@ -107,7 +108,7 @@ class PlaneLoops:
     ROLL, ROLL_DAMPING = 1.2, 0.25
     PITCH, PITCH_INTEGRAL, PITCH_DAMPING = 1.8, 0.8, 0.4
     YAW, MAX_INTEGRAL = 1.2, 0.4
-    #: m/s for which the gains are; slower air needs larger deflections.
+    #: Airspeed in m/s for which the gains are tuned; a lower airspeed needs larger deflections.
     SPEED: Final = 22.0
 
     def __init__(self) -> None:
@@ -143,7 +144,7 @@ class PlaneLoops:
 class RoverLoops:
     """Steering and throttle of a rover or a boat."""
 
-    #: Steering by turn rate (rad/s) at 1 m/s, and by its error.
+    #: Steering per turn rate (rad/s) at 1 m/s, and per error of the turn rate.
     TURN, ERROR = 1.1, 0.4
 
     def stop(self) -> list[float]:

@@ -26,11 +26,12 @@ if TYPE_CHECKING:
     from mavstack.dialects import Dialect
 
 _OUTPUTS, _FIX_3D = 16, 3
-#: Seconds between two reports of the true state, which it asks for; and the age of one that is still used.
+#: Seconds between two reports of the true state, which are requested; and the maximum age of a report that is
+#: used.
 TRUTH_INTERVAL, TRUTH_AGE = 0.005, 0.5
 #: The greatest turn rate in rad/s and specific force in m/s2 that a body may have.
 MAX_RATE, MAX_FORCE = 500.0, 10_000.0
-#: The longest step in seconds that is integrated.
+#: Maximum step in seconds that is integrated.
 _MAX_STEP: Final = 0.1
 
 
@@ -130,7 +131,7 @@ class Px4Side:
         rates = (message.xgyro, message.ygyro, message.zgyro)
         if all(abs(each) < MAX_RATE for each in rates) and all(abs(each) < MAX_FORCE for each in force):
             self._estimator.predict(force, rates, dt)
-        else:  # also for NaN
+        else:  # too large, or NaN
             self.problems.add("HIL_SENSOR with an impossible acceleration or turn rate")
             force, rates = self._last
         self._last = (force, rates)

@@ -25,7 +25,7 @@ _STANDARD = """
 EOF FALSE INFINITY MAX MIN NAN NO_DATA NULL TRUE int16_t int32_t int64_t int8_t linux memcmp memcpy memset
 offsetof ptrdiff_t size_t std strlen uint16_t uint32_t uint64_t uint8_t unix
 """
-#: Other parameters of the functions with a parameter for each field, and their variables.
+#: Other parameters, and variables, of the functions that have a parameter for each field.
 _PARAMETERS: Final = frozenset({"_buf", "_status", "chan", "component_id", "msg", "msgbuf", "system_id"})
 #: Types of the runtime by the name of the message whose struct would have the same name.
 _RUNTIME_TYPES: Final = frozenset(

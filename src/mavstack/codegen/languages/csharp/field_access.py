@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 if TYPE_CHECKING:
     from mavstack.dialects.model import FieldDefinition
 
-#: C# type and name in the methods of `Wire` by wire type.
+#: C# type, and name in the methods of `Wire`, by wire type.
 TYPES: Final = {
     "char": ("string", "Char"),
     "int8_t": ("sbyte", "Int8"),
@@ -22,7 +22,7 @@ TYPES: Final = {
     "double": ("double", "Double"),
 }
 
-#: Name, C# type and size of the elements of arrays; bytes have their own methods.
+#: Arrays: name in the methods of `Wire`, C# type and size of an element; bytes have separate methods.
 ARRAYS: Final = (
     ("Int8", "sbyte", 1),
     ("Int16", "short", 2),

@@ -35,7 +35,7 @@ CLASSES: Final = frozenset(
         *("Obsolete", "ObsoleteAttribute", "Predicate", "Stream", "System", "Task", "Type"),
     }
 )
-#: The members of messages, and the classes that their code names.
+#: The members of messages, and the classes that the code of messages uses.
 MEMBERS: Final = frozenset(
     {
         *(

@@ -92,7 +92,7 @@ def _read(wire: str, go: str, place: str) -> str:
     raw = f"b[{place}]" if size == 1 else f"binary.LittleEndian.Uint{8 * size}(b[{place}])"
     if wire in ("float", "double"):
         return f"math.Float{8 * size}frombits({raw})"
-    if wire.startswith("int") and go != TYPES[wire]:  # its sign fills an enum that is wider
+    if wire.startswith("int") and go != TYPES[wire]:  # sign-extends to a wider enum
         raw = f"{TYPES[wire]}({raw})"
     return raw if go == f"uint{8 * size}" else f"{go}({raw})"
 

@@ -40,7 +40,7 @@ TYPES: Final = {
     "double": JavaType("double", "double", "float64"),
 }
 
-#: Name, Java type, expressions that read and write: the methods of `Wire` for single values.
+#: The methods of `Wire` for single values: name, Java type, expressions that read and write.
 SCALARS: Final = (
     ("int8", "byte", "b[o]", "b[o] = value"),
     ("uint8", "int", "b[o] & 0xFF", "b[o] = (byte) value"),
@@ -53,7 +53,7 @@ SCALARS: Final = (
     ("float64", "double", "(double) DOUBLE.get(b, o)", "DOUBLE.set(b, o, value)"),
 )
 
-#: Name, Java type, method of an element and its size: the methods of `Wire` for arrays.
+#: The methods of `Wire` for arrays: name, Java type, method of an element, size of an element.
 ARRAYS: Final = (
     ("int16", "short", "int16", 2),
     ("uint16", "int", "uint16", 2),

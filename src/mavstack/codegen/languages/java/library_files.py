@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from mavstack.codegen.library import Library
     from mavstack.dialects.model import EnumDefinition, EnumEntry, FieldDefinition, MessageDefinition
 
-#: Messages per method: over 8,000 bytes the virtual machine only interprets it, and 64 KiB is the limit.
+#: Messages per method: the virtual machine only interprets a method of over 8,000 bytes, and 64 KiB is the
+#: maximum.
 _CASES: Final = 300
 _PACKAGE: Final = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*")
 _MAX_INT: Final = 0x7FFFFFFF

@@ -39,5 +39,5 @@ Runnable Runtime RuntimeException SafeVarargs ScopedValue SecurityException Secu
 StackWalker StrictMath String StringBuffer StringBuilder StringTemplate SuppressWarnings System Thread
 ThreadGroup ThreadLocal Throwable Void
 """
-#: Classes of `java.lang`, whose names are then ambiguous, and of others that the generated code uses.
+#: Classes of `java.lang`, whose names would become ambiguous, and other classes that the generated code uses.
 OTHER_CLASSES: Final = frozenset({*_CLASSES.split(), "EnumSet"})

@@ -144,7 +144,7 @@ def _enum_function(enum: EnumDefinition, names: dict[str, str]) -> str:
 
 
 def _entry_line(entry: EnumEntry, name: str) -> str:
-    # A decimal number over 2^63 would be a float.
+    # Lua reads a decimal number over 2^63 as a float.
     value = hex(entry.value) if entry.value >= 1 << 63 else entry.value
     description = one_line(entry.description)
     return f'{{ "{name}", {value} }}, -- {entry.name}{f": {description}" if description else ""}'

@@ -31,9 +31,9 @@ _FORMATS: Final = {
     "float": "f",
     "double": "d",
 }
-#: Columns of the text of docstrings.
+#: Maximum length of a line of docstring text.
 _WIDTH: Final = 92
-#: Columns of a line of code.
+#: Maximum length of a line of code.
 _LINE: Final = 100
 
 

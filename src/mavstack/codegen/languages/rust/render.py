@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mavstack.codegen.language import GeneratedFile
     from mavstack.codegen.library import Library
 
-#: The files without content of the dialect except its names.
+#: Files of the runtime, which contain nothing from the dialect except its names.
 _RUNTIME: Final = ("crc", "encode", "info", "packet", "parser", "scan", "sha256", "signing", "wire")
 
 

@@ -56,7 +56,7 @@ def render(library: Library) -> Iterator[GeneratedFile]:
     )
     for name in _RUNTIME:
         yield templates.file(f"{sources}/{name}.swift", f"{name}.swift.j2", **values)
-    # A module has no two files of one name, so messages and enums have endings that the runtime lacks.
+    # A module must not have two files with the same name, so the names of messages and enums get a suffix.
     for message in messages:
         path = f"{sources}/Messages/{message['type']}Message.swift"
         yield templates.file(path, "MessageStruct.swift.j2", stamp=stamp, **message)

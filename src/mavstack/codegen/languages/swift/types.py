@@ -70,7 +70,7 @@ def message_types(library: Library) -> dict[str, str]:
 
 def properties(message: MessageDefinition) -> dict[str, str]:
     """Return the names of the properties by those of the fields."""
-    # An initializer with the argument `payload` alone decodes a payload.
+    # `init(payload:)` decodes a payload, so the only field of a message must not have this name.
     taken = _TAKEN_PROPERTIES | ({"payload"} if len(message.fields) == 1 else set())
     names = distinct((_camel(item.name) for item in message.fields), taken)
     return dict(zip((item.name for item in message.fields), names, strict=True))
@@ -109,7 +109,7 @@ def enum_values(library: Library, types: dict[str, EnumType]) -> Iterable[dict[s
             "entries": [
                 {
                     "name": names[entry.name],
-                    # The compiler warns of an option set that is made of the raw value 0.
+                    # The compiler warns about an option set with the raw value 0.
                     "value": "[]"
                     if enum.bitmask and not entry.value
                     else f"{found.name}(rawValue: {entry.value})",

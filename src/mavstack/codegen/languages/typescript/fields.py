@@ -9,7 +9,7 @@ from mavstack.codegen.templates import string_literal
 if TYPE_CHECKING:
     from mavstack.dialects.model import EnumDefinition, FieldDefinition
 
-#: The readers and writers of the runtime, by the name of a type.
+#: The functions of the runtime that read and write a value, by type.
 FUNCTIONS: Final = {
     "char": "text",
     "int8_t": "i8",

@@ -28,7 +28,7 @@ _USED: Final = """
 """
 #: Properties of every message class.
 _METHODS: Final = frozenset({"constructor", "toJSON", "toObject", "toString", "valueOf"})
-#: Words that a property may not be named; those of ECMAScript and TypeScript are allowed.
+#: Names that a property must not have; reserved words of ECMAScript and TypeScript are allowed.
 RESERVED_WORDS: Final = _METHODS
 
 

@@ -28,7 +28,7 @@ _MODULES: Final = (
     "utf8",
     "write",
 )
-#: Name of the functions, name of the methods of DataView, size in bytes, name in C.
+#: Numbers: name of the functions, name in the methods of DataView, size in bytes, C type.
 _NUMBERS: Final = (
     ("u8", "Uint8", 1, "uint8_t"),
     ("i8", "Int8", 1, "int8_t"),

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mavstack.codegen.library import Library
     from mavstack.dialects.model import EnumDefinition, FieldDefinition, MessageDefinition
 
-#: Filters of the dissector itself begin with these words; a message of such a name gets a trailing `_`.
+#: First words of the dissector's own filters; a message with such a name gets a trailing `_`.
 _OWN_FILTERS: Final = frozenset(
     {"compat_flags", "compid", "crc", "incompat_flags", "junk", "len", "magic", "message", "msgid"}
     | {"newer_fields", "payload", "response_in", "response_time", "response_to", "seq", "signature"}

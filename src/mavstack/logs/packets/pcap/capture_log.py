@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 
-#: A time that a tlog cannot hold: `_time` is NaT.
+#: Marks a time that a tlog cannot hold; `_time` is NaT.
 _UNKNOWN_TIME: Final = 2**64 - 1
 
 
@@ -67,7 +67,7 @@ class CaptureLog(PacketLog):
                     found += self._flows.receive(segment, _tlog_time(frame.time))
         found += self._flows.finish()
         kept = [(time, packet.raw) for key, time, packet in found if self._flows.by_key[key].known_packets]
-        # Segments of TCP that waited for a missing one come out late.
+        # TCP segments that waited for a missing segment are returned late.
         kept.sort(key=itemgetter(0))
         return b"".join(time.to_bytes(8, "big") + raw for time, raw in kept)
 

@@ -108,7 +108,7 @@ def _read_ipv4(packet: bytes) -> Segment | None:
     is_fragment = unpack_from(">H", packet, 6)[0] & 0x3FFF
     if header < _IPV4_HEADER or is_fragment:
         return None
-    # The length is 0 where the network card divides large segments.
+    # The length is 0 if the network card splits large segments.
     body = packet[header : total or None]
     return _read_transport(packet[9], packet[12:16], packet[16:20], body)
 

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from mavstack.logs.packets.pcap.datagrams import Segment
     from mavstack.wire import Packet
 
-#: Bytes and segments that wait for a missing one; if there are more, the capture does not hold it.
+#: Maximum number of bytes and segments that wait for a missing segment; with more, the segment is not in the
+#: capture.
 _MAX_WAITING_BYTES: Final = 1 << 20
 _MAX_WAITING_SEGMENTS: Final = 256
 _SEQUENCE_MASK, _SEQUENCE_HALF = 0xFFFF_FFFF, 1 << 31

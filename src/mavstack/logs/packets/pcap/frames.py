@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 #: The bytes of a file.
 Content: TypeAlias = "bytes | mmap.mmap"
 _PCAP_HEADER, _RECORD_HEADER, _BLOCK_ENDS = 24, 16, 12
-#: Byte order and units of a second by magic.
+#: Byte order and time units per second, by magic number.
 _PCAP_MAGICS: Final = {
     b"\xd4\xc3\xb2\xa1": ("<", 10**6),
     b"\xa1\xb2\xc3\xd4": (">", 10**6),
@@ -30,12 +30,12 @@ _PCAP_MAGICS: Final = {
 }
 _SECTION_MAGICS: Final = {b"\x4d\x3c\x2b\x1a": "<", b"\x1a\x2b\x3c\x4d": ">"}
 _SECTION, _INTERFACE, _OLD_PACKET, _SIMPLE, _ENHANCED = 0x0A0D0D0A, 1, 2, 3, 6
-#: Also names, statistics, secrets and custom blocks.
+#: Known block types: packets, and also names, statistics, secrets and custom blocks.
 _KNOWN_BLOCKS: Final = frozenset(
     {_SECTION, _INTERFACE, _OLD_PACKET, _SIMPLE, 4, 5, _ENHANCED, 10, 0xBAD, 0x4000_0BAD}
 )
 _RESOLUTION, _OFFSET = 9, 14
-#: Largest frame that programs capture.
+#: Size in bytes of the largest frame that capture programs record.
 _MAX_FRAME: Final = 1 << 18
 _MAX_BLOCK: Final = 1 << 24
 #: Seconds between two records beyond which damage is assumed.
