@@ -34,6 +34,22 @@ def test_concave_areas_with_obstacles_are_covered(bearing, obstacles):
     assert coverage(area, cover(area, 12.0, bearing=bearing), 12.0) >= 0.995
 
 
+def test_the_tip_of_an_oblique_corner_is_covered():
+    outline = [
+        (78, 3),
+        (155, 68),
+        (59, 45),
+        (53, 52),
+        (-125, -24),
+        (35, -78),
+        (94, -37),
+        (71, -27),
+        (160, -21),
+    ]
+    area = Area(outline)
+    assert coverage(area, cover(area, 36.0, bearing=1.0), 36.0) >= 0.999
+
+
 @given(st.integers(0, 10**6), st.integers(3, 11), st.floats(4.0, 40.0), st.floats(0.0, 180.0))
 def test_random_areas_are_covered(seed, corners, spacing, bearing):
     random = np.random.default_rng(seed)

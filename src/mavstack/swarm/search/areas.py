@@ -183,7 +183,10 @@ def _merge(parts: dict[int, list[Interval]], number: int, linked: set[int]) -> N
 
 
 def _extents(part: Sequence[Interval], middle: Sequence[Interval]) -> list[Interval]:
-    """Return the extent of a part, or one for each interval that it has in the middle of the strip."""
+    """Return the extent of a part, or one for each interval that it has in the middle of the strip.
+
+    The others of its intervals belong to the nearest of those: the tip of an oblique corner touches none.
+    """
     own = [each for each in middle if each in part]
     if len(own) < 2:
         return [(min(first for first, _ in part), max(last for _, last in part))]
@@ -191,9 +194,14 @@ def _extents(part: Sequence[Interval], middle: Sequence[Interval]) -> list[Inter
     for index, (first, last) in enumerate(own):
         low = own[index - 1][1] if index else -math.inf
         high = own[index + 1][0] if index + 1 < len(own) else math.inf
-        near = [each for each in part if _touch(each, (first, last))]
+        near = [each for each in part if _gap(each, (first, last)) <= min(_gap(each, one) for one in own)]
         extents.append((max(low, min(each[0] for each in near)), min(high, max(each[1] for each in near))))
     return extents
+
+
+def _gap(one: Interval, other: Interval) -> float:
+    """Return the distance between two intervals, 0 if they touch."""
+    return max(one[0] - other[1], other[0] - one[1], 0.0)
 
 
 def _intervals(rings: Sequence[Points], height: float) -> list[tuple[float, float]]:
