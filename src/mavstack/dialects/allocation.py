@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 #: Ids that dialects may use for messages of MAVLink 1.
 MAVLINK_1_IDS: Final = range(180, 230)
 COMMANDS: Final = "MAV_CMD"
-#: Ranges of message ids above 255, by official dialect; the first range that fits counts.
+#: Ranges of message ids above 255, by official dialect; the first range that contains an id is used.
 RANGES: Final = (
     ("loweheiser", range(10150, 10200)),
     ("ASLUAV", range(8000, 9000)),

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 #: Names that fields may not have, because they are attributes of all messages.
 _RESERVED_NAMES = frozenset(dir(Message))
-#: The field for the version of the sender's definitions.
+#: The field with the version of the dialect that the sender uses.
 _VERSION_FIELD = "mavlink_version"
 
 
@@ -75,7 +75,8 @@ def _bases(parents: Iterable[type[Message]]) -> tuple[type[Message], ...]:
     while len(bases) > 1:
         try:
             MessageMeta("probe", bases, {"__slots__": ()})
-        except TypeError:  # files that include two others in different orders
+        except TypeError:
+            # the base classes have no consistent order: two files include the same files in different orders
             bases = bases[:-1]
         else:
             break

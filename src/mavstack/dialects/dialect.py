@@ -111,12 +111,12 @@ class Dialect:
     @property
     def core_dialect(self) -> CoreDialect:
         """The layout tables of all messages, for the core."""
-        # A `cached_property` would not satisfy the protocol `HasCoreDialect` in pyright.
+        # A property, since a `cached_property` does not match the protocol `HasCoreDialect` for pyright.
         return self._core_dialect
 
     @cached_property
     def _core_dialect(self) -> CoreDialect:
-        # One by one: the layouts of all messages as Python's objects would take a megabyte.
+        # A generator: a list of the layouts of all messages would take a megabyte.
         layouts = (self.layout(row) for dialect in self.with_includes for row in dialect.table.rows())
         return CoreDialect(self.name, layouts, self.message_class)
 
@@ -392,5 +392,5 @@ def _from_definition(definition: DialectDefinition, includes: tuple[Dialect, ...
             highest[name] = max(highest.get(name, 0), *dialect.enum_values(name).values(), 0)
     definition = with_automatic_values(definition, highest)
     dialect = Dialect(encode_table(definition), includes, definition.path)
-    dialect.own_definition = definition  # instead of decoding the table again
+    dialect.own_definition = definition  # keep the definition, so that the table need not be decoded
     return dialect

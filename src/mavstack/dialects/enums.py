@@ -30,13 +30,13 @@ if TYPE_CHECKING:
             """Return the class of an enum."""
 
 
-#: The endings of format specifications that ask for a number.
+#: Last characters of format specifications for numbers.
 _NUMBER_FORMATS = frozenset("bcdeEfFgGnoxX%")
-#: Number of combinations of flags cached per bitmask.
+#: Maximum number of cached combinations of flags per bitmask.
 MAX_CACHED_COMBINATIONS = 256
 
 EnumClass: TypeAlias = "type[MavEnum | MavFlag]"
-#: Members by value, and a function for values without a member.
+#: Members by value, and a function for values that have no member.
 EnumReader: TypeAlias = "tuple[dict[int, int], Callable[[int], int] | None]"
 
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from mavstack.dialects.model import DialectDefinition, EnumDefinition, MessageDefinition
 
-#: The path, in errors, of a definition that was given as text.
+#: The path in error texts of a definition that was given as text.
 TEXT_NAME = "<text>"
 MAX_FILES = 100
 MAX_INCLUDE_DEPTH = 20

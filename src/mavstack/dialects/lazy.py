@@ -34,7 +34,7 @@ def _module_attributes(
 ) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
     def get(attribute: str) -> object:
         if attribute.startswith("__") and attribute != "__all__":
-            # The import system reads such attributes, which must not load the dialect.
+            # The import system reads attributes such as `__path__`, which must not load the dialect.
             raise AttributeError(f"module {module!r} has no attribute {attribute!r}", name=attribute)
         dialect = load()
         value = _attribute(dialect, attribute)

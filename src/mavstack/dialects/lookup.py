@@ -16,7 +16,7 @@ def find_dialect(name: str) -> Dialect:
     name = name.strip()
     if not name.lower().endswith(".xml"):
         return Dialect.load(name)
-    from pathlib import Path  # its import takes longer than loading an official dialect
+    from pathlib import Path  # imported here: the import takes longer than loading an official dialect
 
     path = Path(name).expanduser()
     if not path.exists():

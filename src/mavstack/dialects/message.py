@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from mavstack.dialects.model import MessageDefinition
     from mavstack.dialects.tables import MessageRow
 
-#: The form of enum values: members, integers, or names of the definition.
+#: The form of enum values: enum members, integers, or names of entries.
 EnumForm: TypeAlias = 'Literal["member", "value", "name"]'
 
 
@@ -58,7 +58,7 @@ class Message(MessageBase):
 
     if TYPE_CHECKING:
         __match_args__: ClassVar[tuple[str, ...]]
-        #: The dialect of the class, and the row of its table with the layout.
+        #: The dialect of the message class, and the row with its layout in the dialect's table.
         __mavlink_dialect__: ClassVar[Dialect]
         __mavlink_row__: ClassVar[MessageRow]
 
@@ -75,7 +75,7 @@ class Message(MessageBase):
     def _text(self, name: str) -> str:
         # Texts of messages are logged, and logs must not contain keys or passwords.
         if name in secret_fields(self.__mavlink_row__[1]):
-            return "…"  # a shorter form of HIDDEN
+            return "…"  # shorter than HIDDEN
         return _format_value(getattr(self, name), self._field_type(name))
 
     @classmethod
@@ -270,7 +270,7 @@ def _jsonable(value: object, kind: str) -> object:
 
 def _from_jsonable(value: object, kind: str) -> object:
     if kind == "char" and isinstance(value, str):
-        return value.replace("\N{REPLACEMENT CHARACTER}", "?")  # the character for one invalid byte
+        return value.replace("\N{REPLACEMENT CHARACTER}", "?")  # the character that replaced an invalid byte
     if kind not in ("float", "double"):
         return value
     if isinstance(value, list):

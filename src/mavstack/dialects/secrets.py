@@ -28,7 +28,7 @@ _SECRET_FIELD_NAMES = frozenset({"secret_key"})
 
 #: The id of SETUP_SIGNING, which carries a signing key and must never be forwarded.
 SETUP_SIGNING_ID = 256
-#: The text in place of the value of a secret field.
+#: The text that is shown in place of the value of a secret field.
 HIDDEN = "(hidden)"
 
 

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
     from typing import Any, TypeAlias
 
-#: id, name, CRC_EXTRA, base length, length, and [name, type, array length, offset, enum] of each field.
+#: The row of a message: id, name, CRC_EXTRA, base length, length, and for each field [name, type, array
+#: length, offset, enum].
 MessageRow: TypeAlias = "list[Any]"
 
 _TABLES = os.path.join(os.path.dirname(__file__), "tables")
@@ -72,7 +73,7 @@ class Table:
                     metadata[start.split(",", 2)[1][1:-1]] = text
                 else:
                     enums[start] = text
-            self._details = metadata, enums  # complete: other threads may read it
+            self._details = metadata, enums  # set both at once: other threads may read it
         return self._details
 
     @property

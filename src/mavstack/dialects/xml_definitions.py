@@ -46,7 +46,7 @@ _INTEGER = re.compile(
 _REMARKS = frozenset({"deprecated", "superseded", "wip", "description"})
 _PARAM_TEXTS = frozenset({"label", "units", "multiplier", "enum", "default"})
 _FIELD_TEXTS = frozenset({"enum", "units", "multiplier", "invalid", "print_format", "display", "default"})
-#: Attributes of definitions by the attribute in XML.
+#: Attributes of the definition classes, by the name of the XML attribute.
 _LIMITS = {"minValue": "minimum", "maxValue": "maximum", "increment": "increment"}
 _FLAGS = {
     "hasLocation": "has_location",

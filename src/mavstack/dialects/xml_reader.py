@@ -38,7 +38,7 @@ class Element:
         """The text directly in this element, with stripped lines."""
         text = "".join(self.texts).strip()
         if text.isprintable():
-            return text  # one line
+            return text  # a printable text has no line ends
         return "\n".join([line.strip() for line in text.splitlines()])
 
     def named(self, tag: str) -> Iterator[Element]:

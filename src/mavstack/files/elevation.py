@@ -30,11 +30,11 @@ if TYPE_CHECKING:
 logger = logging.getLogger("mavstack.files")
 
 _NAME = re.compile(r"([NS])(\d{2})([EW])(\d{3})\.hgt(\.zip)?", re.IGNORECASE)
-#: Points along an edge, by the size of the file in bytes.
+#: Number of points along an edge of a tile, by the size of its file in bytes.
 _EDGES: Final[Mapping[int, int]] = MappingProxyType({2 * edge * edge: edge for edge in (1201, 3601)})
 _MAX_SIZE: Final = max(_EDGES)
 _UNKNOWN: Final = -32_768
-#: Files that are kept in memory; one of one second of arc takes 26 MB.
+#: Maximum number of files in memory; a file with a resolution of one second of arc takes 26 MB.
 MAX_LOADED: Final = 4
 
 

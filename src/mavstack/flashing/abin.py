@@ -11,7 +11,7 @@ from mavstack.flashing.firmware_file import FirmwareFile, FirmwareKind
 ABIN_START: Final = b"git version:"
 _SEPARATOR: Final = b"--\n"
 _MD5: Final = "MD5"
-#: Bytes of the header at most.
+#: Maximum size of the header in bytes.
 _MAX_HEADER: Final = 1024
 
 

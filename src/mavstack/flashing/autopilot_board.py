@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from mavstack.flashing.firmware_file import FirmwareFile
     from mavstack.vehicle import Vehicle
 
-#: Seconds for the first heartbeat of a running autopilot, and of one that starts.
+#: Seconds to wait for the first heartbeat of a running autopilot, and of an autopilot that starts.
 HEARTBEAT_TIMEOUT, START_TIMEOUT = 6.0, 45.0
-#: Seconds for the acknowledgement of the command that starts the bootloader: it may be lost with the port.
+#: Seconds to wait for the acknowledgement of the reboot command, which is lost if the port disappears first.
 _COMMAND_TIMEOUT: Final = 3.0
-#: Param 1 of PREFLIGHT_REBOOT_SHUTDOWN.
+#: Value of param 1 of MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN.
 _STAY_IN_BOOTLOADER: Final = 3
 
 
@@ -105,8 +105,8 @@ async def _start_bootloader(vehicle: Vehicle, name: str) -> None:
             common.MavCmd.PREFLIGHT_REBOOT_SHUTDOWN, _STAY_IN_BOOTLOADER, timeout=_COMMAND_TIMEOUT
         )
     except RemoteTimeout:
-        pass  # it restarted before its acknowledgement
+        pass  # the autopilot rebooted before it sent the acknowledgement
     except RemoteError as error:
         raise FlashingRefused(f"flashing {name} failed: it does not start its bootloader: {error}") from error
     except LinkError:
-        pass  # the port is gone already
+        pass  # the port disappeared already, because the board reboots

@@ -108,7 +108,7 @@ class ParameterBackup:
         wanted = file.by_name(vehicle.address.component)
         load = ParameterLoad(vehicle.params, wanted.values(), everything=True)
         results = await load.run()
-        with suppress(RemoteError):  # the values were set, and PX4 saves them by itself
+        with suppress(RemoteError):  # not an error: the values were set, and PX4 saves them without a command
             await vehicle.params.commit()
         done = self.path.with_name(f"{self.path.stem}{_RESTORED}{_SUFFIX}")
         self.path.replace(done)

@@ -13,13 +13,13 @@ if TYPE_CHECKING:
 
     from mavstack.flashing.firmware_file import FirmwareFile
 
-#: Protocol revisions of bootloaders.
+#: Supported protocol revisions of bootloaders.
 MIN_REVISION, MAX_REVISION = 2, 6
-#: From this revision on a bootloader reports its chip.
+#: Minimum protocol revision of a bootloader that reports its chip.
 CHIP_REVISION: Final = 5
-#: Boards that run the firmware of another board.
+#: Ids of other boards whose firmware also runs on a board, by the id of the board.
 COMPATIBLE: Final[Mapping[int, frozenset[int]]] = MappingProxyType({33: frozenset({9})})
-#: Board ids by name, for texts; a bootloader reports only the number.
+#: Board names by id, for texts; a bootloader reports only the id.
 NAMES: Final[Mapping[int, str]] = MappingProxyType(
     {
         9: "Pixhawk 1 (FMUv2, FMUv3)",
@@ -34,11 +34,11 @@ NAMES: Final[Mapping[int, str]] = MappingProxyType(
         1063: "CubeOrangePlus",
     }
 )
-#: The family STM32F42x, and its revisions whose second megabyte cannot be used.
+#: Id of the chip family STM32F42x, and its revisions whose second megabyte of flash cannot be used.
 _F42X: Final = 0x419
 _FLAWED: Final = frozenset({0x1000, 0x1001, 0x1003, 0x1007})
 _FAMILY_MASK: Final = 0xFFF
-#: Bytes of flash that a flawed chip can use; the bootloader has 16 kB of the first megabyte.
+#: Flash size of such a chip for the firmware in bytes: one megabyte without 16 kB for the bootloader.
 FLAWED_SIZE: Final = 1_032_192
 _PIXHAWK: Final = 9
 

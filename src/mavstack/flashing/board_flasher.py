@@ -22,15 +22,15 @@ if TYPE_CHECKING:
     from mavstack.flashing.firmware_file import FirmwareFile
     from mavstack.flashing.options import FlashOptions
 
-#: Attempts to find a bootloader that may not be running.
+#: Number of attempts to find a bootloader if it may not be running.
 QUICK_ATTEMPTS: Final = 2
-#: Seconds in which a bootloader appears after the command that starts it, and between two looks.
+#: Seconds in which a bootloader appears after the command that starts it, and seconds between two checks.
 BOOTLOADER_TIMEOUT, LOOK_INTERVAL = 20.0, 0.3
-#: How often a firmware is written in all, if the port is lost meanwhile.
+#: Maximum number of attempts to write a firmware, if the port is lost during the write.
 WRITE_ATTEMPTS: Final = 3
 #: Seconds that a board needs to leave its bootloader.
 BOOT_TIME: Final = 1.0
-#: The console of PX4 starts the bootloader by this line.
+#: The line that starts the bootloader from PX4's console.
 _CONSOLE_LINE: Final = b"\r\r\rreboot -b\n"
 
 
@@ -116,7 +116,7 @@ class BoardFlasher:
             check_firmware(firmware, board)
             await opened.run(flash(firmware, board, self._report))
             self._report(Phase.REBOOT, 0, 0)
-            with suppress(LinkError):  # the port goes with the bootloader
+            with suppress(LinkError):  # the port disappears when the bootloader ends
                 await opened.run(reboot())
         return board
 
@@ -149,7 +149,7 @@ class BoardFlasher:
             return await self._identify(port, QUICK_ATTEMPTS) is not None
         except MissingExtraError:
             raise
-        except MavstackError:  # the port is not there yet
+        except MavstackError:  # the port has not appeared yet
             return False
 
     async def _identify(self, port: str, attempts: int) -> Board | None:

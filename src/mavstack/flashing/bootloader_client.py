@@ -33,25 +33,25 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 EOC: Final = 0x20
-#: Bytes of a block: a multiple of four below 256.
+#: Size of a block in bytes: a multiple of four below 256.
 BLOCK_SIZE: Final = 252
-#: Seconds of the attempts to find the bootloader: it gives up a broken request after a silent second.
+#: Timeouts of the attempts to find the bootloader: it drops an incomplete request after one second.
 SYNC_TIMEOUTS: Final = (0.3, 0.5, 1.3, 1.3, 1.3)
 SYNC_ATTEMPTS: Final = len(SYNC_TIMEOUTS)
-#: Seconds for a detail that an old bootloader may not know.
+#: Seconds to wait for a detail of the board which old bootloaders do not report.
 DETAIL_TIMEOUT: Final = 0.3
 ERASE_TIMEOUT: Final = 40.0
-#: Seconds for the answer to REBOOT, which the bootloader of revision 2 does not send.
+#: Seconds to wait for the answer to REBOOT, which bootloaders of revision 2 do not send.
 REBOOT_TIMEOUT: Final = 1.0
-#: Seconds for the CRC of the whole flash.
+#: Seconds to wait for the CRC of the whole flash.
 CRC_TIMEOUT: Final = 10.0
-#: Seconds for the verification of a signature.
+#: Seconds to wait for the verification of a signature.
 SIGNATURE_TIMEOUT: Final = 5.0
-#: Seconds for which external flash may be silent between two percentages, and for its CRC.
+#: Seconds to wait for the next percentage while the external flash is erased, and for its CRC.
 EXTERNAL_TIMEOUT: Final = 120.0
 _WORD: Final = fixed(4)
 _SERIAL_WORDS: Final = (0, 4, 8)
-#: Blocks between two reports of the progress.
+#: Number of blocks between two progress reports.
 _REPORT_BLOCKS: Final = 32
 
 
@@ -123,7 +123,7 @@ def identify(attempts: int = SYNC_ATTEMPTS) -> Steps[Board]:
         chip_name = yield from _detail(_text(Op.GET_CHIP_DES))
     if revision >= CHIP_REVISION - 1:
         serial = yield from _detail(_serial())
-    # These four come last: a bootloader erases only after it was asked for all of them since its start.
+    # Request these four last: a bootloader erases only if all of them were requested since it started.
     revision = yield from _device(Device.PROTOCOL_REVISION)
     board_id = yield from _device(Device.BOARD_ID)
     board_revision = yield from _device(Device.BOARD_REVISION)
@@ -192,7 +192,7 @@ def _verify(firmware: FirmwareFile, board: Board) -> Steps[None]:
     else:
         found = yield from _number(Op.GET_CRC, operation="verifying", timeout=CRC_TIMEOUT)
         _compare(found, flash_crc(firmware.image, board.flash_size))
-    # ArduPilot's bootloaders verify the signature themselves, before they start a firmware.
+    # Only for PX4: ArduPilot's bootloaders verify the signature by themselves before they start a firmware.
     if firmware.signed and firmware.kind is FirmwareKind.PX4:
         yield from _verify_signature()
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 #: The rate of bootloaders on a real serial line; USB ignores it.
 BOOTLOADER_BAUD: Final = 115_200
-#: Seconds until a link that opens has its channel.
+#: Seconds in which a link opens its channel.
 CHANNEL_TIMEOUT: Final = 5.0
 
 T = TypeVar("T")
@@ -41,7 +41,7 @@ def port_url(text: str, baud: int | None = None) -> str:
         LinkURLError: The URL is malformed.
     """
     url = parse_url(text)
-    if url.scheme == "file":  # a name of a device, such as a symbolic link
+    if url.scheme == "file":  # the path of a device, such as a symbolic link
         url = replace(url, scheme="serial")
     if baud is not None and url.scheme == "serial" and "baud" not in url.options:
         url = replace(url, options={**url.options, "baud": str(baud)})
@@ -62,7 +62,7 @@ class BootloaderPort:
         self._failure: str | None = None
         self._conversation: Conversation[Any] | None = None
         self._wake = asyncio.Event()
-        #: The time at which `run` wakes if nothing happens before.
+        #: The time at which `run` wakes at the latest.
         self._awaited: float | None = None
         self._reader: asyncio.Task[None] | None = None
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
 INSYNC, OK, FAILED, INVALID, BAD_SILICON = 0x12, 0x10, 0x11, 0x13, 0x14
-#: Bytes of a status: INSYNC and the result.
+#: Size of a status in bytes: INSYNC and the result.
 STATUS_SIZE: Final = 2
 _TEXTS: Final[Mapping[int, str]] = MappingProxyType(
     {
@@ -27,7 +27,7 @@ _TEXTS: Final[Mapping[int, str]] = MappingProxyType(
         BAD_SILICON: "its chip has a fault, and cannot be programmed",
     }
 )
-#: Seconds for the reply to a request.
+#: Seconds to wait for the reply to a request.
 REPLY_TIMEOUT: Final = 2.0
 
 T = TypeVar("T")

@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from mavstack.flashing.firmware_file import FirmwareFile
     from mavstack.flashing.options import FlashOptions
 
-#: The `--port` of a chip that is in its ROM already.
+#: The value of `--port` for a chip that runs its ROM bootloader already.
 IN_ROM: Final = "dfu"
 _ROM_ID: Final = "0483:df11"
-#: Seconds in which the ROM appears on USB, and between two looks.
+#: Seconds in which the ROM bootloader appears on USB, and seconds between two checks.
 ROM_TIMEOUT, _LOOK_INTERVAL = 15.0, 0.5
 _FLASH_START: Final = 0x0800_0000
 _SIZES: Final = {"B": 1, "K": 1024, "M": 1024 * 1024, " ": 1}

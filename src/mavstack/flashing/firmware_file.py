@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 if TYPE_CHECKING:
     from mavstack.flashing.intel_hex import Segments
 
-#: Bytes of a file; the largest board has 2 MB of internal and 16 MB of external flash.
+#: Maximum size of a file in bytes; the largest board has 2 MB of internal and 16 MB of external flash.
 MAX_FILE_SIZE: Final = 64_000_000
 
 

@@ -21,10 +21,10 @@ from mavstack.flashing.json_container import parse_container
 if TYPE_CHECKING:
     from os import PathLike
 
-#: The first byte of an image of an ESP32.
+#: The first byte of an ESP32 image.
 _ESP_MAGIC: Final = 0xE9
 _HEX_START: Final = b":"
-#: Addresses of a radio, whose Intel HEX has 16 bits.
+#: Number of flash addresses of a SiK radio: its Intel HEX files have 16-bit addresses.
 _SIK_ADDRESSES: Final = 0x10000
 
 

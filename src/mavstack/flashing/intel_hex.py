@@ -7,7 +7,7 @@ from typing import Final, TypeAlias
 
 from mavstack.flashing.failures import FirmwareFileError
 
-#: Addresses and bytes, in the order of the addresses; neighbours are joined.
+#: Pairs of address and bytes, sorted by address; adjacent segments are joined.
 Segments: TypeAlias = tuple[tuple[int, bytes], ...]
 
 _DATA, _END, _SEGMENT, _START_SEGMENT, _LINEAR, _START_LINEAR = range(6)

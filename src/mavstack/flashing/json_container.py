@@ -19,7 +19,7 @@ _KINDS: Final[Mapping[str, FirmwareKind]] = MappingProxyType(
     {"PX4FWv1": FirmwareKind.PX4, "PX4FWv2": FirmwareKind.PX4, "APJFWv1": FirmwareKind.APJ}
 )
 _MAGICS: Final = MappingProxyType({FirmwareKind.PX4: "PX4FWv1", FirmwareKind.APJ: "APJFWv1"})
-#: Fields with data of other kinds, which nothing here needs.
+#: Fields with large data, which `properties` leaves out.
 _LARGE: Final = frozenset(
     {"image", "extf_image", "parameter_xml", "airframe_xml", "mavlink_metadata", "parameter_json"}
 )

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from serial.tools.list_ports_common import ListPortInfo
 
-#: Boards by their USB ids; bootloaders are marked.
+#: Known boards by USB vendor and product id; True marks a bootloader.
 _KNOWN: Final[Mapping[tuple[int, int], tuple[str, bool]]] = MappingProxyType(
     {
         (0x26AC, 0x0010): ("PX4 FMU", False),
@@ -32,7 +32,7 @@ _KNOWN: Final[Mapping[tuple[int, int], tuple[str, bool]]] = MappingProxyType(
         (0x10C4, 0xEA60): ("SiK radio, or another device with a CP210x chip", False),
     }
 )
-#: Vendors of boards for PX4 and ArduPilot.
+#: USB vendor ids of manufacturers of boards for PX4 and ArduPilot.
 _VENDORS: Final[Mapping[int, str]] = MappingProxyType(
     {0x26AC: "PX4", 0x3162: "Holybro", 0x3185: "Auterion, Holybro or ARK", 0x2DAE: "CubePilot"}
 )

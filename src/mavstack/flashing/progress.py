@@ -24,7 +24,7 @@ class Phase(StrEnum):
     DONE = "done"
 
 
-#: Called with a phase, and the units done and in total; a total of 0 is unknown.
+#: Called with a phase, the completed units, and their total; 0: the total is unknown.
 ReportProgress: TypeAlias = Callable[[Phase, int, int], None]
 
 

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from mavstack.flashing.options import FlashOptions
     from mavstack.flashing.sik_client import RadioBoard
 
-#: The rate of a radio's serial port by default.
+#: The default baud rate of a radio's serial port.
 RADIO_BAUD: Final = 57_600
-#: Seconds in which a radio starts its bootloader, and its firmware.
+#: Seconds in which a radio starts its bootloader, and in which it starts its firmware.
 _BOOTLOADER_TIME, _FIRMWARE_TIME = 0.7, 2.0
 _FORMAT: Final = "FORMAT"
 
@@ -91,7 +91,7 @@ class RadioFlasher:
                     await opened.run(sik_client.flash(firmware, self._report))
                     was_running = True
             finally:
-                if was_running:  # also after a refusal: its firmware is still there
+                if was_running:  # restart the firmware, which is intact after a refusal
                     self._report(Phase.REBOOT, 0, 0)
                     opened.write(sik_client.reboot())
                     await asyncio.sleep(_FIRMWARE_TIME)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 FILE: Final = "/ardupilot.abin"
 FLASHED: Final = "/ardupilot-flashed.abin"
-#: The names of files that were not flashed, with the reasons.
+#: The names that files get when they could not be flashed, with the reasons.
 FAILED: Final[Mapping[str, str]] = MappingProxyType(
     {
         "/ardupilot-failed.abin": "the bootloader could not write it",
@@ -33,7 +33,7 @@ FAILED: Final[Mapping[str, str]] = MappingProxyType(
         "/ardupilot-verify-failed.abin": "the bootloader found a wrong MD5 sum",
     }
 )
-#: Seconds in which a board has copied its firmware and runs again.
+#: Seconds in which a board flashes its firmware from the SD card and starts it.
 FLASH_TIMEOUT: Final = 120.0
 _HEARTBEAT_TIMEOUT: Final = 10.0
 

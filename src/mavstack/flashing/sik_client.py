@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 
 END: Final = 0x20
 SYNC, DEVICE, ERASE, ADDRESS, PROGRAM, READ, REBOOT = 0x21, 0x22, 0x23, 0x24, 0x27, 0x28, 0x30
-#: Bytes of a block to write and to read; longer ones hang some USB adapters.
+#: Size of a written block, and of a read block, in bytes; longer ones hang some USB adapters.
 WRITE_SIZE, READ_SIZE = 32, 128
-#: Bytes that end a request which was broken off.
+#: Bytes that complete an interrupted request.
 _PADDING: Final = bytes(WRITE_SIZE + 2)
 _ATTEMPTS: Final = 3
 _ERASE_TIMEOUT: Final = 15.0
-#: Boards by the names that files of firmware have, `radio~hm_trp.ihx`.
+#: Board ids by the board name in names of firmware files, such as `radio~hm_trp.ihx`.
 BOARDS: Final[Mapping[str, int]] = MappingProxyType(
     {"rfd900": 0x42, "rfd900a": 0x43, "rf50": 0x4D, "hm_trp": 0x4E}
 )

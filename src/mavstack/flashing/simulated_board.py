@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from mavstack.flashing.board import Board
     from mavstack.sim.vehicle import SimulatedVehicle
 
-#: Seconds without a host after which a bootloader starts its firmware.
+#: Seconds without a request after which a bootloader starts its firmware.
 HOST_TIMEOUT: Final = 5.0
-#: Seconds between two steps of the autopilot.
+#: Seconds between two simulation steps of the autopilot.
 _STEP: Final = 0.02
 _PORT: Final = "usb"
-#: The events of a bootloader that are announced.
+#: Bootloader requests that the listeners are informed of, with the text.
 _EVENTS: Final = {Op.CHIP_ERASE: "flash erased", Op.EXTF_ERASE: "external flash erased"}
 
 
@@ -48,13 +48,13 @@ class SimulatedBoard:
         self._simulation = Simulation()
         self.vehicle: SimulatedVehicle = self._simulation.add(VehicleType.COPTER, firmware)
         self.vehicle.board_id = board.board_id
-        self.vehicle.reboot()  # its version is read when it boots
+        self.vehicle.reboot()  # reboot: the vehicle reads its board id when it boots
         self.vehicle.add_listener(self._vehicle_event)
         self._port = self.vehicle.open_port(_PORT)
         self._forgets = forgets
         self._erased = False
         self._output = bytearray()
-        #: The clock of the caller when the autopilot was advanced, and when the host was last received.
+        #: Time of the autopilot's last simulation step, and of the host's last bytes, by the caller's clock.
         self._advanced_at: float | None = None
         self._host_at: float | None = None
         self.in_bootloader = not has_firmware

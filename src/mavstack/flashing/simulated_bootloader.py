@@ -36,14 +36,14 @@ ARDUPILOT_BOARD: Final = Board(
     chip=0x2003_0450,
     chip_name="STM32H7[4|5]x,V",
 )
-#: Seconds for the rest of a request.
+#: Seconds to wait for the rest of a request.
 REQUEST_TIMEOUT: Final = 1.0
-#: Bytes that are kept until REBOOT.
+#: Number of bytes at the beginning of the firmware that are written only at REBOOT.
 _FIRST_WORDS: Final = 32
-#: The bits of GET_DEVICE that must have been read before anything is erased.
+#: Values of GET_DEVICE that must have been requested before the flash is erased.
 _IDENTIFIED: Final = frozenset({1, 2, 3, 4})
 _SECTOR: Final = 65536
-#: Bytes of the arguments of each request besides its end; None: a count and as many bytes.
+#: Size of the arguments of each request without EOC, in bytes; None: a count, and then as many bytes.
 _ARGUMENTS: Final[Mapping[int, int | None]] = MappingProxyType(
     {
         Op.GET_SYNC: 0,
@@ -68,7 +68,7 @@ _ARGUMENTS: Final[Mapping[int, int | None]] = MappingProxyType(
         Op.VERIFY_SIG: 0,
     }
 )
-#: The revision from which on a request is known.
+#: The minimum protocol revision of each request.
 _SINCE: Final[Mapping[int, int]] = MappingProxyType(
     {
         Op.GET_CRC: 3,
@@ -140,7 +140,7 @@ class SimulatedBootloader:
         self.board = board
         self.internal = Flash(bytearray(b"\xff" * board.flash_size))
         self.external = Flash(bytearray(b"\xff" * board.external_size))
-        #: Called with a request when it was carried out.
+        #: Called with each request after its execution.
         self.listeners: list[Callable[[Op], None]] = []
         self._verify = verify
         self._handlers = self._made_handlers()

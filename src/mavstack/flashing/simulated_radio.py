@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 FLASH_SIZE: Final = 0xF800
-#: Bytes of each request with a fixed size.
+#: Size in bytes of each request with a fixed size.
 _SIZES: Final = {SYNC: 2, DEVICE: 2, ERASE: 2, ADDRESS: 4, READ: 3, REBOOT: 1}
 
 

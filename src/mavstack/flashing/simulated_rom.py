@@ -24,13 +24,13 @@ CHIP_ID: Final = 0x413
 VERSION: Final = 0x31
 GET, GET_VERSION, GET_ID, READ, GO, WRITE, ERASE = 0x00, 0x01, 0x02, 0x11, 0x21, 0x31, 0x44
 _COMMANDS: Final = (GET, GET_VERSION, GET_ID, READ, GO, WRITE, ERASE)
-#: The sizes of the sectors of the flash.
+#: The sizes of the flash sectors in bytes.
 SECTORS: Final = (16 << 10,) * 4 + (64 << 10,) + (128 << 10,) * 7
 _MASS_ERASE: Final = 0xFFFF
-#: Parts of the memory that programs read and that this chip fills with ones: the ROM, and the option bytes.
+#: Address ranges that upload programs read, filled with ones in this simulation: ROM, and option bytes.
 _READABLE: Final = (range(0x1FFF_0000, 0x1FFF_7A10), range(0x1FFF_C000, 0x1FFF_C010))
 
-#: A step yields the number of bytes that it needs, and is sent them.
+#: Yields the number of bytes that it needs next, and receives them.
 _Steps: TypeAlias = Generator[int, bytes, None]
 
 
@@ -40,7 +40,7 @@ class SimulatedRom:
     def __init__(self) -> None:
         self.flash = bytearray(b"\xff" * FLASH_SIZE)
         self.ram = bytearray(RAM_SIZE)
-        #: The address at which a program was started; None: the ROM runs.
+        #: The address at which a program was started; None while the ROM runs.
         self.started: int | None = None
         #: Called with each event, such as `flash erased`.
         self.on_event: Callable[[str], None] = lambda text: None
@@ -81,7 +81,7 @@ class SimulatedRom:
         self._answer(ACK)
         while True:
             command = (yield 1)[0]
-            if command == SYNC:  # a program that connects again
+            if command == SYNC:  # an upload program connects again
                 self._answer(NACK)
                 continue
             if (yield 1)[0] != command ^ 0xFF or command not in _COMMANDS:

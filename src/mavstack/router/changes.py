@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 if TYPE_CHECKING:
     from mavstack.router.config import EndpointConfig, RouterConfig
 
-#: Settings of the router that are read once, when it starts.
+#: Settings that the router reads only when it starts.
 _FIXED: Final = ("duplicate_window", "control", "control_token", "metrics", "dialect")
 
 

@@ -53,14 +53,14 @@ if TYPE_CHECKING:
     from mavstack.router.rules import Rule, RuleSet
     from mavstack.security.senders import Authority
 
-#: Seconds of silence after which a peer of a listening UDP socket is removed.
+#: Seconds without a packet after which a peer of a listening UDP socket is removed.
 DEFAULT_IDLE = 60.0
 DEFAULT_MAX_PEERS = 64
-#: Bytes that wait for a slow stream, and packets that wait in a queue endpoint.
+#: Size of the send queue of a stream in bytes, and of a queue endpoint in packets.
 DEFAULT_QUEUE_BYTES = 256 << 10
 DEFAULT_QUEUE_PACKETS = 4096
 
-#: The text of the error when the engine ended by itself.
+#: The error text after an internal error has ended the engine.
 ENDED = "the router engine ended by an internal error: start the router again"
 
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from mavstack.security import SigningKey, TimestampStore
     from mavstack.wire import Signing
 
-#: Seconds between two stores of the timestamps; a crash loses at most this much.
+#: Seconds between two writes of the timestamps; a crash loses at most this time.
 STORE_INTERVAL: Final = 30.0
 _MAX_LINK_ID: Final = 255
 

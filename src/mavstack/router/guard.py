@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger("mavstack.router.firewall")
 
-#: System and component id of the router's own status texts: a bridge beside ground stations.
+#: System and component id of the router's status texts: a system id of ground stations, component UDP_BRIDGE.
 OWN_ADDRESS: Final = (254, 240)
 _NOTHING: Final = RuleSet(default_incoming="drop", default_outgoing="drop")
 

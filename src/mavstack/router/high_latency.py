@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 
 Kind = TypeVar("Kind", bound="Message")
 
-#: Seconds after its last heartbeat for which an autopilot is summarised.
+#: Seconds after the last heartbeat of an autopilot for which HIGH_LATENCY2 is sent for it.
 VEHICLE_TIMEOUT: Final = 30.0
-#: Seconds after a request of a parameter for which the values of parameters pass.
+#: Seconds after a parameter request for which PARAM_VALUE is forwarded.
 PARAMETER_TIMEOUT: Final = 10.0
 MAX_VEHICLES: Final = 255
 
@@ -155,7 +155,7 @@ class HighLatency:
             if len(self._vehicles) >= MAX_VEHICLES:
                 return
             self._vehicles[key] = _Vehicle(*key)
-            # The other messages of a new vehicle arrive within about a second.
+            # Send the first summary after a second: by then the other messages of a new vehicle have arrived.
             self._due = min(self._due if self._due is not None else now + 1.0, now + self._interval)
         vehicle = self._vehicles[key]
         vehicle.last_heard = now

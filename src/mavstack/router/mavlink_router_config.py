@@ -28,7 +28,7 @@ DEFAULT_TCP_PORT: Final = 5760
 DEFAULT_BAUD: Final = 115_200
 DEFAULT_RETRY: Final = 5
 FIRST_UDP_PORT: Final = 14_550
-#: Size of a file of a telemetry log before the next one begins, in bytes.
+#: Maximum size of a file of a telemetry log in bytes; then the next file begins.
 LOG_FILE_SIZE: Final = 1_000_000_000
 
 _FILTERS: Final = {
@@ -50,7 +50,7 @@ _KEYS: Final = {
     "tcpendpoint": _COMMON | {"address", "port", "retrytimeout"},
 }  # fmt: skip
 _ADDRESS: Final = re.compile(r"\d{1,3}(\.\d{1,3}){3}|\[[0-9a-fA-F:.]+(%\w+)?\]")
-#: The remedy for each setting that has no equal.
+#: The remedy for each setting without an equivalent.
 _ELSEWHERE: Final = {
     "reportstats": "statistics are shown by the live picture and by `mav route ctl stats`",
     "debugloglevel": "use -v or -vv",

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     Signature: TypeAlias = tuple[int, int, int] | None
 
 _log = logging.getLogger("mavstack.router")
-#: Seconds between two looks at the file.
+#: Seconds between two checks of the file for changes.
 WATCH_INTERVAL = 1.0
 
 

@@ -42,9 +42,9 @@ if TYPE_CHECKING:
     from mavstack.security import TimestampStore
 
 _log = logging.getLogger("mavstack.router")
-#: Seconds between two attempts to open an endpoint of a reload that could not be opened.
+#: Seconds between two attempts to open an endpoint that could not be opened after a reload.
 RETRY_INTERVAL = 5.0
-#: Alerts of the firewall that are kept for those who look at the router.
+#: Number of the newest alerts that snapshots of the router contain.
 RECENT_ALERTS = 8
 #: Interval at which the firewall checks the counters, in seconds.
 TIMER_INTERVAL = 1.0
@@ -303,7 +303,8 @@ class Router:
         self._endpoints[config.name] = endpoint
         self.problems.pop(config.name, None)
         self._start_timer()
-        self.engine.synchronize()  # it has the endpoint, so that the next packet finds it
+        # wait until the engine has the endpoint, so that the next packet reaches it
+        self.engine.synchronize()
 
     async def _close_endpoint(self, name: str) -> None:
         self.problems.pop(name, None)

@@ -20,35 +20,35 @@ if TYPE_CHECKING:
 
     from mavstack.dialects import Message
 
-#: Names of the messages by what they act upon.
+#: Names of the messages that change something, by the kind of the changed thing.
 ACTING: Final[Mapping[str, str]] = MappingProxyType(
     {
-        # Carry a command, which decides what they act upon.
+        # Commands: the command determines the kind.
         "command": "COMMAND_INT COMMAND_LONG",
-        # Move the vehicle, or change how it flies.
+        # Messages that move the vehicle, or change how it flies.
         "flight": """
         SET_MODE MANUAL_CONTROL MANUAL_SETPOINT RC_CHANNELS_OVERRIDE SET_ATTITUDE_TARGET
         SET_POSITION_TARGET_LOCAL_NED SET_POSITION_TARGET_GLOBAL_INT SET_ACTUATOR_CONTROL_TARGET
         SET_HOME_POSITION SET_GPS_GLOBAL_ORIGIN FOLLOW_TARGET CHANGE_OPERATOR_CONTROL COMMAND_CANCEL
         """,
-        # Change the vehicle's mission, fence and rally points.
+        # Messages that change the vehicle's mission, fence or rally points.
         "plan": """
         MISSION_COUNT MISSION_ITEM MISSION_ITEM_INT MISSION_CLEAR_ALL MISSION_SET_CURRENT
         MISSION_WRITE_PARTIAL_LIST SAFETY_SET_ALLOWED_AREA FENCE_POINT RALLY_POINT
         """,
-        # Change the vehicle's settings and stored data.
+        # Messages that change the vehicle's settings and stored data.
         "settings": """
         PARAM_SET PARAM_MAP_RC LOG_ERASE SERIAL_CONTROL SETUP_SIGNING AUTH_KEY WIFI_CONFIG_AP CELLULAR_CONFIG
         CAN_FRAME CANFD_FRAME CAN_FILTER_MODIFY SET_MAG_OFFSETS DEVICE_OP_WRITE OSD_PARAM_CONFIG
         """,
-        # Read and write the vehicle's files, and tunnel to its devices.
+        # Messages that read or write the vehicle's files, or are forwarded to its devices.
         "files": "FILE_TRANSFER_PROTOCOL TUNNEL V2_EXTENSION",
-        # Give the vehicle positions and sensor values.
+        # Messages that give the vehicle positions and sensor values.
         "position": """
         HIL_GPS HIL_SENSOR HIL_STATE HIL_STATE_QUATERNION HIL_OPTICAL_FLOW HIL_RC_INPUTS_RAW HIL_CONTROLS
         HIL_ACTUATOR_CONTROLS GPS_INPUT GPS_INJECT_DATA
         """,
-        # Move and change its payloads.
+        # Messages that move or change the vehicle's payloads.
         "payload": """
         PARAM_EXT_SET GIMBAL_MANAGER_SET_ATTITUDE GIMBAL_MANAGER_SET_PITCHYAW
         GIMBAL_MANAGER_SET_MANUAL_CONTROL GIMBAL_DEVICE_SET_ATTITUDE MOUNT_CONFIGURE MOUNT_CONTROL
@@ -56,12 +56,13 @@ ACTING: Final[Mapping[str, str]] = MappingProxyType(
         """,
     }
 )
-#: The kinds of acting messages that change a flight.
+#: The kinds of messages in `ACTING` that change a flight.
 FLIGHT_KINDS: Final = ("flight", "plan", "settings")
 _FILES: Final = "FILE_TRANSFER_PROTOCOL"
-#: The place of the operation in the payload of MAVLink FTP.
+#: Offset of the opcode in the payload of MAVLink FTP.
 _OPCODE_AT: Final = 3
-#: CreateFile, WriteFile, RemoveFile, CreateDirectory, RemoveDirectory, OpenFileWO, TruncateFile and Rename.
+#: Opcodes of CreateFile, WriteFile, RemoveFile, CreateDirectory, RemoveDirectory, OpenFileWO, TruncateFile
+#: and Rename.
 _WRITING_OPCODES: Final = frozenset({6, 7, 8, 9, 10, 11, 12, 13})
 
 

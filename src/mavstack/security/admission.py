@@ -26,10 +26,10 @@ from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-#: Seconds for which an unused place is kept, for an unauthenticated and for an authenticated holder.
+#: Seconds for which the place of an unauthenticated and of an authenticated holder is kept without use.
 USE_TIMEOUT = 3.0
 AUTHENTICATED_TIMEOUT = 30.0
-#: Mean time in seconds for which a newcomer that has proved nothing keeps its place at least.
+#: Minimum mean time in seconds for which a newcomer without a proof keeps its place.
 MIN_STAY = 4.0
 
 T_co = TypeVar("T_co", covariant=True)

@@ -13,7 +13,7 @@ from mavstack.bounded_file import read_file_bounded
 from mavstack.errors import SigningError
 from mavstack.security.key_store import find_key
 
-#: A longer text is not a key.
+#: Maximum length of an API key in characters.
 MAX_API_KEY: Final = 4096
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-#: Seconds to wait for another process: its work takes milliseconds, unless it is suspended.
+#: Seconds to wait for the lock: another process holds it for milliseconds, unless it is suspended.
 LOCK_TIMEOUT: Final = 1.0
 _RETRY_INTERVAL: Final = 0.001
 _OPEN_FLAGS: Final = os.O_RDWR | os.O_CREAT | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_NOFOLLOW", 0)

@@ -52,7 +52,7 @@ KEM_SIZE, SEALED_SIZE, SIGNATURE_SIZE = 1088, 48, 3309
 OFFER_SIZE: Final = _HEADER.size + KEM_SIZE + SEALED_SIZE + SIGNATURE_SIZE
 PUBLIC_SIZE: Final = 1952 + 1184
 SECRET_SIZE: Final = 32 + 64
-#: Seconds by which the clock of the sender may be ahead.
+#: Maximum seconds by which the sender's clock may be ahead of the receiver's.
 MAX_CLOCK_LEAD: Final = 300
 _CONTEXT: Final = b"mavstack key offer v1"
 _NONCE: Final = bytes(12)

@@ -26,11 +26,11 @@ from mavstack.security.keys import SigningKey
 from mavstack.user_directories import config_directory
 
 KEY_SUFFIX: Final = ".key"
-#: The suffix of the file that stands for a key in the keyring.
+#: The suffix of a file that represents a key in the keyring of the system.
 KEYRING_SUFFIX: Final = ".keyring"
 #: The suffix of the private key of sealed links.
 SEALED_SUFFIX: Final = ".sealed"
-#: The environment variable that says where new keys go: `files` or `keyring`.
+#: The environment variable that determines where new keys are stored: `files` or `keyring`.
 STORE_VARIABLE: Final = "MAVSTACK_KEY_STORE"
 _SUFFIXES: Final = (KEY_SUFFIX, KEYRING_SUFFIX)
 _NAME: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
@@ -326,5 +326,5 @@ def _write(path: Path, text: str) -> None:
 def _directory() -> Path:
     try:
         return key_directory()
-    except RuntimeError:  # there is no home directory
+    except RuntimeError:  # the home directory is unknown
         raise SigningError("there is no home directory with keys: name the file of the key") from None

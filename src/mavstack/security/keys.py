@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger("mavstack.security")
 
 KEY_LENGTH = 32
-#: A larger file is not a key file.
+#: Maximum size of a key file in bytes.
 MAX_FILE_BYTES = 4096
 
 
@@ -128,7 +128,8 @@ class SigningKey:
             with os.fdopen(descriptor, "w", encoding="ascii") as file:
                 file.write(self._secret.hex() + "\n")
                 file.flush()
-                os.fsync(descriptor)  # a vehicle that has the key is lost without it
+                # write it to the disk itself: a vehicle with this key cannot be used if the file is lost
+                os.fsync(descriptor)
         except OSError as error:
             Path(path).unlink(missing_ok=True)
             raise SigningError(f"cannot write the key file {path}: {error.strerror or error}") from None

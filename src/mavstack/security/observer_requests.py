@@ -17,15 +17,15 @@ from typing import Any, Final
 
 from mavstack.dialects import common
 
-#: Seconds after a request in which equal ones are not passed, and after a request for all parameters.
+#: Seconds after a request in which an equal one is not forwarded; longer for requests of all parameters.
 REPEAT_INTERVAL: Final = 5.0
 LIST_INTERVAL: Final = 30.0
-#: Requests of all observers together per second, and after a pause.
+#: Maximum number of requests of all observers together per second, and at once after a pause.
 MAX_RATE: Final = 4.0
 MAX_BURST: Final = 16.0
-#: Requests that are remembered.
+#: Maximum number of requests that are kept.
 MAX_REQUESTS: Final = 1024
-#: Fields that distinguish two requests of one message.
+#: Fields in which two requests of one message id differ if they are not equal.
 _FIELDS: Final = ("target_system", "target_component", "param_id", "param_index", "command", "param1")
 _LISTS: Final = (common.ParamRequestList, common.ParamExtRequestList)
 
@@ -37,7 +37,7 @@ class ObserverRequests:
         self._passed: OrderedDict[tuple[Any, ...], float] = OrderedDict()
         self._allowance = MAX_BURST
         self._updated = 0.0
-        #: Requests that were not passed.
+        #: Number of requests that were not forwarded.
         self.held_back = 0
 
     def passes(self, message: object, now: float) -> bool:
@@ -68,6 +68,7 @@ class ObserverRequests:
 
 def _key(message: object) -> tuple[Any, ...]:
     """Return the message, the target and the subject of a request."""
-    if isinstance(message, common.Ping | common.Timesync):  # each one has another number or time
+    if isinstance(message, common.Ping | common.Timesync):
+        # ignore their number and time, which differ in each message
         return (type(message), message.target_system)
     return (type(message), *(getattr(message, field, None) for field in _FIELDS))

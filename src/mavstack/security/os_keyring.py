@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 Value = TypeVar("Value")
 
-#: The name of the service, under which the keyring shows the keys.
+#: The service name of the keys in the keyring of the system.
 SERVICE: Final = "mavstack signing keys"
 
 

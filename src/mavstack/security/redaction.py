@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mavstack.dialects import Message
     from mavstack.wire import Packet
 
-#: The bit in the incompatibility flags of a signed packet, and the length of the signature.
+#: The incompatibility flag of a signed packet, and the length of the signature in bytes.
 _SIGNED: Final = 0x01
 _SIGNATURE: Final = 13
 _CRC: Final = 2

@@ -78,7 +78,7 @@ MESSAGES: Final[Mapping[str, str]] = MappingProxyType(
         """,
     }
 )
-#: Without the prefix MAV_CMD_.
+#: Names of the commands, without the prefix MAV_CMD_, that each role may send.
 COMMANDS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "observe": """

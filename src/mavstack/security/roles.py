@@ -28,11 +28,11 @@ if TYPE_CHECKING:
 
     from mavstack.wire import Packet
 
-#: The messages whose field `command` is checked too.
+#: Messages with a field `command`, which is checked too.
 COMMAND_MESSAGES: Final = ("COMMAND_LONG", "COMMAND_INT", "MISSION_ITEM", "MISSION_ITEM_INT")
-#: The name in statistics of all messages and commands that are in no table.
+#: The name in statistics for all messages and commands that are not in the tables.
 UNKNOWN: Final = "unknown"
-#: MAV_AUTOPILOT_INVALID.
+#: The value of MAV_AUTOPILOT_INVALID.
 _NO_AUTOPILOT: Final = 8
 
 
@@ -162,7 +162,8 @@ class RoleFilter:
         command = packet.message.command if packet.message_id in _command_messages() else None
         if allows(self.role, packet.message_id, command):
             return True
-        name = packet.name or UNKNOWN  # a client could count up to millions of ids
+        # one name for all unknown ids: a client could send millions of different ids
+        name = packet.name or UNKNOWN
         if command is not None:
             name += f" {int(command)}" if command in _command_roles() else f" {UNKNOWN}"
         self.refused[name] += 1

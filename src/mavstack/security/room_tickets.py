@@ -21,7 +21,7 @@ from typing import Final
 from mavstack.errors import InvalidArgumentError
 from mavstack.security.tickets import TicketRefusal
 
-#: Seconds from now to expiry that are accepted at most: a stolen ticket must not be valid for ever.
+#: Maximum seconds until the expiry of a ticket: a stolen ticket must not be valid for ever.
 MAX_LIFETIME: Final = 400 * 86_400
 _ROOM: Final = re.compile(r"[a-z0-9](?:[a-z0-9-]{0,30}[a-z0-9])?", re.ASCII)
 _TICKET: Final = re.compile(

@@ -62,7 +62,7 @@ class Rotation:
         Raises:
             SigningError: A key cannot be stored; the rotation can be finished later.
         """
-        if self.old != self.new:  # equal if an earlier call was interrupted after its second step
+        if self.old != self.new:  # equal if an earlier call was interrupted after `replace_key`
             if find_stored(self.old_name) is None:
                 store_key(self.old_name, self.old, keyring=_is_in_keyring(self.name))
             elif load_stored_key(self.old_name) != self.old:
@@ -84,7 +84,8 @@ def begin_rotation(name: str) -> Rotation:
         SigningError: There is no key of this name, the name is too long, or the new key cannot be stored.
     """
     old, next_name = load_stored_key(name), f"{name}{NEXT_SUFFIX}"
-    key_path(Rotation(name, old, old, resumed=False).old_name)  # refuses a name that gets too long
+    # raises if the name of the old key would be too long
+    key_path(Rotation(name, old, old, resumed=False).old_name)
     if find_stored(next_name) is not None:
         return Rotation(name, old, load_stored_key(next_name), resumed=True)
     new = SigningKey.generate()

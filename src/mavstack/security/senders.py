@@ -43,15 +43,15 @@ class Authority(IntEnum):
 class Standing(IntEnum):
     """The standing of a sender's claim on an address."""
 
-    #: It holds the address.
+    #: The sender holds the address.
     HELD = 0
-    #: It holds the address, which no other sender claimed before.
+    #: The sender holds the address now, and no other sender claimed it before.
     NEW = 1
-    #: The sender is a redundant link of the holder, or has its boot clock.
+    #: The sender is a redundant link of the holder, or its packets have the same boot time.
     SHARED = 2
-    #: Another sender, which is not better proven, holds the address.
+    #: Another sender, whose authority is not higher, holds the address.
     CONTESTED = 3
-    #: An authenticated sender holds the address, and this one is not authenticated.
+    #: An authenticated sender holds the address, and this sender is not authenticated.
     OUTRANKED = 4
 
     @property
@@ -65,7 +65,7 @@ class BootClock(IntEnum):
 
     AGREES = 0
     REBOOTED = 1
-    #: Another clock, of a sender that does not hold the address.
+    #: The boot time contradicts the holder's, and the sender does not hold the address.
     DIFFERS = 2
 
 
@@ -176,7 +176,7 @@ class Claims(Generic[Key]):
         self._numbers: dict[Key, int] = {}
         self._keys: dict[int, tuple[Key, Sender]] = {}
 
-    # Senders
+    # Methods for senders
 
     def open(self, key: Key, sender: Sender, now: float) -> bool:
         """Add a sender, or change one.
@@ -267,7 +267,7 @@ class Claims(Generic[Key]):
         number = self._core.first_to_evict(place, _host(newcomer), newcomer.authority, now)
         return None if number is None else self._keys[number][0]
 
-    # Claims
+    # Methods for claims
 
     def hear(
         self, key: Key, address: tuple[int, int], now: float, authority: Authority = Authority.NONE
@@ -344,7 +344,7 @@ class Claims(Generic[Key]):
         """Return all claimed addresses, ordered."""
         return self._core.addresses()
 
-    # Conflicts
+    # Methods for conflicts
 
     def contradict(
         self, key: Key, address: tuple[int, int], contradiction: Contradiction, now: float

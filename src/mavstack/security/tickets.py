@@ -21,16 +21,16 @@ from mavstack.errors import InvalidArgumentError
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-#: The subprotocol that a client offers before the ticket, and that the server chooses.
+#: The WebSocket subprotocol that a client offers in front of the ticket, and that the server selects.
 SUBPROTOCOL: Final = "ados-ws-ticket"
 #: The scope of tickets for raw MAVLink packets over a WebSocket.
 MAVLINK_SCOPE: Final = "gs.mavlink_ws"
-#: Seconds from issue to expiry: the default, and the longest that is accepted.
+#: Seconds from issue to expiry: the default, and the maximum.
 LIFETIME: Final = 30
 MAX_LIFETIME: Final = 120
-#: Nonces that a verifier keeps.
+#: Maximum number of nonces that a verifier keeps.
 MAX_NONCES: Final = 4096
-#: Seconds by which the clock of the issuer may be ahead.
+#: Maximum seconds by which the issuer's clock may be ahead of the verifier's.
 MAX_CLOCK_LEAD: Final = 5
 _NONCE_SIZE: Final = 16
 _KEY_LABEL: Final = b"ados-ws-ticket-v1"
@@ -113,7 +113,7 @@ class TicketVerifier:
     def __init__(self, api_key: str, scopes: Collection[str] = (MAVLINK_SCOPE,)) -> None:
         self._key = _derive_key(api_key)
         self._scopes = frozenset(scopes)
-        #: Expiry by nonce of the accepted tickets.
+        #: The expiry time of each accepted ticket, by its nonce.
         self._used: dict[str, int] = {}
 
     def verify(self, ticket: str, now: float) -> TicketRefusal | None:

@@ -29,21 +29,21 @@ if TYPE_CHECKING:
 
     from mavstack.security.keys import SigningKey
 
-#: Link id, system and component of a stream.
+#: The identity of a stream of signed packets: link id, system id and component id.
 StreamId: TypeAlias = tuple[int, int, int]
 
 MAX_TIMESTAMP = 2**48 - 1
-#: Streams of one key in the file; those with the newest timestamps are kept.
+#: Maximum number of streams of one key in the file; the streams with the newest timestamps are kept.
 MAX_STREAMS = 1024
 MAX_FILE_SIZE = 4 << 20
-#: Runs that have not ended in the file; those with the newest timestamps are kept.
+#: Maximum number of unfinished program runs in the file; the runs with the newest timestamps are kept.
 MAX_RUNS = 64
 _MAX_DIGITS = 15
 _RUNNING, _FLOOR = "running", "floor"
 EPOCH = 1_420_070_400
 UNITS_PER_SECOND = 100_000
-#: Timestamp units after its last store for which a run that has not ended is kept in the file: a living one
-#: stores more often, and a killed one is covered by the floor of the run that found it.
+#: Age of the last store, in timestamp units, after which an unfinished program run is removed from the file.
+#: A running program stores more often; the timestamps of a killed one are below the floor of the next run.
 RUN_TIMEOUT = 600 * UNITS_PER_SECOND
 
 
@@ -264,7 +264,7 @@ def _parse(text: str) -> LastRun:
         match line.split(" "):
             case [word, number] if word == _FLOOR:
                 floor = _number(number)
-            case [word] if word == _RUNNING:  # of an older version
+            case [word] if word == _RUNNING:  # the format of older versions
                 running[""] = _number(first)
             case [word, run, number] if word == _RUNNING:
                 running[run] = _number(number)

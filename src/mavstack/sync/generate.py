@@ -30,9 +30,9 @@ RENAMED = {
     "__anext__": "__next__",
     "__aiter__": "__iter__",
 }
-#: Members that have no blocking counterpart, or that only the vehicle layer uses.
+#: Members without a blocking version, and members that only the vehicle layer uses.
 OMITTED = {"__await__", "__repr__", "__hash__", "telemetry", "firmware"}
-#: Classes that the node and the vehicle create; a program only annotates with them.
+#: Classes that a program may create; the stubs of all other classes have no `__init__`.
 CONSTRUCTIBLE = {"Node", "Connection"}
 #: The functions of the blocking API.
 FUNCTIONS: tuple[Any, ...] = (connect,)

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 class Blocking:
     """The blocking proxy of one object."""
 
-    #: The async class that a subclass wraps.
+    #: The async class that each subclass wraps.
     _wrapped: ClassVar[type] = object
 
     def __init__(self, inner: Any, portal: BlockingPortal) -> None:  # noqa: ANN401 (any object of the API)
@@ -119,7 +119,7 @@ class Blocking:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if not self._portal.closed:  # else the node has cleaned up already
+        if not self._portal.closed:  # if it is closed, the node has left the context already
             self._portal.wait(self._inner.__aexit__(kind, error, trace))
 
     def _convert_attribute(self, value: Any) -> Any:  # noqa: ANN401 (any value)
@@ -191,15 +191,15 @@ async def _run_in_thread(portal: BlockingPortal, work: Callable[[], object]) -> 
     except asyncio.CancelledError:
         worker.cancel()
         await asyncio.wait([worker.result])
-        worker.result.exception()  # retrieved, so that the loop does not report it
+        worker.result.exception()  # retrieve the exception, so that asyncio does not log it
         raise
 
 
-#: Proxies that differ from the general one, by the name of the async class.
+#: Blocking base classes that differ from `Blocking`, by the name of the async class.
 _BASES: Mapping[str, type[Blocking]] = MappingProxyType(
     {"Group": BlockingGroup, "CommandHandlers": BlockingCommandHandlers}
 )
-#: The blocking class of each async class, once it is needed.
+#: The blocking class of each async class; filled on first use.
 _classes: dict[type, type[Blocking]] = {}
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-#: First bytes of a format, and its name with the program that reads or converts it.
+#: First bytes of each other format, its name, and the program that reads or converts it.
 _OTHER_FORMATS: Final = (
     (b"ULog\x01\x12\x35", "a PX4 ULog (mavstack.open_log reads it)"),
     (b"\xa3\x95\x80", "an ArduPilot dataflash log (mavstack.open_log reads it)"),
@@ -20,7 +20,7 @@ _OTHER_FORMATS: Final = (
     (b"\xfd7zXZ\x00", "an xz archive: unpack it first"),
     (b"\x28\xb5\x2f\xfd", "a Zstandard archive: unpack it first"),
 )
-#: Number of first bytes that are enough to recognise each format.
+#: Number of first bytes of a file that are enough to recognise each format.
 MAX_MAGIC_LENGTH: Final = max(len(magic) for magic, _ in _OTHER_FORMATS)
 
 

@@ -10,9 +10,9 @@ from mavstack.services.parameters.metadata import ParameterMetadata
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-#: Facts about the file, not a group of parameters.
+#: The key of the facts about the file; all other keys are groups of parameters.
 _HEAD: Final = "json"
-#: Keys of which every described parameter has one.
+#: Keys of a parameter's description; every parameter has at least one of them.
 _DESCRIPTIONS: Final = ("DisplayName", "Description", "displayName", "description")
 
 

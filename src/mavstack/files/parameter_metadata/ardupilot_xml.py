@@ -20,7 +20,7 @@ def recognises(root: Element) -> bool:
 
 def read(root: Element) -> Iterator[ParameterMetadata]:
     """Yield the metadata of each parameter."""
-    for part in root.children:  # vehicles, libraries
+    for part in root.children:  # the elements `vehicles` and `libraries`
         for group in part.named("parameters"):
             for element in group.named("param"):
                 name = value_readers.name_of(element.attributes.get("name"))

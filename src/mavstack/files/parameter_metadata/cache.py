@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 _LOGGER: Final = logging.getLogger("mavstack.files")
-#: The largest number of files; the oldest ones are removed.
+#: Maximum number of cached files; the oldest ones are removed.
 MAX_FILES: Final = 100
 _SUFFIX: Final = ".metadata"
 _KEY: Final = re.compile(r"[a-z0-9._-]{1,80}")
@@ -64,7 +64,7 @@ class MetadataCache:
         """Return the newest files of a COMP_METADATA_TYPE, at most `count`, the newest one first."""
         try:
             by_age = sorted(self._ages(), reverse=True)
-        except RuntimeError:  # there is no home directory
+        except RuntimeError:  # the home directory is unknown
             return []
         keys = [path.name.removesuffix(_SUFFIX) for _, path in by_age]
         own = [key for key in keys if key.startswith(_crc_prefix(kind))]
@@ -94,7 +94,7 @@ class MetadataCache:
     def _path(self, key: str) -> Path | None:
         try:
             return self.directory / f"{key}{_SUFFIX}" if _KEY.fullmatch(key) else None
-        except RuntimeError:  # there is no home directory
+        except RuntimeError:  # the home directory is unknown
             return None
 
     def _prune(self) -> None:

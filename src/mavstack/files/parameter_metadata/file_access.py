@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     Document: TypeAlias = dict[str, Any]
     Entries: TypeAlias = Iterator[ParameterMetadata]
 
-#: The test for each form, and its reader.
+#: The function that recognises each JSON form, and the function that reads it.
 _JSON_FORMS: Final[tuple[tuple[Callable[[Document], bool], Callable[[Document], Entries]], ...]] = (
     (component_json.recognises, component_json.read),
     (ardupilot_json.recognises, ardupilot_json.read),

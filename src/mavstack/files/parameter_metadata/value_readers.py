@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
     from mavstack.services.parameters import Value
 
-#: The largest number of letters of a text, and of named values of one parameter; a value above is left out.
+#: Maximum number of characters of a text, and of named values of a parameter; larger ones are left out.
 MAX_TEXT: Final = 10_000
 MAX_VALUES: Final = 2_000
-#: The largest number of letters of a parameter's name: that of the protocol, with room for a template's mark.
+#: Maximum length of a parameter's name: 16 by the protocol, and room for placeholders in templates.
 MAX_NAME: Final = 32
 _MAX_DECIMALS: Final = 20
 
@@ -52,7 +52,7 @@ def number_of(value: object) -> Value | None:
         return None
     try:
         return found if isfinite(found) else None
-    except OverflowError:  # an integer beyond any float
+    except OverflowError:  # the integer is too large for a float
         return None
 
 

@@ -84,7 +84,8 @@ def is_same(one: AnyParameter, other: AnyParameter) -> bool:
     """Return whether two parameters have the same value, within the precision of their types and files."""
     kind = _type_of(one) or _type_of(other)
     if _type_of(one) is not None and _type_of(other) is not None and _type_of(one) != _type_of(other):
-        kind = int(common.MavParamType.REAL32)  # the less precise type decides
+        # compare different types with the precision of float32, the least precise type
+        kind = int(common.MavParamType.REAL32)
     exact = _is_exact(one) and _is_exact(other)
     return agree(one.value, other.value, kind=kind, exact=exact) or any(
         isinstance(each, StoredParameter) and bool(each.text) and rounds_to(held.value, each.text)

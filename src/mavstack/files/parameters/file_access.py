@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from mavstack.files.parameters.format import ParameterFormat
     from mavstack.files.parameters.parameter_file import ParameterFile
 
-#: A larger file is not a parameter file.
+#: Maximum size of a parameter file in bytes.
 MAX_BYTES = 16 << 20
 _WIDE_MARKS = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 

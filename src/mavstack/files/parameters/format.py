@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from mavstack.files.parameters.parameter_file import ParameterFile
     from mavstack.services.parameters import Value
 
-#: The number of characters of a line that an error shows.
+#: Maximum number of characters of a line in an error text.
 _SHOWN = 40
 
 

@@ -31,11 +31,11 @@ if TYPE_CHECKING:
     from mavstack.files.parameters.parameter_file import StoredParameter
     from mavstack.services.parameters import Parameter, Value
 
-#: The number of parameters that are set at the same time.
+#: Maximum number of parameters that are set at the same time.
 MAX_CONCURRENCY = 8
-#: The number of times that newly revealed parameters are looked up.
+#: Maximum number of searches for parameters that exist only after others were set.
 MAX_ROUNDS = 5
-#: After so many unanswered requests in a row no more parameters are tried.
+#: Number of consecutive unanswered requests after which no more parameters are set.
 MAX_UNANSWERED = 3
 _LAST_ROUND = 2
 

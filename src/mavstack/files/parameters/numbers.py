@@ -18,9 +18,9 @@ from mavstack.services.parameters.value import is_integer, same, shortest
 if TYPE_CHECKING:
     from mavstack.services.parameters import Value
 
-#: A whole float32 below this is written without an exponent.
+#: A whole float32 value below this limit is written without an exponent.
 _MAX_WHOLE = 1e15
-#: The largest number of characters of a value.
+#: Maximum number of characters of a value.
 _MAX_LENGTH = 64
 _NUMBER = re.compile(
     r"[+-]?(?:0[xX][0-9a-fA-F]+|(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|(?i:nan|inf|infinity))", re.ASCII

@@ -12,8 +12,8 @@ from mavstack.files.plans.parsing import shown
 if TYPE_CHECKING:
     from typing import Self
 
-#: Bounds on the objects and arrays, and on all values, of a document: a value in memory takes up to a hundred
-#: times its text. Plans of the maximum size, with home and all items, have less than 450,000 and 2,900,000.
+#: Maximum number of objects and arrays, and of all values, in a document, since a value in memory takes up to
+#: a hundred times the size of its text. The largest possible plans have less than 450,000 and 2,900,000.
 MAX_CONTAINERS: Final = 750_000
 MAX_VALUES: Final = 3_000_000
 _WORDS: Final = {"nan": nan, "inf": inf, "-inf": -inf}
@@ -42,7 +42,7 @@ class JsonValue:
         except json.JSONDecodeError as error:
             problem = f"it is not JSON: {error.msg} (column {error.colno})"
             raise PlanFileError(problem, name, f"line {error.lineno}") from None
-        except ValueError:  # a number of thousands of digits
+        except ValueError:  # the document contains a number with thousands of digits
             raise PlanFileError("it holds a number that is too long to be one", name) from None
 
     def wrong(self, problem: str) -> PlanFileError:

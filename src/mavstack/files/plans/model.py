@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 CMD: Final = common.MavCmd
 FRAME: Final = common.MavFrame
 
-#: The name of each plan type in texts.
+#: The name of each plan type in output and error texts.
 PLAN_NAMES: Final[Mapping[int, str]] = MappingProxyType(
     {PlanType.MISSION: "mission", PlanType.FENCE: "fence", PlanType.RALLY: "rally points"}
 )

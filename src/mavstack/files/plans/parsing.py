@@ -20,9 +20,10 @@ if TYPE_CHECKING:
 
     from mavstack.services.mission import MissionItem
 
-#: The largest plan that can be uploaded takes less than half of this in the longest format.
+#: Maximum size of a plan file in bytes: more than twice the largest uploadable plan in the longest format.
 MAX_BYTES: Final = 64 * 1024 * 1024
-#: Lines with any text, and characters in one of them: four plans of the maximum size, with comments.
+#: Maximum number of lines that are not empty (four plans of the maximum size, with comments), and of
+#: characters in a line.
 MAX_LINES: Final = 300_000
 MAX_LINE_LENGTH: Final = 1_000_000
 _NOT_EMPTY: Final = re.compile(r"[^\n]+")
@@ -129,7 +130,7 @@ def bounded(items: list[MissionItem], name: str, *, beside: int = 0) -> list[Mis
 
 def shown(text: object) -> str:
     """Return a value from a file for an error: short, and without terminal control characters."""
-    if isinstance(text, list | dict):  # its text may be long
+    if isinstance(text, list | dict):  # shorten it before its conversion to a text, which may be long
         text = reprlib.repr(text)
     return ascii(text) if len(str(text)) <= 40 else ascii(str(text)[:40]) + "…"
 

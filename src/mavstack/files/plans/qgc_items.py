@@ -54,7 +54,7 @@ class _Items:
         if item.command != CMD.DO_JUMP or not isfinite(wanted):
             return item
         known = {**self._inner_ids, **self._ids}
-        if not known:  # written by hand, without any ids
+        if not known:  # a file written by hand, whose items have no doJumpId
             return replace(item, param1=wanted - 1)
         target = known.get(int(wanted)) if wanted == int(wanted) else None
         if target is None:

@@ -28,7 +28,7 @@ _COLUMNS: Final = "latitude, longitude, altitude, break altitude, landing direct
 _FRAME_VALID: Final = 4
 _FRAME_BITS: Final = 24
 _FRAME_SHIFT: Final = 3
-#: Frames by their number in the flags.
+#: The MAV_FRAME of each frame number in the flags.
 _FRAMES: Final[Mapping[int, int]] = MappingProxyType(
     {0: FRAME.GLOBAL, 1: FRAME.GLOBAL_RELATIVE_ALT, 3: FRAME.GLOBAL_TERRAIN_ALT}
 )

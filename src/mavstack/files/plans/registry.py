@@ -43,7 +43,7 @@ class Written(NamedTuple):
     notes: tuple[str, ...]
 
 
-#: The formats by name, in the order of detection.
+#: The formats by name, in the order in which they are tried.
 FORMATS: Final[Mapping[str, Format]] = MappingProxyType(
     {
         "json": Format(

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mavstack.files.plans.model import PlanFile
     from mavstack.services.mission import MissionItem
 
-#: Items that fly to their position; other items mean the vehicle's position if they hold none.
+#: Commands that need a position; for other commands, an item without a position means the vehicle's position.
 _PLACED: Final = frozenset({CMD.NAV_WAYPOINT, CMD.NAV_SPLINE_WAYPOINT})
 
 _FRAMES: Final = frozenset(FRAME)
@@ -38,7 +38,7 @@ class Problem:
     kind: int
     item: int
     text: str
-    #: The number of the item in ground stations.
+    #: The number of the item that ground stations show.
     number: int
 
     def __str__(self) -> str:

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from mavstack.files.plans.parsing import Line, Report
     from mavstack.services.mission import MissionItem
 
-#: The commands of the actions of version 100.
+#: The MAV_CMD of each action number in files of version 100.
 _OLD_ACTIONS: Final[Mapping[int, int]] = MappingProxyType(
     {
         2: CMD.NAV_TAKEOFF,
@@ -136,7 +136,7 @@ def _read_items(lines: Iterable[Line], version: str, notes: list[str]) -> tuple[
         first = first if items else index
         counted = counted and index == first + len(items)
         items.append(_read_item(line, columns, old=version == "100"))
-        bounded(items, line.name, beside=1)  # the home
+        bounded(items, line.name, beside=1)  # `beside`: the home position
     if not counted:
         notes.append("the indexes of the items are not consecutive: the items are counted by their order")
     return tuple(items)
@@ -173,7 +173,7 @@ def _is_home(items: tuple[MissionItem, ...], notes: list[str]) -> bool:
 def _sorted_out(items: tuple[MissionItem, ...]) -> PlanFile:
     """Return the items in the plans that they belong to."""
     kinds = {_OTHER_KINDS.get(item.command, PlanType.MISSION) for item in items}
-    if len(kinds) != 1:  # a mixture is read as one mission; validation reports the misplaced items
+    if len(kinds) != 1:  # a mixture of plan types is read as a mission; validation reports the wrong items
         return PlanFile.of(items)
     kind = kinds.pop()
     of_fence, of_rally = kind == PlanType.FENCE, kind == PlanType.RALLY

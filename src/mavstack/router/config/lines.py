@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-#: The path of a value: names of tables and keys, and indexes of arrays of tables.
+#: The path of a value: names of tables, keys, and indexes in arrays of tables.
 KeyPath: TypeAlias = "tuple[str | int, ...]"
 
-#: One of these is in the last line of a statement of several lines. Only such lines are tried, so that not
-#: each line of a long array is a reason to parse all lines before it.
+#: The last line of a statement over several lines contains one of these. Only after such a line the statement
+#: is parsed: parsing it after each line of a long array would be slow.
 _ENDS: Final = ("]", "}", '"""', "'''")
 
 
@@ -25,7 +25,7 @@ class LineFinder:
     def __init__(self, text: str) -> None:
         self._lines: dict[KeyPath, int] = {}
         self._sizes: dict[KeyPath, int] = {}
-        import tomllib  # a router without a file does not need it
+        import tomllib  # a router without a configuration file does not need this import
 
         table: KeyPath = ()
         for number, statement in _statements(text):

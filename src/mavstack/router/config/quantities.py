@@ -34,7 +34,7 @@ _BYTE_RATES: Final[Mapping[str, float]] = MappingProxyType(
 )
 _HERTZ: Final[Mapping[str, float]] = MappingProxyType({"": 1.0, "hz": 1.0, "/s": 1.0, "/min": 1 / 60})
 _QUANTITY: Final = re.compile(r"(\d{1,18}(?:\.\d{0,9})?|\.\d{1,9})\s*([A-Za-z/]*)")
-#: Larger values are mistakes, and would overflow timers.
+#: Largest quantity: larger values are mistakes, and would overflow timers.
 _MAX_QUANTITY: Final = 1e15
 
 

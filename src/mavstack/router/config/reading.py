@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 MAX_ENDPOINTS: Final = 1000
-#: Loop protection remembers packets for this long at most, in seconds.
+#: Maximum seconds for which the loop protection keeps packets.
 MAX_DUPLICATE_WINDOW: Final = 10.0
 _NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
 _HOST_PORT: Final = re.compile(r"(?:\[[0-9a-fA-F:.]+\]|[A-Za-z0-9_.-]+):(\d{1,5})")

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 Value = TypeVar("Value")
 
-#: Bytes of a file; more is not a configuration.
+#: Maximum size of a configuration file in bytes.
 MAX_FILE_SIZE: Final = 1 << 20
 _NAMES: Final = {
     str: "a text in quotes",
@@ -69,10 +69,10 @@ class Table:
         Raises:
             RouterConfigError: The text is not TOML.
         """
-        import tomllib  # a router without a file does not need it
+        import tomllib  # a router without a configuration file does not need this import
 
         try:
-            # Line ends as on Windows are the same to the line finder.
+            # The line finder expects \n at line ends, not \r\n as on Windows.
             return cls(tomllib.loads(text), ConfigText(text.replace("\r\n", "\n"), path))
         except tomllib.TOMLDecodeError as error:
             raise _syntax_error(str(error), path, text) from None

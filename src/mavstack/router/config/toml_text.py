@@ -92,5 +92,5 @@ def _value(value: object) -> str:
         return repr(int(value)) if value.is_integer() else f"{value:.9f}".rstrip("0")
     if not isinstance(value, str):
         return json.dumps(value)
-    # The escapes of JSON are those of TOML, except that TOML also wants DEL as one.
+    # JSON strings are valid TOML strings, except that TOML requires an escape for DEL.
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -127,7 +127,8 @@ class ControlApi:
             scheme, _, shown = request.headers.get("authorization", "").partition(" ")
             if scheme.lower() != "bearer" or not compare_digest(shown.strip().encode(), self._token.encode()):
                 raise RefusedError(401, "a valid token is needed: Authorization: Bearer …")
-            mark_client(Proof.AUTHENTICATED, "token")  # strangers take no connection of it
+            # authenticated: clients without a token cannot take this connection's place
+            mark_client(Proof.AUTHENTICATED, "token")
             return
         if "origin" in request.headers or not is_local_host(request.headers.get("host", "")):
             raise RefusedError(403, "requests of web pages are refused: set control_token")

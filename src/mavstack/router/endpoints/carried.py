@@ -32,11 +32,11 @@ if TYPE_CHECKING:
     from mavstack.router.config import EndpointConfig
 
 _log = logging.getLogger("mavstack.router")
-#: Bytes of packets that share one chunk, such as one message of a WebSocket.
+#: Maximum size in bytes of a chunk of several packets, such as one message of a WebSocket.
 MAX_CHUNK: Final = 4096
-#: Seconds for which the engine keeps a closed channel, whose last packets the firewall may still inspect.
+#: Seconds for which the engine keeps a closed channel, since the firewall may still inspect its last packets.
 LINGER_TIME: Final = 0.1
-#: Seconds until a recording tries again to give its bytes to a full engine.
+#: Seconds until the packets of a replayed recording are given again to an engine whose queue was full.
 RETRY_INTERVAL: Final = 0.01
 
 
@@ -51,11 +51,11 @@ class CarriedEndpoint(Endpoint):
         self._dropped: dict[int, int] = {}
         self._profiles: dict[int, HighLatency] = {}
         self._sent: dict[int, tuple[int, int]] = {}
-        self._slow: set[int] = set()  # the channels that are waited for
+        self._slow: set[int] = set()  # channels that have no room for further packets now
         self._proofs = ClientProofs(attachments.engine)
         link.before_choice = self._update_proofs
         scheme = find_scheme(link.url.scheme)
-        #: Several packets may share one chunk; otherwise a chunk is a datagram.
+        #: True if several packets may share one chunk (a stream); False if each chunk is a datagram.
         self._joins = scheme is not None and scheme.is_stream
 
     @property
@@ -80,7 +80,7 @@ class CarriedEndpoint(Endpoint):
         self._spawn(self._read())
         if self.config.high_latency is not None:
             self._spawn(self._send_summaries(self.config.high_latency))
-        await asyncio.sleep(0)  # the reader takes the channels that are open already
+        await asyncio.sleep(0)  # let the reader handle the channels that are open already
 
     async def close(self) -> None:
         """Close the link; queued bytes are sent first."""
@@ -107,7 +107,8 @@ class CarriedEndpoint(Endpoint):
             while rest and not channel.closed:
                 await channel.drain()
                 before, rest = rest, self._write(number, channel, rest)
-                if len(rest) == len(before):  # the channel has no queue to wait for
+                if len(rest) == len(before):
+                    # the channel took nothing, and has no queue whose end could be awaited
                     break
         self._count_dropped(number, len(rest))
         self._slow.discard(number)
@@ -151,7 +152,7 @@ class CarriedEndpoint(Endpoint):
             self._profiles[number].receive_request(data, monotonic())
         try:
             return self._attachments.engine.push(number, data)
-        except InvalidArgumentError:  # the engine closed it
+        except InvalidArgumentError:  # the engine has closed the endpoint
             self._close_channel(channel, "closed by the router")
             return True
 

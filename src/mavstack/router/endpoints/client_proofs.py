@@ -15,7 +15,7 @@ from mavstack.security.admission import Place, Proof
 if TYPE_CHECKING:
     from mavstack.router.engine import RouterEngine
 
-#: Seconds between two looks at the counters of the engine.
+#: Seconds between two readings of the engine's counters.
 LOOK_INTERVAL: Final = 0.25
 
 
@@ -68,7 +68,7 @@ class ClientProofs:
     def _look(self, now: float) -> None:
         try:
             statistics = self._engine.statistics()
-        except InvalidStateError:  # the router closes
+        except InvalidStateError:  # the router is closing
             return
         verified = {number for route in statistics.routes if route.verified for number in route.endpoints}
         for number, client in self._clients.items():

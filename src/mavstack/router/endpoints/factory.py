@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from mavstack.router.endpoints.base import Endpoint
 
 _SERIAL: Final = "native:SerialEndpoint"
-#: Module and class of the endpoint by the link. Exactly these links: TLS derives from TCP, and an impaired
-#: link wraps another.
+#: Module and class of the endpoint, by the class of the link. Subclasses do not count: a TLS link is a
+#: subclass of the TCP link, and needs another endpoint.
 _NATIVE: Final[Mapping[str, str]] = MappingProxyType(
     {
         "mavstack.links.udp.UdpListener": "native:UdpEndpoint",
@@ -31,7 +31,7 @@ _NATIVE: Final[Mapping[str, str]] = MappingProxyType(
         "mavstack.links.serial.SerialLink": _SERIAL,
     }
 )
-#: Options of links that Python applies: roles of clients, and the threads of a serial port.
+#: Link options that only Python links support: roles of clients, and threads for a serial port.
 _CARRIED: Final = frozenset({"role", "roles", "threads"})
 
 
@@ -46,7 +46,7 @@ def make_endpoint(config: EndpointConfig, attachments: Attachments) -> Endpoint:
         LinkError: The URL is malformed, or a certificate cannot be read.
         MissingExtraError: The scheme needs an optional dependency.
     """
-    # Each kind is imported when a router has one: without a recorder it starts without log files.
+    # Import only the needed class: without a recorder, a router starts without the modules of log files.
     if config.record is not None:
         from mavstack.router.endpoints.recorder import RecorderEndpoint
 

@@ -30,12 +30,12 @@ if TYPE_CHECKING:
     from mavstack.router.config import EndpointConfig
 
 _log = logging.getLogger("mavstack.router")
-#: A connection that lasted longer resets the delay before the next attempt, in seconds.
+#: Seconds: a connection that lasted longer resets the delay before the next attempt to connect.
 STABLE_TIME = 5.0
-#: The send queue of a serial line: the bytes of this many seconds at its rate, and at least several packets.
+#: Size of a serial line's send queue: in seconds at its baud rate, and at least in bytes.
 LINE_QUEUE_TIME = 0.5
 MIN_LINE_QUEUE = 4096
-BITS_PER_BYTE = 10  # with start and stop bit
+BITS_PER_BYTE = 10  # 8 data bits, a start bit and a stop bit
 
 
 class UdpEndpoint(Endpoint):

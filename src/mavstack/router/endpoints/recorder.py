@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from mavstack.router.config import EndpointConfig, Recording
 
 _log = logging.getLogger("mavstack.router")
-#: Seconds between two writes to the disk itself, so that a loss of power costs no more.
+#: Seconds between two writes to the disk itself: a loss of power costs at most the packets in between.
 SYNC_INTERVAL = 1.0
 CAPACITY = 20_000
 

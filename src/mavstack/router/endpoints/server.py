@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from mavstack.router.config import EndpointConfig
 
 _log = logging.getLogger("mavstack.router")
-#: Seconds after which a server accepts again when the system had no descriptors left.
+#: Seconds until a server accepts clients again after an error, such as too many open files.
 ACCEPT_PAUSE: Final = 1.0
-#: Seconds between two lines in the log about clients that found the server full.
+#: Seconds between two log lines about clients that were refused because the server was full.
 WARN_INTERVAL: Final = 1.0
 
 
@@ -92,7 +92,8 @@ class ServerEndpoint(Endpoint):
         while True:
             try:
                 client, address = await _accepted(sock)
-            except OSError as error:  # such as too many open files, or a client that left already
+            except OSError as error:
+                # for example too many open files, or a client that closed its connection already
                 _log.warning("endpoint %s: accepting a client failed: %s", self.config.name, error)
                 await asyncio.sleep(ACCEPT_PAUSE)
                 continue

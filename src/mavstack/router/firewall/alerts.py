@@ -10,9 +10,9 @@ from mavstack.dialects import common
 if TYPE_CHECKING:
     from mavstack.services import Address
 
-#: Seconds in which alerts of one detector about one source are counted instead of raised again.
+#: Seconds in which further alerts of one detector about one source are counted, not raised.
 REPEAT_INTERVAL: Final = 10.0
-#: Sources whose last alert is remembered.
+#: Maximum number of sources whose last alert is kept.
 MAX_REMEMBERED: Final = 4096
 _STATUSTEXT_BYTES: Final = 50
 

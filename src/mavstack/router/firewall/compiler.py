@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mavstack.router.peer import Peer
     from mavstack.wire import Packet
 
-#: Beginning of the names of all rules of the firewall in the engine's statistics.
+#: The prefix of the firewall's rule names in the engine's statistics.
 PREFIX: Final = "firewall."
 EVERYWHERE: Final = (ip_network("0.0.0.0/0"), ip_network("::/0"))
 #: Network address, prefix length, first and last port.

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from mavstack.router.peer import Peer
 
 Verdict: TypeAlias = Literal["allow", "deny", "tell"]
-#: Rules of one firewall.
+#: Maximum number of rules of a firewall.
 MAX_RULES: Final = 1000
 _NO_PORTS: Final = range(65536)
 
@@ -200,5 +200,5 @@ def _detectors(table: Table, names: Names) -> tuple[Detector, ...]:
 def _known_detector(name: object) -> str:
     if name not in detector_names():
         raise ValueError(f"there is no detector {name!r}; known: {', '.join(detector_names())}")
-    make_detector(str(name))  # a firewall without a detector that it is to have is refused
+    make_detector(str(name))  # raises if the detector cannot be created: a firewall must not run without it
     return str(name)

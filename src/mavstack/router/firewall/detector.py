@@ -141,7 +141,7 @@ class Detector:
         return Alert(self.name, str(origin), source, text, refuse)
 
 
-#: Module and class of each built-in detector below `mavstack.router.firewall.detectors`.
+#: Module (in `mavstack.router.firewall.detectors`) and class of each built-in detector.
 DETECTORS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "spoofed-ids": "spoofed_ids:SpoofedIds",
@@ -153,7 +153,7 @@ DETECTORS: Final[Mapping[str, str]] = MappingProxyType(
         "behaviour": "behaviour:FlightBehaviour",
     }
 )
-#: The detectors of a firewall that names none: all that need only rare messages.
+#: The detectors of a firewall without the setting `detectors`: all that need only rare messages.
 DEFAULT_DETECTORS: Final = tuple(name for name in DETECTORS if name != "sequence")
 
 

@@ -49,11 +49,11 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger("mavstack.router.firewall")
 
-#: Alerts that wait for the driver; the oldest are lost.
+#: Maximum number of alerts that wait until they are handled; the oldest ones are dropped.
 MAX_ALERTS: Final = 1000
-#: Sources of one endpoint in quarantine.
+#: Maximum number of sources in quarantine per endpoint.
 MAX_QUARANTINED: Final = 64
-#: Peers of one listening socket in quarantine.
+#: Maximum number of peers in quarantine per listening socket.
 MAX_BLOCKED: Final = 1024
 
 
@@ -66,7 +66,7 @@ class _Endpoint:
     group: str = ""
     listening: bool = False
     verifies: bool = False
-    #: The time at which each quarantine ends: that of an identity, of the whole link (None), or of a peer.
+    #: End time of each quarantine: of an address, of the whole link (None), or of a peer.
     quarantine: dict[Quarantined, float] = field(default_factory=dict)
 
 
@@ -81,14 +81,14 @@ class Firewall:
     def __init__(self, config: FirewallConfig, ids: Mapping[str, int] | None = None) -> None:
         self.config = config
         self.ids = IdAssignment(config.pool, ids)
-        #: Number of alerts by the name of their detector, for metrics.
+        #: Number of alerts of each detector, for metrics.
         self.counts: Counter[str] = Counter()
         self._endpoints: dict[str, _Endpoint] = {}
         self._inspected = messages_of(config.detectors)
         self._limiter = AlertLimiter()
         self._alerts: deque[Alert] = deque(maxlen=MAX_ALERTS)
         self._changed: set[str] = set()
-        #: Quarantines of the firewall before a reload, by endpoint, until the endpoint is added again.
+        #: Quarantines from before a reload, by endpoint; applied when the endpoint is added again.
         self._inherited: dict[str, dict[Quarantined, float]] = {}
 
     def inherit(self, previous: Firewall) -> None:
@@ -138,7 +138,7 @@ class Firewall:
             rules = with_filter(rules, own)
         refusal = self._refusal_of(rules, peer, credential)
         if refusal is not None:
-            self.close_endpoint(name)  # earlier rules of this endpoint hold no longer
+            self.close_endpoint(name)  # remove the earlier rules of this endpoint
             detector, text = refusal
             self._raise(Alert(detector, name, None, text), 0.0)
             return False
@@ -238,9 +238,9 @@ class Firewall:
         refusal = self._first_refusal(endpoint, origin, self._as_common(packet), now)
         if refusal is None or self.config.dry_run:
             return True
-        # Where signatures are verified, an unsigned packet can have any address and ids: it is refused alone.
+        # With verified signatures, an unsigned packet causes no quarantine: its addresses may be forged.
         if self.config.quarantine and (verified or not endpoint.verifies):
-            # Only a proven identity, or the only sender of a link, is punished for what its ids did.
+            # A quarantine by system id needs a proven identity, or a link with only one sender.
             by_ids = origin.sender.is_authenticated or peer is None
             self._cut_off(name, refusal.source if by_ids else peer, now)
         return False
@@ -257,7 +257,7 @@ class Firewall:
             return packet
         try:
             return Packet(packet.raw, common)
-        except ValueError:  # the dialect has another message of this name
+        except ValueError:  # the dialect defines another message with this name
             return packet
 
     def matched(
@@ -305,7 +305,7 @@ class Firewall:
     def _measured(detector: Detector, name: str, traffic: Traffic, now: float) -> list[Alert]:
         try:
             return list(detector.measure(name, traffic, now))
-        except Exception:  # as in `_detected`; counters refuse nothing
+        except Exception:  # a defect must not stop the router, as in `_detected`
             logger.exception("detector %s failed", detector.name)
             return []
 
@@ -369,7 +369,7 @@ class Firewall:
                 continue
             try:
                 yield from detector.inspect(origin, packet, now)
-            except Exception:  # a defect of a detector must neither pass the packet nor stop the router
+            except Exception:  # a defect of a detector must not let the packet pass, nor stop the router
                 logger.exception("detector %s failed", detector.name)
                 yield detector.alert(origin, packet, "the detector failed, see the log")
 
@@ -382,11 +382,11 @@ class Firewall:
     def _cut_off(self, name: str, source: Quarantined, now: float) -> None:
         quarantine = self._endpoints[name].quarantine
         if isinstance(source, Remote):
-            make_room(quarantine, MAX_BLOCKED)  # the oldest ones end early: peers can invent more addresses
+            make_room(quarantine, MAX_BLOCKED)  # ends the oldest quarantines: peers can invent addresses
         elif source not in quarantine and len(quarantine) >= MAX_QUARANTINED:
             if self._endpoints[name].listening:
-                return  # others send here too; the packet itself is dropped
-            source = None  # so many sources on one link are forged: the whole link
+                return  # no quarantine of the socket, since other peers use it; only the packet is dropped
+            source = None  # so many sources on one link must be forged: put the whole link in quarantine
         if source not in quarantine:
             self._changed.add(name)
         quarantine[source] = now + self.config.quarantine

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from mavstack.wire import Packet
 
-#: Senders of one recording; more are noise.
+#: Maximum number of senders in a recording; further ones are treated as noise.
 MAX_SENDERS: Final = 256
 _COMMANDS: Final = message_ids(common.CommandLong, common.CommandInt)
 _WIDTH: Final = 100

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from mavstack.router.engine_statistics import EndpointStatistics
     from mavstack.router.firewall.firewall import Firewall
 
-#: Causes of dropped packets whose sender did not prove that it has the key.
+#: Reasons for dropped packets whose sender has not proved with a signature that it has the key.
 SIGNATURE_CAUSES: Final = ("unsigned", "forged", "replayed", "stale", "future", "too_many_streams")
 
 

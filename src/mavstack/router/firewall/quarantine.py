@@ -10,8 +10,8 @@ from mavstack.router.rules import Rule
 if TYPE_CHECKING:
     from mavstack.services import Address
 
-#: The subject of a quarantine: a source whose identity is proven, or the only one of its link; the whole link
-#: (None), or one remote address of a listening UDP socket.
+#: The subject of a quarantine: an address (its identity is proven, or it is alone on its link), the whole
+#: link (None), or one peer of a listening UDP socket.
 Quarantined: TypeAlias = "Address | Remote | None"
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Final
 
-#: The longest datagram; a longer run of bytes without a zero byte is junk.
+#: Maximum size of a datagram; more bytes without a zero byte are not a datagram.
 MAX_DATAGRAM: Final = 1 << 16
 _MAX_BLOCK: Final = 254
 

@@ -91,7 +91,7 @@ class Connector:
         handshake = Initiator(config.suite, config.identity, messages.prologue(header), self._random)
         try:
             first = handshake.first_message()
-        except HandshakeError:  # the configured key of the peer is not a point of the curve
+        except HandshakeError:  # the configured key of the peer is not a valid public key
             return self._refuse("unusable key of the peer")
         attempt.handshake = handshake
         return header + first

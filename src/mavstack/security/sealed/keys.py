@@ -17,7 +17,7 @@ from mavstack.security.key_store import sealed_key_path
 from mavstack.security.keys import SigningKey
 from mavstack.security.sealed.noise import KEY_SIZE, public_of
 
-#: A larger file is no list of public keys.
+#: Maximum size of a file with public keys in bytes.
 MAX_PEERS_FILE: Final = 1 << 16
 _MAX_NAME: Final = 64
 

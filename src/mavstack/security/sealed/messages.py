@@ -27,7 +27,7 @@ COOKIE_SIZE: Final = 16
 HELLO_SIZE: Final = 1 + NONCE_SIZE + COOKIE_SIZE
 INITIATE_HEADER: Final = 4 + NONCE_SIZE + COOKIE_SIZE
 UNKNOWN_SIZE: Final = 5
-#: Seconds for which new cookies use a secret; cookies are valid for this time after it.
+#: Seconds for which a secret signs new cookies; these cookies are valid for the same time after it.
 COOKIE_LIFETIME: Final = 60.0
 _PROLOGUE: Final = b"mavstack sealed link"
 

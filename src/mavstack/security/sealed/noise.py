@@ -315,7 +315,7 @@ def _second_message(
 
 def _mix_ephemeral(suite: Suite, state: _State, public: bytes) -> None:
     state.mix_hash(public)
-    if not suite.pinned:  # handshakes with a pre-shared key mix it into the key too
+    if not suite.pinned:  # with a pre-shared key, Noise also mixes the ephemeral public key into the key
         state.mix_key(public)
 
 

@@ -14,14 +14,14 @@ if TYPE_CHECKING:
     from mavstack.security.sealed.config import SealConfig
     from mavstack.security.sealed.noise import Random
 
-#: Handshakes per second that a link calculates for all hosts, and how many at once.
+#: Maximum number of handshakes of all hosts per second, and at once after a pause.
 HANDSHAKE_RATE: Final = 100.0
 HANDSHAKE_BURST: Final = 200.0
-#: The same for one host, so that it cannot use up what the others need.
+#: The same limits for one host, so that it does not use up the handshakes of other hosts.
 HOST_RATE: Final = 4.0
 HOST_BURST: Final = 16.0
 _MAX_HOSTS: Final = 1024
-#: Answers that are kept to be sent again when a network duplicates an initiate.
+#: Maximum number of kept answers, which are sent again for a duplicate of an initiate message.
 _MAX_ANSWERS: Final = 64
 
 
@@ -90,7 +90,7 @@ class Responder:
             return self._refuse("other algorithms")
         if not self._cookies.verify(initiate.cookie, address, initiate.nonce, now):
             return self._refuse("wrong cookie")
-        if data in self._answers:  # a duplicate
+        if data in self._answers:  # a duplicate of an initiate message
             return Reply(self._answers[data])
         if not (self._allowance_of(address).take(now) and self._allowance.take(now)):
             return self._refuse("too many handshakes")

@@ -18,7 +18,7 @@ from cryptography.exceptions import InvalidTag
 from mavstack.security.sealed.noise import TAG_SIZE, Suite
 
 HEADER_SIZE: Final = 4
-#: Bytes that a frame has more than its content.
+#: Size of a frame without its content in bytes.
 OVERHEAD: Final = HEADER_SIZE + TAG_SIZE
 WINDOW: Final = 1024
 EPOCHS: Final = 4
@@ -66,10 +66,10 @@ class Session:
         self._suite = suite
         self._sender, self._receiver = suite.cipher(keys[0]), suite.cipher(keys[1])
         self._flags = _FRAME_BIT | initiator << 30 | epoch << _COUNTER_BITS
-        #: The slot of received frames, see `slot_of`.
+        #: The slot number in received frames; see `slot_of`.
         self.slot = epoch | (not initiator) << 2
         self.epoch, self.initiator, self.started, self.peer = epoch, initiator, now, peer
-        #: Frames sent.
+        #: Number of sent frames.
         self.sent = 0
         self._top = -1
         self._seen = 0

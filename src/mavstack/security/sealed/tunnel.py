@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from mavstack.security.sealed.responder import Responder
 
 REKEY_SECONDS: Final = 120.0
-#: Seconds for which an end waits for the opener of the session to renew it.
+#: Seconds for which the responder waits until the initiator renews the session.
 REKEY_GRACE: Final = 15.0
 REKEY_FRAMES: Final = 1 << 26
-#: Seconds after which a session is used no more, although no new one could be made.
+#: Seconds after which a session is not used any more, even if it could not be renewed.
 EXPIRE_SECONDS: Final = 600.0
 KEEPALIVE: Final = 2.0
 CONFIRM_INTERVAL: Final = 0.5
@@ -138,7 +138,7 @@ class Tunnel:
         if session is None:
             return float("-inf")
         silent = max(self._last_received, session.started) + SILENCE
-        if not session.initiator:  # the peer opened the session, and should renew it
+        if not session.initiator:  # the peer initiated the session, and is the one to renew it
             return min(session.started + REKEY_SECONDS + REKEY_GRACE, silent)
         if session.sent >= REKEY_FRAMES:
             return float("-inf")
@@ -185,7 +185,7 @@ class Tunnel:
     def _receive_handshake(self, data: bytes, now: float) -> None:
         kind = data[0] if data else 0
         responder, connector = self._responder, self._connector
-        if connector is not None and connector.is_own(data):  # our own message was sent back to us
+        if connector is not None and connector.is_own(data):  # a message of this end came back
             self.counts["reflected"] += 1
         elif responder is not None and kind == messages.HELLO:
             self._send(responder.hello(data, self._address, now).data)

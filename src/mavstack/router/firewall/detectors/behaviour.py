@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 MAX_VEHICLES: Final = 256
-#: The second parameter of MAV_CMD_COMPONENT_ARM_DISARM that disarms in the air.
+#: The value of param 2 of MAV_CMD_COMPONENT_ARM_DISARM that forces disarming in flight.
 _FORCE: Final = 21196
 _SENSITIVE: Final = frozenset(
     {
@@ -85,7 +85,7 @@ class FlightBehaviour(Detector):
         vehicle = self._vehicles.setdefault(system, _Vehicle())
         armed = bool(heartbeat.base_mode & common.MavModeFlag.SAFETY_ARMED)
         if vehicle.armed and not armed:
-            vehicle.pilot = None  # a flight has ended
+            vehicle.pilot = None  # disarmed: the flight has ended
         vehicle.armed = armed
 
     def _change(self, origin: str, packet: Packet, change: str) -> Iterator[Alert]:

@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     from mavstack.router.config import Table
     from mavstack.router.firewall.alerts import Alert
 
-#: Packets and bad bytes per second: a vehicle with all streams at high rates sends fewer.
+#: Packets and invalid bytes per second that no vehicle exceeds, even with all streams at high rates.
 DEFAULT_MAX_PACKETS: Final = 5000.0
 DEFAULT_MAX_BAD_BYTES: Final = 20_000.0
 MAX_ORIGINS: Final = 4096
-#: Counters that are read again sooner say nothing about a rate.
+#: Minimum seconds between two readings of the counters from which a rate is calculated.
 _MIN_INTERVAL: Final = 0.2
 
 

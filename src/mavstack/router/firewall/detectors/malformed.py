@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mavstack.router.firewall.alerts import Alert
     from mavstack.wire import Packet
 
-#: Fields with a count, and their arrays. A message of the dialect in use that has both is checked.
+#: The array that each count field counts. Messages of the current dialect that have both fields are checked.
 COUNTS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "valid_points": "pos_x",
@@ -32,7 +32,7 @@ COUNTS: Final[Mapping[str, str]] = MappingProxyType(
         "payload_length": "payload",
     }
 )
-#: Latitude and longitude in 1e-7 degrees, in messages whose frame is always global.
+#: The fields with latitude and longitude (in 1e-7 degrees) of messages whose frame is always global.
 POSITIONS: Final[Mapping[type, tuple[str, str]]] = MappingProxyType(
     {
         common.SetPositionTargetGlobalInt: ("lat_int", "lon_int"),
@@ -40,7 +40,7 @@ POSITIONS: Final[Mapping[type, tuple[str, str]]] = MappingProxyType(
         common.SetHomePosition: ("latitude", "longitude"),
     }
 )
-#: Place of the size in the payload of FTP, and of its data.
+#: Offset of the field `size` in the payload of MAVLink FTP, and offset of its data.
 _FTP_SIZE, _FTP_DATA = 4, 12
 _MAX_LATITUDE, _MAX_LONGITUDE = 900_000_000, 1_800_000_000
 

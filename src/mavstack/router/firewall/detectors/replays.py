@@ -25,17 +25,17 @@ if TYPE_CHECKING:
     from mavstack.router.firewall.alerts import Alert
     from mavstack.wire import Packet
 
-#: Seconds for which packets are remembered, and those within which a copy is an echo.
+#: Seconds for which packets are kept, and seconds within which a copy comes from a redundant link.
 DEFAULT_WINDOW: Final = 600.0
 DEFAULT_ECHO: Final = 1.0
-#: Packets and senders that are remembered.
+#: Maximum number of packets, and of senders, that are kept.
 MAX_PACKETS: Final = 20_000
 MAX_SENDERS: Final = 1024
-#: A request that was sent less often within the window is not the same by chance.
+#: Number of times within the window below which a request counts as rare: two equal ones are then a replay.
 MAX_RARE: Final = 5
-#: Sequence numbers behind the newest one of a sender that its next inspected packet may have.
+#: Maximum number of sequence numbers between two inspected packets of a sender.
 MAX_AHEAD: Final = 96
-#: Requests that are answered, so that their senders repeat one that is lost.
+#: Requests with an answer: if it is missing, the sender repeats the request with a new sequence number.
 ANSWERED: Final = message_ids(
     common.CommandLong,
     common.CommandInt,
@@ -74,7 +74,7 @@ class Replays(Detector):
         """Yield the alerts about a packet."""
         if isinstance(packet.message, common.Heartbeat):
             self._note_sequence(packet)
-            return  # heartbeats repeat; they show how far the sender's sequence is
+            return  # equal heartbeats are normal; they only show the sender's current sequence number
         digest = _digest(packet.raw)
         seen = self._seen.get(digest)
         if seen is None or now - seen > self.window:
@@ -109,7 +109,7 @@ class Replays(Detector):
         key = _digest(packet.raw[:sequence] + packet.raw[sequence + 1 : -2])
         make_room(self._sent, MAX_PACKETS)
         times = [time for time in self._sent.pop(key, ()) if now - time <= self.window]
-        self._sent[key] = times[-MAX_RARE:]  # with the time that the caller adds, one more
+        self._sent[key] = times[-MAX_RARE:]  # the caller adds one more time
         return self._sent[key]
 
 

@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from mavstack.router.firewall.alerts import Alert
     from mavstack.wire import Packet
 
-#: Packets of a sender that are judged together, and steps back among them that are normal.
+#: Number of packets of a sender per check, and number of steps back among them that is normal.
 WINDOW: Final = 64
 DEFAULT_MAX_STEPS_BACK: Final = 10
 MAX_SENDERS: Final = 4096
-#: A smaller difference is a gap, a larger one a step back.
+#: Half of the sequence numbers: a smaller difference means lost packets, a larger one a step back.
 _HALF: Final = 128
 
 

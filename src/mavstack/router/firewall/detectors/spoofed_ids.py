@@ -25,9 +25,9 @@ if TYPE_CHECKING:
     from mavstack.router.firewall.alerts import Alert
     from mavstack.wire import Packet
 
-#: Seconds without a heartbeat after which another link may have an address: three heartbeats are lost.
+#: Seconds without a heartbeat (three are lost) after which another link may use an address.
 DEFAULT_TIMEOUT: Final = 4.0
-#: Addresses whose vehicle is remembered.
+#: Maximum number of addresses whose vehicle is kept.
 MAX_ADDRESSES: Final = 4096
 
 
@@ -76,7 +76,7 @@ class SpoofedIds(Detector):
             refused = before in {Standing.CONTESTED, Standing.OUTRANKED}
             return before if refused else self._claims.hear(sender, address, now)
         if self._claims.holder(address) is None:
-            return Standing.NEW  # its heartbeat is still to come
+            return Standing.NEW  # the first heartbeat of the address has not been received yet
         return self._claims.standing(sender, address, now)
 
     def _heard(
