@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, Final
 if TYPE_CHECKING:
     from starlette.requests import Request
 
-#: Bytes of a JSON body, unless a route allows more.
+#: The largest JSON body in bytes, unless a route allows a larger one.
 MAX_BODY: Final = 1 << 16
-#: Digits and sign of the longest integer of 64 bits; a longer one becomes a float.
+#: The length of the longest 64-bit integer, digits and sign; a longer integer becomes a float.
 _INTEGER_DIGITS: Final = 20
 
 

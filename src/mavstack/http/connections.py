@@ -33,13 +33,14 @@ if TYPE_CHECKING:
     from mavstack.http.early_answers import EarlyAnswer
     from mavstack.http.request_lane import ComesFirst
 
-#: Open connections; the bound leaves descriptors to the links of the program.
+#: The largest number of open connections, so that file descriptors remain for the links of the program.
 MAX_CONNECTIONS: Final = 512
-#: Seconds for the head of a request, and between two parts of its body.
+#: Seconds to receive the head of a request, and between two parts of its body.
 HEAD_TIMEOUT: Final = 20.0
-#: Seconds for which the order in which silent connections leave a full server is valid.
+#: Seconds for which the order of silent connections is used again; a full server closes them in this order.
 ORDER_LIFETIME: Final = 0.5
-#: Seconds for which further newcomers of an address are refused without a comparison of all connections.
+#: Seconds for which further connections of a refused address are refused without a comparison of all
+#: connections.
 REFUSAL_LIFETIME: Final = 0.02
 _current: Final[ContextVar[Connection]] = ContextVar("mavstack_http_connection")
 
@@ -73,7 +74,8 @@ class Connections:
         self._comes_first = comes_first
         self._admission = Admission(MAX_CONNECTIONS, min_stay=0)
         self._open: set[Connection] = set()
-        #: Silent connections in the order in which they leave, found for an earlier newcomer.
+        #: Silent connections in the order in which a full server closes them, as found for an earlier
+        #: connection.
         self._next_leaving: deque[Connection] = deque()
         self._next_found_at = 0.0
         self._refused = ("", 0.0)
@@ -106,7 +108,7 @@ class Connections:
                 if leaving in self._open and leaving.is_silent:
                     self._close(leaving)
                     return True
-        # Those that became WebSockets report no end.
+        # Connections that became WebSockets do not report their end.
         self._open = {each for each in self._open if not each.is_closing}
         places = [each.place() for each in self._open]
         admitted, chosen = self._admission.admit(host, places, now)
@@ -167,13 +169,13 @@ class Connection(asyncio.Protocol):
         self._deadline: asyncio.TimerHandle | None = None
         self._idle = IdleTimer()
         self._used_at = monotonic()
-        self._answering = 0  # requests of which the application has not sent the whole answer
+        self._answering = 0  # the number of requests that the application has not answered completely
         self._awaits_head = True
         self._awaits_body = False
-        self._has_next_head = False  # a part of it at least arrived during an answer
-        self._head = bytearray()  # a request that has not arrived completely, or waits for its turn
+        self._has_next_head = False  # at least a part of the next head arrived during an answer
+        self._head = bytearray()  # bytes of a request that has not arrived completely, or waits for its turn
         self._is_waiting = False
-        self._has_begun = False  # the protocol has the head of a request, the application maybe not yet
+        self._has_begun = False  # the protocol has the head of a request, but perhaps not yet the application
         self._server_has_part = False  # the protocol has a part of a request that followed another one
         self._is_websocket = False
 
@@ -298,7 +300,8 @@ class Connection(asyncio.Protocol):
         self._server_has_part = False
         self._awaits_head, self._awaits_body = False, _has_body(scope)
         self._watch_request()
-        if not has_turn and self.proof is not Proof.AUTHENTICATED:  # it followed the end of another request
+        # a request directly behind another one has not waited yet
+        if not has_turn and self.proof is not Proof.AUTHENTICATED:
             await self._connections.lane.turn()
         is_complete = False
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 _HEAD: Final = re.compile(rb"GET (/[!-~]*) HTTP/1\.1\r\n((?:[A-Za-z0-9-]+:[\t -~]*\r\n)*)\r\n")
 _FIELD: Final = re.compile(rb"([^:]+):[\t ]*([^\r]*?)[\t ]*\r\n")
-#: Fields that change the answer or the connection.
+#: Header fields that change the answer or the connection.
 _UNUSUAL: Final = frozenset(
     {"origin", "expect", "content-length", "transfer-encoding", "upgrade", "range", "te", "trailer"}
 )
@@ -32,7 +32,7 @@ class EarlyRequest(NamedTuple):
     headers: dict[str, str]
 
 
-#: Returns the bytes of the answer; None: the request takes the usual way.
+#: Returns the bytes of the answer, or None if the application answers the request.
 EarlyAnswer: TypeAlias = "Callable[[EarlyRequest], bytes | None]"
 
 

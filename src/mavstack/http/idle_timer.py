@@ -6,7 +6,7 @@ import asyncio
 from time import monotonic
 from typing import Final
 
-#: Seconds after an answer for the next request.
+#: Seconds after an answer within which the next request must arrive.
 IDLE_TIMEOUT: Final = 5.0
 
 

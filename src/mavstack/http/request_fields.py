@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 
-# Type checkers learn that the settings of this class are those of its subclasses too.
+# For type checkers: the options of this class also apply to its subclasses.
 @dataclass_transform(kw_only_default=True, frozen_default=True)
 class Fields(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The fields of a JSON body, or of a query; a subclass declares them."""

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import TypeAlias
 
-#: Bytes of the head of a request; the server refuses a longer one.
+#: The largest head of a request in bytes; the server refuses a larger one.
 MAX_HEAD: Final = 1 << 16
 _END: Final = re.compile(rb"\n\r?\n")
 _FIELD: Final = re.compile(rb"\n(authorization|cookie)[ \t]*:[ \t]*([^\r\n]*)", re.IGNORECASE)
@@ -30,7 +30,7 @@ class RequestHead(NamedTuple):
     cookie: str
 
 
-#: Decides by its head whether a request comes first.
+#: Decides by the head of a request whether it is handled before others.
 ComesFirst: TypeAlias = "Callable[[RequestHead], bool]"
 
 

@@ -31,7 +31,7 @@ class Wait(Fields):
 
 BodyT = TypeVar("BodyT")
 QueryT = TypeVar("QueryT")
-#: The media type of an answer that is the kept one of another route.
+#: The media type of an answer that repeats the stored answer of another route.
 ANY_MEDIA_TYPE: Final = "*/*"
 
 

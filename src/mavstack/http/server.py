@@ -31,9 +31,9 @@ if TYPE_CHECKING:
 logger = logging.getLogger("mavstack.http")
 
 
-#: Bytes of a message that a client of a WebSocket may send.
+#: The largest message of a WebSocket client, in bytes.
 MAX_WEBSOCKET_MESSAGE: Final = 1 << 20
-#: Seconds between two pings of a WebSocket, and for their answers: a client that has vanished is closed.
+#: Seconds between two pings of a WebSocket, and to wait for an answer; then the connection is closed.
 PING_INTERVAL: Final = 20.0
 _NEVER: Final = 1_000_000_000
 
@@ -117,18 +117,21 @@ def _config(app: ASGIApp, *, websockets: bool, proxy: str) -> uvicorn.Config:
     config = uvicorn.Config(
         _logged(app),
         log_config=None,
-        log_level=logging.CRITICAL,  # faulty clients could fill its log; `_logged` reports faults of ours
+        # faulty clients could fill the log; `_logged` reports errors of this program
+        log_level=logging.CRITICAL,
         access_log=False,
         lifespan="off",
         server_header=False,
-        timeout_keep_alive=_NEVER,  # connections end themselves: the server does not see all requests
+        # `Connection` closes idle connections, because the server does not see all requests
+        timeout_keep_alive=_NEVER,
         http="h11",
         ws="websockets-sansio" if websockets else "none",
         ws_max_size=MAX_WEBSOCKET_MESSAGE,
         ws_ping_interval=PING_INTERVAL,
         ws_ping_timeout=PING_INTERVAL,
-        ws_per_message_deflate=False,  # it would compress each message again for each client
-        # By default it believes all clients of this machine, which could then guess passwords without limit.
+        ws_per_message_deflate=False,  # each message would be compressed again for each client
+        # By default the server trusts proxy headers of all clients on this machine, which could then guess
+        # passwords without limit.
         proxy_headers=bool(proxy),
         forwarded_allow_ips=proxy,
         timeout_graceful_shutdown=1,
@@ -170,9 +173,9 @@ async def _listen(address: str, name: str) -> socket.socket:
             host.strip("[]"), int(port), type=socket.SOCK_STREAM
         )
         family, kind, protocol, _, target = found[0]
-        # asyncio sends small packets of a connection at once only if the socket names its protocol.
+        # asyncio sends small packets of a connection at once only if the protocol of the socket is given.
         sock = socket.socket(family, kind, protocol)
-        if os.name == "posix":  # on Windows another program could then listen on the same port
+        if os.name == "posix":  # on Windows, SO_REUSEADDR would let another program listen on the same port
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         sock.bind(target)
     except OSError as error:

@@ -17,7 +17,7 @@ from mavstack.security.room_tickets import read_room
 if TYPE_CHECKING:
     from pathlib import Path
 
-#: Seconds between two looks at the file.
+#: Seconds between two checks of the file.
 READ_INTERVAL: Final = 1.0
 MAX_FILE: Final = 8 << 20
 _LINE: Final = re.compile(r"([0-9a-f]{64})\s*(?:#.*)?", re.ASCII)

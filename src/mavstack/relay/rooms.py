@@ -30,9 +30,9 @@ from mavstack.security.room_tickets import Seat
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: Bytes that a datagram costs in addition to its own, since each takes time.
+#: The number of bytes added to the size of each datagram, because each datagram takes time.
 MESSAGE_COST: Final = 256
-#: Seconds of its pace that a member may send at once.
+#: Seconds of its allowed rate that a member may send at once.
 BURST_SECONDS: Final = 1.0
 _RELAY: Final = 0
 
@@ -166,7 +166,7 @@ class Rooms:
         """
         room = self._rooms.get(name) or _Room(Admission(self.limits.guests, min_stay=0))
         older = room.host if seat is Seat.HOST else None
-        if older is None:  # a host that comes back takes the place of its older connection
+        if older is None:  # a host that returns replaces its older connection
             refusal = self._make_room(room, name, seat, address, now)
             if refusal:
                 self.counts["refused"] += 1

@@ -33,12 +33,13 @@ if TYPE_CHECKING:
 
     from mavstack.relay.rooms import Limits, Member
 
-#: Seconds between two pings, and for the answer: a connection whose peer has gone ends.
+#: Seconds between two pings.
 PING_INTERVAL: Final = 15.0
+#: Seconds to wait for the answer to a ping; then the connection ends, because its peer has gone.
 PING_TIMEOUT: Final = 10.0
-#: The close code of a member that has to leave, or finds no place ("try again later").
+#: The close code for a member that has to leave, or for which there is no room ("try again later").
 TRY_LATER: Final = 1013
-#: Bytes of a connection that the library buffers before it stops reading.
+#: The number of messages of a connection that the library buffers before it stops reading.
 _MAX_BACKLOG: Final = 16
 
 _logger = logging.getLogger("mavstack.relay")

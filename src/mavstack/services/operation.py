@@ -31,7 +31,8 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger("mavstack.services")
 
-#: Seconds after which a transfer without a timeout must have reached its minimum rate, and its longest time.
+#: Seconds after which a transfer without a timeout must have reached its minimum rate, and the longest
+#: duration of such a transfer.
 SLOW_START, MAX_DURATION = 120.0, 86400.0
 #: The number of repetitions of an operation whose times are kept.
 MAX_RETRY_TIMES = 100
@@ -68,9 +69,10 @@ class Operation(Generic[Result]):
 
     #: The error that the operation fails with when a timeout expires.
     timeout_error: ClassVar[type[RemoteTimeout]] = RemoteTimeout
-    #: The progress per second, in the operation's own unit, below which it fails; 0: none. See `deadline`.
+    #: The smallest average progress per second, in the unit of the operation's progress; below it the
+    #: operation fails. 0: no limit. See `deadline`.
     min_rate: ClassVar[float] = 0.0
-    #: Ids of the messages that the operation receives beside those of its client.
+    #: Ids of the messages that the operation receives in addition to those of its client.
     handles: frozenset[int] = frozenset()
 
     def __init__(self, description: str, *, timeout: float | None = None, idle_timeout: float = 10.0) -> None:
@@ -259,7 +261,8 @@ class Operation(Generic[Result]):
     def _give_up(self, error: type[RemoteError], now: float, answer: str, limit: str = "") -> None:
         if self.done:
             return
-        if self._idle_timeout_at is not None:  # else the remote component does not know the operation
+        # an operation that was never sent has nothing to clean up on the remote component
+        if self._idle_timeout_at is not None:
             self.clean_up(now)
         target, attempts = str(self.target), self.attempts
         self.fail(error(self.description, target, attempts=attempts, answer=answer, limit=limit))
@@ -272,7 +275,8 @@ class Client(Service):
         super().__init__(local)
         self.target = self.source_filter = target
         self._own_handles = self.handles
-        #: Returns why a message may not be sent to a target, for an operation of that description.
+        #: Returns the error that forbids to send a message to a target, or None; the text describes the
+        #: operation.
         self.refusal: Callable[[Message, Address, str], SystemIdConflictError | None] = _never
         self._running: list[Operation[Any]] = []
         self._waiting: deque[Operation[Any]] = deque()

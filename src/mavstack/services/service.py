@@ -77,13 +77,14 @@ class Service:
         local: The address of the local component.
     """
 
-    #: The ids of the messages that it receives; may change.
+    #: The ids of the messages that the service receives; the set may change.
     handles: frozenset[int] = frozenset()
     #: The only address whose packets the service receives; component 0 means all components of the system.
     source_filter: Address = BROADCAST
-    #: True if it also receives packets with its own address.
+    #: True if the service also receives packets with its own address.
     accepts_own_packets = False
-    #: True if it also receives packets of senders that were not chosen, where several use one system id.
+    #: True if the service also receives packets of the senders that the program did not choose, if several
+    #: senders use one system id.
     observes_all_senders = False
 
     def __init__(self, local: Address) -> None:

@@ -42,7 +42,7 @@ class Ticker:
         if now < self.next:
             return False
         self._number = max(self._number, floor((now - self._start) / self._period)) + 1
-        while self.next <= now:  # because of rounding
+        while self.next <= now:  # the next time may still have passed, because of rounding
             self._number += 1
         return True
 

@@ -7,11 +7,11 @@ attempt without an answer. Only an answer that surely belongs to its request is 
 
 from __future__ import annotations
 
-#: Seconds that calls which wait for something to appear (`wait_for_…`) wait when no timeout is given.
+#: The default timeout in seconds of calls that wait for something to appear (`wait_for_…`).
 DEFAULT_WAIT_TIMEOUT = 60.0
 
 #: Seconds within which identical bytes of one source are one packet that the network duplicated. Later they
-#: may be a new request: sequence numbers wrap after 256, and start at 0 in each process.
+#: may be a new request, because sequence numbers wrap after 256 packets, and start at 0 in each process.
 DUPLICATE_WINDOW = 0.5
 
 

@@ -20,7 +20,7 @@ from mavstack.services.timing import RoundTrip
 if TYPE_CHECKING:
     from mavstack.wire import Packet
 
-#: Seconds for which requests about an ended transfer are answered.
+#: Seconds for which requests about an ended transfer are still answered.
 ANSWER_AFTER_END = 30.0
 
 _Result = common.MavMissionResult
@@ -135,7 +135,7 @@ class MissionClient(Client):
         match packet.message:
             case common.MissionCurrent() as message:
                 self._update_progress(message)
-            case common.MissionItemReached(seq=seq) if seq != self._reached:  # sent several times
+            case common.MissionItemReached(seq=seq) if seq != self._reached:  # vehicles send it several times
                 self._reached = seq
                 self.emit(ItemReached(seq))
             case common.MissionRequest(mission_type=kind) | common.MissionRequestInt(mission_type=kind):
@@ -155,7 +155,7 @@ class MissionClient(Client):
             message.rally_points_id,
         )
         if progress.seq == self._reached and progress.seq != (self.progress.seq if self.progress else None):
-            self._reached = None  # the vehicle flies to it again
+            self._reached = None  # the vehicle flies to this item again
         if progress != self.progress:
             self.progress = progress
             self.emit(progress)

@@ -25,9 +25,10 @@ from mavstack.services.mission.transfer import MAX_ROUNDS, Transfer
 if TYPE_CHECKING:
     from mavstack.wire import Packet
 
-#: The number of requests for one item after which the vehicle seems to have lost the transfer.
+#: The number of requests for one item after which the download restarts, because the vehicle seems to have
+#: lost it.
 TRIES_BEFORE_RESTART = 6
-#: The number of counts after which the download fails: the vehicle restarts endlessly.
+#: The number of MISSION_COUNT messages after which the download fails, because it would restart endlessly.
 MAX_COUNTS = 64
 
 _Result = common.MavMissionResult

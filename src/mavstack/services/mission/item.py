@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
     from mavstack.services.addressing import Address
 
-#: The default of `MissionItem.frame`, which becomes the frame that suits the command.
+#: The default of `MissionItem.frame`; it is replaced by the frame that suits the command.
 FRAME_OF_COMMAND = -1
 _SYNONYMS: dict[int, int] = {
     common.MavFrame.GLOBAL_INT: common.MavFrame.GLOBAL,
@@ -151,7 +151,8 @@ class MissionItem(ItemFactories):
         has_position = any((self.param5, self.param6, self.param7))
         takes_location = self.command in commands_with_location()
         needs_location = takes_location and self.command < common.MavCmd.NAV_LAST
-        # The parameters decide for an unknown command, which may belong to a user's dialect.
+        # A command that is not known may belong to a user's dialect: then its parameters show whether it has
+        # a location.
         may_have_location = takes_location or not is_known_command(self.command)
         located = needs_location or (may_have_location and has_position)
         return common.MavFrame.GLOBAL_RELATIVE_ALT if located else common.MavFrame.MISSION

@@ -50,12 +50,14 @@ class ClearPlan(Transfer[None]):
 
     def handle_message(self, packet: Packet, now: float) -> None:
         match packet.message:
-            # A cleared plan has no id: an acknowledgement with an id is a late one of an upload.
+            # The acknowledgement of a cleared plan has no id; one with an id is a late acknowledgement of an
+            # upload.
             case common.MissionAck(type=result, mission_type=kind, opaque_id=0) if kind == self._left[0]:
                 self._acknowledged(result, now)
 
     def clean_up(self, now: float) -> None:
-        self._stale_messages.held_back = True  # the vehicle keeps no state
+        # Unlike after other transfers no acknowledgement is sent, because the vehicle keeps no state.
+        self._stale_messages.held_back = True
 
     def _send_clear(self, now: float) -> None:
         target = self.target

@@ -35,20 +35,21 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 DEFAULT_LIMITS: Mapping[int, int] = dict.fromkeys((int(kind) for kind in PLAN_TYPES), 2000)
-#: `total` of MISSION_CURRENT where there is no mission.
+#: `total` of MISSION_CURRENT if there is no mission.
 NO_MISSION = 0xFFFF
 
 _Result = common.MavMissionResult
 
 #: Validates a complete plan from a client: returns a MAV_MISSION_RESULT.
 Validate: TypeAlias = Callable[[Plan, Address], int]
-#: Stores a plan that takes a while, on another device; the program then calls `finish_storing`.
+#: Stores a plan on another device, which takes a while; the program then calls `finish_storing`.
 StoreElsewhere: TypeAlias = Callable[[Plan, Address], None]
-#: Executes an item that is no part of a plan, with its `current`: returns a MAV_MISSION_RESULT.
+#: Executes an item that does not belong to a plan, given the item and its field `current`: returns a
+#: MAV_MISSION_RESULT.
 Guided: TypeAlias = "Callable[[MissionItem, int], int]"
-#: Values of `current` by which old ground stations command ArduPilot to a position, or to an altitude.
+#: Values of `current` with which old ground stations command ArduPilot to a position, or to an altitude.
 GUIDED = frozenset({2, 3})
-#: Validates an item, given plan type and number: returns a MAV_MISSION_RESULT.
+#: Validates an item, given its plan type and number: returns a MAV_MISSION_RESULT.
 Check: TypeAlias = "Callable[[int, int, MissionItem], int]"
 
 
@@ -144,7 +145,7 @@ class MissionServer(Service):
         self._store_elsewhere = store_elsewhere
         self._clearing: dict[int, tuple[Address, int]] = {}
         self._current = 0
-        #: The cached results of `plan`, which is called for every item, and their sources.
+        #: The cached results of `plan`, which is called for every item, with their plans and home items.
         self._shown: dict[int, tuple[Plan, MissionItem | None, Plan]] = {}
         self._cleared: OrderedDict[Address, tuple[bytes, float]] = OrderedDict()
         self._uploads = UploadServer(

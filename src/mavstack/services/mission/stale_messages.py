@@ -17,11 +17,12 @@ from __future__ import annotations
 from mavstack.dialects import common
 
 ALL = int(common.MavMissionType.ALL)
-#: Seconds for which messages of a transfer may arrive after its last one.
+#: Seconds after the last message of a transfer in which further messages of it may arrive.
 SETTLE = 0.5
-#: A vehicle in an upload repeats its request within this time, seconds.
+#: A vehicle that receives an upload repeats its request within this time, in seconds.
 QUIET = 3.0
-#: Vehicles end an upload after 5 (PX4) or 8 seconds without the requested item.
+#: Seconds after which an upload has ended on every vehicle: without the requested item, PX4 ends it after 5
+#: s, others after 8 s.
 UPLOAD_EXPIRES_AFTER = 9.0
 
 
@@ -29,11 +30,13 @@ class StaleMessages:
     """The ended transfers to one vehicle, whose messages may still arrive."""
 
     def __init__(self) -> None:
-        #: True if the next messages may have been delayed for long.
+        #: True if the link may have held back messages of an earlier transfer; a new transfer then ignores
+        #: its first message.
         self.held_back = False
         self._seen_at: dict[tuple[int, bool], float] = {}
         self._failed: set[int] = set()
-        #: By type: when, and when an item was last requested.
+        #: By plan type: the time when an upload was abandoned, and the time of the last request for one of
+        #: its items.
         self._abandoned: dict[int, tuple[float, float]] = {}
 
     def record(self, plan_type: int, writes: bool, now: float) -> None:

@@ -31,14 +31,14 @@ class Transfer(Operation[Result]):
     """A transfer of a plan of one type."""
 
     timeout_error = MissionTimeout
-    #: True if it changes the vehicle's plan.
+    #: True if the transfer changes the vehicle's plan.
     writes = False
 
     def __init__(self, description: str, plan_type: int, timeout: float | None) -> None:
         super().__init__(description, timeout=timeout, idle_timeout=IDLE_TIMEOUT)
         self.type = int(plan_type)
         self.begun = False
-        self.tries = 0  # attempts of the last message
+        self.tries = 0  # the number of times the last message was sent
         self.sent_at = 0.0
         self._not_before = 0.0
         self._ignores_first = False
@@ -73,7 +73,7 @@ class Transfer(Operation[Result]):
         if kind is None or self.type not in (kind, common.MavMissionType.ALL):
             return
         if not self.begun:
-            self.start(now)  # the transfer may wait for this message
+            self.start(now)  # the transfer may have waited for this message
             return
         self._stale_messages.record(self.type, self.writes, now)
         if self._ignores_first:
@@ -119,7 +119,8 @@ class Transfer(Operation[Result]):
         self.attempts = max(self.attempts, self.tries)
         self.sent_at = now
         self._stale_messages.record(self.type, self.writes, now)
-        # A single loss is common and no sign of a longer round trip: the timeout doubles from the second on.
+        # A single loss is common and does not show a longer round trip: the timeout doubles from the second
+        # repetition on.
         self.timer = now + self._round_trip.timeout(max(self.tries - 1, 1))
 
     def answered(self, now: float) -> None:

@@ -43,14 +43,14 @@ if TYPE_CHECKING:
     from mavstack.services.service import HasRoom
     from mavstack.wire import Packet
 
-#: The number of unanswered repetitions of the last item after which the plan is downloaded.
+#: The number of unanswered repetitions of the last item after which the plan is downloaded to verify it.
 TRIES_BEFORE_VERIFY = 6
-#: The number of ERRORs in answer to the count that end the upload.
+#: The number of MAV_MISSION_ERROR answers to MISSION_COUNT that end the upload.
 MAX_ERRORS = 3
 ERROR_PAUSE = 1.0
-#: The number of round trips in which a repeated request for an item is ignored.
+#: The number of round trips after an item was sent in which a repeated request for it is ignored.
 MIN_RESEND_ROUND_TRIPS = 1.2
-#: Idle timeout of a verification, in seconds: its download has a shorter one.
+#: Idle timeout of a verification, in seconds: long, because its download has a shorter idle timeout.
 VERIFY_IDLE_TIMEOUT = 3600.0
 
 _Result = common.MavMissionResult
@@ -176,7 +176,7 @@ class UploadPlan(Transfer[Plan]):
     def _item_requested(self, seq: int, now: float) -> None:
         if self.stage is Stage.COUNTING:
             if seq > 0 and self._rounds == 0:
-                return  # the vehicle is in another upload, and did not receive the count
+                return  # the vehicle is still in another upload, and has not received the count
             self._stale_messages.upload_stopped(self.type)
         if self.stage is Stage.COUNTING or seq > self._due:
             self.answered(now)
@@ -205,7 +205,7 @@ class UploadPlan(Transfer[Plan]):
                 self.report_progress(now, len(self.plan), len(self.plan))
                 self.finish(self.plan.with_id(plan_id))
         elif result == _Result.INVALID_SEQUENCE:
-            return  # the vehicle has that item, and will request another
+            return  # the vehicle has this item already, and will request another one
         elif self.stage is Stage.COUNTING:
             if result != _Result.OPERATION_CANCELLED:
                 self._count_refused(result, now)
@@ -219,7 +219,8 @@ class UploadPlan(Transfer[Plan]):
             self._error_received(now)
         elif result == _Result.DENIED and not self._probing and not self._was_last_sent():
             self._doubted = result
-            self._probe()  # ArduPilot sends it for a late request of a download, and continues
+            # ArduPilot sends DENIED for a late request of a download, and continues with the upload
+            self._probe()
         else:
             self._item_refused(result)
 
@@ -230,7 +231,7 @@ class UploadPlan(Transfer[Plan]):
     def _count_refused(self, result: int, now: float) -> None:
         self._errors += 1
         if result == _Result.ERROR and self._errors < MAX_ERRORS:
-            # PX4 is still in an earlier transfer. Its messages are ignored until it has left that.
+            # PX4 is still in an earlier transfer: its messages are ignored until it has left that transfer.
             self.acknowledge(_Result.OPERATION_CANCELLED, now)
             self.pause(ERROR_PAUSE, now)
         else:

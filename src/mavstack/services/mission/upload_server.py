@@ -24,18 +24,18 @@ if TYPE_CHECKING:
     from mavstack.dialects import Message
     from mavstack.services.addressing import Address
 
-#: Seconds without the next item after which an upload ends, however often it was requested.
+#: Seconds without the next item after which an upload ends, independent of the number of requests.
 IDLE_TIMEOUT = 8.0
-#: Seconds for which a repeated last item gets the last answer again.
+#: Seconds for which the repeated last item of an ended upload gets the same answer again.
 ENDED_UPLOAD_LIFETIME = 30.0
-#: Seconds after an upload in which an equal count is a late duplicate of the same upload.
+#: Seconds after an upload in which a MISSION_COUNT with the same count is a late duplicate.
 LATE_COUNT_WINDOW = 0.3
 MAX_REMEMBERED = 64
 #: The timeout of the first request for an item, and the smallest timeout, seconds.
 INITIAL_TIMEOUT, MIN_TIMEOUT = 0.25, 0.02
 #: The longest time between two requests for an item, unless the link is slower, seconds.
 MAX_TIMEOUT = 0.5
-#: The number of unanswered requests for the first item after which MISSION_REQUEST is tried too.
+#: The number of unanswered MISSION_REQUEST_INT for the first item after which MISSION_REQUEST is tried too.
 LEGACY_REQUEST_AFTER = 2
 
 _Result = common.MavMissionResult
@@ -132,7 +132,7 @@ class UploadServer:
         if running is not None and running.source != source:
             self.acknowledge(source, kind, _Result.DENIED)
         elif ended is not None and ended.count == message.count and now - ended.at < LATE_COUNT_WINDOW:
-            return  # a late duplicate; else the client repeats it
+            return  # a late duplicate; if it is a new upload, the client repeats the count
         elif not any(known is not None and known.is_duplicate(raw, now) for known in (running, ended)):
             self._ended.pop((source, kind), None)
             smallest = self._request_interval
@@ -150,7 +150,7 @@ class UploadServer:
         if upload is None or upload.source != source:
             self._stale_item(source, message, now)
         elif upload.storing:
-            return  # the client repeats its last item until it is acknowledged
+            return  # nothing is answered yet: the client repeats its last item until it is acknowledged
         elif message.seq == upload.due:
             upload.as_float = isinstance(message, common.MissionItem)
             upload.measure(now)

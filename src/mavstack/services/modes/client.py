@@ -41,20 +41,21 @@ if TYPE_CHECKING:
 
     from mavstack.wire import Packet
 
-#: Seconds to wait for the first HEARTBEAT, and for one with the new mode.
+#: Seconds to wait for the first HEARTBEAT.
 HEARTBEAT_TIMEOUT = 5.0
+#: Seconds to wait for a HEARTBEAT with the new mode.
 MODE_CHANGE_TIMEOUT = 10.0
 COMMAND_TIMEOUT = 30.0
-#: Seconds to wait for the effect of SET_MODE after UNSUPPORTED: ArduPilot 4.1 says this of every mode that
-#: it does not have or does not enter now, not only of the command.
+#: Seconds to wait for the effect of SET_MODE after the answer UNSUPPORTED: ArduPilot 4.1 sends this answer
+#: not only for an unknown command, but also for modes that it lacks or does not enter now.
 UNSUPPORTED_TIMEOUT = 3.0
 #: Seconds between two SET_MODE without confirmation, and between two requests for CURRENT_MODE.
 REPEAT_INTERVAL = 1.0
-#: Seconds after the last AVAILABLE_MODES after which missing ones are requested.
+#: Seconds without a further AVAILABLE_MODES after which missing ones are requested.
 LISTING_IDLE_TIMEOUT = 1.5
 MAX_LISTING_ROUNDS = 8
-#: Seconds in which a name that the tables do not have is looked up on a vehicle whose set of modes is the one
-#: that it started with; ArduCopter 4.7 needs seven to list all of its modes.
+#: Timeout in seconds of the lookup of a name that the tables lack, on a vehicle that still has the set of
+#: modes with which it started; ArduCopter 4.7 needs seven seconds to list all of its modes.
 LOOKUP_TIMEOUT = 2.0
 
 _KEPT = common.MavModeFlag.SAFETY_ARMED | common.MavModeFlag.HIL_ENABLED
@@ -183,7 +184,7 @@ class SetMode(_ModeProcedure[int]):
         wanted = self.mode
         if isinstance(wanted, str):
             wanted = yield from self._number(wanted, heartbeat)
-        self.heartbeat = None  # a HEARTBEAT from before the command proves nothing
+        self.heartbeat = None  # only a HEARTBEAT after the command proves the new mode
         try:
             yield CommandOperation(_command(wanted, heartbeat), timeout=COMMAND_TIMEOUT)
         except (CommandDenied, CommandTimeout) as error:
@@ -202,7 +203,7 @@ class SetMode(_ModeProcedure[int]):
             if same_name(reported, name):
                 return number
         lookup = _FindMode(name, timeout=self._lookup_timeout)
-        with suppress(CommandDenied, RemoteTimeout):  # the modes that arrived may include it
+        with suppress(CommandDenied, RemoteTimeout):  # an incomplete list may include the mode
             yield lookup
         for mode in lookup.found:
             if same_name(mode.name, name):
@@ -264,7 +265,7 @@ class SetStandardMode(_ModeProcedure[int]):
                 Command(common.MavCmd.REQUEST_MESSAGE, param1=float(_CURRENT_MODE_ID)), timeout=5.0
             )
         except (CommandDenied, CommandTimeout):
-            return  # the mode may still be streamed
+            return  # the vehicle may still stream the mode
 
     def _is_entered(self) -> bool:
         return self.current is not None and self.current.standard_mode == self.standard_mode
@@ -299,7 +300,8 @@ class ListModes(Procedure[tuple[AvailableMode, ...]]):
             case common.AvailableModes(number_modes=total, mode_index=index) as message:
                 self._add(AvailableMode.read(message), index, total, now)
             case common.AvailableModesMonitor(seq=sequence):
-                if self._sequence != sequence:  # the first one too: it may announce a recent change
+                # also for the first message, which may announce a recent change
+                if self._sequence != sequence:
                     self._found.clear()
                 self._sequence = sequence
 

@@ -13,7 +13,7 @@ from mavstack.services.service import Event, Service
 if TYPE_CHECKING:
     from mavstack.wire import Packet
 
-#: AVAILABLE_MODES counts modes in a byte.
+#: The largest number of modes: AVAILABLE_MODES counts them in one byte.
 MAX_REPORTED = 255
 
 
@@ -91,7 +91,7 @@ class ModeMonitor(Service):
             self.emit(ModeSeen(custom_mode, self.name))
 
     def _has_set(self, sequence: int) -> None:
-        # The first set has number 0, which is not sent until it changes.
+        # The first set of modes has the number 0; the number is not sent before the first change.
         if sequence != self._sequence:
             self._sequence = sequence
             self.reported.clear()

@@ -28,7 +28,7 @@ ARDUPILOT: Final = common.MavAutopilot.ARDUPILOTMEGA
 PX4: Final = common.MavAutopilot.PX4
 
 _T: Final = common.MavType
-#: The vehicles of one ArduPilot firmware share their modes; boats use the rover's.
+#: The vehicle types that share the modes of one ArduPilot firmware; boats use the modes of the rover.
 _FAMILIES: Final[Mapping[str, frozenset[int]]] = MappingProxyType(
     {
         "COPTER_MODE": frozenset(
@@ -49,7 +49,7 @@ _FAMILIES: Final[Mapping[str, frozenset[int]]] = MappingProxyType(
         "BLIMP_MODE": frozenset({_T.AIRSHIP}),
     }
 )  # fmt: skip
-#: Modes that the dialect's enums do not have.
+#: Modes that are missing in the enums of the dialect.
 _MORE_ARDUPILOT_MODES: Final[Mapping[str, Mapping[int, str]]] = MappingProxyType(
     {
         "COPTER_MODE": {29: "RATE_ACRO"},
@@ -106,11 +106,11 @@ _OTHER_PX4_NAMES: Final[Mapping[str, str]] = MappingProxyType(
     }
 )
 
-#: Names of numbers that stand for no mode that a user enters: a main mode without its sub mode, modes of
-#: earlier versions, external modes without a name, and a vehicle that starts.
+#: Names of modes that a user cannot enter: a main mode without its sub mode, modes of earlier versions,
+#: external modes without a name, and the state of a vehicle that is starting.
 _PX4_PLACEHOLDERS: Final = frozenset({"AUTO", "READY", "RATTITUDE", "SIMPLE"})
 _ARDUPILOT_PLACEHOLDERS: Final = frozenset({"INITIALIZING"})
-#: A mode that has a number for a name: "mode 17", "EXTERNAL3", "Reserved 5".
+#: A name that consists of a general word and a number: "mode 17", "EXTERNAL3", "Reserved 5".
 _NUMBER_ONLY: Final = re.compile(r"(mode|external|reserved|unused|unknown)?[ _]*\(?\d*\)?", re.IGNORECASE)
 
 
@@ -144,7 +144,7 @@ def mode_name(autopilot: int, vehicle: int, custom_mode: int) -> str | None:
     """Return the name of a mode; None if unknown."""
     names = mode_names(autopilot, vehicle)
     if autopilot == PX4 and custom_mode not in names:
-        # An unknown sub mode still has a known main mode.
+        # If the sub mode is not known, the name of the main mode is returned.
         return names.get(px4_custom_mode(px4_modes_of(custom_mode)[0]))
     return names.get(custom_mode)
 

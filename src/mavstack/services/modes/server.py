@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 
 CURRENT_INTERVAL = 2.0
 MONITOR_INTERVAL = 10.0
-#: `number_modes` and `mode_index` are bytes.
+#: The largest number of modes: `number_modes` and `mode_index` are bytes.
 MAX_MODES = 255
-#: The number of concurrent listings; further ones are answered TEMPORARILY_REJECTED.
+#: The largest number of concurrent listings; further ones are answered TEMPORARILY_REJECTED.
 MAX_LISTINGS = 16
 MODES_ID, CURRENT_ID, MONITOR_ID = (
     kind.__mavlink_row__[0]
@@ -70,8 +70,8 @@ MayEnter: TypeAlias = "Callable[[AvailableMode, Address], str | None]"
 class ModeServer(Service):
     """The modes of one vehicle, and the current one."""
 
-    # Handlers execute the commands; their ids are here so that the engine collects the messages of the
-    # handlers.
+    # Registered handlers execute the commands. Their ids are listed here so that the engine sends the
+    # messages of the handlers afterwards.
     handles = message_ids(common.SetMode, common.CommandLong, common.CommandInt)
 
     def __init__(
@@ -92,7 +92,7 @@ class ModeServer(Service):
         self._modes = _checked(modes)
         self._current = self._intended = self._named(current)
         self._listings: dict[Address, deque[int]] = {}
-        #: False while CURRENT_MODE is not sent by itself, as over a link of high latency.
+        #: False while CURRENT_MODE is not sent without a request, as over a link of high latency.
         self.enabled = True
         self._current_due = 0.0
         self._monitor_due: float | None = None

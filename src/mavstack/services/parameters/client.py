@@ -65,7 +65,7 @@ class ParameterClient(Client):
             raise InvalidArgumentError(f"the target of parameters must be one component, got {target}")
         super().__init__(local, target)
         self.round_trip = RoundTrip(initial=1.0, minimum=0.05, maximum=2.0)
-        #: The parameter in the packet that is being received, for the operations.
+        #: The parameter of the packet that is being received; the operations read it.
         self.received: ReceivedParameter | None = None
         self.remote_hash: int | None = None
         self.defaults: dict[str, Value] = {}
@@ -106,7 +106,7 @@ class ParameterClient(Client):
                 operation.restart_download(now)
 
     def _clear(self) -> None:
-        self._parameters, self._received_at = {}, {}  # callers keep the old mapping
+        self._parameters, self._received_at = {}, {}  # new mappings, because callers may hold the old ones
         self._complete, self.remote_hash = False, None
 
     def snapshot(self) -> Snapshot | None:
@@ -251,7 +251,7 @@ class ParameterClient(Client):
         self._received_at[name] = now
         if previous is None or not _equal(parameter, previous):
             if previous is not None:
-                self.remote_hash = None  # it belongs to the values before
+                self.remote_hash = None  # the hash belongs to the values before the change
             self.emit(ParameterChanged(parameter, previous))
 
 

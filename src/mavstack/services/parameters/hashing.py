@@ -21,7 +21,7 @@ _ALL_ONES = 0xFFFFFFFF
 
 def hash_of(parameters: Iterable[Parameter]) -> int:
     """Return the hash of parameters in the order of their table."""
-    state = _ALL_ONES  # zlib inverts before and after; PX4 does neither
+    state = _ALL_ONES  # zlib's crc32 inverts its initial value and its result, PX4's does not
     for parameter in parameters:
         state = crc32(parameter.name.encode(errors="surrogateescape"), state)
         if is_known(parameter.type):

@@ -30,13 +30,15 @@ if TYPE_CHECKING:
 
 Result = TypeVar("Result")
 
-#: Larger indexes cannot be requested.
+#: The largest number of entries; larger indexes cannot be requested.
 MAX_ENTRIES = 32768
-#: How often the table may change during a download.
+#: How often the table may change during a download before the download fails.
 MAX_RESTARTS = 5
-#: How often the count may change in total: a table that grows and shrinks for ever always makes progress.
+#: How often the count may change in total: a table that grows and shrinks would otherwise make progress for
+#: ever.
 MAX_COUNTS = 1000
-#: The unanswered requests for one entry, with no other answer, after which the list is requested again.
+#: The number of unanswered requests for one entry, with no other answer, after which the list is requested
+#: again.
 ATTEMPTS_BEFORE_LIST = 4
 
 
@@ -87,7 +89,7 @@ class Listing(Operation[Result]):
         if count > MAX_ENTRIES:
             return
         if reordered and (self._missing.total != count or index in self._missing.received):
-            return  # a duplicate, or an entry of the table before a change
+            return  # a duplicate, or an entry from before a change of the table
         self._receive_count(count, now)
         if self.done or not 0 <= index < self._missing.total:
             return

@@ -28,10 +28,11 @@ if TYPE_CHECKING:
 
     from mavstack.services.parameters.value import Value
 
-#: The number that stands for `{n}` in the name of a template, and the bits of a parameter.
+#: The placeholder for a number in the name of a template.
 _TEMPLATE_MARK: Final = "{n}"
+#: The number of bits of a parameter.
 BITS: Final = 32
-#: Named values that an error lists.
+#: The largest number of named values that an error lists.
 _LISTED_VALUES: Final = 12
 
 
@@ -212,7 +213,7 @@ class MetadataTable(Mapping[str, ParameterMetadata]):
         return f"<MetadataTable of {len(self) + len(self._templates)} parameters from {self.source!r}>"
 
 
-#: The table of a component of which no metadata is known.
+#: The table of a component without known metadata.
 NO_METADATA: Final = MetadataTable(source="none")
 
 

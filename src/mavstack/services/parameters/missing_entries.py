@@ -25,23 +25,24 @@ from mavstack.services.service import earliest
 if TYPE_CHECKING:
     from mavstack.services.timing import RoundTrip
 
-#: A longer jump counts when the next entry confirms it: it may be a single value and not the list.
+#: An entry that is further ahead counts only when the next entry confirms it: it may be a single value
+#: outside the list.
 MAX_JUMP = 32
 INITIAL_WINDOW = 8.0
 MIN_WINDOW = 4.0
-#: The number of requests that ArduPilot can queue.
+#: The largest window: ArduPilot can queue this number of requests.
 MAX_WINDOW = 20.0
 #: The largest number of doublings of the timeout.
 MAX_BACKOFF = 3
-#: The list is quiet after this multiple of its longest pause, within limits in seconds.
+#: The list has become quiet after this multiple of its longest pause, within these limits in seconds.
 QUIET_FACTOR = 3.0
 MIN_QUIET = 0.05
 MAX_QUIET = 2.0
-#: A list that falls quiet this near to its end has ended, and its last entries were lost; before, it may
-#: pause.
+#: A list that becomes quiet this close to its end has ended, and its last entries were lost; earlier in the
+#: list it may only pause.
 NEAR_END = 32
 MIN_PAUSE = 0.3
-#: The factor of the longest pause per entry, so that old pauses fade.
+#: The factor by which the longest pause is reduced with each entry, so that old pauses lose their effect.
 PAUSE_DECAY = 0.98
 
 
@@ -55,15 +56,16 @@ class MissingEntries:
         self._round_trip = round_trip
         self._frontier = -1
         self._jump = -1
-        self._pointer = 0  # all entries below were received or requested
-        self._end = 0  # likewise all from here to the end
-        self._end_of = 0  # the total that `_end` belongs to
-        self._requested: dict[int, float] = {}  # when they were last requested
+        self._pointer = 0  # all entries below this index were received or requested
+        self._end = 0  # all entries from this index on were received or requested
+        self._end_of = 0  # the total for which `_end` was set
+        self._requested: dict[int, float] = {}  # the time of the last request, by entry
         self._attempts: dict[int, int] = {}
         self._first_requested: dict[int, float] = {}
-        self.answers = 0  # to individual requests
+        self.answers = 0  # the number of answers to individual requests
         self._backoff = 1
-        self._ambiguous: dict[int, float] = {}  # seconds after the first of several requests
+        # by entry that was requested several times: seconds since the first request
+        self._ambiguous: dict[int, float] = {}
         self._shrink_at = now
         self._repeat: deque[int] = deque()
         self._last_entry = now

@@ -166,7 +166,8 @@ class SetParameter(SetRequest[Parameter], ParameterOperation[Parameter]):
             or self._wanted is None
         ):
             return
-        cast_value = self.parameters.encoding is Encoding.C_CAST  # its type field is not reliable
+        # the type field of a cast value is not reliable
+        cast_value = self.parameters.encoding is Encoding.C_CAST
         right_type = cast_value or received.parameter.type == self._kind
         if right_type and same(received.parameter.value, self._wanted):
             self.answered(now)

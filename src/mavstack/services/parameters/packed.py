@@ -74,7 +74,7 @@ def unpack(data: bytes, *, start: int = 0) -> PackedFile | None:
     if len(reader.parameters) != number:
         return None
     if magic == MAGIC and total == len(data) != number:
-        total = number  # a file for upload, where it is the length
+        total = number  # in a file for upload this field holds the length of the file
     return PackedFile(tuple(reader.parameters), reader.defaults, total, reader.with_defaults)
 
 

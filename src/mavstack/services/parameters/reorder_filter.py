@@ -8,8 +8,9 @@ decision costs only a repetition.
 
 from __future__ import annotations
 
-#: How far behind, in packets and in seconds, a reordered packet may arrive.
+#: The number of packets by which a reordered packet may be late.
 MAX_BEHIND = 32
+#: The time in seconds by which a reordered packet may be late.
 REORDER_WINDOW = 0.5
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 
 ATTEMPTS = 6
-#: The number of answers with another value that mean a refusal.
+#: The number of answers with another value after which the request counts as refused.
 MAX_REFUSALS = 3
 IDLE_TIMEOUT = 30.0
 

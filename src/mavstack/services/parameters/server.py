@@ -47,14 +47,15 @@ if TYPE_CHECKING:
 
     from mavstack.wire import Packet
 
-#: Limits of the state that clients can create.
+#: Limits of the state that requests of clients can create.
 MAX_LISTS = 32
 MAX_READS = 256
 MAX_SETTERS = 256
-#: The list entries that are sent at once, and the seconds between two bursts: a receiver's buffer is finite.
+#: The number of list entries that are sent at once.
 BURST = 32
+#: Seconds between two such bursts, because a receiver's buffer is finite.
 BURST_INTERVAL = 0.004
-#: The number of the hash, which is sent before the first entry.
+#: The position of the hash in the list: it is sent before the first entry.
 HASH_FIRST = -1
 
 
@@ -96,7 +97,7 @@ class ParameterServer(Service):
         self.table = ParameterTable()
         self._hash_check = encoding is Encoding.BYTEWISE if hash_check is None else hash_check
         self._check = check
-        self._lists: OrderedDict[Address, int] = OrderedDict()  # the next entry for each client
+        self._lists: OrderedDict[Address, int] = OrderedDict()  # by client: the next entry to send
         self._reads: OrderedDict[tuple[Address, str], None] = OrderedDict()
         self._set_filters: OrderedDict[tuple[Address, str], ReorderFilter] = OrderedDict()
         self._next_burst: float | None = None
@@ -208,7 +209,7 @@ class ParameterServer(Service):
         entry = self._lists.pop(client)
         definition = self.table.find(entry) if entry >= 0 else None
         if entry + 1 < len(self.table):
-            self._lists[client] = entry + 1  # behind the other clients
+            self._lists[client] = entry + 1  # this client waits behind the other clients
         return self._hash_message() if definition is None else self._value_message(definition.name)
 
     def _wanted_values(self, has_room: HasRoom) -> Iterator[Outgoing]:
@@ -233,7 +234,7 @@ class ParameterServer(Service):
             self._send_error(packet, which, common.MavParamError.DOES_NOT_EXIST)
 
     def _queue_read(self, client: Address, name: str) -> None:
-        if len(self._reads) < MAX_READS:  # else the client asks again
+        if len(self._reads) < MAX_READS:  # a full queue drops the request; the client sends it again
             self._reads[client, name] = None
 
     # Sets
@@ -290,7 +291,7 @@ class ParameterServer(Service):
         value = decode(data, kind, self.encoding)
         if self.encoding is Encoding.BYTEWISE or not is_integer(kind):
             return value
-        # The largest integers are cast to a float that exceeds them.
+        # The largest integers become a float that is larger than the integer when they are cast.
         number = decode(data, common.MavParamType.REAL32, self.encoding)
         at_limit = encode(value, kind, self.encoding) == data
         return value if at_limit else round(number) if isfinite(number) else number

@@ -24,10 +24,10 @@ from mavstack.services.frames import as_float32
 if TYPE_CHECKING:
     from mavstack.dialects import Message
 
-#: `param_index` of a value that was not requested by its index.
+#: `param_index` of a value that was not requested by index.
 NO_INDEX = 65535
 NAME_LENGTH = 16
-#: From here on neighbouring integers map to one float32.
+#: The smallest integer from which neighbouring integers become the same float32.
 CAST_LIMIT = 1 << 24
 Value: TypeAlias = int | float
 

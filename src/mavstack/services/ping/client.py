@@ -37,7 +37,8 @@ class PingOperation(Operation[PingStatistics]):
         super().__init__("pinging", timeout=timeout, idle_timeout=count * interval + wait + 1.0)
         self._next = first
         self._count, self._interval, self._enough, self._wait = count, interval, enough, wait
-        self._outstanding: dict[int, tuple[int, float]] = {}  # by number: time_usec, sending time
+        # by sequence number: `time_usec`, and the time of sending
+        self._outstanding: dict[int, tuple[int, float]] = {}
         self._answered: set[int] = set()
         self._round_trips: list[float] = []
         self._duplicates = 0

@@ -21,8 +21,9 @@ if TYPE_CHECKING:
 MODULES: Final = frozenset(
     {common.MavComponent.ODID_TXRX_1, common.MavComponent.ODID_TXRX_2, common.MavComponent.ODID_TXRX_3}
 )
-#: Seconds without a heartbeat after which a module counts as gone, and without a status.
+#: Seconds without a heartbeat after which a module counts as lost.
 MODULE_TIMEOUT: Final = 3.0
+#: Seconds after which the status of a module is out of date.
 STATUS_TIMEOUT: Final = 5.0
 #: Seconds after which the position of the operator is too old.
 OPERATOR_TIMEOUT: Final = 5.0

@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from mavstack.dialects import Message
 
 INTERVAL: Final = 1.0
-#: Positions between two complete messages.
+#: All messages are sent once in this number of intervals; in between only the position is sent.
 COMPLETE_EVERY: Final = 10
-#: The time of OPEN_DRONE_ID_SYSTEM counts from the start of 2019, Unix seconds.
+#: The start of 2019 in Unix seconds, from which OPEN_DRONE_ID_SYSTEM counts its time.
 EPOCH: Final = 1_546_300_800
-#: An altitude or a limit of the area that is not known, in metres.
+#: The value of an altitude or a limit of the area that is not known, in metres.
 UNKNOWN_ALTITUDE: Final = -1000.0
 _MAX_ID: Final = 20
 _MAX_DESCRIPTION: Final = 23
@@ -81,7 +81,7 @@ class RemoteIdSender(Service):
         self._target = Address(system, 0)
         self._due = now
         self._count = 0
-        #: Messages sent.
+        #: The number of messages sent.
         self.sent = 0
 
     def next_timeout(self) -> float | None:

@@ -16,7 +16,7 @@ from typing import Final
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError
 
-#: Bytes of a fragment, fragments of a frame, and bytes of the longest frame.
+#: The largest number of bytes of a fragment, of fragments of a frame, and of bytes of a frame.
 FRAGMENT_SIZE: Final = 180
 MAX_FRAGMENTS: Final = 4
 MAX_FRAME: Final = FRAGMENT_SIZE * MAX_FRAGMENTS
@@ -55,7 +55,7 @@ class FrameAssembler:
     def __init__(self) -> None:
         self._parts: dict[int, bytes] = {}
         self._sequence = -1
-        #: Frames that were not completed.
+        #: The number of frames that were not completed.
         self.lost = 0
 
     def add(self, message: common.GpsRtcmData) -> bytes | None:

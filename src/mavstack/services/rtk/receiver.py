@@ -15,7 +15,7 @@ from mavstack.services.service import Event, Service
 if TYPE_CHECKING:
     from mavstack.wire import Packet
 
-#: Senders whose fragments are joined at once; the oldest is discarded.
+#: The largest number of senders whose fragments are joined at the same time; the oldest sender is dropped.
 MAX_SENDERS: Final = 16
 
 
@@ -35,7 +35,7 @@ class CorrectionReceiver(Service):
     def __init__(self, local: Address) -> None:
         super().__init__(local)
         self._senders: OrderedDict[Address, tuple[FrameAssembler, RtcmFramer]] = OrderedDict()
-        #: Frames received.
+        #: The number of frames received.
         self.received = 0
 
     @property

@@ -26,13 +26,14 @@ if TYPE_CHECKING:
 
 #: Seconds after which a waiting frame is dropped.
 MAX_AGE: Final = 2.0
-#: Seconds between two frames of one number that describes the station.
+#: Seconds between two frames with the same message number, if that message describes the base station.
 STATION_INTERVAL: Final = 10.0
-#: The share of a known bandwidth that corrections take.
+#: The share of a known bandwidth that corrections may use.
 BANDWIDTH_SHARE: Final = 0.5
-#: Bytes of a packet around its fragment: header, checksum, flags and length.
+#: Bytes of a packet in addition to its fragment: header, checksum, flags and length.
 _OVERHEAD: Final = 14
-#: Frames that wait for one channel; four constellations have one each, and the station some.
+#: The largest number of frames that wait for one channel: each of four constellations has one frame, and the
+#: station has some.
 _MAX_WAITING: Final = 32
 
 
@@ -82,7 +83,7 @@ class _Channel:
     def __init__(self) -> None:
         self.waiting: deque[_Waiting] = deque()
         self.due = 0.0
-        #: True while it waits for room, not for a time.
+        #: True while the sender waits for room on the link, not for a time.
         self.is_blocked = False
 
     def add(self, entry: _Waiting) -> int:

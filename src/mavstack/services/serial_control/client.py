@@ -159,7 +159,7 @@ class ShellClient(Service):
                 self.emit(ShellReleased())
 
     def next_timeout(self) -> float | None:
-        # Pending data is sent before the close: it waits for room, not for a time.
+        # Pending data is sent before the close, and it waits for room on the link, so that no time is due.
         return None if self._closes_left and self._waiting else self._due
 
     def handle_timeout(self, now: float) -> None:

@@ -24,9 +24,9 @@ EXCLUSIVE = int(common.SerialControlFlag.EXCLUSIVE)
 MULTI = int(common.SerialControlFlag.MULTI)
 
 _MAX_TRACKED = 64
-#: A sequence number that is ahead by this much, modulo 256, is behind.
+#: A sequence number that is ahead by this much or more, modulo 256, is an older one.
 _BEHIND = 192
-#: Seconds within which packets may be reordered; later the number may have wrapped.
+#: Seconds within which packets may be reordered; later the sequence number may have wrapped.
 _REORDER_WINDOW = 0.5
 
 

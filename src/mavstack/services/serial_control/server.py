@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 IDLE_TIMEOUT = 30.0
-#: The largest number of bytes that wait for room; beyond it the oldest are dropped and counted.
+#: The largest number of bytes that wait for room on the link; beyond it the oldest are dropped and counted.
 MAX_PENDING = 64 * 1024
 MAX_SOURCES = 32
 
@@ -117,7 +117,7 @@ class ShellServer(Service):
                     return
                 late = arrivals.is_late(packet, now)
                 if late and source != self.owner:
-                    return  # from an owner that has released it since
+                    return  # a late packet of an owner that has released the port since
                 self._handle(source, serial, late, now)
 
     def bulk_messages(self, now: float, has_room: HasRoom) -> Iterator[Outgoing]:

@@ -21,9 +21,10 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 DEFAULT_TIMEOUT = 0.5
-#: The number of concurrent sources; further ones are refused and counted until one of these times out.
+#: The largest number of concurrent sources; further ones are refused and counted until one of these times
+#: out.
 MAX_SOURCES = 32
-#: A `time_boot_ms` that is lower by this much belongs to a clock that restarted.
+#: A `time_boot_ms` that is lower by this many milliseconds shows that the clock of the sender restarted.
 _RESTARTED = 60_000
 
 

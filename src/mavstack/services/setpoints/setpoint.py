@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
     from mavstack.services.addressing import Address
 
-#: North, east, down, or forward, right, down; None leaves the axis to the vehicle.
+#: The components north, east, down or forward, right, down; None: the vehicle decides about that axis.
 Axes: TypeAlias = "tuple[float | None, float | None, float | None]"
-#: w, x, y, z.
+#: The components w, x, y, z.
 Quaternion: TypeAlias = tuple[float, float, float, float]
 
 NOTHING: Final[Axes] = (None, None, None)
@@ -38,7 +38,7 @@ _F = common.MavFrame
 LOCAL_FRAMES: Final = frozenset(
     {_F.LOCAL_NED, _F.LOCAL_OFFSET_NED, _F.BODY_NED, _F.BODY_OFFSET_NED, _F.BODY_FRD, _F.LOCAL_FRD}
 )
-#: Global frames, and the numbers that are sent for them.
+#: The global frames, each with the frame that is sent for it.
 _SENT_FRAMES: Final[Mapping[int, int]] = MappingProxyType(
     {
         _F.GLOBAL: _F.GLOBAL_INT,
@@ -58,7 +58,7 @@ _THRUST: Final = int(common.AttitudeTargetTypemask.THROTTLE_IGNORE)
 _ATTITUDE: Final = int(common.AttitudeTargetTypemask.ATTITUDE_IGNORE)
 _THRUST_BODY: Final = int(common.AttitudeTargetTypemask.THRUST_BODY_SET)
 _RATES_IGNORED: Final = 0x07
-#: How far the length of a quaternion may deviate from 1.
+#: The largest deviation of the length of a quaternion from 1.
 _UNIT_TOLERANCE: Final = 0.1
 _MAX_VALUE: Final = 3.4028234e38
 _LATITUDE, _LONGITUDE = 90.0, 180.0

@@ -72,7 +72,7 @@ class SetupSigning(Operation[None]):
     def receive(self, packet: Packet, now: float) -> None:
         change = self._change
         if change is None:
-            # Only now are the channels to the target known.
+            # The channels to the target are known only after its first packet.
             if self._refuse_key():
                 return
             change = self._change = self._client_of_keys.begin_change(self.key)
@@ -84,7 +84,7 @@ class SetupSigning(Operation[None]):
             self._proofs.clear()
         match packet.message:
             case common.Timesync(tc1=answer, ts1=ours) if answer != 0 and ours in self._proofs:
-                change.settle()  # the target received the request, and this answer is signed the new way
+                change.settle()  # the target received the request, because its answer uses the new signing
         self._end(change)
 
     def _end(self, change: KeyChange) -> None:
@@ -96,7 +96,9 @@ class SetupSigning(Operation[None]):
 
     def _request(self, change: KeyChange, now: float) -> None:
         if self.key is not None and self._client_of_keys.key_refusal(self.target) is not None:
-            return  # the channels changed; the client continues to follow the target
+            # the channels changed and do not allow the key any more; the client only continues to follow the
+            # target
+            return
         if change.requested_at is None:
             self._request_until = now + REQUEST_DURATION
         change.requested_at = now
@@ -107,7 +109,7 @@ class SetupSigning(Operation[None]):
                 target_system=self.target.system,
                 target_component=self.target.component,
                 secret_key=secret,
-                # For ArduPilot a key of zeros means no signing only if the timestamp is zero too.
+                # For ArduPilot a key of zeros switches signing off only if the timestamp is zero too.
                 initial_timestamp=0 if self.key is None else timestamp_at(now),
             )
         )

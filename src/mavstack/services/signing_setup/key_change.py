@@ -34,9 +34,10 @@ if TYPE_CHECKING:
 
 #: Seconds for which the server waits for packets signed with the new key before it rolls back.
 TRIAL_DURATION = 10.0
-#: Seconds after its last request when the client takes the server's way as final: the trial and a slow link.
+#: Seconds after its last request after which the client takes the server's signing as final: the duration of
+#: the trial, and the delay of a slow link.
 SETTLED_AFTER = 15.0
-#: The number of consecutive packets with another key that prove it.
+#: The number of consecutive packets with another key that prove that the sender uses it.
 MIN_PROOF_PACKETS = 3
 
 

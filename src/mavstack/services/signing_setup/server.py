@@ -39,7 +39,8 @@ if TYPE_CHECKING:
 
 _NO_KEY = bytes(32)
 _MAX_SEEN = 64
-#: A signing clock that begins after this, in the year 2103, would soon reach its end for ever.
+#: The largest initial timestamp, in the year 2103: a signing clock that starts later would soon reach its
+#: end, and stay there.
 _MAX_TIMESTAMP = MAX_TIMESTAMP - 365 * 24 * 3600 * UNITS_PER_SECOND
 _STATUSTEXT_BYTES = 50
 

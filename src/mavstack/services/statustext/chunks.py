@@ -12,7 +12,7 @@ from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError
 
 CHUNK = 50
-#: Chunk numbers are one byte; the last chunk may be the empty one.
+#: The longest text in bytes: the number of a chunk is one byte, and the last chunk may be empty.
 MAX_LENGTH = 255 * CHUNK
 IDS = 1 << 16
 

@@ -23,13 +23,13 @@ from mavstack.services.timing import DUPLICATE_WINDOW
 if TYPE_CHECKING:
     from mavstack.wire import Packet
 
-#: The mark of missing chunks.
+#: The text that replaces missing chunks.
 GAP = "[...]"
-#: Seconds to wait for missing chunks after the last one that arrived.
+#: Seconds to wait for missing chunks after the last chunk that arrived.
 CHUNK_TIMEOUT = 2.0
 #: Seconds for which chunks of an emitted text are recognised as duplicates.
 DUPLICATE_CHUNK_WINDOW = 5.0
-#: The end of a text whose sender also sends an EVENT.
+#: The end of a text that the sender also sends as an EVENT.
 EVENT_MARK = "\t"
 MAX_TEXTS = 64
 MAX_REMEMBERED = 256
@@ -113,7 +113,8 @@ class StatustextReceiver(Service):
         match packet.message:
             case common.Statustext(id=number, chunk_seq=index, severity=severity):
                 source = Address(packet.system, packet.component)
-                # Not `message.text`: a character may be cut in two.
+                # The bytes are used instead of `message.text`, because a character may be split between two
+                # chunks.
                 chunk = packet.payload[1 : 1 + CHUNK].partition(b"\0")[0]
                 if number == 0:
                     self._single(source, packet, int(severity), chunk, now)
@@ -161,9 +162,9 @@ class StatustextReceiver(Service):
         emitted = self._emitted.get(key)
         if emitted is None or now > emitted.due:
             return False
-        if key in self._open:  # from a sender whose ids restarted
+        if key in self._open:  # a text with the same id is open, because the sender restarted its ids
             return emitted.chunks.get(index) == chunk
-        # A missing chunk that arrives after its text was emitted is not a text by itself.
+        # A missing chunk that arrives after its text was emitted does not become a text itself.
         return not emitted.contradicts(severity, index, chunk)
 
     def _close(self, key: _Key, now: float) -> None:

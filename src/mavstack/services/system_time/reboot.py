@@ -9,7 +9,7 @@ from __future__ import annotations
 
 #: Seconds by which messages may be reordered or delayed.
 MAX_REORDERING = 3.0
-#: Seconds after a reboot in which a message from before it may arrive.
+#: Seconds after a reboot in which messages from before the reboot may arrive.
 MAX_DELAY = 10.0
 _WRAP = 4294967.296
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 #: Seconds between two requests.
 REQUEST_INTERVAL: Final = 2.0
-#: Latitude and longitude in degrees.
+#: A latitude and a longitude in degrees.
 Position: TypeAlias = tuple[float, float]
 #: Makes the TERRAIN_REPORT of a position in degrees.
 Reporter: TypeAlias = "Callable[[float, float], common.TerrainReport]"

@@ -22,26 +22,27 @@ from mavstack.geodesy import ARDUPILOT_RADIUS
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-#: Points along an edge of a tile, and in a tile.
+#: The number of points along an edge of a tile, and in a tile.
 TILE_EDGE: Final = 4
 TILE_POINTS: Final = TILE_EDGE * TILE_EDGE
-#: Tiles of a block.
+#: The number of tiles of a block.
 TILES_EAST, TILES_NORTH = 8, 7
 TILES: Final = TILES_EAST * TILES_NORTH
-#: The mask of a TERRAIN_REQUEST for all tiles.
+#: The mask of a TERRAIN_REQUEST for all tiles of a block.
 ALL_TILES: Final = (1 << TILES) - 1
-#: Points of a block.
+#: The number of points of a block.
 POINTS_EAST, POINTS_NORTH = TILES_EAST * TILE_EDGE, TILES_NORTH * TILE_EDGE
-#: Points from one block to the next, since neighbours share a tile.
+#: The number of points from one block to the next: neighbouring blocks overlap by one tile.
 STEP_EAST, STEP_NORTH = POINTS_EAST - TILE_EDGE, POINTS_NORTH - TILE_EDGE
 #: Default of the distance between two points, in metres.
 DEFAULT_SPACING: Final = 100
 
-#: Metres per 1e-7 degree of latitude: blocks must be at the places where ArduPilot looks for them.
+#: Metres per 1e-7 degree of latitude on ArduPilot's earth radius, so that blocks are where ArduPilot looks
+#: for them.
 _METRES: Final = radians(1e-7) * ARDUPILOT_RADIUS
 _DEGREE: Final = 10_000_000
 _HALF_TURN: Final = 180 * _DEGREE
-#: Bound of the cosine of the latitude: at a pole there is no east.
+#: The smallest cosine of the latitude that is used: at a pole there is no east.
 _MIN_COSINE: Final = 0.01
 
 

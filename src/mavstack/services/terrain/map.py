@@ -24,7 +24,8 @@ from mavstack.services.terrain.grid import (
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-#: Blocks that a map holds; the least recently used one is dropped. Their tiles fit into TERRAIN_REPORT.
+#: The largest number of blocks in a map; the least recently used block is dropped. TERRAIN_REPORT can count
+#: their tiles.
 MAX_BLOCKS: Final = 1024
 MAX_SPACING: Final = 65_535
 
@@ -36,7 +37,7 @@ class BlockHeights:
 
     def __init__(self) -> None:
         self._heights = array("h", bytes(2 * POINTS_NORTH * POINTS_EAST))
-        #: The tiles that are known, as bits.
+        #: The known tiles as a bit mask.
         self.mask = 0
 
     @property

@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 #: None if it is not known.
 Heights: TypeAlias = "Callable[[float, float], float | None]"
 
-#: Vehicles, and blocks of each vehicle, that are served at once; the oldest request is dropped.
+#: The largest number of vehicles that are served at the same time, and of blocks for each vehicle; beyond
+#: them the oldest request is dropped.
 MAX_VEHICLES: Final = 256
 MAX_BLOCKS: Final = 16
 _MIN_HEIGHT, _MAX_HEIGHT = -32_768, 32_767
@@ -55,7 +56,7 @@ class _Requests:
                 self._last[block] = tile
                 self.masks[block] = mask & ~(1 << tile)
                 return block, tile
-            del self.masks[block]  # the last tile is kept for a repeated request
+            del self.masks[block]  # `_last` keeps the last tile of the block for a repeated request
             self._forget_oldest()
         return None
 
@@ -82,7 +83,7 @@ class TerrainServer(Service):
         super().__init__(local)
         self._heights = heights
         self._vehicles: OrderedDict[Address, _Requests] = OrderedDict()
-        #: Tiles sent, and tiles not sent because a height is not known.
+        #: The number of tiles sent, and the number of tiles not sent because a height is not known.
         self.sent = self.unknown = 0
 
     def receive(self, packet: Packet, now: float) -> bool:

@@ -25,7 +25,7 @@ INITIAL_INTERVAL = 0.2
 #: The number of requests at the initial interval, answered or not.
 INITIAL_REQUESTS = 20
 MAX_OUTSTANDING = 16
-#: Slower exchanges are ignored.
+#: Exchanges with a longer round trip in seconds are ignored.
 MAX_ROUND_TRIP = 5.0
 
 
@@ -64,7 +64,8 @@ class TimesyncClient(Service):
     ) -> None:
         super().__init__(local)
         self.target = self.source_filter = target
-        #: True if the target addresses its answers; False if it uses the protocol's first version.
+        #: True if the answers of the target carry an address; False if it uses the first version of the
+        #: protocol; None if not known.
         self.addressed: bool | None = None
         self._interval = interval
         self._clock = clock

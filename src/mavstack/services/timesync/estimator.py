@@ -14,9 +14,10 @@ from dataclasses import dataclass
 from statistics import fmean
 
 WINDOW = 32
-#: An exchange counts up to this multiple of the shortest one plus this margin in seconds.
+#: An exchange counts if its round trip is at most this multiple of the shortest one, plus this margin in
+#: seconds.
 RATIO, MARGIN = 1.25, 0.0005
-#: How many samples in a row must contradict the estimate.
+#: The number of consecutive samples that must contradict the estimate.
 MIN_CONTRADICTIONS = 3
 #: How far two clocks may drift apart within the window, in seconds.
 MAX_DRIFT = 0.002
@@ -53,7 +54,7 @@ class OffsetEstimator:
 
     def __init__(self) -> None:
         self.estimate: TimeOffset | None = None
-        self._samples: deque[tuple[float, float]] = deque(maxlen=WINDOW)  # round trip, offset
+        self._samples: deque[tuple[float, float]] = deque(maxlen=WINDOW)  # pairs: round trip, offset
         self._contradicting: list[tuple[float, float]] = []
         self._count = 0
 

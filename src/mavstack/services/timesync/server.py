@@ -28,7 +28,7 @@ class TimesyncServer(Service):
         match packet.message:
             case common.Timesync(tc1=0, ts1=theirs):
                 source = Address(packet.system, packet.component)
-                # With `tc1` 0 the answer would be a request.
+                # An answer with `tc1` 0 would be a request.
                 answer = common.Timesync(
                     tc1=self._clock(now) or 1,
                     ts1=theirs,

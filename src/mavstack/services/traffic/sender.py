@@ -35,7 +35,7 @@ class TrafficSender(Service):
     def __init__(self, local: Address) -> None:
         super().__init__(local)
         self._waiting: deque[tuple[common.AdsbVehicle, Address]] = deque()
-        #: Messages sent, and those replaced by newer ones because a link was too slow.
+        #: The number of messages sent, and of messages replaced by newer ones because a link was too slow.
         self.sent = self.late = 0
 
     def show(self, aircraft: Iterable[Aircraft], now: float, target: Address = BROADCAST) -> None:

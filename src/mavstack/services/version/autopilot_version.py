@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from typing import Self
 
 _HEXADECIMAL = frozenset(b"0123456789abcdefABCDEF")
-#: The length of the identifier of a firmware that speaks MSP.
+#: The length of the identifier of a firmware that uses MSP.
 _IDENTIFIER = 4
 
 
