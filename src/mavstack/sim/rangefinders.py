@@ -48,7 +48,7 @@ _RANGES: Final = MappingProxyType(
         _KIND.RADAR: (0.5, 50.0),
     }
 )
-#: Horizontal orientations are numbered in steps of 45 degrees from forward.
+#: Number of horizontal orientations, which are multiples of 45 degrees counted from forward.
 _HORIZONTAL: Final = 8
 #: Number of sectors of a proximity sensor, as many as OBSTACLE_DISTANCE has, and their width in degrees.
 SECTORS: Final = 72

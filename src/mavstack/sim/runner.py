@@ -117,7 +117,7 @@ class Runner:
         self._channel_ports: dict[Channel, _ChannelPorts] = {}
         self.speed = speed
         self.links: list[Link] = []
-        #: Simulated seconds that were dropped because the machine was too slow.
+        #: Simulated seconds that were dropped because the computer was too slow.
         self.lag = 0.0
         self._on_link_down = on_link_down
         self._dialect = Dialect.load("all")

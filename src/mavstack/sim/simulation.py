@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
 _LOG = logging.getLogger("mavstack.sim")
 
-#: Default rate of steps, in hertz.
+#: Default number of steps per second.
 RATE = 50.0
 #: Default Unix time of the start; constant, so that runs give equal results.
 EPOCH = 1_767_225_600.0
@@ -88,7 +88,7 @@ class Simulation:
         self.vehicles: list[SimulatedVehicle] = []
         #: Vehicles that speak MSP instead of MAVLink.
         self.flight_controllers: list[SimulatedFlightController] = []
-        #: Called before each step with the simulated seconds since the start.
+        #: Callbacks that are called before each step with the simulated seconds since the start.
         self.before_step: list[Callable[[float], None]] = []
         self._start = start
         self._step = 0

@@ -122,7 +122,7 @@ class SimulatedVehicle:
         self._final_data: list[tuple[Port, bytes]] = []
         self._dialect = Dialect.load("all")
         self._silent_until = now
-        #: The gimbal and the camera; None if the vehicle has none.
+        #: The simulated gimbal and camera; None if the vehicle does not have them.
         self.gimbal = SimulatedGimbal(self) if gimbal else None
         self.camera = SimulatedCamera(self, self.gimbal) if camera else None
         self._boot()

@@ -15,7 +15,7 @@ from mavstack.errors import InvalidArgumentError
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-#: Seconds without a position after which a member is lost.
+#: Seconds without a position report after which a member is lost.
 MEMBER_TIMEOUT = 3.0
 
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 Check: TypeAlias = "Callable[[SimulatedAutopilot], Iterator[str]]"
 
-#: Bits of ARMING_CHECK.
+#: Bit numbers of ARMING_CHECK.
 _ALL, _BAROMETER, _COMPASS, _GPS, _PARAMETERS, _RC, _BATTERY, _MISSION = 0, 1, 2, 3, 5, 6, 8, 14
 _VISION: Final = 18
 #: Interval in seconds at which pre-arm problems are reported.
@@ -35,7 +35,8 @@ _THROTTLE_LOW = 0.03
 _THROTTLE_NEUTRAL = 0.55
 _FENCES_WITH_POSITION = 0b110
 _WITHOUT_MODULE: Final = "ARM_STATUS not available"
-#: Mission commands by bit of ARMING_MIS_ITEMS, with the names that pre-arm reports use.
+#: Items that ARMING_MIS_ITEMS can require, in the order of its bits: the command, and its name in pre-arm
+#: reports.
 _REQUIRED_ITEMS: Final = (
     (common.MavCmd.NAV_LAND, "land"),
     (common.MavCmd.NAV_VTOL_LAND, "vtol land"),

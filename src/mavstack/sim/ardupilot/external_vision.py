@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.external_vision import ExternalEstimate
     from mavstack.sim.vehicle import SimulatedVehicle
 
-#: Silence after which visual odometry is not healthy, in seconds.
+#: Seconds without a message after which visual odometry is not healthy.
 TIMEOUT: Final = 0.3
 _EXTERNAL_NAV: Final = 6
 _GPS: Final = 3

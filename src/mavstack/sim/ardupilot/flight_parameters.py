@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 _CM, _MILLISECOND = 0.01, 0.001
 _DEGREE, _CENTIDEGREE = radians(1.0), radians(0.01)
 _MIN_SPEED, _MIN_RADIUS = 0.1, 0.5
-#: Bit of CIRCLE_OPTIONS.
+#: Bit of CIRCLE_OPTIONS that places the centre of the circle at the vehicle.
 _CENTRE_AT_VEHICLE = 4
-#: Bit of GUID_OPTIONS.
+#: Bit of GUID_OPTIONS that makes the thrust of an attitude setpoint a thrust instead of a climb rate.
 _THRUST_AS_THRUST = 1 << 3
 _F = common.MavFrame
 

@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 class Behaviour(ABC):
     """One script, started when its mode is entered."""
 
-    #: The flight phase for MAV_LANDED_STATE.
+    #: True during a takeoff or a landing; MAV_LANDED_STATE is derived from these flags.
     taking_off = False
     landing = False
-    #: True if SET_POSITION_TARGET_* and SET_ATTITUDE_TARGET are followed.
+    #: True if the behaviour follows SET_POSITION_TARGET_* and SET_ATTITUDE_TARGET.
     takes_setpoints = False
 
     def __init__(self, autopilot: SimulatedAutopilot) -> None:

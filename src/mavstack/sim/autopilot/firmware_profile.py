@@ -29,7 +29,7 @@ class Mode:
 
     available: AvailableMode
     behaviour: Callable[[SimulatedAutopilot], Behaviour]
-    #: HEARTBEAT's `base_mode` without the armed and custom bits.
+    #: The `base_mode` in HEARTBEAT without the flags for armed and for custom mode.
     flags: int = _FLAGS.STABILIZE_ENABLED
     needs_position: bool = True
     #: True if the pilot's sticks fly the vehicle in this mode, so that the mode cannot continue without them.
@@ -61,7 +61,7 @@ class FirmwareProfile(ABC):
 
     #: The version of the firmware.
     version: FirmwareVersion
-    #: All modes, in the order in which they are listed.
+    #: All modes, in the order in which AVAILABLE_MODES lists them.
     modes: Sequence[Mode]
     #: `custom_mode` of the modes that behaviours and failsafes enter, named by purpose.
     initial: int
@@ -70,7 +70,7 @@ class FirmwareProfile(ABC):
     mission: int
     return_to_launch: int
     land: int
-    #: True if the vehicle has a radio-control transmitter.
+    #: True if the vehicle has a radio-control transmitter by default.
     transmitter = True
     #: True if GLOBAL_POSITION_INT reports the altitude above the sea in `relative_alt`, as ArduRover before
     #: 4.2.

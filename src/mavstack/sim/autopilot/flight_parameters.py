@@ -54,7 +54,7 @@ class FlightParameters:
 
     #: Default altitude of a takeoff, in metres above the ground.
     takeoff_altitude: float
-    #: Speed in m/s: over ground for a vehicle that can stop, through the air for a wing.
+    #: Cruise speed in m/s: ground speed of a vehicle that can stop, airspeed of a wing.
     cruise_speed: float
     #: Climb rate, in m/s.
     climb_speed: float
@@ -81,9 +81,9 @@ class FlightParameters:
     lean_angle: float
     #: Climb and descent rate at full throttle stick, in m/s.
     pilot_climb_speed: float
-    #: Yaw rate at full stick, in rad/s.
+    #: Maximum yaw rate of the stick, in rad/s.
     pilot_yaw_rate: float
-    #: Roll and pitch rate at full stick in rate modes, in rad/s.
+    #: Maximum roll and pitch rate of the sticks in rate modes, in rad/s.
     acro_rate: float
 
     # Landing and return

@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 
 _F = common.MavFrame
 NOTHING: Axes = (None, None, None)
-#: Frames with axes forward and right, and frames with positions relative to the vehicle.
+#: Frames whose axes turn with the vehicle (forward, right), and frames whose positions are relative to the
+#: vehicle.
 _TURNED = frozenset({_F.BODY_NED, _F.BODY_OFFSET_NED, _F.BODY_FRD, _F.LOCAL_FRD})
 _FROM_HERE = frozenset({_F.LOCAL_OFFSET_NED, _F.BODY_NED, _F.BODY_OFFSET_NED, _F.BODY_FRD})
 #: Maximum of a setpoint: horizontal distance in metres, altitude in metres, velocity and acceleration (m/s,

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _F = common.MavFrame
 LATITUDE, LONGITUDE = 90.0, 180.0
 _OFFSETS = frozenset({_F.LOCAL_OFFSET_NED, _F.BODY_OFFSET_NED})
-#: Bounds of a position, in metres.
+#: Maximum horizontal distance and altitude of an item's position, in metres.
 _FAR, _HIGH = 2.0e6, 1.0e5
 
 

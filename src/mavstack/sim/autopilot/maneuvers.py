@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 Point: TypeAlias = tuple[float, float, float]
 
-#: Altitude error at which an altitude counts as reached, in metres.
+#: Altitude errors in metres within which an altitude counts as reached: for hovering vehicles and for wings.
 _ALTITUDE_REACHED = 1.0
 _WING_ALTITUDE_REACHED = 8.0
 #: Without a target a wing flies a line of this length straight ahead, in metres.

@@ -79,7 +79,7 @@ class Payload:
         #: The number of the motor under test (0 if none is tested), and its throttle from 0 to 1.
         self.motor_tested, self.motor_throttle = 0, 0.0
         self.motor_tested_until = -inf
-        #: The point that the nose or the gimbal looks at, in local metres.
+        #: The point at which the nose or the gimbal points, in local metres; None if there is none.
         self.region_of_interest: Point | None = None
         self._repetitions: dict[str, _Repetition] = {}
         self._trigger: _Trigger | None = None

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle import SimulatedVehicle
 
 CHANNELS = 18
-#: Pulse widths in microseconds.
+#: Lowest, middle and highest pulse width, in microseconds.
 LOW, MIDDLE, HIGH = 1000, 1500, 2000
 ROLL, PITCH, THROTTLE, YAW = range(4)
 _FULL = 1000.0

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest
     from mavstack.sim.vehicle import SimulatedVehicle
 
-#: Minimum interval between two progress reports, in seconds.
+#: Minimum interval between two progress reports of a command, in seconds.
 PROGRESS_INTERVAL = 0.5
 
 Script: TypeAlias = "Generator[int | None, None, common.MavResult]"

@@ -29,7 +29,7 @@ GYRO_DEVIATION, ACCELERATION_DEVIATION, MAGNETIC_DEVIATION = 0.003, 0.05, 0.002
 PRESSURE_DEVIATION, DISTANCE_DEVIATION, HEADING_DEVIATION = 0.015, 0.02, 0.01
 #: Maximum reading of an accelerometer, in m/s2.
 FULL_SCALE = 16 * GRAVITY
-#: Range of the downward rangefinder in metres.
+#: Minimum and maximum range of the downward rangefinder, in metres.
 MIN_RANGE, MAX_RANGE = 0.15, 40.0
 #: Standard atmosphere: pressure (hPa) and temperature (K) at sea level, lapse rate (K/m), exponent of the
 #: pressure formula; density in kg/m3.

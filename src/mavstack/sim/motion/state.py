@@ -117,7 +117,7 @@ class StateArray(Rows):
     rate_disturbance: Vector
     thrust: Vector
 
-    # --- the demand, in the order of `Demand`
+    # --- the present demand, in the order of `Demand`
     mode: Scalar
     target: Vector
     start: Vector

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 ARRIVAL_SPEED, RETURN_SPEED = 0.28, 0.8
 STANDSTILL = 0.02
 SPEED_GAIN = 1.5
-#: Throttle from which a motor counts as saturated.
+#: Throttle above which a motor counts as saturated.
 SATURATED = 0.95
 #: Sideways drag in 1/s of wheels and of a hull.
 WHEEL_DRAG, HULL_DRAG = 12.0, 1.0

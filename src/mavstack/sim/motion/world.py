@@ -55,7 +55,7 @@ ORDER = (
     VehicleType.ROVER,
     VehicleType.BOAT,
 )
-#: GPS reports per second.
+#: Reports of the GPS receiver per second.
 GPS_RATE = 5.0
 
 
@@ -179,7 +179,7 @@ class World:
         """Return the values of a column's white-noise sensors."""
         return self.sensors.column(self.state, self._origins, self.tick, column)
 
-    # --- a step
+    # --- one simulation step
 
     def step(self) -> None:
         """Advance every body by one step."""

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 #: Number of boxes in one reply of MSP_BOXNAMES.
 PAGE: Final = 32
-#: Bit of MSP_SELECT_SETTING: the number is that of a rate profile.
+#: Bit of MSP_SELECT_SETTING that is set if the number selects a rate profile.
 RATE_PROFILE: Final = 0x80
 _PROTOCOL: Final = 0
 #: The first API version of Betaflight that reports the firmware version as text.

@@ -114,7 +114,7 @@ BETAFLIGHT_BOXES: Final = _table(
     BETAFLIGHT_MODES,
     (0, 1, 2, 4, 5, 6, 7, 13, 19, 20, 26, 27, 28, 30, 31, 35, 36, 37, 39, 45, 46, 47, 48, 49, 51, 52, 53, 54),
 )
-#: Boxes of iNav on a quad with barometer, compass and GPS, in the order of its status bits.
+#: Boxes of iNav on a quad with barometer, compass and GPS, in the order of their status bits.
 INAV_BOXES: Final = _table(
     INAV_MODES,
     (

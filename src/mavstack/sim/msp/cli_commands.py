@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mavstack.sim.msp.cli_settings import CliSetting
     from mavstack.sim.msp.system import System
 
-#: The help text of each command.
+#: The help text of each command of the command line interface.
 HELP: Final = {
     "aux": "configure modes\n\t<index> <mode> <aux> <start> <end> <logic>",
     "batch": "start or end a batch of commands\n\tstart | end",

@@ -30,7 +30,7 @@ class CommandLine:
     def __init__(self, commands: Mapping[str, Callable[[str], str]]) -> None:
         self._commands = commands
         self._line = bytearray()
-        #: True after `save` or `exit`.
+        #: True after the command `save` or `exit`.
         self.closed = False
 
     def greeting(self) -> bytes:

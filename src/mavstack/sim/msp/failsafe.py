@@ -29,7 +29,7 @@ class Failsafe:
 
     def __init__(self, delay: float, recovery: float) -> None:
         self.delay, self.recovery = delay, recovery
-        #: True in stage 2.
+        #: True in stage 2 of the failsafe, in which the failsafe procedure flies the vehicle.
         self.is_active = False
         self._lost_at: float | None = None
         self._back_at: float | None = None

@@ -201,7 +201,7 @@ class InavAnswers:
             raise RefusedError
         self._safehomes[written.index] = Safehome.from_message(written)
 
-    # --- settings in the layout of other firmwares
+    # --- settings in the message formats of other firmwares
 
     def _pid(self) -> Pid:
         gains = self._system.settings.get(InavPid).controllers

@@ -143,7 +143,7 @@ class InavNavigation:
         first = next((each for each in self.mission.waypoints if each.action not in WITHOUT_POSITION), None)
         return None if first is None else self._place(first)
 
-    # --- scripts
+    # --- scripts of the navigation modes
 
     def _hold_altitude(self) -> Iterator[None]:
         self._enter(NavMode.NONE, NavState.NONE)
@@ -237,7 +237,7 @@ class InavNavigation:
 
     def _land_in_emergency(self) -> Iterator[None]:
         self._enter(NavMode.EMERGENCY, NavState.EMERGENCY_LANDING, NavError.LANDING)
-        if self._controller.number("failsafe_procedure") == 1:  # DROP
+        if self._controller.number("failsafe_procedure") == 1:  # the failsafe procedure DROP
             self._controller.arming.disarm("failsafe")
             return
         rate = self._controller.number("nav_emerg_landing_speed") / 100

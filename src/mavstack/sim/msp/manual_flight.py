@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 #: Deflection of a stick (0 to 1) beyond which horizon mode behaves as acro mode.
 HORIZON_SHARE: Final = 0.75
-#: The thrust at which the motors idle in the air.
+#: The thrust (0 to 1) of idling motors in the air.
 IDLE_THRUST: Final = 0.05
 
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from mavstack.sim.msp.port import MspPort
     from mavstack.sim.msp.waypoints import Mission
 
-#: Seconds of the calibration of each sensor.
+#: Duration of the calibration of each sensor, in seconds.
 CALIBRATION_TIMES: Final = {"gyro": 1.0, "accelerometer": 1.0, "compass": 30.0}
 #: Pulse width of a stopped motor, in microseconds.
 STOPPED: Final = 1000
@@ -51,11 +51,11 @@ class System(ABC):
         eeprom: The content of its EEPROM; empty for the defaults.
     """
 
-    #: True for iNav.
+    #: True if the firmware is iNav.
     is_inav: ClassVar[bool]
     #: The bit numbers of the reasons that forbid arming.
     reasons: ClassVar[Mapping[str, int]]
-    #: The boxes of the firmware.
+    #: The boxes (flight modes on switches) of the firmware.
     boxes: ClassVar[BoxTable]
 
     def __init__(self, host: SimulatedFlightController, eeprom: bytes) -> None:

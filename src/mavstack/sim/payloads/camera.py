@@ -44,7 +44,8 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle import SimulatedVehicle
 
 CAMERA_COMPONENT = int(common.MavComponent.CAMERA)
-#: MiB of the storage, of an image (JPEG, raw), and of a second of video (3840 x 2160, 1920 x 1080).
+#: In MiB: capacity of the storage, size of an image (JPEG, raw), and of a second of video (3840 x 2160, 1920
+#: x 1080).
 CAPACITY = 4096.0
 IMAGE_SIZES = {0: 8.0, 1: 40.0}
 VIDEO_RATES = {0: 12.0, 1: 4.0}

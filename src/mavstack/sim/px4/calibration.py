@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     Steps = Iterator[None]
 
 _RESULT: Final = common.MavResult
-#: The sides in the order in which PX4 names them.
+#: The names that PX4 uses for the sides of the vehicle, in the order in which its status texts list them.
 SIDES: Final = ("back", "front", "left", "right", "up", "down")
 _WINGED: Final = (VehicleType.PLANE, VehicleType.VTOL)
 #: Seconds per 10 % of a calibration that does not need different orientations of the vehicle.

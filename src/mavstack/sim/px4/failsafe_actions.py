@@ -55,7 +55,7 @@ class ActionRequest:
     failing: bool = True
 
 
-#: Names of the actions in PX4's events.
+#: Names of the actions in status texts and in PX4's events.
 ACTION_NAMES: Final[Mapping[Action, str]] = MappingProxyType(
     {
         Action.POSITION: "Position mode",

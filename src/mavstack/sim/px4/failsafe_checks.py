@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 _INFO: Final = common.MavSeverity.INFO
 #: Value of COM_RC_IN_MODE that disables manual control.
 _MANUAL_CONTROL_DISABLED: Final = 4
-#: Bits of COM_RCL_EXCEPT and COM_DLL_EXCEPT.
+#: Bits of COM_RCL_EXCEPT and COM_DLL_EXCEPT: modes in which the loss of a link starts no failsafe.
 _MISSION, _AUTOMATIC, _OFFBOARD = 1, 2, 4
 _EXCEPTIONS: Final = {
     modes.MISSION: _MISSION,

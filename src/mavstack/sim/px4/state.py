@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _YAW = common.OrbitYawBehaviour
 _MIN_RADIUS: Final = 1.0
 _MAX_SPEED: Final = 10.0
-#: Reasons of arming and disarming in status texts.
+#: Reasons of arming and disarming, as status texts name them.
 BY_COMMAND: Final = "external command"
 BY_SHELL: Final = "internal command"
 BY_MISSION: Final = "mission start"
@@ -53,9 +53,9 @@ class Px4State:
 
     #: Altitude of the next take-off in metres above mean sea level; None or NaN uses MIS_TAKEOFF_ALT.
     takeoff_altitude: float | None = None
-    #: The circle of the last DO_ORBIT.
+    #: The circle that the last DO_ORBIT requested.
     orbit: OrbitRequest | None = None
-    #: True if the vehicle left the ground since arming.
+    #: True if the vehicle has left the ground since arming.
     has_flown: bool = False
     #: The mode to enter after disarming.
     mode_after_disarming: int = 0

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from mavstack.sim.storage.sample import FlightSample
 
-#: The value of a field.
+#: The value of a field, or the bytes of a text field.
 Scalar: TypeAlias = float | bytes
 #: Rounds a number to an integer: `round`, or `safe_round` for values that may be infinite or NaN.
 Rounding: TypeAlias = "Callable[[float], int]"

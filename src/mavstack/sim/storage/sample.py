@@ -56,9 +56,9 @@ class FlightSample(NamedTuple):
     #: Sequence number of the last reached item; -1 before the first.
     mission_reached: int = -1
     airspeed: float = 0.0
-    #: Altitude of home in metres AMSL.
+    #: Altitude of home in metres above mean sea level.
     home_altitude: float = 0.0
-    #: Attitude setpoints in radians; NaN if there is none.
+    #: Attitude setpoints in radians; NaN without a setpoint.
     desired_roll: float = _NAN
     desired_pitch: float = _NAN
     desired_yaw: float = _NAN
@@ -88,7 +88,8 @@ class LogStart:
     vehicle: int = 0
     parameters: Sequence[LoggedParameter] = ()
     mission: Sequence[MissionItem] = ()
-    #: Latitude, longitude (degrees) and altitude AMSL of the estimate's origin, and of home if it is set.
+    #: Latitude and longitude in degrees and altitude in metres above mean sea level: of the estimator's
+    #: origin, and of home if it is set.
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
     home: tuple[float, float, float] | None = None
     mode: int = 0

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mavstack.sim.storage.flight_logs import FlightLogs
     from mavstack.sim.vehicle import SimulatedVehicle
 
-#: Versions of the firmwares, and the hash of their source.
+#: Versions of the firmwares in log files, and the hash of their source code.
 ARDUPILOT_VERSION, PX4_VERSION = (4, 6, 0), (1, 16, 0)
 GIT_HASH = "6d617673"
 _NAMES = {

@@ -12,7 +12,7 @@ from mavstack.services.ftp import VirtualFile
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: Serial ports, with the bytes per second sent and received.
+#: Serial ports: name, and bytes per second sent and received.
 _PORTS = (("SERIAL0", 2900, 240), ("SERIAL1", 5400, 310), ("SERIAL2", 0, 0), ("SERIAL3", 110, 4600))
 #: Tasks of the scheduler: name, microseconds per run, runs per second.
 _TASKS = (

@@ -33,9 +33,9 @@ _SYSTEM_DEFAULT, _SETUP_DEFAULT = 1, 2
 _AIR_DENSITY = 1.225
 _LOW, _CRITICAL, _EMERGENCY = 0.15, 0.07, 0.05
 _MAX_TEXT = 127
-#: Reasons of arming and disarming.
+#: Values for the reasons of arming and disarming.
 _BY_COMMAND, _BY_LANDING = 4, 6
-#: Speed in m/s from which the vehicle counts as moving.
+#: Speed in m/s above which the vehicle counts as moving.
 _MOVING = 0.3
 _TYPES = {"I": "uint32_t", "i": "int32_t", "Q": "uint64_t", "f": "float"}
 

@@ -26,7 +26,7 @@ class Field:
     type: str
     name: str
     count: int
-    #: Constant value; None for a variable field.
+    #: The value of a constant field; None for a variable field.
     constant: float | None
 
     @property

@@ -31,7 +31,7 @@ _GROUP = dialect.MavDataStream
 _ALL, _WINGED = frozenset(VehicleType), frozenset({VehicleType.PLANE, VehicleType.VTOL})
 _FLYING = _WINGED | {VehicleType.COPTER}
 
-#: Stream groups: suffix of the parameter's name, number in REQUEST_DATA_STREAM, messages.
+#: Stream groups: suffix of the parameter's name, stream id in REQUEST_DATA_STREAM, and messages.
 GROUPS: tuple[tuple[str, int, tuple[MessageType, ...]], ...] = (
     (
         "RAW_SENS",

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from mavstack.sim.telemetry.view import VehicleView
 
 _FLAG: Final = common.MavGeneratorStatusFlag
-#: Speeds at idle and at full throttle, in revolutions per minute.
+#: Engine speeds at idle and at full throttle, in revolutions per minute.
 _IDLE, _FULL = 1800.0, 6500.0
 #: Fuel flow at idle and at full throttle in cm3/min. Temperatures in degrees Celsius: engine off, engine
 #: idle, and increase from idle to full throttle.

@@ -25,7 +25,7 @@ _FENCE, _AHRS, _TERRAIN = int(_BIT.GEOFENCE), int(_BIT.AHRS), int(_BIT.TERRAIN)
 _ATTITUDE = int(_BIT.SENSOR_ATTITUDE_STABILIZATION)
 _CONTROL = int(_BIT.SENSOR_ANGULAR_RATE_CONTROL | _BIT.SENSOR_YAW_POSITION) | _ATTITUDE
 _POSITION = int(_BIT.SENSOR_Z_ALTITUDE_CONTROL | _BIT.SENSOR_XY_POSITION_CONTROL)
-#: Sensors of every vehicle.
+#: Sensor bits that every vehicle reports.
 _ON_EVERY_VEHICLE = _IMU | _COMPASS | _BAROMETER | _GPS | _MOTORS | _LOGGING | _BATTERY | _RADIO | _PREARM
 _FIX_3D = 3
 #: Test ratio above which the compass is unhealthy.

@@ -26,7 +26,7 @@ Rates: TypeAlias = "Mapping[MessageType, float]"
 #: Vehicles start their streams at different moments within this many seconds, so that the messages of a fleet
 #: are not all due in the same step.
 START_SPREAD = 0.25
-#: The golden ratio: the start times of vehicles with successive system ids are far apart.
+#: The golden ratio, which places the start times of vehicles with successive system ids far apart.
 _GOLDEN = 0.6180339887498949
 
 

@@ -91,12 +91,12 @@ SHARED_RATES: dict[MessageType, float] = {
     common.Odometry: 10.0,
     common.SystemTime: 1.0,
 }
-#: The modes in the order of their columns in `RATES`.
+#: The link modes in the order of their columns in `RATES`.
 _COLUMNS = (LinkMode.GROUND, LinkMode.NORMAL, LinkMode.ONBOARD, LinkMode.MINIMAL)
 #: Vehicle types that estimate the wind even without drag fusion.
 _ESTIMATES_WIND = frozenset({VehicleType.PLANE, VehicleType.VTOL})
 _DRAG_FUSION = "EKF2_DRAG_CTRL"
-#: Values of MAV_0_MODE.
+#: Link modes by the value of MAV_0_MODE.
 _MODES = {0: LinkMode.SHARED, 2: LinkMode.ONBOARD, 7: LinkMode.MINIMAL}
 _MODE = "MAV_0_MODE"
 

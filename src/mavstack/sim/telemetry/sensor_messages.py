@@ -30,7 +30,7 @@ _WITHOUT_AIR = _ALL_FIELDS & ~int(common.HighresImuUpdatedFlags.DIFF_PRESSURE)
 _MIN_COURSE_SPEED = 0.1
 _FIX_3D = 3
 _DOWNWARD = common.MavSensorOrientation.PITCH_270
-#: Vibration in m/s2: at rest, and per unit of throttle.
+#: Vibration in m/s2 at rest, and its increase from zero to full throttle.
 _VIBRATION_AT_REST, _VIBRATION_PER_THROTTLE = 0.005, 12.0
 
 _ImuFields = tuple[int, int, int, int, int, int, int, int, int]

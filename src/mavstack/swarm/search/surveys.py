@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 #: A position: latitude and longitude in degrees.
 Place = tuple[float, float]
-#: The ways to divide a survey, with a line about each.
+#: The ways to divide a survey between vehicles, with a line about each.
 DIVISIONS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "strips": "consecutive parts of one line of tracks, which end at the same time",

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 _MODE: Final = ardupilotmega.CopterMode
-#: Actions, numbered as in BATT_FS_LOW_ACT.
+#: Actions, with the numbers that BATT_FS_LOW_ACT has for them.
 NONE, LAND, RTL, SMART_RTL, SMART_RTL_OR_LAND, TERMINATE, AUTO_RTL, BRAKE = range(8)
 #: Actions by the value of FS_THR_ENABLE and of FS_GCS_ENABLE; unknown values mean LAND and RTL respectively.
 _RADIO_ACTIONS: Final[Mapping[int, int]] = MappingProxyType(
@@ -29,7 +29,7 @@ _RADIO_ACTIONS: Final[Mapping[int, int]] = MappingProxyType(
 _GROUND_ACTIONS: Final[Mapping[int, int]] = MappingProxyType(
     {0: NONE, 1: RTL, 2: RTL, 3: SMART_RTL, 4: SMART_RTL_OR_LAND, 5: LAND, 6: AUTO_RTL, 7: BRAKE}
 )
-#: Bits of FS_OPTIONS.
+#: Bit numbers of FS_OPTIONS.
 _RADIO_IN_AUTO, _GROUND_IN_AUTO, _RADIO_IN_GUIDED, _LANDING, _GROUND_IN_MANUAL, _GRIPPER = range(6)
 _THROTTLE_CLOSED: Final = 0.01
 #: A failsafe within this many seconds after arming disarms instead of flying.

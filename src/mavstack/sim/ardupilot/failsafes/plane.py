@@ -32,7 +32,7 @@ _LONG_MODES: Final[Mapping[int, int]] = MappingProxyType({2: _MODE.FLY_BY_WIRE_A
 _ONLY_IN_AUTO: Final = 3
 #: Values of BATT_FS_LOW_ACT.
 _RTL, _LAND, _TERMINATE, _QLAND, _LOITER_QLAND, _AUTOLAND = 1, 2, 3, 4, 6, 7
-#: Bits of Q_OPTIONS.
+#: Bit numbers of Q_OPTIONS.
 _QRTL_BIT, _RTL_BIT = 5, 20
 
 _MANUAL_MODES: Final = frozenset(

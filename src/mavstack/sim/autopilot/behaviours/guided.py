@@ -113,7 +113,7 @@ class Offboard(Guided):
             next(script)
             yield
         self.autopilot.maneuvers.hold()
-        yield  # the caller runs the stop to its end before another mode begins
+        yield  # the stop takes effect in this tick; another mode begins in the next tick
         self.autopilot.profile.setpoints_lost(self.autopilot)
         while True:
             yield

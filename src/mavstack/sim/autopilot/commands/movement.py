@@ -24,7 +24,7 @@ _WIDEST = 100_000.0
 class MovementCommands(CommandGroup):
     """Modes by command, DO_REPOSITION, speed and yaw."""
 
-    #: The result for an unsupported frame.
+    #: The command result if the frame is not supported.
     bad_frame = _RESULT.COMMAND_UNSUPPORTED_MAV_FRAME
 
     def handlers(self) -> Handlers:

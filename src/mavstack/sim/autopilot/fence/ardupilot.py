@@ -29,12 +29,12 @@ _NAMES: Final[Mapping[Breach, str]] = {
     Breach.SHAPES: "Polygon",
     Breach.LOW: "Min Alt",
 }
-#: Distance beyond the fence at which a copter lands, in metres.
+#: Distance in metres beyond the fence at which a copter lands at once.
 _GIVE_UP = 100.0
 _UNION_OPTION = 2
 _REPORT = 0
 _PLANE_GUIDED = frozenset({6, 7})
-#: Names of the modes to try, by FENCE_ACTION.
+#: Names of the modes to try in turn, by vehicle type and the value of FENCE_ACTION.
 _ACTIONS: Final[Mapping[VehicleType, Mapping[int, tuple[str, ...]]]] = {
     VehicleType.COPTER: {
         1: ("RTL", "LAND"),

@@ -27,7 +27,7 @@ _CMD = ardupilotmega.MavCmd
 _RESULT = common.MavMissionResult
 _SEVERITY = common.MavSeverity
 
-#: The commands that a mission may hold, with their names in STATUSTEXT.
+#: The commands that a mission may contain, with their names in status texts.
 NAMES: Mapping[int, str] = {
     _CMD.NAV_WAYPOINT: "WP",
     _CMD.NAV_LOITER_UNLIM: "LoitUnlim",

@@ -26,13 +26,13 @@ _F = common.MavFrame
 _RESULT = common.MavMissionResult
 _SEVERITY = common.MavSeverity
 
-#: Commands with a position, in a global frame.
+#: Commands that have a position, in a global frame.
 _PLACED_NAMES = """
     NAV_WAYPOINT NAV_LOITER_UNLIM NAV_LOITER_TIME NAV_LAND NAV_TAKEOFF NAV_LOITER_TO_ALT NAV_ROI
     DO_SET_ROI DO_SET_ROI_LOCATION NAV_VTOL_TAKEOFF NAV_VTOL_LAND CONDITION_GATE
     """
 PLACED = frozenset(getattr(_CMD, name) for name in _PLACED_NAMES.split())
-#: Commands without a position, in the frame MISSION.
+#: Commands that have no position, in MAV_FRAME_MISSION.
 _PLACELESS_NAMES = """
     DO_JUMP NAV_ROI DO_SET_ROI DO_WINCH DO_GRIPPER DO_CHANGE_SPEED DO_SET_HOME DO_LAND_START
     DO_TRIGGER_CONTROL DO_DIGICAM_CONTROL DO_MOUNT_CONFIGURE DO_MOUNT_CONTROL DO_GIMBAL_MANAGER_PITCHYAW

@@ -125,7 +125,7 @@ class MissionRules(ABC):
     first: int
     #: True if DO and CONDITION items run in parallel with the next NAV item, False if they run before it.
     actions_meanwhile: bool
-    #: True if an altitude of 0 above home means the current altitude.
+    #: True if an altitude of 0 in a frame above home means the current altitude.
     zero_altitude_is_here: bool
     #: True if a VTOL flies waypoints in forward flight unless commanded to hover.
     waypoints_fly_forward: bool
@@ -135,13 +135,13 @@ class MissionRules(ABC):
     wing_stays_landed = False
     #: True if the vehicle flies to the position of a takeoff item after the climb.
     takeoff_flies_to_position = False
-    #: True if waypoints have a hold time.
+    #: True if waypoints have a hold time (param 1).
     hold_counts = True
-    #: True if items have a heading in param 4.
+    #: True if param 4 of an item sets the heading.
     yaw_counts = False
     #: True if param 3 of a waypoint is the distance at which the vehicle may pass it.
     passes_by = False
-    #: True if waypoints have an acceptance radius.
+    #: True if param 2 of a waypoint is its acceptance radius.
     radius_counts = True
 
     def __init__(self, autopilot: SimulatedAutopilot) -> None:

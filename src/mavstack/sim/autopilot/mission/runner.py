@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 _STATE = common.MissionState
 _CMD = common.MavCmd
-#: `mission_mode` of MISSION_CURRENT.
+#: Values of `mission_mode` in MISSION_CURRENT.
 IN_MISSION, SUSPENDED = 1, 2
 #: Maximum number of legs in one tick: a leg to the current position takes no time, so a jump could loop
 #: forever.
