@@ -11,7 +11,7 @@ from mavstack.flashing.failures import FirmwareFileError
 Segments: TypeAlias = tuple[tuple[int, bytes], ...]
 
 _DATA, _END, _SEGMENT, _START_SEGMENT, _LINEAR, _START_LINEAR = range(6)
-#: Bytes of a record besides its data: count, address, kind, checksum.
+#: Size of a record without its data in bytes: count, address, kind, checksum.
 _OVERHEAD: Final = 5
 
 

@@ -43,7 +43,7 @@ class SimulatedBoard:
     ) -> None:
         self.bootloader = SimulatedBootloader(board)
         self.bootloader.listeners.append(self._carried_out)
-        #: Called with a sentence for each event.
+        #: Called with a text for each event.
         self.listeners: list[Callable[[str], None]] = []
         self._simulation = Simulation()
         self.vehicle: SimulatedVehicle = self._simulation.add(VehicleType.COPTER, firmware)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 DROP_LOG_INTERVAL = 10.0  # seconds between two records about dropped input
 
 _logger = logging.getLogger("mavstack.links")
-# A library is silent on stderr unless the program configures logging.
+# A library writes nothing to stderr unless the program configures logging.
 logging.getLogger("mavstack").addHandler(logging.NullHandler())
 
 

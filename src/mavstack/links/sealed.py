@@ -49,7 +49,7 @@ TICK: Final = 0.1
 WARN_ATTEMPTS: Final = 5
 MAX_CHUNK: Final = 60_000
 CIPHERS: Final = ("chacha20", "aes256")
-#: Bytes of a shared key.
+#: Size of a shared key in bytes.
 SECRET_SIZE: Final = 32
 #: Maximum size of a datagram with joined packets: on the Internet, over streams, and over radios, where one
 #: damaged byte costs the whole datagram.

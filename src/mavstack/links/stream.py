@@ -179,7 +179,7 @@ def send_at_once(sock: socket.socket) -> None:
     """
     with suppress(OSError):
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-    option = getattr(socket, "TCP_NOTSENT_LOWAT", None)  # not available on every system
+    option = getattr(socket, "TCP_NOTSENT_LOWAT", None)  # some systems lack this option
     if option is not None:
         with suppress(OSError):
             sock.setsockopt(socket.IPPROTO_TCP, option, MAX_UNSENT)
@@ -189,7 +189,7 @@ def keep_alive(sock: socket.socket) -> None:
     """Enable TCP keepalive, so that a lost peer is detected within about a minute."""
     settings = {"SO_KEEPALIVE": 1, "TCP_KEEPIDLE": 30, "TCP_KEEPINTVL": 10, "TCP_KEEPCNT": 3}
     for name, value in settings.items():
-        option = getattr(socket, name, None)  # not available on every system
+        option = getattr(socket, name, None)  # some systems lack this option
         if option is not None:
             level = socket.SOL_SOCKET if name.startswith("SO_") else socket.IPPROTO_TCP
             with suppress(OSError):

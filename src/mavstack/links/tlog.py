@@ -21,7 +21,7 @@ _OVERHEAD_V2: Final = 12
 _SIGNATURE: Final = 13
 _MAGICS: Final = (b"\xfd", b"\xfe")
 _ADJACENT_PACKETS: Final = 4
-_ENTRY = re.compile(rb"\x00[\x00-\x0e][\x00-\xff]{6}[\xfd\xfe]")  # a time before 2100, then a magic
+_ENTRY = re.compile(rb"\x00[\x00-\x0e][\x00-\xff]{6}[\xfd\xfe]")  # time before 2100, first byte of a packet
 
 
 class TlogScanner:

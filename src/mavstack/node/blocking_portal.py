@@ -32,7 +32,7 @@ class Worker:
 
     #: The result of the function: a future of the event loop.
     result: asyncio.Future[Any]
-    #: Cancels the blocking call that the function waits for, and its later ones.
+    #: Cancels the blocking call that the function waits for now, and all its later calls.
     cancel: Callable[[], None]
 
 

@@ -81,7 +81,7 @@ class Driver:
         #: Clients that may have state of their remote components to release.
         self._releasing: set[Client] = set()
         self._operation_ended = asyncio.Event()
-        #: The thread that reads links; None: the event loop reads all of them.
+        #: The thread that reads links; None: the event loop reads all links.
         self.native: NativeInput | None = None
         if host is not None and is_possible(self._loop):
             self.native = NativeInput(host, self._deliver_attached, self.step, self.now)

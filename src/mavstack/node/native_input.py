@@ -320,7 +320,7 @@ class NativeInput:
             return Level.NEW_BOOT if message_id in BOOT_FIELDS else Level.SOON
         return Level.SOON if message_id in _RADIO_STATUS else Level.NOTHING
 
-    # Changes elsewhere
+    # Changes of routes, services and listeners
 
     def _follow_changes(self) -> None:
         host, engine = self._host, self._host.engine

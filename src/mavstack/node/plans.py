@@ -42,7 +42,7 @@ class Plans(ReadOnly):
 
     def __init__(self, clients: ComponentClients, plan_type: int) -> None:
         self._clients = clients
-        #: The MAV_MISSION_TYPE.
+        #: The MAV_MISSION_TYPE of the plan.
         self.type = plan_type
         self._uploaded: Plan | None = None
 

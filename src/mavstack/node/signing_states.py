@@ -35,7 +35,7 @@ class SigningStates:
     def __init__(self) -> None:
         self._states: list[tuple[SigningKey, Signing]] = []
         self._last_run: LastRun | None = None
-        #: Timestamp up to which packets of all streams are refused.
+        #: Packets of all streams with timestamps up to this one are refused.
         self.floor = 0
 
     def restore(self, last_run: LastRun, floor: int) -> None:

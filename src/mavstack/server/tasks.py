@@ -53,7 +53,7 @@ class Task:
         self.id = number
         #: The method and path of the request, such as `GET /api/vehicles/1/parameters`.
         self.name = name
-        #: The session that started the task; empty without sessions.
+        #: The id of the session that started the task; empty without sessions.
         self.owner = owner
         self.state = TaskState.RUNNING
         self.done = 0

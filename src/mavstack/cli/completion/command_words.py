@@ -37,7 +37,7 @@ class CommandWords(NamedTuple):
     path: str
     #: Commands, actions or choices of an argument, with one line about each.
     words: tuple[tuple[str, str], ...]
-    #: True if an argument is a file.
+    #: True if the argument is a file or a directory.
     files: bool
     options: tuple[OptionWords, ...]
 

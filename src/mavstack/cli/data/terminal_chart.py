@@ -38,7 +38,7 @@ def chart_lines(chart: Chart, width: int, height: int = 8) -> Iterator[str]:
     columns = max(width - _LABEL - 1, 10)
     left, right = chart.extent
     low, high = min(line.ys.min() for line in lines), max(line.ys.max() for line in lines)
-    if low == high:  # a constant is drawn in the middle
+    if low == high:  # a constant value is drawn in the middle
         low, high = low - 1, high + 1
     cells, owners = np.zeros((height, columns), np.intp), np.zeros((height, columns), np.intp)
     for number, line in enumerate(lines):

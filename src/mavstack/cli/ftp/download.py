@@ -114,7 +114,7 @@ class Download:
             theirs = await self._ftp.checksum(self._path)
         except FileDenied:
             return not resumed
-        except RemoteTimeout:  # the checksum of a large file may take too long
+        except RemoteTimeout:  # the vehicle may take too long for the checksum of a large file
             if resumed:
                 raise
             return True

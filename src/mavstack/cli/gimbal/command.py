@@ -47,7 +47,7 @@ examples:
   mav gimbal take
   mav gimbal release
 """
-#: Seconds to wait for the first report of the attitude.
+#: Seconds to wait for the first message with the attitude of the gimbal.
 ATTITUDE_TIMEOUT = 2.0
 WATCH_INTERVAL = 0.5
 POLL_INTERVAL = 0.1

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from mavstack.dialects.model import EnumDefinition, EnumEntry, EnumParam
     from mavstack.services.mission import MissionItem
 
-#: The reference of altitudes by frame.
+#: The reference of the altitude in each MAV_FRAME.
 _ALTITUDE_REFERENCES: Final[Mapping[int, str]] = MappingProxyType(
     {
         FRAME.GLOBAL: " above sea",

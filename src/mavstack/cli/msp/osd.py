@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from mavstack.bridges.msp.flight_controller import FlightController
 
-#: Columns and rows of an analog display.
+#: Number of columns and rows of the OSD of analog video.
 ANALOG_SIZE: Final = (30, 16)
 _POSITION: Final = re.compile(r"(\d+),(\d+)")
 _HIDDEN: Final = "off"

@@ -54,7 +54,7 @@ class PlainReader:
                 text: str | None = input(question)
             except (EOFError, OSError, ValueError):
                 text = None
-            with suppress(RuntimeError):  # the loop is closed
+            with suppress(RuntimeError):  # the event loop is closed
                 loop.call_soon_threadsafe(settle, text)
 
         Thread(target=read, name="mavstack-line", daemon=True).start()

@@ -41,7 +41,7 @@ class Command:
     aliases: tuple[str, ...] = ()
     examples: tuple[str, ...] = ()
     details: str = ""
-    #: The command acts on the vehicle, so a script waits for one before it.
+    #: True if the command needs a vehicle: a script waits for its vehicle before the command.
     needs_vehicle: bool = True
     complete: Completer | None = None
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mavstack.services.events import DecodedEvent
     from mavstack.vehicle import Vehicle
 
-#: Seconds after which a vehicle without an announcement of events has none; the interval is three seconds.
+#: Seconds without an announcement of events, sent every three seconds, after which a vehicle has no events.
 _ANNOUNCEMENT_TIMEOUT: Final = 8.0
 #: Colours by severity.
 _COLOURS: Final = ("alarm", "alarm", "alarm", "red", "yellow", "cyan")

@@ -56,7 +56,7 @@ _TO_HELP: Final = (
     "replay a recording onto this link, as fast as recorded or --speed; with {system} in the URL each "
     "vehicle has a link of its own"
 )
-#: Seconds of a link that a summary covers.
+#: Seconds of a link's traffic that a summary covers.
 _SUMMARY_DURATION: Final = 3.0
 
 

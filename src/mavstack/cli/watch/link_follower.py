@@ -36,7 +36,7 @@ class Follower:
         self.note = ""
         self.bytes = 0
         self.started = monotonic()
-        #: The signing state of each open channel; None: unsigned.
+        #: The signing state of each open channel; None: the channel is unsigned.
         self.signings: dict[str, Signing | None] = {}
         self._key: SigningKey | None = None
         self._signing_states = SigningStates()

@@ -38,7 +38,7 @@ class WatchedSource:
     label: str
     observer: Observer
     follower: Follower
-    #: The text without passwords and tokens.
+    #: The URL or path without passwords and tokens.
     title: str
     #: The path of a file to read; None for a link to follow.
     path: str | None = None

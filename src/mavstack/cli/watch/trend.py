@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 #: Seconds between two samples, and number of samples: together two minutes.
 SAMPLE_INTERVAL: Final = 0.5
 MAX_SAMPLES: Final = 240
-#: Seconds after its last packet for which a value is shown.
+#: Seconds for which a value is shown after its last packet.
 MAX_AGE: Final = 3.0
 MAX_TRENDS: Final = 200
 _BARS: Final = "▁▂▃▄▅▆▇█"
@@ -35,7 +35,7 @@ _NO_QUANTITIES: Final = frozenset(
     {"time_boot_ms", "time_usec", "target_system", "target_component", "target_network"}
 )
 
-#: Label of the source, system, component, name of the message, name of the field.
+#: Label of the source, system id, component id, message name, and field name.
 Key: TypeAlias = "tuple[str, int, int, str, str]"
 
 

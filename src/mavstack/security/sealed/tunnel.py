@@ -206,7 +206,7 @@ class Tunnel:
     def _finish(self, session: Session | None, now: float) -> None:
         if session is not None:
             self._use(session)
-            self._send(self.seal(b"", now))  # confirms the session at the peer
+            self._send(self.seal(b"", now))  # an empty frame confirms the session to the peer
 
     def _restart(self, connector: Connector, data: bytes, now: float) -> None:
         """Begin a handshake because the peer does not know our session; keep the session."""

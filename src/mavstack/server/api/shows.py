@@ -21,7 +21,7 @@ from mavstack.swarm.transitions import Limits
 if TYPE_CHECKING:
     from mavstack.swarm.shows.show import Show
 
-#: Largest file in bytes.
+#: Maximum size of a show file in bytes.
 MAX_BYTES: Final = 16 << 20
 #: Maximum number of positions that the check samples, and of positions and times in the answer.
 MAX_CHECKED, MAX_PLACES, MAX_TIMES = 3_000_000, 60_000, 1200
